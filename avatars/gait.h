@@ -1,0 +1,45 @@
+// Walking: joint angles from the phase of the gait cycle and the speed.
+// One rule: phase advances by distance walked, so a planted foot stays where it landed.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "avatars/model.h"
+
+namespace throng {
+
+class Gait {
+ public:
+  /// Tabulates the gait of a model over phase and speed. Joints are found by the adult's names; a
+  /// model without them (a robot on wheels) gets a gait that keeps the zero posture.
+  explicit Gait(const Model& model);
+  ~Gait();
+  Gait(Gait&&) noexcept;
+  Gait& operator=(Gait&&) noexcept;
+
+  int column_count() const { return column_count_; }
+
+  /// Metres per gait cycle (two steps) at this speed, for an avatar of this scale; > 0 also at 0 m/s.
+  float stride_length_m(float speed_mps, float scale) const;
+
+  /// Writes one posture row (column_count() floats) each for phases.size() avatars.
+  /// phase in [0, 1), 0 = right heel strike; speed >= 0, clamped to the tabulated range. No allocation.
+  void postures(std::span<const float> phases, std::span<const float> speeds_mps,
+                std::span<const float> scales, std::span<float> rows) const;
+
+  /// A sphere in the root frame (metres, unscaled) that bounds every part in every posture the gait
+  /// can produce: its centre lies on the root's z axis, the radius includes the interpolation error.
+  Eigen::Vector3f sphere_centre_m() const { return sphere_centre_m_; }
+  float sphere_radius_m() const { return sphere_radius_m_; }
+
+ private:
+  struct Table;
+  int column_count_ = 0;
+  Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
+  float sphere_radius_m_ = 0;
+  std::unique_ptr<Table> table_;
+};
+
+}  // namespace throng

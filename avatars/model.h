@@ -1,0 +1,45 @@
+// A model: a URDF and the meshes of its links, ready to be posed, culled and published.
+// One rule: immutable and shared by all avatars of that model; part frames are link frames.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "avatars/mesh.h"
+#include "kinematics/kinematics.h"
+
+namespace throng {
+
+/// A body part: a link with geometry, its shapes merged into one mesh in the link's frame.
+struct Part {
+  std::string name;    ///< the link's name
+  std::string source;  ///< "head.tri", "box", ...: what the shape came from, never an absolute path
+  int link = -1;       ///< index into Model::robot.links
+  Mesh mesh;
+};
+
+struct Model {
+  std::string name;         ///< the URDF's robot name
+  Robot robot;
+  std::vector<Part> parts;  ///< in link order; links without geometry carry no part
+  FlatModel kinematics;     ///< output i is the pose of parts[i]
+  float height_m = 0;       ///< top above the root's ground plane in the zero posture
+  uint64_t content_hash = 0;  ///< of the URDF text and every mesh: names the model in a run's identity
+
+  int part_count() const { return static_cast<int>(parts.size()); }
+};
+
+/// Reads a URDF and every mesh it names. Collision geometry is preferred, visual is used where a link
+/// has no collision geometry. Throws InputError.
+std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file);
+
+/// Where the bundled models, scenes and pages lie: $THRONG_DATA, else the folders beside the binary's
+/// install prefix, else the source tree it was built from. Throws EnvironmentError if none exists.
+std::filesystem::path data_directory();
+
+/// The bundled adult: avatars/models/adult/adult.urdf.
+std::filesystem::path adult_urdf();
+
+}  // namespace throng

@@ -1,0 +1,31 @@
+// The errors that end a command, each with the exit code that the user sees.
+// One rule: an error says where, what was expected, what was found, and the way out if there is one.
+#pragma once
+
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace throng {
+
+/// Bad input (exit code 2). The message reads "where: expected X, found Y", for example
+/// "avatars/models/adult/head.tri:17: expected 3 vertex indices, found 2".
+class InputError : public std::runtime_error {
+ public:
+  InputError(std::string_view where, std::string_view expected, std::string_view found);
+};
+
+/// The environment failed us (exit code 3): a full disk, a directory that vanished, a dead socket.
+class EnvironmentError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// "file:line", the form of `where` that editors make clickable.
+std::string at_line(std::string_view file, int line);
+
+/// " (did you mean 'NAME'?)" for the candidate nearest in edit distance, or "" if none is near.
+std::string did_you_mean(std::string_view found, std::span<const std::string> candidates);
+
+}  // namespace throng

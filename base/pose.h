@@ -1,0 +1,38 @@
+// How the pose of a body part is stored between kinematics, culling and publishing.
+// One rule: translations are relative to the avatar's root position, in world axes, so that float
+// precision does not depend on how far from the world's origin the crowd walks.
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace throng {
+
+/// world_from_part with the root position taken off: the rows of [R | t], t in metres.
+/// A point p of a part scaled by s lies at root_position + R * (s * p) + t.
+struct alignas(16) PartPose {
+  float rows[3][4];
+};
+static_assert(sizeof(PartPose) == 48);
+
+/// Where an avatar stands. The root is the URDF's root link: for people the point on the ground
+/// between the feet, x forward, z up.
+struct RootPose {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Quaternionf world_from_root = Eigen::Quaternionf::Identity();
+};
+
+inline PartPose to_part_pose(const Eigen::Isometry3d& pose) {
+  PartPose out;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) out.rows[r][c] = static_cast<float>(pose.matrix()(r, c));
+  return out;
+}
+
+inline Eigen::Isometry3d to_isometry(const PartPose& pose) {
+  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) out.matrix()(r, c) = static_cast<double>(pose.rows[r][c]);
+  return out;
+}
+
+}  // namespace throng

@@ -1,0 +1,37 @@
+#include "base/random.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace throng {
+namespace {
+
+uint64_t mix(uint64_t x) {
+  x += 0x9e3779b97f4a7c15ull;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+uint64_t random_bits(const RandomKey& key, uint32_t index) {
+  const uint64_t use = (static_cast<uint64_t>(key.purpose) << 32) | index;
+  return mix(mix(mix(mix(key.seed) ^ key.id) ^ key.step) ^ use);
+}
+
+double random_uniform(const RandomKey& key, uint32_t index) {
+  return static_cast<double>(random_bits(key, index) >> 11) * 0x1.0p-53;
+}
+
+double random_uniform(const RandomKey& key, double low, double high, uint32_t index) {
+  return low + (high - low) * random_uniform(key, index);
+}
+
+double random_normal(const RandomKey& key, double mean, double deviation, uint32_t index) {
+  const double radius = std::sqrt(-2.0 * std::log1p(-random_uniform(key, 2 * index)));
+  const double angle = 2.0 * std::numbers::pi * random_uniform(key, 2 * index + 1);
+  return mean + deviation * radius * std::cos(angle);
+}
+
+}  // namespace throng

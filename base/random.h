@@ -1,0 +1,44 @@
+// Counter-based random numbers: the value depends on (seed, id, step, purpose) and on nothing else.
+// One rule: no state, so the answer is the same for any thread count, order or split of the work.
+#pragma once
+
+#include <cstdint>
+
+namespace throng {
+
+/// What a number is drawn for; keeps two uses of the same (id, step) independent.
+/// Append only: a changed value changes every published hash.
+enum class Purpose : uint32_t {
+  kSpawnPosition = 1,
+  kSpawnHeading = 2,
+  kHeight = 3,
+  kFreeSpeed = 4,
+  kGaitPhase = 5,
+  kGoal = 6,
+  kSymmetryBreaking = 7,
+  kBoxWorld = 8,
+  kStyle = 9,
+  kEmission = 10,
+};
+
+/// The names of one stream of numbers.
+struct RandomKey {
+  uint64_t seed = 0;
+  uint64_t id = 0;    ///< whose number it is
+  uint64_t step = 0;  ///< when, or which retry
+  Purpose purpose = Purpose::kSpawnPosition;
+};
+
+/// 64 random bits for the `index`-th draw under a key (SplitMix64 finaliser, Steele et al. 2014).
+uint64_t random_bits(const RandomKey& key, uint32_t index = 0);
+
+/// Uniform in [0, 1), 53 bits.
+double random_uniform(const RandomKey& key, uint32_t index = 0);
+
+/// Uniform in [low, high).
+double random_uniform(const RandomKey& key, double low, double high, uint32_t index = 0);
+
+/// Normal with the given mean and standard deviation (Box-Muller; uses two draws).
+double random_normal(const RandomKey& key, double mean, double deviation, uint32_t index = 0);
+
+}  // namespace throng

@@ -1,0 +1,41 @@
+#include "base/workers.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+#include <cassert>
+
+namespace throng {
+
+struct Workers::Arena {
+  explicit Arena(int threads)
+      // oneTBB starts no more threads than cores unless told; a determinism test wants eight on two.
+      : limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)),
+        arena(threads) {}
+  tbb::global_control limit;
+  tbb::task_arena arena;
+};
+
+Workers::Workers(int threads) : threads_(threads) {
+  assert(threads >= 1);
+  if (threads > 1) arena_ = std::make_unique<Arena>(threads);
+}
+
+Workers::~Workers() = default;
+
+void Workers::run(int blocks, const std::function<void(int, int)>& body) {
+  arena_->arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<int>(0, blocks, 1),
+        [&](const tbb::blocked_range<int>& range) {
+          const int worker = tbb::this_task_arena::current_thread_index();
+          for (int block = range.begin(); block < range.end(); ++block) body(block, worker);
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+}  // namespace throng

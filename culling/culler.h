@@ -1,0 +1,97 @@
+// One culling pass: spheres over bodies, then volumes over parts, then triangles where asked.
+// One rule: a pair whose triangles intersect is always reported, whatever the options.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/workers.h"
+#include "culling/body_type.h"
+#include "culling/pair_events.h"
+#include "culling/volume_kind.h"
+
+namespace throng {
+
+/// The bodies of a frame, structure of arrays, all of the same length.
+struct BodiesView {
+  std::span<const uint32_t> ids;    ///< strictly ascending, at most PairKey::kMaxId
+  std::span<const uint16_t> types;  ///< index into the culler's body types
+  std::span<const float> scales;
+  std::span<const RootPose> roots;
+};
+
+/// Poses the parts of bodies on demand: only bodies in a surviving pair are ever asked for.
+class PoseSource {
+ public:
+  virtual ~PoseSource() = default;
+  /// Writes part_count poses for each of `bodies` (indices into the BodiesView, all of one type, at
+  /// most kMaxBatch), body-major. Called from several threads at once.
+  virtual void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const = 0;
+  static constexpr int kMaxBatch = 128;
+};
+
+enum class PairSearch { kGrid, kSweep, kBrute };
+enum class SimdTarget { kBest, kScalar, kSse4, kAvx2, kAvx512 };
+
+struct CullerOptions {
+  VolumeKind part_volume = VolumeKind::kOrdop26;
+  bool exact = false;  ///< decide the surviving pairs by their triangles
+  PairSearch pair_search = PairSearch::kGrid;
+  SimdTarget simd = SimdTarget::kBest;
+};
+
+/// One stage's N and time: the paper's N_u, C_u, N_v, C_v (N_p, C_p for triangles).
+struct StageCounters {
+  std::string_view volume;  ///< "sphere", "aabb", "ordop26", "triangles"
+  uint64_t updates = 0;
+  uint64_t tests = 0;
+  uint64_t passed = 0;
+  double update_ns = 0;  ///< summed over threads
+  double test_ns = 0;
+};
+
+struct CullingCounters {
+  StageCounters avatar;  ///< spheres over bodies
+  StageCounters box;     ///< boxes over the parts of surviving bodies
+  StageCounters part;    ///< the part volume over surviving parts
+  StageCounters exact;   ///< triangles
+  uint64_t posed_bodies = 0;
+  double pose_ns = 0;    ///< time inside PoseSource, summed over threads
+  double events_ns = 0;
+  double wall_ns = 0;    ///< the whole pass
+  uint64_t allocations_grown = 0;  ///< buffers that had to grow in this pass
+};
+
+class Culler {
+ public:
+  /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without triangles.
+  Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options, Workers& workers);
+  ~Culler();
+
+  /// One frame. Spans returned earlier become invalid.
+  void step(const BodiesView& bodies, const PoseSource& poses);
+  /// Ends every pair that still touches (the run stops): events() then holds the ends.
+  void finish();
+
+  std::span<const PairKey> pairs() const;
+  std::span<const PairEvent> events() const;
+  uint64_t persisting() const;
+  const CullingCounters& counters() const;
+  /// Runs over (frame, kind, pair) of every event so far.
+  uint64_t hash() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The SIMD target that kBest picks on this machine: "avx2", "avx512", ...
+std::string_view best_simd_name();
+
+}  // namespace throng

@@ -1,0 +1,7 @@
+// Culling: which parts of which bodies overlap. Knows poses and points: no avatar, no KDL, no file.
+#pragma once
+
+#include "culling/body_type.h"
+#include "culling/culler.h"
+#include "culling/pair_events.h"
+#include "culling/volume_kind.h"

@@ -1,0 +1,56 @@
+// Pairs of parts that overlap, and their begin / persist / end.
+// One rule: pairs and events leave sorted by (body a, body b, part a, part b), a < b, none twice.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+/// Part `part_a` of body `a` overlaps part `part_b` of body `b`; a < b. 64 bits, ordered as written.
+class PairKey {
+ public:
+  static constexpr uint32_t kMaxId = (1u << 24) - 1;
+
+  PairKey() = default;
+  PairKey(uint32_t a, uint32_t b, uint32_t part_a, uint32_t part_b)
+      : bits_((uint64_t{a} << 40) | (uint64_t{b} << 16) | (part_a << 8) | part_b) {}
+
+  uint32_t a() const { return static_cast<uint32_t>(bits_ >> 40); }
+  uint32_t b() const { return static_cast<uint32_t>(bits_ >> 16) & kMaxId; }
+  uint32_t part_a() const { return static_cast<uint32_t>(bits_ >> 8) & 0xff; }
+  uint32_t part_b() const { return static_cast<uint32_t>(bits_) & 0xff; }
+  uint64_t bits() const { return bits_; }
+  auto operator<=>(const PairKey&) const = default;
+
+ private:
+  uint64_t bits_ = 0;
+};
+
+enum class EventKind : uint8_t { kBegin = 0, kEnd = 1 };
+
+struct PairEvent {
+  PairKey pair;
+  EventKind kind;
+  bool operator==(const PairEvent&) const = default;
+};
+
+/// Merges each frame's sorted pairs with the last frame's.
+class PairEvents {
+ public:
+  /// `pairs` sorted and unique (asserted).
+  void advance(std::span<const PairKey> pairs);
+
+  std::span<const PairEvent> events() const { return events_; }  ///< begins and ends of this frame, sorted
+  std::span<const PairKey> touching() const { return touching_; }
+  uint64_t persisting() const { return persisting_; }  ///< pairs in this frame and in the last
+
+ private:
+  std::vector<PairKey> touching_;
+  std::vector<PairEvent> events_;
+  uint64_t persisting_ = 0;
+};
+
+}  // namespace throng

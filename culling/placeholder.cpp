@@ -1,0 +1,1 @@
+#include "culling/culling.h"

@@ -1,0 +1,6 @@
+// Scenes: scene files, people walking in them, and the simulation step.
+#pragma once
+
+#include "scenes/scene.h"
+#include "scenes/simulation.h"
+#include "scenes/sink.h"

@@ -1,0 +1,77 @@
+// What a run tells to whoever listens: once at the start, once a frame, once at the end.
+// One rule: spans are valid during the call only; a sink never changes what the run computes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "avatars/model.h"
+#include "culling/culler.h"
+#include "scenes/scene.h"
+
+namespace throng {
+
+struct RunInfo {
+  const Scene* scene = nullptr;
+  uint64_t run_id = 0;    ///< hashes scene content, seed and the options that change results; nothing else
+  uint64_t instance = 0;  ///< random for each run, to tell two runs on one channel apart
+  double step_s = 0;
+  std::vector<std::shared_ptr<const Model>> models;
+  std::vector<uint16_t> model_of_avatar;  ///< index into models; ids are 0 .. avatars-1
+  std::vector<float> scale_of_avatar;
+  VolumeKind part_volume = VolumeKind::kOrdop26;
+  bool exact = false;
+
+  int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
+  /// Obstacle i has body id avatar_count() + i.
+  uint32_t obstacle_id(int i) const { return static_cast<uint32_t>(avatar_count() + i); }
+};
+
+/// Wall-clock medians and sums of one frame's stages, nanoseconds.
+struct FrameTimes {
+  double steering_ns = 0;
+  double gait_ns = 0;
+  double kinematics_ns = 0;
+  double avatar_cull_ns = 0;
+  double part_cull_ns = 0;
+  double exact_ns = 0;
+  double events_ns = 0;
+  double publish_ns = 0;
+  double frame_ns = 0;
+};
+
+struct Frame {
+  int64_t number = 0;
+  int64_t utime_us = 0;                 ///< simulation time
+  std::span<const RootPose> roots;      ///< one an avatar
+  std::span<const float> speeds_mps;    ///< one an avatar
+  std::span<const float> postures;      ///< rows one after another, avatar by avatar (see posture_offsets)
+  std::span<const size_t> posture_offsets;  ///< avatar_count + 1 entries into postures
+  std::span<const PairKey> pairs;       ///< all that touch now, sorted
+  std::span<const PairEvent> events;    ///< begins and ends of this frame, sorted
+  uint64_t persisting = 0;
+  const CullingCounters* counters = nullptr;
+  const FrameTimes* times = nullptr;    ///< of the frame so far; publish_ns is the previous frame's
+};
+
+struct RunEnd {
+  int64_t frames = 0;
+  int64_t utime_us = 0;
+  std::span<const PairEvent> events;  ///< the ends of what still touched
+  uint64_t begins = 0;                ///< over the whole run
+  uint64_t ends = 0;                  ///< over the whole run, those above included
+  uint64_t hash = 0;
+};
+
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  virtual void begin(const RunInfo& run) = 0;
+  virtual void frame(const RunInfo& run, const Frame& frame) = 0;
+  virtual void end(const RunInfo& run, const RunEnd& end) = 0;
+};
+
+}  // namespace throng
