@@ -1,9 +1,9 @@
-// What culling keeps of a kind of body: the points and triangles of its parts and the volumes fitted
-// to them, once, in the part's own frame. One rule: immutable and shared by all bodies of the type.
+// What culling keeps of a kind of body: the points and triangles of its parts and the volumes
+// fitted to them, once, in the part's own frame. One rule: immutable and shared by all bodies of
+// the type.
 #pragma once
 
 #include <Eigen/Core>
-
 #include <memory>
 #include <span>
 #include <vector>

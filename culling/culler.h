@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "base/pose.h"
+#include "base/simd.h"
 #include "base/workers.h"
 #include "culling/body_type.h"
 #include "culling/pair_events.h"
@@ -37,7 +37,6 @@ class PoseSource {
 };
 
 enum class PairSearch { kGrid, kSweep, kBrute };
-enum class SimdTarget { kBest, kScalar, kSse4, kAvx2, kAvx512 };
 
 struct CullerOptions {
   VolumeKind part_volume = VolumeKind::kOrdop26;
@@ -62,16 +61,18 @@ struct CullingCounters {
   StageCounters part;    ///< the part volume over surviving parts
   StageCounters exact;   ///< triangles
   uint64_t posed_bodies = 0;
-  double pose_ns = 0;    ///< time inside PoseSource, summed over threads
+  double pose_ns = 0;  ///< time inside PoseSource, summed over threads
   double events_ns = 0;
-  double wall_ns = 0;    ///< the whole pass
+  double wall_ns = 0;              ///< the whole pass
   uint64_t allocations_grown = 0;  ///< buffers that had to grow in this pass
 };
 
 class Culler {
  public:
-  /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without triangles.
-  Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options, Workers& workers);
+  /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
+  /// triangles.
+  Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
+         Workers& workers);
   ~Culler();
 
   /// One frame. Spans returned earlier become invalid.

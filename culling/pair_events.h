@@ -9,7 +9,8 @@
 
 namespace throng {
 
-/// Part `part_a` of body `a` overlaps part `part_b` of body `b`; a < b. 64 bits, ordered as written.
+/// Part `part_a` of body `a` overlaps part `part_b` of body `b`; a < b. 64 bits, ordered as
+/// written.
 class PairKey {
  public:
   static constexpr uint32_t kMaxId = (1u << 24) - 1;
@@ -43,7 +44,9 @@ class PairEvents {
   /// `pairs` sorted and unique (asserted).
   void advance(std::span<const PairKey> pairs);
 
-  std::span<const PairEvent> events() const { return events_; }  ///< begins and ends of this frame, sorted
+  std::span<const PairEvent> events() const {
+    return events_;
+  }  ///< begins and ends of this frame, sorted
   std::span<const PairKey> touching() const { return touching_; }
   uint64_t persisting() const { return persisting_; }  ///< pairs in this frame and in the last
 

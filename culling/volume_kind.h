@@ -6,13 +6,24 @@
 
 namespace throng {
 
-/// kdopNN keeps world axes and is refitted to the turned volume; ordopNN is fitted once in the part's
-/// frame and turns with it (the paper's or-DOP).
-enum class VolumeKind { kSphere, kAabb, kObb, kKdop14, kKdop18, kKdop26, kOrdop14, kOrdop18, kOrdop26 };
+/// kdopNN keeps world axes and is refitted to the turned volume; ordopNN is fitted once in the
+/// part's frame and turns with it (the paper's or-DOP).
+enum class VolumeKind {
+  kSphere,
+  kAabb,
+  kObb,
+  kKdop14,
+  kKdop18,
+  kKdop26,
+  kOrdop14,
+  kOrdop18,
+  kOrdop26
+};
 
 inline constexpr VolumeKind kAllVolumes[] = {
-    VolumeKind::kSphere, VolumeKind::kAabb,    VolumeKind::kObb,     VolumeKind::kKdop14, VolumeKind::kKdop18,
-    VolumeKind::kKdop26, VolumeKind::kOrdop14, VolumeKind::kOrdop18, VolumeKind::kOrdop26};
+    VolumeKind::kSphere,  VolumeKind::kAabb,    VolumeKind::kObb,
+    VolumeKind::kKdop14,  VolumeKind::kKdop18,  VolumeKind::kKdop26,
+    VolumeKind::kOrdop14, VolumeKind::kOrdop18, VolumeKind::kOrdop26};
 
 /// "sphere", "aabb", "obb", "kdop14", ..., "ordop26".
 std::string_view name_of(VolumeKind kind);

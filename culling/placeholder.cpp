@@ -1,1 +1,0 @@
-#include "culling/culling.h"
