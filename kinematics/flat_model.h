@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/pose.h"
+#include "base/simd.h"
 #include "kinematics/robot.h"
 
 namespace throng {
@@ -22,8 +23,8 @@ struct JointColumn {
 
 class FlatModel {
  public:
-  /// Builds the KDL::Tree of `robot` and flattens it. `output_links` (indices into Robot::links) are
-  /// the links whose poses forward_kinematics() delivers, in this order.
+  /// Builds the KDL::Tree of `robot` and flattens it. `output_links` (indices into Robot::links)
+  /// are the links whose poses forward_kinematics() delivers, in this order.
   FlatModel(const Robot& robot, std::span<const int> output_links);
   ~FlatModel();
   FlatModel(FlatModel&&) noexcept;
@@ -58,9 +59,10 @@ struct RootFrame {
 /// Poses of all output links of roots.size() avatars that share a model.
 ///   postures  avatar-major, model.column_count() floats a row (radians, or metres of the model)
 ///   poses     avatar-major, model.output_count() a row; translations scaled, relative to the root
-/// No allocation. Identical to the bit on every SIMD target, and independent of how avatars are
-/// grouped into calls.
+/// Angles are meant to be within some tens of turns. No allocation. Identical to the bit on every
+/// SIMD target, and independent of how avatars are grouped into calls.
 void forward_kinematics(const FlatModel& model, std::span<const float> postures,
-                        std::span<const RootFrame> roots, std::span<PartPose> poses);
+                        std::span<const RootFrame> roots, std::span<PartPose> poses,
+                        SimdTarget target = SimdTarget::kBest);
 
 }  // namespace throng

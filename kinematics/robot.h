@@ -1,9 +1,9 @@
 // A robot (or a person) as its URDF describes it, checked.
-// One rule: a Robot that exists is sound - one root, every link reachable, unit axes, lower <= upper.
+// One rule: a Robot that exists is sound - one root, every link reachable, unit axes, lower <=
+// upper.
 #pragma once
 
 #include <Eigen/Geometry>
-
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -16,7 +16,7 @@ struct Geometry {
   enum class Kind { kMesh, kBox, kCylinder, kSphere };
   Kind kind = Kind::kBox;
   Eigen::Isometry3d link_from_geometry = Eigen::Isometry3d::Identity();
-  std::filesystem::path mesh_file;                       ///< kMesh: resolved, package:// and relative
+  std::filesystem::path mesh_file;  ///< kMesh: resolved, package:// and relative
   Eigen::Vector3d mesh_scale = Eigen::Vector3d::Ones();  ///< kMesh
   Eigen::Vector3d box_size_m = Eigen::Vector3d::Zero();  ///< kBox: full edge lengths
   double radius_m = 0;                                   ///< kCylinder, kSphere
@@ -50,14 +50,14 @@ struct Joint {
 
 struct Robot {
   std::string name;
-  std::vector<Link> links;    ///< parents before children; links[0] is the root
-  std::vector<Joint> joints;  ///< joints[i].child_link == i + 1
+  std::vector<Link> links;         ///< parents before children; links[0] is the root
+  std::vector<Joint> joints;       ///< joints[i].child_link == i + 1
   std::vector<std::string> notes;  ///< what the URDF says that we do not use, a line each
 };
 
-/// Reads and checks a URDF file. The text is checked for size, depth, two parents, loops, zero axes,
-/// negative mass, lower > upper, empty names and so on before urdfdom sees it.
-/// Throws InputError naming file, line where known, expected and found.
+/// Reads and checks a URDF file. The text is checked for size, depth, two parents, loops, zero
+/// axes, negative mass, lower > upper, empty names and so on before urdfdom sees it. Throws
+/// InputError naming file, line where known, expected and found.
 Robot read_urdf(const std::filesystem::path& file);
 
 /// The same from text; `file` names it in errors and anchors relative mesh paths.

@@ -1,0 +1,69 @@
+// The flat program that forward kinematics runs. Internal to the folder.
+// One rule: the scalar and the vector interpreter do every operation in the same order.
+//
+// The running pose is [c0 c1 c2 | t]: three columns of a rotation and a translation. An op
+// multiplies it from the right, so each of its three rows can be worked on alone:
+//   kRotateZ   (c0, c1) <- (cos c0 + sin c1, cos c1 - sin c0), X and Y alike
+//   kSlide     t <- t + d (v0 c0 + v1 c1 + v2 c2)
+//   kMove*     the same with constants; kMoveX, kMoveY, kMoveZ where two of them are zero
+//   kReorient  (c0, c1, c2) <- (c0, c1, c2) F with a constant rotation F
+//   kSave, kLoad  the running pose to or from a slot, where the tree branches
+//   kEmit      the running pose is that of an output link
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kinematics/flat_model.h"
+
+namespace throng {
+
+enum class OpKind : uint8_t {
+  kRotateX,
+  kRotateY,
+  kRotateZ,
+  kSlide,
+  kMoveX,
+  kMoveY,
+  kMoveZ,
+  kMove,
+  kReorient,
+  kSave,
+  kLoad,
+  kEmit,
+};
+
+struct Op {
+  OpKind kind = OpKind::kMove;
+  int32_t index = 0;     ///< drive (kRotate*, kSlide), slot (kSave, kLoad) or output (kEmit)
+  float values[9] = {};  ///< kMove*, kSlide: a vector; kReorient: F, row by row
+};
+
+/// What turns or slides a joint: multiplier * column + offset. The sign of an axis is in here too.
+struct Drive {
+  int32_t column = 0;
+  float multiplier = 1;
+  float offset = 0;
+};
+
+/// At a branch the lightest subtree goes first and the heaviest needs no slot, so saved poses nest
+/// at most log2(links) deep.
+inline constexpr int kMaxSlots = 12;
+/// Sines, cosines and travels of a lane group stay on the stack: 48 kB with 16 lanes.
+inline constexpr int kMaxDrives = 256;
+
+struct FlatModel::Ops {
+  std::vector<Op> program;
+  std::vector<Drive> angles;   ///< of kRotate*
+  std::vector<Drive> travels;  ///< of kSlide
+};
+
+void forward_kinematics_scalar(const FlatModel& model, std::span<const float> postures,
+                               std::span<const RootFrame> roots, std::span<PartPose> poses);
+
+/// `target` is one that this machine has, not kBest and not kScalar.
+void forward_kinematics_simd(const FlatModel& model, std::span<const float> postures,
+                             std::span<const RootFrame> roots, std::span<PartPose> poses,
+                             SimdTarget target);
+
+}  // namespace throng

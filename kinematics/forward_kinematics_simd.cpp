@@ -1,0 +1,355 @@
+// Avatars as lanes: the scalar program of forward_kinematics_scalar.cpp on 4, 8 or 16 at a time.
+// Postures are transposed on the way in, poses on the way out, four floats of four avatars at once.
+#include <algorithm>
+#include <cstddef>
+
+#include "kinematics/flat_ops.h"
+#include "kinematics/sin_cos.h"
+
+// SSSE3 alone is not worth its code size: every x86-64 since 2008 has SSE4.1.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kinematics/forward_kinematics_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+constexpr size_t kLanes = hn::MaxLanes(D());
+static_assert(kLanes % 4 == 0);
+
+/// The same row of the running poses of kLanes avatars.
+struct Row {
+  V x, y, z, t;
+};
+
+/// Loads and stores four floats each of kLanes/4 avatars; the pointers of a vector's blocks lie
+/// four avatars apart.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> load_blocks(Tag d, const float* const* rows, size_t offset) {
+  if constexpr (hn::MaxLanes(Tag()) == 4) {
+    return hn::LoadU(d, rows[0] + offset);
+  } else {
+    const hn::Half<Tag> half;
+    return hn::Combine(d, load_blocks(half, rows + hn::MaxLanes(half), offset),
+                       load_blocks(half, rows, offset));
+  }
+}
+
+template <class Tag>
+HWY_INLINE void store_blocks(Tag d, hn::Vec<Tag> v, float* to, size_t block_stride) {
+  if constexpr (hn::MaxLanes(Tag()) == 4) {
+    hn::Store(v, d, to);
+  } else {
+    const hn::Half<Tag> half;
+    store_blocks(half, hn::LowerHalf(half, v), to, block_stride);
+    store_blocks(half, hn::UpperHalf(half, v), to + hn::MaxLanes(half) / 4 * block_stride,
+                 block_stride);
+  }
+}
+
+/// Transposes the 4x4 blocks: lane k of block b of vector j becomes lane j of block b of vector k.
+HWY_INLINE void transpose(V& a, V& b, V& c, V& e) {
+  const D d;
+  const hn::Repartition<double, D> wide;
+  const auto ab_low = hn::BitCast(wide, hn::InterleaveLower(d, a, b));
+  const auto ab_high = hn::BitCast(wide, hn::InterleaveUpper(d, a, b));
+  const auto ce_low = hn::BitCast(wide, hn::InterleaveLower(d, c, e));
+  const auto ce_high = hn::BitCast(wide, hn::InterleaveUpper(d, c, e));
+  a = hn::BitCast(d, hn::InterleaveLower(wide, ab_low, ce_low));
+  b = hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, ce_low));
+  c = hn::BitCast(d, hn::InterleaveLower(wide, ab_high, ce_high));
+  e = hn::BitCast(d, hn::InterleaveUpper(wide, ab_high, ce_high));
+}
+
+/// sin_cos.h, operation for operation.
+HWY_INLINE void sin_cos(V angle, float* sin, float* cos) {
+  using K = SinCosConstants;
+  const D d;
+  const hn::RebindToUnsigned<D> bits;
+  const V rounded = hn::Add(hn::Mul(angle, hn::Set(d, K::kOneOverPi)), hn::Set(d, K::kRound));
+  const V n = hn::Sub(rounded, hn::Set(d, K::kRound));
+  const V sign = hn::BitCast(d, hn::ShiftLeft<31>(hn::BitCast(bits, rounded)));
+  const V r = hn::Sub(hn::Sub(angle, hn::Mul(n, hn::Set(d, K::kPiHigh))),
+                      hn::Mul(n, hn::Set(d, K::kPiLow)));
+  const V z = hn::Mul(r, r);
+  V s = hn::Set(d, K::kSin[3]);
+  s = hn::Add(hn::Mul(s, z), hn::Set(d, K::kSin[2]));
+  s = hn::Add(hn::Mul(s, z), hn::Set(d, K::kSin[1]));
+  s = hn::Add(hn::Mul(s, z), hn::Set(d, K::kSin[0]));
+  s = hn::Add(r, hn::Mul(hn::Mul(r, z), s));
+  V c = hn::Set(d, K::kCos[4]);
+  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[3]));
+  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[2]));
+  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[1]));
+  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[0]));
+  c = hn::Add(hn::Set(d, 1.0f), hn::Mul(z, c));
+  hn::Store(hn::Xor(s, sign), d, sin);
+  hn::Store(hn::Xor(c, sign), d, cos);
+}
+
+HWY_INLINE V driven(const Drive& drive, const float* columns) {
+  const D d;
+  const V q = hn::Load(d, columns + static_cast<size_t>(drive.column) * kLanes);
+  return hn::Add(hn::Mul(q, hn::Set(d, drive.multiplier)), hn::Set(d, drive.offset));
+}
+
+HWY_INLINE void rotate(V& i, V& j, V sin, V cos) {
+  const V old = i;
+  i = hn::Add(hn::Mul(old, cos), hn::Mul(j, sin));
+  j = hn::Sub(hn::Mul(j, cos), hn::Mul(old, sin));
+}
+
+HWY_INLINE V along(const Row& row, V x, V y, V z) {
+  return hn::Add(hn::Add(hn::Mul(row.x, x), hn::Mul(row.y, y)), hn::Mul(row.z, z));
+}
+
+HWY_INLINE void reorient(Row& row, const float* f) {
+  const D d;
+  const V x = along(row, hn::Set(d, f[0]), hn::Set(d, f[3]), hn::Set(d, f[6]));
+  const V y = along(row, hn::Set(d, f[1]), hn::Set(d, f[4]), hn::Set(d, f[7]));
+  row.z = along(row, hn::Set(d, f[2]), hn::Set(d, f[5]), hn::Set(d, f[8]));
+  row.x = x;
+  row.y = y;
+}
+
+HWY_INLINE void root_pose(V x, V y, V z, V w, Row& a, Row& b, Row& c) {
+  const D d;
+  const V one = hn::Set(d, 1.0f);
+  const V x2 = hn::Add(x, x);
+  const V y2 = hn::Add(y, y);
+  const V z2 = hn::Add(z, z);
+  const V xx = hn::Mul(x, x2), xy = hn::Mul(x, y2), xz = hn::Mul(x, z2);
+  const V yy = hn::Mul(y, y2), yz = hn::Mul(y, z2), zz = hn::Mul(z, z2);
+  const V wx = hn::Mul(w, x2), wy = hn::Mul(w, y2), wz = hn::Mul(w, z2);
+  const V zero = hn::Zero(d);
+  a = {hn::Sub(one, hn::Add(yy, zz)), hn::Sub(xy, wz), hn::Add(xz, wy), zero};
+  b = {hn::Add(xy, wz), hn::Sub(one, hn::Add(xx, zz)), hn::Sub(yz, wx), zero};
+  c = {hn::Sub(xz, wy), hn::Add(yz, wx), hn::Sub(one, hn::Add(xx, yy)), zero};
+}
+
+/// Where the poses of one output go: `to` is the first avatar's, the next avatar's follows after
+/// `stride` floats.
+HWY_INLINE void emit_row(const Row& row, V scale, float* to, size_t stride) {
+  const D d;
+  V a = row.x, b = row.y, c = row.z, e = hn::Mul(row.t, scale);
+  transpose(a, b, c, e);
+  store_blocks(d, a, to, 4 * stride);
+  store_blocks(d, b, to + stride, 4 * stride);
+  store_blocks(d, c, to + 2 * stride, 4 * stride);
+  store_blocks(d, e, to + 3 * stride, 4 * stride);
+}
+
+/// One lane group: pointers to its avatars' rows, and where its poses go.
+struct Group {
+  const float* postures[kLanes];
+  const float* quaternions[kLanes];
+  HWY_ALIGN float scales[kLanes];
+  PartPose* poses;
+  size_t count;  ///< lanes that are avatars; the others repeat the last one
+};
+
+/// Columns become vectors: `to` receives column_count * kLanes floats.
+HWY_INLINE void transpose_postures(const Group& group, size_t column_count, float* to) {
+  const D d;
+  if (column_count < 4) {
+    for (size_t c = 0; c < column_count; ++c)
+      for (size_t lane = 0; lane < kLanes; ++lane) to[c * kLanes + lane] = group.postures[lane][c];
+    return;
+  }
+  for (size_t c = 0; c < column_count; c += 4) {
+    const size_t first =
+        std::min(c, column_count - 4);  // the last block may overlap the one before
+    V v0 = load_blocks(d, group.postures, first);
+    V v1 = load_blocks(d, group.postures + 1, first);
+    V v2 = load_blocks(d, group.postures + 2, first);
+    V v3 = load_blocks(d, group.postures + 3, first);
+    transpose(v0, v1, v2, v3);
+    hn::Store(v0, d, to + first * kLanes);
+    hn::Store(v1, d, to + (first + 1) * kLanes);
+    hn::Store(v2, d, to + (first + 2) * kLanes);
+    hn::Store(v3, d, to + (first + 3) * kLanes);
+  }
+}
+
+HWY_INLINE void emit(const Row& a, const Row& b, const Row& c, V scale, const Group& group,
+                     size_t output, size_t output_count) {
+  constexpr size_t kPoseFloats = sizeof(PartPose) / sizeof(float);
+  if (group.count == kLanes) {
+    float* to = group.poses[output].rows[0];
+    emit_row(a, scale, to, output_count * kPoseFloats);
+    emit_row(b, scale, to + 4, output_count * kPoseFloats);
+    emit_row(c, scale, to + 8, output_count * kPoseFloats);
+    return;
+  }
+  PartPose all[kLanes];
+  emit_row(a, scale, all[0].rows[0], kPoseFloats);
+  emit_row(b, scale, all[0].rows[1], kPoseFloats);
+  emit_row(c, scale, all[0].rows[2], kPoseFloats);
+  for (size_t lane = 0; lane < group.count; ++lane)
+    group.poses[lane * output_count + output] = all[lane];
+}
+
+void run_program(const FlatModel::Ops& ops, const Group& group, size_t column_count,
+                 size_t output_count) {
+  const D d;
+  HWY_ALIGN float columns[kMaxDrives * kLanes];
+  HWY_ALIGN float sines[kMaxDrives * kLanes];
+  HWY_ALIGN float cosines[kMaxDrives * kLanes];
+  transpose_postures(group, column_count, columns);
+  for (size_t i = 0; i < ops.angles.size(); ++i)
+    sin_cos(driven(ops.angles[i], columns), sines + i * kLanes, cosines + i * kLanes);
+
+  V q0 = load_blocks(d, group.quaternions, 0);
+  V q1 = load_blocks(d, group.quaternions + 1, 0);
+  V q2 = load_blocks(d, group.quaternions + 2, 0);
+  V q3 = load_blocks(d, group.quaternions + 3, 0);
+  transpose(q0, q1, q2, q3);
+  const V scale = hn::Load(d, group.scales);
+  Row a, b, c;
+  root_pose(q0, q1, q2, q3, a, b, c);
+  struct Slot {
+    Row a, b, c;
+  };
+  Slot slots[kMaxSlots];
+
+  for (const Op& op : ops.program) {
+    const size_t index = static_cast<size_t>(op.index);
+    const float* const f = op.values;
+    switch (op.kind) {
+      case OpKind::kRotateX: {
+        const V sin = hn::Load(d, sines + index * kLanes);
+        const V cos = hn::Load(d, cosines + index * kLanes);
+        rotate(a.y, a.z, sin, cos);
+        rotate(b.y, b.z, sin, cos);
+        rotate(c.y, c.z, sin, cos);
+        break;
+      }
+      case OpKind::kRotateY: {
+        const V sin = hn::Load(d, sines + index * kLanes);
+        const V cos = hn::Load(d, cosines + index * kLanes);
+        rotate(a.z, a.x, sin, cos);
+        rotate(b.z, b.x, sin, cos);
+        rotate(c.z, c.x, sin, cos);
+        break;
+      }
+      case OpKind::kRotateZ: {
+        const V sin = hn::Load(d, sines + index * kLanes);
+        const V cos = hn::Load(d, cosines + index * kLanes);
+        rotate(a.x, a.y, sin, cos);
+        rotate(b.x, b.y, sin, cos);
+        rotate(c.x, c.y, sin, cos);
+        break;
+      }
+      case OpKind::kSlide: {
+        const V x = hn::Set(d, f[0]), y = hn::Set(d, f[1]), z = hn::Set(d, f[2]);
+        const V travel = driven(ops.travels[index], columns);
+        a.t = hn::Add(a.t, hn::Mul(travel, along(a, x, y, z)));
+        b.t = hn::Add(b.t, hn::Mul(travel, along(b, x, y, z)));
+        c.t = hn::Add(c.t, hn::Mul(travel, along(c, x, y, z)));
+        break;
+      }
+      case OpKind::kMoveX: {
+        const V x = hn::Set(d, f[0]);
+        a.t = hn::Add(a.t, hn::Mul(a.x, x));
+        b.t = hn::Add(b.t, hn::Mul(b.x, x));
+        c.t = hn::Add(c.t, hn::Mul(c.x, x));
+        break;
+      }
+      case OpKind::kMoveY: {
+        const V y = hn::Set(d, f[1]);
+        a.t = hn::Add(a.t, hn::Mul(a.y, y));
+        b.t = hn::Add(b.t, hn::Mul(b.y, y));
+        c.t = hn::Add(c.t, hn::Mul(c.y, y));
+        break;
+      }
+      case OpKind::kMoveZ: {
+        const V z = hn::Set(d, f[2]);
+        a.t = hn::Add(a.t, hn::Mul(a.z, z));
+        b.t = hn::Add(b.t, hn::Mul(b.z, z));
+        c.t = hn::Add(c.t, hn::Mul(c.z, z));
+        break;
+      }
+      case OpKind::kMove: {
+        const V x = hn::Set(d, f[0]), y = hn::Set(d, f[1]), z = hn::Set(d, f[2]);
+        a.t = hn::Add(a.t, along(a, x, y, z));
+        b.t = hn::Add(b.t, along(b, x, y, z));
+        c.t = hn::Add(c.t, along(c, x, y, z));
+        break;
+      }
+      case OpKind::kReorient:
+        reorient(a, f);
+        reorient(b, f);
+        reorient(c, f);
+        break;
+      case OpKind::kSave:
+        slots[index] = {a, b, c};
+        break;
+      case OpKind::kLoad:
+        a = slots[index].a;
+        b = slots[index].b;
+        c = slots[index].c;
+        break;
+      case OpKind::kEmit:
+        emit(a, b, c, scale, group, index, output_count);
+        break;
+    }
+  }
+}
+
+}  // namespace
+
+void run_all(const FlatModel& model, std::span<const float> postures,
+             std::span<const RootFrame> roots, std::span<PartPose> poses) {
+  const size_t columns = static_cast<size_t>(model.column_count());
+  const size_t outputs = static_cast<size_t>(model.output_count());
+  Group group;
+  for (size_t first = 0; first < roots.size(); first += kLanes) {
+    group.count = std::min(kLanes, roots.size() - first);
+    group.poses = poses.data() + first * outputs;
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const size_t avatar = first + std::min(lane, group.count - 1);
+      group.postures[lane] = postures.data() + avatar * columns;
+      group.quaternions[lane] = roots[avatar].world_from_root.coeffs().data();  // x y z w
+      group.scales[lane] = roots[avatar].scale;
+    }
+    run_program(model.ops(), group, columns, outputs);
+  }
+}
+
+#endif
+}  // namespace throng::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace throng {
+
+void forward_kinematics_simd(const FlatModel& model, std::span<const float> postures,
+                             std::span<const RootFrame> roots, std::span<PartPose> poses,
+                             SimdTarget target) {
+  switch (target) {
+#if HWY_TARGETS & HWY_SSE4
+    case SimdTarget::kSse4:
+      return N_SSE4::run_all(model, postures, roots, poses);
+#endif
+#if HWY_TARGETS & HWY_AVX2
+    case SimdTarget::kAvx2:
+      return N_AVX2::run_all(model, postures, roots, poses);
+#endif
+#if HWY_TARGETS & HWY_AVX3
+    case SimdTarget::kAvx512:
+      return N_AVX3::run_all(model, postures, roots, poses);
+#endif
+    default:
+      return forward_kinematics_scalar(model, postures, roots, poses);
+  }
+}
+
+}  // namespace throng
+#endif

@@ -1,1 +1,0 @@
-#include "kinematics/kinematics.h"

@@ -1,0 +1,35 @@
+// The checks a URDF has to pass before urdfdom sees it, each complaint with its line.
+// One rule: whatever urdfdom or KDL would crash on, or accept and get wrong, is refused here.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kinematics/xml_scan.h"
+
+namespace throng {
+
+/// A real URDF is below 1 MB and 6 tags deep (a dozen with simulator extensions); tinyxml, which
+/// urdfdom uses, overflows the stack at some 10^5 nested tags.
+inline constexpr XmlCaps kUrdfCaps{
+    .bytes = 16u << 20, .depth = 64, .elements = 200'000, .value_bytes = 4096};
+/// The largest humanoids with hands have some 200 links.
+inline constexpr int kMaxLinks = 2048;
+/// KDL recurses along a chain and overflows the stack at some 10^4 links; snakes have about 100.
+inline constexpr int kMaxChainDepth = 256;
+/// Names travel in messages of at most 60 kB.
+inline constexpr size_t kMaxNameBytes = 120;
+/// Beyond 10 km a float no longer tells millimetres apart.
+inline constexpr double kMaxLength_m = 1e4;
+/// Beyond some hundred turns the sine of a float angle loses its fourth digit.
+inline constexpr double kMaxAngle_rad = 1e3;
+/// From micrometres to kilometres, in either direction.
+inline constexpr double kMaxMeshScale = 1e6;
+
+/// Throws InputError "file:line: ..." at the first defect.
+void check_urdf(const std::vector<XmlElement>& elements, const std::string& file);
+
+/// What a URDF says that we make no use of, aggregated by tag, a line each.
+std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements);
+
+}  // namespace throng
