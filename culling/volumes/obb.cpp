@@ -1,0 +1,181 @@
+#include "culling/volumes/obb.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "culling/volumes/pose_math.h"
+
+namespace throng {
+namespace {
+
+/// The extreme points along a fixed set of directions: enough to steer the search, which looks at
+/// them thousands of times; the box itself is measured on all points.
+std::vector<Eigen::Vector3d> extreme_points(std::span<const Eigen::Vector3f> points) {
+  constexpr int kDirectionCount = 128;
+  std::vector<size_t> chosen;
+  for (int i = 0; i < kDirectionCount; ++i) {
+    // A Fibonacci spiral over the half sphere; each direction gives two extremes.
+    const double z = (i + 0.5) / kDirectionCount;
+    const double turn = 2.399963229728653 * i;
+    const double r = std::sqrt(1 - z * z);
+    const Eigen::Vector3d d(r * std::cos(turn), r * std::sin(turn), z);
+    size_t lowest = 0, highest = 0;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (size_t p = 0; p < points.size(); ++p) {
+      const double h = d.dot(points[p].cast<double>());
+      if (h < low) low = h, lowest = p;
+      if (h > high) high = h, highest = p;
+    }
+    chosen.push_back(lowest);
+    chosen.push_back(highest);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  std::vector<Eigen::Vector3d> out;
+  for (size_t p : chosen) out.push_back(points[p].cast<double>());
+  return out;
+}
+
+Eigen::Vector3d extents(std::span<const Eigen::Vector3d> points, const Eigen::Matrix3d& axes) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3d h = axes.transpose() * p;
+    low = low.cwiseMin(h);
+    high = high.cwiseMax(h);
+  }
+  return high - low;
+}
+
+/// The volume, made to prefer the smaller area of two flat boxes and the shorter of two thin ones.
+double cost(std::span<const Eigen::Vector3d> points, const Eigen::Matrix3d& axes, double fat) {
+  return (extents(points, axes).array() + fat).prod();
+}
+
+/// Turns about the three axes by falling angles, for as long as the cost falls.
+Eigen::Matrix3d refined(std::span<const Eigen::Vector3d> points, Eigen::Matrix3d axes, double fat) {
+  double best = cost(points, axes, fat);
+  for (double angle = 0.2; angle > 1e-4; angle *= 0.5) {
+    bool improved = true;
+    for (int round = 0; improved && round < 16; ++round) {
+      improved = false;
+      for (int axis = 0; axis < 3; ++axis) {
+        for (double side : {angle, -angle}) {
+          const Eigen::Matrix3d turned_axes =
+              axes * Eigen::AngleAxisd(side, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
+          const double found = cost(points, turned_axes, fat);
+          if (found < best * (1 - 1e-9)) {
+            best = found;
+            axes = turned_axes;
+            improved = true;
+          }
+        }
+      }
+    }
+  }
+  return axes;
+}
+
+Eigen::Matrix3d principal_axes(std::span<const Eigen::Vector3d> points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) spread += (p - mean) * (p - mean).transpose();
+  Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
+  return axes;
+}
+
+}  // namespace
+
+Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3f> points) {
+  const std::vector<Eigen::Vector3d> extreme = extreme_points(points);
+  const double fat = 1e-3 * extents(extreme, Eigen::Matrix3d::Identity()).maxCoeff();
+  Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
+  if (fat == 0) return best;  // one point: every box is the same
+  double least = cost(extreme, best, fat);
+  const Eigen::Matrix3d principal = principal_axes(extreme);
+  // Starts: both frames, each also turned by 45 degrees about each of its axes.
+  for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), principal}) {
+    for (int turn = 0; turn < 4; ++turn) {
+      Eigen::Matrix3d start = frame;
+      if (turn < 3)
+        start *=
+            Eigen::AngleAxisd(0.785398163397448, Eigen::Vector3d::Unit(turn)).toRotationMatrix();
+      const Eigen::Matrix3d axes = refined(extreme, start, fat);
+      const double found = cost(extreme, axes, fat);
+      if (found < least) {
+        least = found;
+        best = axes;
+      }
+    }
+  }
+  return best;
+}
+
+Obb::Fitted Obb::fit(std::span<const Eigen::Vector3f> points) {
+  assert(!points.empty());
+  Fitted box;
+  box.axes = smallest_box_axes(points).cast<float>();
+  const Eigen::Matrix3d axes = box.axes.cast<double>();
+  // The float axes are not quite orthonormal: the centre is where their inverse puts it, and the
+  // half widths are measured on the centre as stored.
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = -low;
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3d h = axes.transpose() * p.cast<double>();
+    low = low.cwiseMin(h);
+    high = high.cwiseMax(h);
+  }
+  box.centre_m = (axes.transpose().inverse() * (0.5 * (low + high))).cast<float>();
+  const Eigen::Vector3d centre = axes.transpose() * box.centre_m.cast<double>();
+  for (int i = 0; i < 3; ++i)
+    box.half_m[i] =
+        std::nextafter(static_cast<float>(std::max(high[i] - centre[i], centre[i] - low[i])),
+                       std::numeric_limits<float>::max());
+  return box;
+}
+
+Obb::Placed Obb::place(const Fitted& fitted, const PartPose& pose, float scale) {
+  Placed box;
+  box.centre_m = placed_point(pose, scale, fitted.centre_m);
+  box.half_m = scale * fitted.half_m;
+  for (int i = 0; i < 3; ++i) box.axes.col(i) = turned(pose, fitted.axes.col(i));
+  return box;
+}
+
+bool Obb::overlaps(const Placed& a, const Placed& b, const Eigen::Vector3f& a_to_b_m,
+                   float margin_m) {
+  // In A's frame: t between the centres, c(i, j) the cosine between A's axis i and B's axis j.
+  const Eigen::Vector3f t = a.axes.transpose() * (a_to_b_m + b.centre_m - a.centre_m);
+  const Eigen::Matrix3f c = a.axes.transpose() * b.axes;
+  const Eigen::Matrix3f s = c.cwiseAbs();
+  const Eigen::Vector3f& p = a.half_m;
+  const Eigen::Vector3f& q = b.half_m;
+  for (int i = 0; i < 3; ++i)
+    if (std::fabs(t[i]) > p[i] + s.row(i).dot(q) + margin_m) return false;
+  for (int j = 0; j < 3; ++j)
+    if (std::fabs(c.col(j).dot(t)) > q[j] + s.col(j).dot(p) + margin_m) return false;
+  // Edge against edge: the axis is no longer than 1, and gets the margin of a full one. What
+  // rounding makes of two parallel edges stays below that.
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      const float between = t[i2] * c(i1, j) - t[i1] * c(i2, j);
+      const float reach = p[i1] * s(i2, j) + p[i2] * s(i1, j) + q[j1] * s(i, j2) + q[j2] * s(i, j1);
+      if (std::fabs(between) > reach + margin_m) return false;
+    }
+  }
+  return true;
+}
+
+double Obb::volume_m3(const Fitted& fitted) { return 8 * fitted.half_m.cast<double>().prod(); }
+
+}  // namespace throng

@@ -1,0 +1,45 @@
+// The or-DOP: a k-DOP fitted in the part's frame that turns with the part; updating it is a pose.
+// One rule: ordop_overlaps() is the reference; a faster kernel repeats its operations to the bit.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "base/pose.h"
+#include "culling/slabs.h"
+
+namespace throng {
+
+/// Separating axes over the face normals of both (k/2 each). Along a face normal of one, its own
+/// slab is exact and the other's interval is Slabs::bound<K>.
+///   a_to_b_m  position of B's root minus A's
+///   margin_m  by how much B is inflated; at least rounding_margin_m()
+template <int K>
+bool ordop_overlaps(const Slabs& slabs_a, const PartPose& pose_a, float scale_a,
+                    const Slabs& slabs_b, const PartPose& pose_b, float scale_b,
+                    const Eigen::Vector3f& a_to_b_m, float margin_m);
+
+template <int K>
+struct Ordop {
+  static_assert(K == 14 || K == 18 || K == 26);
+  using Fitted = Slabs;
+  /// Refers to the fitted slabs, which must outlive it.
+  struct Placed {
+    const Slabs* slabs;
+    PartPose pose;
+    float scale;
+  };
+
+  static Fitted fit(std::span<const Eigen::Vector3f> points) { return Slabs::around(points); }
+  static Placed place(const Fitted& fitted, const PartPose& pose, float scale) {
+    return {&fitted, pose, scale};
+  }
+  static bool overlaps(const Placed& a, const Placed& b, const Eigen::Vector3f& a_to_b_m,
+                       float margin_m) {
+    return ordop_overlaps<K>(*a.slabs, a.pose, a.scale, *b.slabs, b.pose, b.scale, a_to_b_m,
+                             margin_m);
+  }
+  static double volume_m3(const Fitted& fitted);
+};
+
+}  // namespace throng

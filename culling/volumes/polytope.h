@@ -1,0 +1,20 @@
+// The solid that slabs enclose, with its corners: what volumes are measured with.
+// One rule: for construction, reports and tests; nothing of it runs in a frame.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "culling/slabs.h"
+
+namespace throng {
+
+struct Polytope {
+  std::vector<Eigen::Vector3d> corners_m;  ///< of every face; shared corners repeat
+  double volume_m3 = 0;
+};
+
+/// The intersection of the slabs of the k-DOP, face by face. Flat slabs give volume zero.
+Polytope polytope_of(const Slabs& slabs, int k);
+
+}  // namespace throng
