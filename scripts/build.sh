@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Configures where needed and builds: scripts/build.sh [PRESET [TARGET...]]. Presets are those of
+# CMakePresets.json (default: release); without targets everything is built.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+preset=${1:-release}
+targets=("${@:2}")
+
+# Only the first configuration asks for the preset; later ones are ninja's business. A cache that a
+# copied or moved checkout brought along names other paths and is of no use.
+cache=build/$preset/CMakeCache.txt
+if [ ! -f "build/$preset/build.ninja" ] ||
+    ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$(pwd -P)" "$cache"; then
+  if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+  cmake --fresh --preset "$preset" >&2
+fi
+
+# Two heavy compilations want some 2 GB: never more jobs than cores.
+jobs=$(nproc)
+if [ ${#targets[@]} -gt 0 ]; then
+  cmake --build "build/$preset" -j "$jobs" --target "${targets[@]}" >&2
+else
+  cmake --build "build/$preset" -j "$jobs" >&2
+fi

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that Throng builds on, as root or through sudo. Does nothing when
+# all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with.
+set -euo pipefail
+
+packages=(
+  # tools
+  build-essential cmake ninja-build pkg-config git ccache clang-format
+  # geometry, kinematics, meshes
+  libeigen3-dev liburdfdom-dev liburdfdom-headers-dev liborocos-kdl-dev libassimp-dev libfcl-dev
+  # scenes, speed, command line, pictures
+  libyaml-cpp-dev libtbb-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev
+  # messages; iproute2 tells whether multicast has a route
+  liblcm-dev liblcm-bin libglib2.0-dev iproute2
+  # tests
+  libgtest-dev libgmock-dev
+)
+bench_packages=(libembree-dev libbullet-dev libcgal-dev libode-dev libbenchmark-dev)
+
+case "${1:-}" in
+  "") ;;
+  bench) packages+=("${bench_packages[@]}") ;;
+  *) echo "scripts/setup.sh: expected no argument or 'bench', found '$1'" >&2; exit 2 ;;
+esac
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "scripts/setup.sh: expected Debian 12 or a system with its packages; install what the list in this file names" >&2
+  exit 3
+fi
+
+present=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "${packages[@]}" 2>/dev/null |
+  sed -n 's/^installed //p' || true)
+missing=()
+for package in "${packages[@]}"; do
+  grep -qxF "$package" <<<"$present" || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "scripts/setup.sh: run as root: apt-get install ${missing[*]}" >&2
+    exit 3
+  fi
+  as_root=(sudo)
+fi
+
+echo "Installing ${#missing[@]} packages: ${missing[*]}" >&2
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3
+  -o Dpkg::Use-Pty=0)
+if ! { "${apt[@]}" update && "${apt[@]}" install -y --no-install-recommends "${missing[@]}"; } \
+    </dev/null >&2; then
+  echo "scripts/setup.sh: apt-get could not install: ${missing[*]}" >&2
+  exit 3
+fi

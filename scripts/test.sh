@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, runs every test: scripts/test.sh [PRESET [CTEST OPTION...]], for
+# example `scripts/test.sh asan` or `scripts/test.sh release -R culling`. The last line says how many
+# passed, failed and were skipped; the exit code is 1 if one failed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+preset=${1:-release}
+bash scripts/setup.sh
+bash scripts/build.sh "$preset"
+
+# Sanitizers are for finding faults: the first one ends the test that has it.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1:strict_string_checks=1}
+export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+export GTEST_COLOR=no
+
+report=$PWD/build/$preset/tests.xml
+rm -f "$report"
+status=0
+ctest --test-dir "build/$preset" -j "$(nproc)" --output-on-failure --no-tests=error \
+  --output-junit "$report" "${@:2}" </dev/null || status=$?
+
+count() { sed -n "s/^[[:space:]]*$1=\"\([0-9]*\)\".*/\1/p" "$report" | head -n 1; }
+if [ ! -f "$report" ]; then
+  echo "0 passed, 0 failed: no test ran"
+  exit 1
+fi
+total=$(count tests) failed=$(count failures) skipped=$(count skipped) disabled=$(count disabled)
+skipped=$((skipped + disabled))
+echo "$((total - failed - skipped)) passed, $failed failed, $skipped skipped"
+if [ "$failed" -gt 0 ]; then status=1; fi
+exit "$status"
