@@ -1,5 +1,6 @@
 #include "culling/triangle_bvh.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cassert>

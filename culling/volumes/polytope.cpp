@@ -1,5 +1,6 @@
 #include "culling/volumes/polytope.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
