@@ -209,7 +209,7 @@ Robot parse_urdf(const std::string& text, const std::filesystem::path& file) {
   return robot;
 }
 
-Robot read_urdf(const std::filesystem::path& file) {
+std::string read_urdf_text(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
     throw InputError(file.string(), "a URDF file", "a directory");
@@ -222,7 +222,11 @@ Robot read_urdf(const std::filesystem::path& file) {
   std::string text(size, '\0');
   in.read(text.data(), static_cast<std::streamsize>(size));
   if (!in) throw InputError(file.string(), "a readable file", "an error while reading");
-  return parse_urdf(text, file);
+  return text;
+}
+
+Robot read_urdf(const std::filesystem::path& file) {
+  return parse_urdf(read_urdf_text(file), file);
 }
 
 }  // namespace throng

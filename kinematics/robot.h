@@ -60,7 +60,10 @@ struct Robot {
 /// InputError naming file, line where known, expected and found.
 Robot read_urdf(const std::filesystem::path& file);
 
-/// The same from text; `file` names it in errors and anchors relative mesh paths.
+/// The text of a URDF file, its size checked. Throws InputError.
+std::string read_urdf_text(const std::filesystem::path& file);
+
+/// The same as read_urdf() from text; `file` names it in errors and anchors relative mesh paths.
 Robot parse_urdf(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace throng

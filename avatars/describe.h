@@ -1,0 +1,19 @@
+// What `throng info` says about a model or a .tri file, as text for a terminal.
+// One rule: says what was read and what was not understood; never an absolute path.
+#pragma once
+
+#include <string>
+
+#include "avatars/model.h"
+#include "avatars/tri.h"
+
+namespace throng {
+
+/// Name, tree with joints and limits, parts with counts and sizes, notes, degrees of freedom. Lines
+/// end in '\n'.
+std::string describe_model(const Model& model);
+
+/// Dialect, counts, bounding box, closedness, volume.
+std::string describe_tri(const TriFile& tri, const std::string& file_name);
+
+}  // namespace throng

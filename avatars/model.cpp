@@ -1,0 +1,171 @@
+#include "avatars/model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "avatars/mesh_file.h"
+#include "avatars/primitives.h"
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+/// A pair's parts are numbered in 8 bits.
+constexpr int kMaxParts = 255;
+
+/// FNV-1a, 64 bits (Fowler, Noll, Vo).
+class Hash {
+ public:
+  void add(const void* data, size_t bytes) {
+    const auto* at = static_cast<const unsigned char*>(data);
+    for (size_t i = 0; i < bytes; ++i) value_ = (value_ ^ at[i]) * 0x100000001b3ull;
+  }
+  void add(uint64_t number) { add(&number, sizeof number); }
+  uint64_t value() const { return value_; }
+
+ private:
+  uint64_t value_ = 0xcbf29ce484222325ull;
+};
+
+struct Shape {
+  Mesh mesh;
+  std::string source;
+};
+
+Shape shape_of(const Geometry& geometry, const std::string& where) {
+  switch (geometry.kind) {
+    case Geometry::Kind::kBox:
+      return {box_mesh(geometry.box_size_m), "box"};
+    case Geometry::Kind::kCylinder:
+      return {cylinder_mesh(geometry.radius_m, geometry.length_m), "cylinder"};
+    case Geometry::Kind::kSphere:
+      return {sphere_mesh(geometry.radius_m), "sphere"};
+    case Geometry::Kind::kMesh:
+      break;
+  }
+  const std::string path = geometry.mesh_file.string();
+  if (path.find("://") != std::string::npos)
+    throw InputError(
+        where,
+        "a package above the URDF or in $ROS_PACKAGE_PATH (a folder of its name, or one "
+        "with its package.xml)",
+        fmt::format("none for '{}'", path));
+  return {read_mesh(geometry.mesh_file), geometry.mesh_file.filename().string()};
+}
+
+void append(const Shape& shape, const Geometry& geometry, Part& part) {
+  const Eigen::Vector3d scale =
+      geometry.kind == Geometry::Kind::kMesh ? geometry.mesh_scale : Eigen::Vector3d::Ones();
+  const int first = static_cast<int>(part.mesh.vertices.size());
+  for (const Eigen::Vector3f& v : shape.mesh.vertices)
+    part.mesh.vertices.emplace_back(
+        (geometry.link_from_geometry * scale.cwiseProduct(v.cast<double>())).cast<float>());
+  const bool mirrored = scale.prod() < 0;
+  for (Eigen::Vector3i triangle : shape.mesh.triangles) {
+    if (mirrored) std::swap(triangle[1], triangle[2]);
+    part.mesh.triangles.emplace_back(triangle + Eigen::Vector3i::Constant(first));
+  }
+  part.source += (part.source.empty() ? "" : " + ") + shape.source;
+}
+
+/// What stands for a link: its collision geometry, or the visual one where there is none.
+const std::vector<Geometry>& geometry_of(const Link& link) {
+  return link.collision.empty() ? link.visual : link.collision;
+}
+
+Part part_of(const Link& link, int index, const std::string& where) {
+  Part part;
+  part.name = link.name;
+  part.link = index;
+  bool has_cloud = false;
+  bool has_surface = false;
+  for (const Geometry& geometry : geometry_of(link)) {
+    const Shape shape = shape_of(geometry, where);
+    (shape.mesh.is_point_cloud() ? has_cloud : has_surface) = true;
+    append(shape, geometry, part);
+  }
+  if (has_cloud && has_surface)
+    throw InputError(where,
+                     fmt::format("surfaces only or point clouds only in link '{}'", link.name),
+                     "both: " + part.source);
+  return part;
+}
+
+void add_notes(Robot& robot, float lowest_m) {
+  const auto replaced = std::count_if(robot.links.begin(), robot.links.end(), [](const Link& link) {
+    return !link.collision.empty() && !link.visual.empty();
+  });
+  if (replaced > 0)
+    robot.notes.push_back(
+        fmt::format("<visual> of {} links: not used, their <collision> geometry is", replaced));
+  constexpr float kSunk_m = 0.05f;
+  if (lowest_m < -kSunk_m)
+    robot.notes.push_back(fmt::format(
+        "the root link '{}' is {:.2f} m above the lowest point, but stands on the ground in "
+        "a scene: add a root link between the feet",
+        robot.links.front().name, -lowest_m));
+}
+
+/// Lowest and highest vertex with every joint at zero, above the root's origin.
+std::pair<float, float> vertical_extent(const FlatModel& kinematics,
+                                        const std::vector<Part>& parts) {
+  const std::vector<float> posture(static_cast<size_t>(kinematics.column_count()), 0.0f);
+  std::vector<PartPose> poses(parts.size());
+  const RootFrame root;
+  forward_kinematics(kinematics, posture, std::span(&root, 1), poses);
+  float lowest = std::numeric_limits<float>::max();
+  float highest = std::numeric_limits<float>::lowest();
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const float* z_row = poses[i].rows[2];
+    for (const Eigen::Vector3f& v : parts[i].mesh.vertices) {
+      const float z = z_row[0] * v.x() + z_row[1] * v.y() + z_row[2] * v.z() + z_row[3];
+      lowest = std::min(lowest, z);
+      highest = std::max(highest, z);
+    }
+  }
+  return {lowest, highest};
+}
+
+uint64_t hash_of(const std::string& urdf, const std::vector<Part>& parts) {
+  Hash hash;
+  hash.add(urdf.data(), urdf.size());
+  for (const Part& part : parts) {
+    hash.add(part.mesh.vertices.size());
+    for (const Eigen::Vector3f& v : part.mesh.vertices) hash.add(v.data(), 3 * sizeof(float));
+    hash.add(part.mesh.triangles.size());
+    for (const Eigen::Vector3i& t : part.mesh.triangles) hash.add(t.data(), 3 * sizeof(int));
+  }
+  return hash.value();
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file) {
+  const std::string where = urdf_file.string();
+  const std::string text = read_urdf_text(urdf_file);
+  Robot robot = parse_urdf(text, urdf_file);
+  std::vector<Part> parts;
+  std::vector<int> links;
+  for (size_t i = 0; i < robot.links.size(); ++i) {
+    if (geometry_of(robot.links[i]).empty()) continue;
+    parts.push_back(part_of(robot.links[i], static_cast<int>(i), where));
+    links.push_back(static_cast<int>(i));
+  }
+  if (parts.empty()) throw InputError(where, "at least one link with geometry", "none");
+  if (parts.size() > kMaxParts)
+    throw InputError(where, fmt::format("at most {} links with geometry", kMaxParts),
+                     fmt::format("{}", parts.size()));
+  FlatModel kinematics(robot, links);
+  const auto [lowest, highest] = vertical_extent(kinematics, parts);
+  add_notes(robot, lowest);
+  const uint64_t hash = hash_of(text, parts);
+  std::string name = robot.name;
+  // Something that hangs below its root has no height above it: take its own.
+  const float height = highest > 0 ? highest : highest - lowest;
+  return std::make_shared<const Model>(Model{std::move(name), std::move(robot), std::move(parts),
+                                             std::move(kinematics), height, hash});
+}
+
+}  // namespace throng
