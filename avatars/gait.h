@@ -21,16 +21,19 @@ class Gait {
 
   int column_count() const { return column_count_; }
 
-  /// Metres per gait cycle (two steps) at this speed, for an avatar of this scale; > 0 also at 0 m/s.
+  /// Metres per gait cycle (two steps) at this speed, for an avatar of this scale; > 0 also at 0
+  /// m/s.
   float stride_length_m(float speed_mps, float scale) const;
 
   /// Writes one posture row (column_count() floats) each for phases.size() avatars.
-  /// phase in [0, 1), 0 = right heel strike; speed >= 0, clamped to the tabulated range. No allocation.
+  /// phase in [0, 1), 0 = right heel strike; speed >= 0, clamped to the tabulated range. No
+  /// allocation.
   void postures(std::span<const float> phases, std::span<const float> speeds_mps,
                 std::span<const float> scales, std::span<float> rows) const;
 
   /// A sphere in the root frame (metres, unscaled) that bounds every part in every posture the gait
-  /// can produce: its centre lies on the root's z axis, the radius includes the interpolation error.
+  /// can produce: its centre lies on the root's z axis, the radius includes the interpolation
+  /// error.
   Eigen::Vector3f sphere_centre_m() const { return sphere_centre_m_; }
   float sphere_radius_m() const { return sphere_radius_m_; }
 

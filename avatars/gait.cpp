@@ -1,0 +1,118 @@
+#include "avatars/gait.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "avatars/gait_curves.h"
+#include "avatars/gait_cycle.h"
+#include "avatars/gait_table.h"
+
+namespace throng {
+namespace {
+
+constexpr double kFastestRelativeSpeed = 3;
+constexpr int kPhases = 128;
+constexpr int kSpeeds = 33;
+
+// Shorter strides than this, in leg lengths, belong to speeds below a millimetre a second.
+constexpr float kShortestStride = 0.03f;
+
+// Nodes are rounded to this, in radians and metres: the last bits of the C library's sines, which
+// differ between processors, do not reach a result.
+constexpr double kNodeGrain = 1.0 / (1 << 18);
+
+}  // namespace
+
+struct Gait::Table : GaitTable {
+  Table(int column_count, int phase_cells, int speed_nodes)
+      : GaitTable(column_count, phase_cells, speed_nodes) {}
+
+  float leg_length_m = 0;  // 0: keeps still
+  float highest_root_speed = 0;
+  float speed_cells_per_root_speed = 0;
+  float strides_per_root_speed = 0;
+
+  void set_row(int speed, int phase, const std::vector<double>& posture) {
+    for (int c = 0; c < columns; ++c)
+      row(speed, phase)[c] = static_cast<float>(
+          std::nearbyint(posture[static_cast<size_t>(c)] / kNodeGrain) * kNodeGrain);
+  }
+
+  // The square root of the relative speed, within the table. Strides are linear in it, so a posture
+  // between two speeds still stands firm.
+  float root_speed(float speed_mps, float scale) const {
+    const float relative = std::max(speed_mps, 0.0f) / (leg_length_m * scale);
+    return std::min(std::sqrt(relative), highest_root_speed);
+  }
+};
+
+Gait::Gait(const Model& model) : column_count_(model.kinematics.column_count()) {
+  const PosableModel posable(model);
+  if (const std::optional<Walker> walker = Walker::find(posable)) {
+    table_ = std::make_unique<Table>(column_count_, kPhases, kSpeeds);
+    const double highest = std::sqrt(kFastestRelativeSpeed);
+    table_->leg_length_m = static_cast<float>(walker->leg_length_m());
+    table_->highest_root_speed = static_cast<float>(highest);
+    table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
+    table_->strides_per_root_speed = static_cast<float>(kStridePerRootSpeed);
+    for (int speed = 0; speed < kSpeeds; ++speed) {
+      const double root_speed = highest * speed / (kSpeeds - 1);
+      const std::vector<std::vector<double>> postures =
+          walker->cycle(std::min(root_speed * root_speed, kFastestRelativeSpeed), kPhases);
+      for (int phase = 0; phase <= kPhases; ++phase)
+        table_->set_row(speed, phase,
+                        postures[static_cast<size_t>(speed > 0 ? phase % kPhases : 0)]);
+    }
+  } else {
+    table_ = std::make_unique<Table>(column_count_, 1, 1);
+    table_->set_row(0, 0, posable.rest());
+    table_->set_row(0, 1, posable.rest());
+  }
+  const GaitSphere sphere = sphere_around(posable, *table_);
+  sphere_centre_m_.z() = static_cast<float>(sphere.centre_z_m);
+  sphere_radius_m_ = static_cast<float>(sphere.radius_m);
+}
+
+Gait::~Gait() = default;
+Gait::Gait(Gait&&) noexcept = default;
+Gait& Gait::operator=(Gait&&) noexcept = default;
+
+float Gait::stride_length_m(float speed_mps, float scale) const {
+  if (table_->leg_length_m == 0) return 1;
+  const float stride = table_->strides_per_root_speed * table_->root_speed(speed_mps, scale);
+  return std::max(stride, kShortestStride) * table_->leg_length_m * scale;
+}
+
+void Gait::postures(std::span<const float> phases, std::span<const float> speeds_mps,
+                    std::span<const float> scales, std::span<float> rows) const {
+  assert(speeds_mps.size() == phases.size() && scales.size() == phases.size());
+  assert(rows.size() == phases.size() * static_cast<size_t>(column_count_));
+  const Table& table = *table_;
+  const int columns = column_count_;
+  float* out = rows.data();
+  if (table.leg_length_m == 0) {
+    for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += columns)
+      std::copy_n(table.row(0, 0), columns, out);
+    return;
+  }
+  for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += columns) {
+    const float x = phases[avatar] * static_cast<float>(table.phases);
+    const float y =
+        table.root_speed(speeds_mps[avatar], scales[avatar]) * table.speed_cells_per_root_speed;
+    const int phase = std::clamp(static_cast<int>(x), 0, table.phases - 1);
+    const int speed = std::clamp(static_cast<int>(y), 0, table.speeds - 2);
+    const float u = x - static_cast<float>(phase), v = y - static_cast<float>(speed);
+    const float* a = table.row(speed, phase);
+    const float* b = a + table.row_floats;
+    const float* c = table.row(speed + 1, phase);
+    const float* d = c + table.row_floats;
+    for (int i = 0; i < columns; ++i) {
+      const float slow = a[i] + u * (b[i] - a[i]);
+      const float fast = c[i] + u * (d[i] - c[i]);
+      out[i] = slow + v * (fast - slow);
+    }
+  }
+}
+
+}  // namespace throng

@@ -1,0 +1,251 @@
+#include "avatars/gait_cycle.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "avatars/gait_curves.h"
+
+namespace throng {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+constexpr double kToeOut = 6 * kDegree;
+// Arms hang a little off the hips.
+constexpr double kArmsOut = 6 * kDegree;
+// No knee locks: at less than this, a millimetre of pelvis is worth several degrees of knee.
+constexpr double kStraightestKnee = 2 * kDegree;
+// Height of the lowest sole point halfway through the swing, in leg lengths; 2.5 cm for an adult.
+constexpr double kClearance = 0.029;
+// Walking feet land nearer to the line of travel than the hips are apart (step width about 0.1 m).
+constexpr double kStepWidthShare = 0.62;
+
+double smooth(double u) {
+  u = std::clamp(u, 0.0, 1.0);
+  return u * u * (3 - 2 * u);
+}
+
+}  // namespace
+
+// Where the feet of one leg are over the cycle, seen from above and from the side.
+struct Walker::Step {
+  const Leg* leg;
+  const GaitCurves* curves;
+  double stride_m, stance, swing_height_m;
+  double x_m, y_m;  // of the ankle over the flat foot, as if it had landed under the root at t = 0
+  double heading_rad;
+
+  Vector2d planted(double t) const {
+    const double roll = leg->roll_m(curves->foot_pitch(t));
+    return Vector2d(x_m - stride_m * t, y_m) +
+           roll * Vector2d(std::cos(heading_rad), std::sin(heading_rad));
+  }
+
+  FootTarget target(double t) const {
+    FootTarget foot{{}, curves->foot_pitch(t), heading_rad};
+    if (t <= stance) {
+      foot.ankle_m.head<2>() = planted(t);
+      return foot;
+    }
+    // The swing leaves with the speed that the rolling foot has, and lands with a part of it: at
+    // all of it the foot would reach 5 cm beyond its landing place.
+    constexpr double kLandingShare = 0.35;
+    constexpr double kDt = 1e-5;
+    const double span = 1 - stance, u = (t - stance) / span, v = 1 - u;
+    const Vector2d leave = planted(stance), land = planted(0);
+    const Vector2d leave_rate = (leave - planted(stance - kDt)) / kDt * span;
+    const Vector2d land_rate = (planted(kDt) - land) / kDt * span * kLandingShare;
+    foot.ankle_m.head<2>() = leave * (v * v * (1 + 2 * u)) + leave_rate * (u * v * v) +
+                             land * (u * u * (1 + 2 * v)) - land_rate * (u * u * v);
+    return foot;
+  }
+
+  double clearance_m(double t) const {
+    const double sine = std::sin(std::numbers::pi * std::max(0.0, t - stance) / (1 - stance));
+    return swing_height_m * sine * sine;
+  }
+
+  // The share of the body's weight on this foot.
+  double load(double t) const {
+    const double shared = stance - 0.5;
+    return smooth(t / shared) * smooth((stance - t) / shared);
+  }
+};
+
+// What is known of an instant before the pelvis's height is.
+struct Walker::Instant {
+  std::vector<double> columns;
+  Isometry3d pelvis;  // its motion from the zero posture
+  struct Foot {
+    FootTarget target;
+    double clearance_m, load, knee_rad;
+  };
+  std::array<Foot, 2> feet;
+};
+
+std::optional<Walker> Walker::find(const PosableModel& model) {
+  std::optional<Leg> right = Leg::find(model, "right"), left = Leg::find(model, "left");
+  const int vertical = model.joint_of("pelvis_vertical");
+  if (!right || !left || vertical < 0 || model.column_of_joint(vertical) < 0) return std::nullopt;
+  Walker walker(model, std::move(*right), std::move(*left));
+  const Robot& robot = model.model().robot;
+  std::vector<Isometry3d> zero;
+  model.pose(std::vector<double>(static_cast<size_t>(model.model().kinematics.column_count()), 0.0),
+             zero);
+  const Joint& lift = robot.joints[static_cast<size_t>(vertical)];
+  const Vector3d up = zero[static_cast<size_t>(lift.child_link)].linear() * lift.axis;
+  if (lift.kind != Joint::Kind::kPrismatic || up.z() < 1 - 1e-6) return std::nullopt;
+  walker.vertical_column_ = model.column_of_joint(vertical);
+  // The pelvis is what both legs hang from: the parent of the first joint of a hip.
+  int first_hip = std::numeric_limits<int>::max();
+  for (const char* name : {"right_hip_flexion", "right_hip_adduction", "right_hip_rotation"})
+    first_hip = std::min(first_hip, model.joint_of(name));
+  walker.pelvis_link_ = robot.joints[static_cast<size_t>(first_hip)].parent_link;
+  walker.pelvis_from_root_ = zero[static_cast<size_t>(walker.pelvis_link_)].inverse();
+  return walker;
+}
+
+void Walker::set(std::vector<double>& columns, const std::string& joint, double value) const {
+  const int column = model_->model().kinematics.column_of(joint);
+  if (column >= 0) columns[static_cast<size_t>(column)] = model_->clamped(column, value);
+}
+
+Walker::Instant Walker::instant(const GaitCurves& curves, const std::array<Step, 2>& steps,
+                                double t) const {
+  Instant now;
+  std::vector<double>& columns = now.columns = model_->rest();
+  set(columns, "pelvis_lateral", curves.pelvis_lateral(t) * leg_length_m());
+  set(columns, "pelvis_yaw", curves.pelvis_yaw(t));
+  set(columns, "pelvis_pitch", curves.pelvis_pitch(t));
+  set(columns, "pelvis_roll", curves.pelvis_roll(t));
+  set(columns, "thorax_yaw", curves.thorax_yaw(t) - curves.pelvis_yaw(t));
+  set(columns, "head_yaw", -curves.thorax_yaw(t));
+  for (size_t side = 0; side < 2; ++side) {
+    const std::string name = side == 0 ? "right" : "left";
+    double own = t + 0.5 * static_cast<double>(side);
+    own -= std::floor(own);
+    set(columns, name + "_shoulder_flexion", curves.shoulder_flexion(own));
+    set(columns, name + "_shoulder_abduction", kArmsOut);
+    set(columns, name + "_elbow_flexion", curves.elbow_flexion(own));
+    now.feet[side] = {steps[side].target(own), steps[side].clearance_m(own), steps[side].load(own),
+                      curves.knee_flexion(own)};
+  }
+  columns[static_cast<size_t>(vertical_column_)] = 0;
+  std::vector<Isometry3d> links;
+  model_->pose(columns, links);
+  now.pelvis = links[static_cast<size_t>(pelvis_link_)] * pelvis_from_root_;
+  return now;
+}
+
+namespace {
+
+// Where a concave function is highest, by golden-section search.
+template <typename Function>
+double highest_point(const Function& value, double low, double high) {
+  constexpr double kGolden = 0.6180339887498949;
+  for (int i = 0; i < 30; ++i) {
+    const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    if (value(a) > value(b))
+      high = b;
+    else
+      low = a;
+  }
+  return (low + high) / 2;
+}
+
+// Height of a hip whose leg reaches `reach` to an ankle.
+double hip_height(const Vector3d& hip, const Vector3d& ankle, double reach) {
+  const double aside = (hip - ankle).head<2>().squaredNorm();
+  return ankle.z() + std::sqrt(std::max(0.0, reach * reach - aside));
+}
+
+}  // namespace
+
+// Heights of pelvis and ankles depend on each other, weakly (through the tilt of the feet), so they
+// are found in turn. The feet are moved forward or back to where the legs allow the highest pelvis.
+std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
+                                          std::vector<Instant>& instants) const {
+  const size_t n = instants.size();
+  std::vector<double> bob(n), height(n);
+  for (size_t i = 0; i < n; ++i)
+    bob[i] = height[i] =
+        curves.pelvis_vertical(static_cast<double>(i) / static_cast<double>(n)) * leg_length_m();
+  for (int round = 0; round < 4; ++round) {
+    for (size_t i = 0; i < n; ++i)
+      for (size_t side = 0; side < 2; ++side) {
+        Instant::Foot& foot = instants[i].feet[side];
+        const Vector3d hip = legs_[side].hip_m(instants[i].pelvis) + height[i] * Vector3d::UnitZ();
+        foot.target.ankle_m.z() = foot.clearance_m + legs_[side].ankle_height_m(hip, foot.target);
+      }
+    // How high the pelvis can be over its bob if the feet are shifted by this much.
+    const auto highest = [&](double shift) {
+      double most = std::numeric_limits<double>::infinity();
+      for (size_t i = 0; i < n; ++i)
+        for (size_t side = 0; side < 2; ++side) {
+          const Leg& leg = legs_[side];
+          const Vector3d ankle = instants[i].feet[side].target.ankle_m + shift * Vector3d::UnitX();
+          const Vector3d hip = leg.hip_m(instants[i].pelvis);
+          most = std::min(most,
+                          hip_height(hip, ankle, leg.reach_m(kStraightestKnee)) - hip.z() - bob[i]);
+        }
+      return most;
+    };
+    const double shift = highest_point(highest, -0.3 * leg_length_m(), 0.3 * leg_length_m());
+    const double lift = highest(shift);
+    for (size_t i = 0; i < n; ++i) {
+      height[i] = bob[i] + lift;
+      for (Instant::Foot& foot : instants[i].feet) foot.target.ankle_m.x() += shift;
+    }
+  }
+  return height;
+}
+
+std::vector<std::vector<double>> Walker::cycle(double relative_speed, int n) const {
+  assert(n > 0 && n % 2 == 0);
+  const GaitCurves curves(relative_speed);
+  const double root_speed = std::sqrt(relative_speed);
+  const double walking = smooth(root_speed);
+
+  std::array<Step, 2> steps;
+  for (size_t side = 0; side < 2; ++side) {
+    const Leg& leg = legs_[side];
+    const double width = 1 - walking * (1 - kStepWidthShare);
+    steps[side] = {&leg,
+                   &curves,
+                   kStridePerRootSpeed * root_speed * leg_length_m(),
+                   stance_fraction(relative_speed),
+                   kClearance * std::min(root_speed, 1.0) * leg_length_m(),
+                   0,
+                   leg.ankle_m().y() * width,
+                   side == 0 ? -kToeOut : kToeOut};
+  }
+  std::vector<Instant> instants;
+  for (int i = 0; i < n; ++i)
+    instants.push_back(instant(curves, steps, static_cast<double>(i) / n));
+
+  const std::vector<double> height = fit_to_ground(curves, instants);
+
+  std::vector<std::vector<double>> postures;
+  for (size_t i = 0; i < instants.size(); ++i) {
+    std::vector<double>& columns = instants[i].columns;
+    columns[static_cast<size_t>(vertical_column_)] = height[i];
+    Isometry3d pelvis = instants[i].pelvis;
+    pelvis.pretranslate(height[i] * Vector3d::UnitZ());
+    for (size_t side = 0; side < 2; ++side)
+      legs_[side].solve(pelvis, instants[i].feet[side].target, columns);
+    for (size_t c = 0; c < columns.size(); ++c)
+      columns[c] = model_->clamped(static_cast<int>(c), columns[c]);
+    postures.push_back(columns);
+  }
+  return postures;
+}
+
+}  // namespace throng

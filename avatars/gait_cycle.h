@@ -1,0 +1,44 @@
+// One cycle of walking at one speed: the published curves bent so that feet stand on the ground.
+// One rule: a foot in stance rolls from heel to toe without sliding while the root moves one stride
+// a cycle.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "avatars/gait_leg.h"
+
+namespace throng {
+
+class GaitCurves;
+
+class Walker {
+ public:
+  /// Empty if the model is no walker: two legs (see Leg) under a pelvis that moves up and down.
+  static std::optional<Walker> find(const PosableModel& model);
+
+  double leg_length_m() const { return legs_[0].length_m(); }
+
+  /// Postures at phases 0, 1/n, ... of a cycle; n even. relative_speed in leg lengths a second, in
+  /// [0, 3]; 0 stands still. Angles are inside the joints' limits.
+  std::vector<std::vector<double>> cycle(double relative_speed, int n) const;
+
+ private:
+  Walker(const PosableModel& model, Leg right, Leg left)
+      : model_(&model), legs_{std::move(right), std::move(left)} {}
+
+  struct Step;
+  struct Instant;
+  Instant instant(const GaitCurves& curves, const std::array<Step, 2>& steps, double t) const;
+  std::vector<double> fit_to_ground(const GaitCurves& curves, std::vector<Instant>& instants) const;
+  void set(std::vector<double>& columns, const std::string& joint, double value) const;
+
+  const PosableModel* model_;
+  std::array<Leg, 2> legs_;  // right, left
+  int pelvis_link_ = -1;
+  int vertical_column_ = -1;
+  Eigen::Isometry3d pelvis_from_root_ = Eigen::Isometry3d::Identity();  // in the zero posture
+};
+
+}  // namespace throng

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+
+#include "avatars/gait_table.h"
+
+namespace throng {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+// Single precision in postures, kinematics and placing: ten times what was measured.
+constexpr double kFloatMargin = 1e-4;
+
+std::vector<double> columns_at(const GaitTable& table, int speed, int phase) {
+  const float* row = table.row(speed, phase);
+  return {row, row + table.columns};
+}
+
+// A vertex at height z and distance r from the axis is sqrt(r^2 + z^2 - 2 z c + c^2) from a centre
+// at height c: a line over c, but for c^2. The farthest vertices are those whose lines are
+// uppermost.
+struct Line {
+  double z, square;
+  double at(double c) const { return square - 2 * z * c; }
+};
+
+double squared_radius(const std::vector<Line>& lines, double c) {
+  double most = 0;
+  for (const Line& line : lines) most = std::max(most, line.at(c));
+  return most + c * c;
+}
+
+// The lowest point of the convex squared_radius(), by golden-section search.
+double best_centre(const std::vector<Line>& lines, double low, double high) {
+  constexpr double kGolden = 0.6180339887498949;
+  for (int i = 0; i < 40; ++i) {
+    const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    (squared_radius(lines, a) < squared_radius(lines, b) ? high : low) =
+        squared_radius(lines, a) < squared_radius(lines, b) ? b : a;
+  }
+  return (low + high) / 2;
+}
+
+// Every node would do; a sample of them misses the best height by less than a millimetre.
+double centre_height(const PosableModel& model, const GaitTable& table) {
+  constexpr int kPhaseStride = 16, kSpeedStride = 4, kHeights = 64;
+  std::vector<Line> uppermost;
+  std::vector<Isometry3d> links;
+  double low = 0, high = 0;
+  for (int speed = table.speeds - 1; speed >= 0; speed -= kSpeedStride)
+    for (int phase = 0; phase < table.phases; phase += kPhaseStride) {
+      model.pose(columns_at(table, speed, phase), links);
+      std::vector<Line> lines;
+      for (const Part& part : model.model().parts)
+        for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
+          const Vector3d p = links[static_cast<size_t>(part.link)] * vertex.cast<double>();
+          lines.push_back({p.z(), p.squaredNorm()});
+          low = std::min(low, p.z());
+          high = std::max(high, p.z());
+        }
+      if (lines.empty()) continue;
+      for (int i = 0; i <= kHeights; ++i) {
+        const double c = low + (high - low) * i / kHeights;
+        uppermost.push_back(
+            *std::max_element(lines.begin(), lines.end(),
+                              [c](const Line& a, const Line& b) { return a.at(c) < b.at(c); }));
+      }
+    }
+  return best_centre(uppermost, low, high);
+}
+
+// How far a part's vertices can stray between two nodes from the straight line between their places
+// at these. A joint's motion is linear there, so |p - chord| <= |p''| / 8, and |p''| is bounded by
+// the joints' travel: two joints i above j contribute 2 |di| |dj| lever_j, one alone di^2 lever_i.
+class Sagitta {
+ public:
+  Sagitta(const PosableModel& model, const Part& part) {
+    double lever = 0;
+    for (const Eigen::Vector3f& vertex : part.mesh.vertices)
+      lever = std::max(lever, static_cast<double>(vertex.norm()));
+    for (int link = part.link; link > 0;) {
+      const Joint& joint = model.model().robot.joints[static_cast<size_t>(link - 1)];
+      const bool prismatic = joint.kind == Joint::Kind::kPrismatic;
+      const int column = model.column_of_joint(link - 1);
+      if (prismatic) lever += std::max(std::abs(joint.lower), std::abs(joint.upper));
+      if (column >= 0)
+        chain_.push_back({column, prismatic, std::abs(model.gain_of_joint(link - 1)), lever});
+      lever += joint.parent_from_joint.translation().norm();
+      link = joint.parent_link;
+    }
+    std::reverse(chain_.begin(), chain_.end());
+  }
+
+  double bound(const std::vector<double>& travel) const {
+    double turned_above = 0, sum = 0;
+    for (const Mover& mover : chain_) {
+      const double d = mover.gain * travel[static_cast<size_t>(mover.column)];
+      sum += 2 * turned_above * d * (mover.prismatic ? 1 : mover.lever);
+      if (mover.prismatic) continue;
+      sum += d * d * mover.lever;
+      turned_above += d;
+    }
+    return sum / 8;
+  }
+
+ private:
+  struct Mover {
+    int column;
+    bool prismatic;
+    double gain, lever;
+  };
+  std::vector<Mover> chain_;  // root first
+};
+
+// Of one part over all cells: along the phase, then between the two postures so found along the
+// speed.
+double stray_between_nodes(const Sagitta& part, const GaitTable& table) {
+  double along_phase = 0, along_speed = 0;
+  std::vector<double> travel(static_cast<size_t>(table.columns));
+  for (int speed = 0; speed < table.speeds; ++speed)
+    for (int phase = 0; phase < table.phases; ++phase) {
+      const float *here = table.row(speed, phase), *next = table.row(speed, phase + 1);
+      for (size_t c = 0; c < travel.size(); ++c)
+        travel[c] = std::abs(static_cast<double>(next[c]) - static_cast<double>(here[c]));
+      along_phase = std::max(along_phase, part.bound(travel));
+      if (speed + 1 == table.speeds) continue;
+      const float *here_up = table.row(speed + 1, phase),
+                  *next_up = table.row(speed + 1, phase + 1);
+      for (size_t c = 0; c < travel.size(); ++c)
+        travel[c] =
+            std::max(std::abs(static_cast<double>(here_up[c]) - static_cast<double>(here[c])),
+                     std::abs(static_cast<double>(next_up[c]) - static_cast<double>(next[c])));
+      along_speed = std::max(along_speed, part.bound(travel));
+    }
+  return along_phase + along_speed;
+}
+
+}  // namespace
+
+GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
+  GaitSphere sphere{centre_height(model, table), 0};
+  const Vector3d centre(0, 0, sphere.centre_z_m);
+
+  // A part's own sphere tells most nodes apart from the farthest without a look at its vertices.
+  struct Extent {
+    const Part* part;
+    Vector3d middle;
+    double radius, stray;
+  };
+  std::vector<Extent> extents;
+  for (const Part& part : model.model().parts) {
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3f& vertex : part.mesh.vertices) box.extend(vertex.cast<double>());
+    double radius = 0;
+    for (const Eigen::Vector3f& vertex : part.mesh.vertices)
+      radius = std::max(radius, (vertex.cast<double>() - box.center()).norm());
+    extents.push_back(
+        {&part, box.center(), radius, stray_between_nodes(Sagitta(model, part), table)});
+  }
+  std::vector<Isometry3d> links;
+  for (int speed = table.speeds - 1; speed >= 0; --speed)
+    for (int phase = 0; phase < table.phases; ++phase) {
+      model.pose(columns_at(table, speed, phase), links);
+      for (const Extent& extent : extents) {
+        const Isometry3d& pose = links[static_cast<size_t>(extent.part->link)];
+        if ((pose * extent.middle - centre).norm() + extent.radius + extent.stray <=
+            sphere.radius_m)
+          continue;
+        for (const Eigen::Vector3f& vertex : extent.part->mesh.vertices)
+          sphere.radius_m = std::max(sphere.radius_m,
+                                     (pose * vertex.cast<double>() - centre).norm() + extent.stray);
+      }
+    }
+  sphere.radius_m += kFloatMargin;
+  return sphere;
+}
+
+}  // namespace throng

@@ -1,0 +1,47 @@
+// Postures over speed and phase, and the sphere that holds a body in all of them.
+// One rule: between its nodes a posture is bilinear; gait.cpp reads it so, the sphere's bound
+// relies on it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "avatars/gait_pose.h"
+
+namespace throng {
+
+/// Rows of column_count floats, each padded to a multiple of 4; speed-major, phases 0..phases of
+/// which the last repeats the first. One phase and one speed for a model that keeps still.
+struct GaitTable {
+  int columns = 0;
+  int row_floats = 0;
+  int phases = 0;  ///< cells around the cycle
+  int speeds = 0;  ///< nodes, uniform in the square root of the relative speed
+  std::vector<float> rows;
+
+  GaitTable(int column_count, int phase_cells, int speed_nodes)
+      : columns(column_count),
+        row_floats((column_count + 3) / 4 * 4),
+        phases(phase_cells),
+        speeds(speed_nodes),
+        rows(static_cast<size_t>(row_floats) * static_cast<size_t>(phase_cells + 1) *
+             static_cast<size_t>(speed_nodes)) {}
+
+  float* row(int speed, int phase) {
+    return rows.data() + (static_cast<ptrdiff_t>(speed) * (phases + 1) + phase) * row_floats;
+  }
+  const float* row(int speed, int phase) const {
+    return const_cast<GaitTable*>(this)->row(speed, phase);
+  }
+};
+
+struct GaitSphere {
+  double centre_z_m = 0;
+  double radius_m = 0;
+};
+
+/// Holds every vertex of every part in every posture between the nodes; centred on the root's z
+/// axis where the radius is smallest.
+GaitSphere sphere_around(const PosableModel& model, const GaitTable& table);
+
+}  // namespace throng
