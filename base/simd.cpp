@@ -20,7 +20,8 @@ constexpr std::array<std::pair<SimdTarget, std::string_view>, 5> kNames{{
 }};
 
 bool machine_runs(SimdTarget target) {
-  const int64_t supported = hwy::SupportedTargets();
+  // Asked once: Highway executes CPUID each time, which traps in a virtual machine (16 us).
+  static const int64_t supported = hwy::SupportedTargets();
   switch (target) {
     case SimdTarget::kBest:
     case SimdTarget::kScalar:
@@ -53,7 +54,6 @@ std::vector<SimdTarget> simd_targets_of_this_machine() {
 }
 
 SimdTarget resolved(SimdTarget target) {
-  // Asked once: the answer costs a vector, and callers may sit in a frame.
   static const SimdTarget best = simd_targets_of_this_machine().back();
   if (target == SimdTarget::kBest) return best;
   if (!machine_runs(target))
