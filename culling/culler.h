@@ -56,10 +56,12 @@ struct StageCounters {
 };
 
 struct CullingCounters {
-  StageCounters avatar;  ///< spheres over bodies
-  StageCounters box;     ///< boxes over the parts of surviving bodies
-  StageCounters part;    ///< the part volume over surviving parts
-  StageCounters exact;   ///< triangles
+  StageCounters avatar;    ///< spheres over bodies
+  StageCounters body_box;  ///< the box of a body in its pose, over pairs whose spheres overlap
+  StageCounters box;       ///< boxes over the parts of pairs whose body boxes overlap
+  StageCounters part;      ///< the part volume over surviving parts
+  StageCounters exact;     ///< triangles
+  uint64_t primitive_tests = 0;  ///< boxes and triangles inside the exact stage: the paper's N_p
   uint64_t posed_bodies = 0;
   double pose_ns = 0;  ///< time inside PoseSource, summed over threads
   double events_ns = 0;
@@ -91,8 +93,5 @@ class Culler {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// The SIMD target that kBest picks on this machine: "avx2", "avx512", ...
-std::string_view best_simd_name();
 
 }  // namespace throng

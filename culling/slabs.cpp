@@ -40,11 +40,6 @@ Sorted sorted(const Eigen::Vector3f& d) {
   return s;
 }
 
-/// The edge direction without axis `omitted`: the one with equal signs comes first in kDirections.
-int edge_index(int omitted, bool opposite) {
-  return kAxisDirections + 2 * omitted + (opposite ? 1 : 0);
-}
-
 struct Decomposition {
   const Slabs& slabs;
   const Sorted& s;
@@ -58,16 +53,15 @@ struct Decomposition {
     const int omitted = s.axis[omitted_rank];
     const int first = omitted == 0 ? 1 : 0;
     const int second = omitted == 2 ? 1 : 2;
-    const int index = edge_index(omitted, s.negative[first] != s.negative[second]);
-    sum.add(slabs.slab[static_cast<size_t>(index)], weight, s.negative[first]);
+    const bool opposite = s.negative[first] != s.negative[second];
+    sum.add(slabs.slab[edge_direction(static_cast<size_t>(omitted), opposite)], weight,
+            s.negative[first]);
   }
   /// The corner with the signs of d; `flip` turns the sign of one axis.
   void corner(float weight, int flip = -1) {
     bool n[3] = {s.negative[0], s.negative[1], s.negative[2]};
     if (flip >= 0) n[flip] = !n[flip];
-    const int index =
-        kAxisDirections + kEdgeDirections + (n[1] != n[0] ? 2 : 0) + (n[2] != n[0] ? 1 : 0);
-    sum.add(slabs.slab[static_cast<size_t>(index)], weight, n[0]);
+    sum.add(slabs.slab[corner_direction(n[1] != n[0], n[2] != n[0])], weight, n[0]);
   }
 };
 

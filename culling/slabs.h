@@ -36,6 +36,15 @@ constexpr bool has_direction(int k, int direction) {
   return k == 26 || (k == 18 && is_edge) || (k == 14 && !is_edge);
 }
 
+/// The edge direction that leaves `omitted` out, for components of equal or opposite sign; and the
+/// corner direction whose y or z has the sign opposite to x. Indices into kDirections.
+constexpr size_t edge_direction(size_t omitted, bool opposite) {
+  return kAxisDirections + 2 * omitted + (opposite ? 1 : 0);
+}
+constexpr size_t corner_direction(bool y_opposite, bool z_opposite) {
+  return kAxisDirections + kEdgeDirections + (y_opposite ? 2u : 0u) + (z_opposite ? 1u : 0u);
+}
+
 /// Interval along a direction: [centre - half, centre + half].
 struct Slab {
   float centre = 0;

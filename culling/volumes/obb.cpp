@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -13,35 +14,54 @@
 namespace throng {
 namespace {
 
-/// The extreme points along a fixed set of directions: enough to steer the search, which looks at
-/// them thousands of times; the box itself is measured on all points.
-std::vector<Eigen::Vector3d> extreme_points(std::span<const Eigen::Vector3f> points) {
-  constexpr int kDirectionCount = 128;
-  std::vector<size_t> chosen;
-  for (int i = 0; i < kDirectionCount; ++i) {
-    // A Fibonacci spiral over the half sphere; each direction gives two extremes.
-    const double z = (i + 0.5) / kDirectionCount;
-    const double turn = 2.399963229728653 * i;
-    const double r = std::sqrt(1 - z * z);
-    const Eigen::Vector3d d(r * std::cos(turn), r * std::sin(turn), z);
-    size_t lowest = 0, highest = 0;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (size_t p = 0; p < points.size(); ++p) {
-      const double h = d.dot(points[p].cast<double>());
-      if (h < low) low = h, lowest = p;
-      if (h > high) high = h, highest = p;
-    }
-    chosen.push_back(lowest);
-    chosen.push_back(highest);
+using Points = std::vector<Eigen::Vector3d>;
+
+/// The lowest and highest point along a direction.
+std::array<size_t, 2> extremes(std::span<const Eigen::Vector3f> points, const Eigen::Vector3d& d) {
+  std::array<size_t, 2> found = {0, 0};
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (size_t p = 0; p < points.size(); ++p) {
+    const double h = d.dot(points[p].cast<double>());
+    if (h < low) low = h, found[0] = p;
+    if (h > high) high = h, found[1] = p;
   }
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  std::vector<Eigen::Vector3d> out;
-  for (size_t p : chosen) out.push_back(points[p].cast<double>());
-  return out;
+  return found;
 }
 
-Eigen::Vector3d extents(std::span<const Eigen::Vector3d> points, const Eigen::Matrix3d& axes) {
+/// The few points that decide the size of a box: the search looks at them thousands of times.
+class Deciders {
+ public:
+  explicit Deciders(std::span<const Eigen::Vector3f> points)
+      : all_(points), chosen_(points.size()) {
+    constexpr int kDirectionCount = 128;
+    for (int i = 0; i < kDirectionCount; ++i) {  // a Fibonacci spiral over the half sphere
+      const double z = (i + 0.5) / kDirectionCount, turn = 2.399963229728653 * i;
+      const double r = std::sqrt(1 - z * z);
+      add({r * std::cos(turn), r * std::sin(turn), z});
+    }
+  }
+  const Points& points() const { return points_; }
+  /// Adds what decides the box along these axes; false if all of it was known.
+  bool add_for(const Eigen::Matrix3d& axes) {
+    const size_t before = points_.size();
+    for (int i = 0; i < 3; ++i) add(axes.col(i));
+    return points_.size() > before;
+  }
+
+ private:
+  void add(const Eigen::Vector3d& direction) {
+    for (size_t p : extremes(all_, direction)) {
+      if (!chosen_[p]) points_.push_back(all_[p].cast<double>());
+      chosen_[p] = true;
+    }
+  }
+
+  std::span<const Eigen::Vector3f> all_;
+  std::vector<bool> chosen_;
+  Points points_;
+};
+
+Eigen::Vector3d extents(const Points& points, const Eigen::Matrix3d& axes) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
   for (const Eigen::Vector3d& p : points) {
@@ -53,12 +73,12 @@ Eigen::Vector3d extents(std::span<const Eigen::Vector3d> points, const Eigen::Ma
 }
 
 /// The volume, made to prefer the smaller area of two flat boxes and the shorter of two thin ones.
-double cost(std::span<const Eigen::Vector3d> points, const Eigen::Matrix3d& axes, double fat) {
+double cost(const Points& points, const Eigen::Matrix3d& axes, double fat) {
   return (extents(points, axes).array() + fat).prod();
 }
 
 /// Turns about the three axes by falling angles, for as long as the cost falls.
-Eigen::Matrix3d refined(std::span<const Eigen::Vector3d> points, Eigen::Matrix3d axes, double fat) {
+Eigen::Matrix3d refined(const Points& points, Eigen::Matrix3d axes, double fat) {
   double best = cost(points, axes, fat);
   for (double angle = 0.2; angle > 1e-4; angle *= 0.5) {
     bool improved = true;
@@ -81,7 +101,7 @@ Eigen::Matrix3d refined(std::span<const Eigen::Vector3d> points, Eigen::Matrix3d
   return axes;
 }
 
-Eigen::Matrix3d principal_axes(std::span<const Eigen::Vector3d> points) {
+Eigen::Matrix3d principal_axes(const Points& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) mean += p;
   mean /= static_cast<double>(points.size());
@@ -95,21 +115,24 @@ Eigen::Matrix3d principal_axes(std::span<const Eigen::Vector3d> points) {
 }  // namespace
 
 Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3f> points) {
-  const std::vector<Eigen::Vector3d> extreme = extreme_points(points);
-  const double fat = 1e-3 * extents(extreme, Eigen::Matrix3d::Identity()).maxCoeff();
+  Deciders deciders(points);
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
+  deciders.add_for(best);
+  const double fat = 1e-3 * extents(deciders.points(), best).maxCoeff();
   if (fat == 0) return best;  // one point: every box is the same
-  double least = cost(extreme, best, fat);
-  const Eigen::Matrix3d principal = principal_axes(extreme);
+  double least = cost(deciders.points(), best, fat);
+  const Eigen::Matrix3d principal = principal_axes(deciders.points());
   // Starts: both frames, each also turned by 45 degrees about each of its axes.
-  for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), principal}) {
+  for (const Eigen::Matrix3d& frame : {best, principal}) {
     for (int turn = 0; turn < 4; ++turn) {
-      Eigen::Matrix3d start = frame;
+      Eigen::Matrix3d axes = frame;
       if (turn < 3)
-        start *=
+        axes *=
             Eigen::AngleAxisd(0.785398163397448, Eigen::Vector3d::Unit(turn)).toRotationMatrix();
-      const Eigen::Matrix3d axes = refined(extreme, start, fat);
-      const double found = cost(extreme, axes, fat);
+      do {
+        axes = refined(deciders.points(), axes, fat);
+      } while (deciders.add_for(axes));
+      const double found = cost(deciders.points(), axes, fat);
       if (found < least) {
         least = found;
         best = axes;

@@ -34,6 +34,7 @@ struct Ordop {
   static Placed place(const Fitted& fitted, const PartPose& pose, float scale) {
     return {&fitted, pose, scale};
   }
+  static Placed place(Fitted&& fitted, const PartPose& pose, float scale) = delete;
   static bool overlaps(const Placed& a, const Placed& b, const Eigen::Vector3f& a_to_b_m,
                        float margin_m) {
     return ordop_overlaps<K>(*a.slabs, a.pose, a.scale, *b.slabs, b.pose, b.scale, a_to_b_m,

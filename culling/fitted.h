@@ -1,0 +1,22 @@
+// The volumes fitted to a body type, for the inside of culling only.
+// One rule: fitted once in the part's frame; what a frame needs of them is only read.
+#pragma once
+
+#include <vector>
+
+#include "culling/body_type.h"
+#include "culling/kernels.h"
+#include "culling/triangle_bvh.h"
+#include "culling/volumes.h"
+
+namespace throng {
+
+struct BodyType::Volumes {
+  std::vector<OrdopTable> ordops;  ///< one a part, as all below
+  std::vector<Sphere::Fitted> spheres;
+  std::vector<Aabb::Fitted> aabbs;
+  std::vector<Obb::Fitted> obbs;
+  std::vector<TriangleBvh> surfaces;  ///< empty if any part is a point cloud
+};
+
+}  // namespace throng

@@ -1,0 +1,69 @@
+// A buffer that grows and never shrinks, so that a frame like one seen before allocates nothing.
+// One rule: growing forgets the contents unless asked to keep them; growth is counted.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace throng {
+
+template <typename T>
+class GrowBuffer {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+ public:
+  GrowBuffer() = default;
+  GrowBuffer(GrowBuffer&& other) noexcept { swap(other); }
+  GrowBuffer& operator=(GrowBuffer&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~GrowBuffer() { release(data_); }
+
+  /// Room for `count` elements, contents undefined.
+  void resize(size_t count) { reserve(count, 0); }
+  /// Room for `count` elements, the first `kept` of them kept.
+  void grow(size_t count, size_t kept) { reserve(count, kept); }
+
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  T& operator[](size_t i) { return data_[i]; }
+  const T& operator[](size_t i) const { return data_[i]; }
+  size_t capacity() const { return capacity_; }
+  uint32_t times_grown() const { return times_grown_; }
+
+ private:
+  static constexpr std::align_val_t kAlignment{64};  // a cache line, and the widest register
+
+  void reserve(size_t count, size_t kept) {
+    if (count <= capacity_) return;
+    // A quarter in reserve: crowds get denser a little at a time.
+    const size_t capacity = count + count / 4 + 16;
+    T* data = static_cast<T*>(::operator new(capacity * sizeof(T), kAlignment));
+    if (kept > 0) std::memcpy(static_cast<void*>(data), data_, kept * sizeof(T));
+    release(data_);
+    data_ = data;
+    capacity_ = capacity;
+    ++times_grown_;
+  }
+  static void release(T* data) {
+    if (data != nullptr) ::operator delete(data, kAlignment);
+  }
+  void swap(GrowBuffer& other) {
+    std::swap(data_, other.data_);
+    std::swap(capacity_, other.capacity_);
+    std::swap(times_grown_, other.times_grown_);
+  }
+
+  T* data_ = nullptr;
+  size_t capacity_ = 0;
+  uint32_t times_grown_ = 0;
+};
+
+}  // namespace throng

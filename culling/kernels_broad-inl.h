@@ -1,0 +1,165 @@
+// Sphere runs and box masks with Highway, compiled once a target: spheres, or parts, as lanes.
+// Included by kernels_simd.cpp only, after kernels_ordop-inl.h.
+#if defined(THRONG_CULLING_KERNELS_BROAD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef THRONG_CULLING_KERNELS_BROAD_INL_H_
+#undef THRONG_CULLING_KERNELS_BROAD_INL_H_
+#else
+#define THRONG_CULLING_KERNELS_BROAD_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+
+#include "culling/kernels.h"
+
+#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The lanes of a mask as bits of an integer.
+HWY_INLINE uint32_t bits_of(M mask) {
+  const Lanes d;
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return static_cast<uint32_t>(bytes[0]) | (static_cast<uint32_t>(bytes[1]) << 8);
+}
+
+HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end,
+                               SlotPair* out) {
+  const Lanes d;
+  const V x = hn::Set(d, s.x[i]), y = hn::Set(d, s.y[i]), z = hn::Set(d, s.z[i]),
+          r = hn::Set(d, s.radius[i]);
+  size_t found = 0;
+  for (uint32_t j = begin; j < end; j += static_cast<uint32_t>(kLanes)) {
+    // The arrays are padded, so a full load is safe; the mask drops what lies beyond the run.
+    const V dx = hn::Sub(hn::LoadU(d, s.x + j), x);
+    const V dy = hn::Sub(hn::LoadU(d, s.y + j), y);
+    const V dz = hn::Sub(hn::LoadU(d, s.z + j), z);
+    const V reach = hn::Add(hn::LoadU(d, s.radius + j), r);
+    const V distance2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+    uint32_t hits = bits_of(hn::Le(distance2, hn::Mul(reach, reach)));
+    if (end - j < kLanes) hits &= (1u << (end - j)) - 1;
+    for (; hits != 0; hits &= hits - 1)
+      out[found++] = {i, j + static_cast<uint32_t>(std::countr_zero(hits))};
+  }
+  return found;
+}
+
+/// Low and high corner of a box, the same in every lane.
+struct Box {
+  V low[3], high[3];
+};
+
+HWY_INLINE Box splat(const float* low, const float* high, size_t stride) {
+  const Lanes d;
+  Box b;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    b.low[axis] = hn::Set(d, low[axis * stride]);
+    b.high[axis] = hn::Set(d, high[axis * stride]);
+  }
+  return b;
+}
+
+/// Which of the sixteen parts starting at `rows` overlap the box.
+HWY_INLINE uint32_t overlapping_parts(const float* rows, size_t padded, const Box& box) {
+  const Lanes d;
+  uint32_t bits = 0;
+  for (size_t lane = 0; lane < kBoxLanes; lane += kLanes) {
+    const float* low = rows + lane;
+    const float* high = low + 3 * padded;
+    M hit = hn::Le(hn::Load(d, low), box.high[0]);
+    hit = hn::And(hit, hn::Le(hn::Load(d, low + padded), box.high[1]));
+    hit = hn::And(hit, hn::Le(hn::Load(d, low + 2 * padded), box.high[2]));
+    hit = hn::And(hit, hn::Ge(hn::Load(d, high), box.low[0]));
+    hit = hn::And(hit, hn::Ge(hn::Load(d, high + padded), box.low[1]));
+    hit = hn::And(hit, hn::Ge(hn::Load(d, high + 2 * padded), box.low[2]));
+    bits |= bits_of(hit) << lane;
+  }
+  return bits;
+}
+
+/// Where the body boxes of a pair overlap, in a's coordinates; false where they do not.
+struct Overlap {
+  float low[3], high[3];
+};
+HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift, Overlap& out) {
+  bool apart = false;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const float b_low = b[axis] + shift[axis], b_high = b[4 + axis] + shift[axis];
+    out.low[axis] = a[axis] > b_low ? a[axis] : b_low;
+    out.high[axis] = a[4 + axis] < b_high ? a[4 + axis] : b_high;
+    apart |= out.low[axis] > out.high[axis];
+  }
+  return !apart;
+}
+
+/// Appends the overlapping parts of one pair; returns the new end.
+HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
+                               Candidate* out) {
+  const float* block_a = frame.blocks + size_t{pair.box_a} * kBoxLanes;
+  const float* block_b = frame.blocks + size_t{pair.box_b} * kBoxLanes;
+  Overlap in_a, in_b;
+  if (!body_overlap(block_a, block_b, pair.shift_m, in_a)) return out;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    in_b.low[axis] = in_a.low[axis] - pair.shift_m[axis];
+    in_b.high[axis] = in_a.high[axis] - pair.shift_m[axis];
+  }
+  const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
+  const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
+  const float* rows_a = block_a + kBoxLanes;
+  const float* rows_b = block_b + kBoxLanes;
+  const Box overlap_a = splat(in_a.low, in_a.high, 1), overlap_b = splat(in_b.low, in_b.high, 1);
+
+  uint32_t inside_b[256 / kBoxLanes];
+  uint32_t any_b = 0;
+  for (size_t group = 0; group < padded_b; group += kBoxLanes)
+    any_b |= inside_b[group / kBoxLanes] = overlapping_parts(rows_b + group, padded_b, overlap_b);
+  if (any_b == 0) return out;
+
+  for (size_t group_a = 0; group_a < padded_a; group_a += kBoxLanes) {
+    uint32_t inside_a = overlapping_parts(rows_a + group_a, padded_a, overlap_a);
+    for (; inside_a != 0; inside_a &= inside_a - 1) {
+      const uint32_t part_a =
+          static_cast<uint32_t>(group_a) + static_cast<uint32_t>(std::countr_zero(inside_a));
+      float low[3], high[3];  // of part a, in b's coordinates
+      for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = rows_a[axis * padded_a + part_a] - pair.shift_m[axis];
+        high[axis] = rows_a[(axis + 3) * padded_a + part_a] - pair.shift_m[axis];
+      }
+      const Box box = splat(low, high, 1);
+      for (size_t group_b = 0; group_b < padded_b; group_b += kBoxLanes) {
+        uint32_t hits = inside_b[group_b / kBoxLanes];
+        if (hits != 0) hits &= overlapping_parts(rows_b + group_b, padded_b, box);
+        for (; hits != 0; hits &= hits - 1) {
+          const uint32_t part_b =
+              static_cast<uint32_t>(group_b) + static_cast<uint32_t>(std::countr_zero(hits));
+          *out++ = {index, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b),
+                    bucket_of(frame, pair.type_a, part_a, pair.type_b, part_b)};
+        }
+      }
+    }
+  }
+  return out;
+}
+
+HWY_NOINLINE size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first,
+                              size_t count, Candidate* out, size_t room, size_t* found) {
+  Candidate* const start = out;
+  size_t i = first;
+  for (; i < count; ++i) {
+    const size_t worst =
+        size_t{frame.type_parts[pairs[i].type_a]} * frame.type_parts[pairs[i].type_b];
+    if (room - static_cast<size_t>(out - start) < worst) break;
+    out = box_pair(frame, pairs[i], static_cast<uint32_t>(i), out);
+  }
+  *found = static_cast<size_t>(out - start);
+  return i;
+}
+
+}  // namespace throng::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif  // HWY_SCALAR
+
+#endif  // per-target include guard

@@ -1,0 +1,247 @@
+#include "culling/part_stage.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "culling/fitted.h"
+#include "culling/stopwatch.h"
+
+namespace throng {
+namespace {
+
+/// The two body boxes overlap, b's shifted into a's coordinates.
+bool bodies_overlap(const float* a, const float* b, const float* shift) {
+  bool apart = false;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    apart |= a[axis] > b[4 + axis] + shift[axis];
+    apart |= b[axis] + shift[axis] > a[4 + axis];
+  }
+  return !apart;
+}
+
+struct PartOf {
+  const BodyType::Volumes* volumes;
+  size_t part;
+  const PartPose* pose;
+  float scale;
+};
+
+/// Two parts that a candidate names, and how far apart their roots are.
+struct PartPair {
+  PartOf a, b;
+  Eigen::Vector3f a_to_b_m;
+  float margin_m;
+};
+
+PartPair part_pair(const PartStageFrame& frame, const BodyPair& pair, const Candidate& c) {
+  return {{&frame.types[pair.type_a]->volumes(), c.part_a, &frame.poses[pair.pose_a + c.part_a],
+           pair.scale_a},
+          {&frame.types[pair.type_b]->volumes(), c.part_b, &frame.poses[pair.pose_b + c.part_b],
+           pair.scale_b},
+          {pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]},
+          pair.shift_m[3]};
+}
+
+/// Updates both volumes, then tests them: two updates a test, as the paper counts.
+template <typename Volume, typename FittedOf>
+bool placed_overlap(const PartPair& p, const FittedOf& fitted_of) {
+  const auto place = [&](const PartOf& part) {
+    return Volume::place(fitted_of(part), *part.pose, part.scale);
+  };
+  return Volume::overlaps(place(p.a), place(p.b), p.a_to_b_m, p.margin_m);
+}
+
+bool volumes_overlap(VolumeKind kind, const PartPair& p) {
+  const auto slabs = [](const PartOf& part) -> const Slabs& {
+    return part.volumes->ordops[part.part].slabs;
+  };
+  switch (kind) {
+    case VolumeKind::kSphere:
+      return placed_overlap<Sphere>(p, [](const PartOf& x) { return x.volumes->spheres[x.part]; });
+    case VolumeKind::kAabb:
+      return placed_overlap<Aabb>(p, [](const PartOf& x) { return x.volumes->aabbs[x.part]; });
+    case VolumeKind::kObb:
+      return placed_overlap<Obb>(p, [](const PartOf& x) { return x.volumes->obbs[x.part]; });
+    case VolumeKind::kKdop14:
+      return placed_overlap<Kdop<14>>(p, slabs);
+    case VolumeKind::kKdop18:
+      return placed_overlap<Kdop<18>>(p, slabs);
+    case VolumeKind::kKdop26:
+      return placed_overlap<Kdop<26>>(p, slabs);
+    case VolumeKind::kOrdop14:
+      return placed_overlap<Ordop<14>>(p, slabs);
+    case VolumeKind::kOrdop18:
+      return placed_overlap<Ordop<18>>(p, slabs);
+    case VolumeKind::kOrdop26:
+      return placed_overlap<Ordop<26>>(p, slabs);
+  }
+  return true;
+}
+
+void add_stage(StageCounters& sum, const StageCounters& other) {
+  sum.updates += other.updates;
+  sum.tests += other.tests;
+  sum.passed += other.passed;
+  sum.update_ns += other.update_ns;
+  sum.test_ns += other.test_ns;
+}
+
+}  // namespace
+
+void PartStageCounters::add(const PartStageCounters& other) {
+  add_stage(body_box, other.body_box);
+  add_stage(box, other.box);
+  add_stage(part, other.part);
+  add_stage(exact, other.exact);
+  primitive_tests += other.primitive_tests;
+}
+
+void PartStage::finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, size_t& count) {
+  Stopwatch watch;
+  find_candidates(frame);
+  counters_.box.test_ns += watch.lap_ns();
+  overlaps_.resize(candidate_count_);
+  switch (frame.volume) {
+    case VolumeKind::kOrdop14:
+      test_ordops(frame, frame.kernels->ordop_pairs_14);
+      break;
+    case VolumeKind::kOrdop18:
+      test_ordops(frame, frame.kernels->ordop_pairs_18);
+      break;
+    case VolumeKind::kOrdop26:
+      test_ordops(frame, frame.kernels->ordop_pairs_26);
+      break;
+    default:
+      test_others(frame);
+  }
+  counters_.part.tests += candidate_count_;
+  counters_.part.passed +=
+      static_cast<uint64_t>(std::count(overlaps_.data(), overlaps_.data() + candidate_count_, 1));
+  counters_.part.test_ns += watch.lap_ns();
+  if (frame.exact) {
+    decide_by_triangles(frame);
+    counters_.exact.test_ns += watch.lap_ns();
+  }
+  count = 0;
+  keys.resize(candidate_count_ + 1);  // one more: a key is written before it is known to count
+  for (size_t i = 0; i < candidate_count_; ++i) {
+    const Candidate& c = candidates_[i];
+    const BodyPair& pair = pairs_[c.pair];
+    keys[count] = PairKey(pair.body_a, pair.body_b, c.part_a, c.part_b);
+    count += overlaps_[i];
+  }
+}
+
+void PartStage::add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
+  Stopwatch watch;
+  pairs_.grow(pair_count_ + pairs.size(), pair_count_);
+  const size_t pairs_before = pair_count_;
+  uint64_t parts = 0;
+  for (const SlotPair& slots : pairs) {
+    const SlotBody* a = &frame.bodies[slots.a];
+    const SlotBody* b = &frame.bodies[slots.b];
+    if (a->body > b->body) std::swap(a, b);
+    const Eigen::Vector3f shift = (b->root() - a->root()).cast<float>();
+    const float* box_a = frame.boxes.blocks + size_t{a->block} * kBoxLanes;
+    const float* box_b = frame.boxes.blocks + size_t{b->block} * kBoxLanes;
+    if (!bodies_overlap(box_a, box_b, shift.data())) continue;
+    pairs_[pair_count_++] = {{shift.x(), shift.y(), shift.z(), a->margin_m + b->margin_m},
+                             a->scale,
+                             b->scale,
+                             a->pose,
+                             b->pose,
+                             a->block,
+                             b->block,
+                             a->body,
+                             b->body,
+                             a->type,
+                             b->type};
+    parts += uint64_t{frame.boxes.type_parts[a->type]} * frame.boxes.type_parts[b->type];
+  }
+  counters_.body_box.tests += pairs.size();
+  counters_.body_box.passed += pair_count_ - pairs_before;
+  counters_.body_box.test_ns += watch.lap_ns();
+  counters_.box.tests += parts;
+}
+
+void PartStage::find_candidates(const PartStageFrame& frame) {
+  candidate_count_ = 0;
+  constexpr size_t kWorstPair = size_t{BodyType::kMaxParts} * BodyType::kMaxParts;
+  size_t next = 0;
+  while (next < pair_count_) {
+    size_t found = 0;
+    next = frame.kernels->box_pairs(frame.boxes, pairs_.data(), next, pair_count_,
+                                    candidates_.data() + candidate_count_,
+                                    candidates_.capacity() - candidate_count_, &found);
+    candidate_count_ += found;
+    if (next < pair_count_)
+      candidates_.grow(2 * candidates_.capacity() + kWorstPair, candidate_count_);
+  }
+  counters_.box.passed += candidate_count_;
+}
+
+void PartStage::sort_into_buckets(const PartStageFrame& frame) {
+  const size_t buckets = bucket_count(frame.boxes.shapes);
+  bucket_start_.resize(buckets + 2);
+  order_.resize(candidate_count_);
+  // Counted one bucket late, so that after scattering bucket_start_[i] is where bucket i begins.
+  std::fill_n(bucket_start_.data(), buckets + 2, 0u);
+  for (size_t i = 0; i < candidate_count_; ++i) ++bucket_start_[size_t{candidates_[i].bucket} + 2];
+  std::partial_sum(bucket_start_.data(), bucket_start_.data() + buckets + 2, bucket_start_.data());
+  for (size_t i = 0; i < candidate_count_; ++i)
+    order_[bucket_start_[size_t{candidates_[i].bucket} + 1]++] = static_cast<uint32_t>(i);
+}
+
+void PartStage::test_ordops(const PartStageFrame& frame, Kernels::OrdopPairs test) {
+  sort_into_buckets(frame);
+  const uint32_t shapes = frame.boxes.shapes;
+  const auto table_of = [&](size_t shape) -> const OrdopTable& {
+    const uint16_t type = frame.shape_type[shape];
+    return frame.types[type]->volumes().ordops[shape - frame.type_first_shape[type]];
+  };
+  size_t bucket = 0;
+  for (size_t a = 0; a < shapes; ++a) {
+    for (size_t b = 0; b < shapes; ++b, ++bucket) {
+      const uint32_t begin = bucket_start_[bucket], count = bucket_start_[bucket + 1] - begin;
+      if (count == 0) continue;
+      test(table_of(a), table_of(b), pairs_.data(), frame.poses, candidates_.data(),
+           order_.data() + begin, count, overlaps_.data());
+    }
+  }
+  // Shapes beyond the buckets: rare, so one by one with the reference.
+  for (uint32_t i = bucket_start_[bucket]; i < candidate_count_; ++i) {
+    const Candidate& c = candidates_[order_[i]];
+    overlaps_[order_[i]] = volumes_overlap(frame.volume, part_pair(frame, pairs_[c.pair], c));
+  }
+}
+
+void PartStage::test_others(const PartStageFrame& frame) {
+  for (size_t i = 0; i < candidate_count_; ++i) {
+    const Candidate& c = candidates_[i];
+    overlaps_[i] = volumes_overlap(frame.volume, part_pair(frame, pairs_[c.pair], c));
+  }
+  counters_.part.updates += 2 * candidate_count_;
+}
+
+void PartStage::decide_by_triangles(const PartStageFrame& frame) {
+  ExactCounters primitive;
+  for (size_t i = 0; i < candidate_count_; ++i) {
+    if (!overlaps_[i]) continue;
+    const Candidate& c = candidates_[i];
+    const PartPair p = part_pair(frame, pairs_[c.pair], c);
+    overlaps_[i] =
+        solids_touch(p.a.volumes->surfaces[p.a.part], *p.a.pose, p.a.scale,
+                     p.b.volumes->surfaces[p.b.part], *p.b.pose, p.b.scale, p.a_to_b_m, primitive);
+    ++counters_.exact.tests;
+    counters_.exact.passed += overlaps_[i];
+  }
+  counters_.primitive_tests += primitive.node_tests + primitive.triangle_tests;
+}
+
+uint32_t PartStage::times_grown() const {
+  return pairs_.times_grown() + candidates_.times_grown() + bucket_start_.times_grown() +
+         order_.times_grown() + overlaps_.times_grown();
+}
+
+}  // namespace throng

@@ -1,0 +1,69 @@
+// Narrow phase: from pairs of bodies whose spheres overlap to pairs of parts.
+// One rule: works on one task at a time with buffers of its own, so that tasks can run on any
+// thread in any order.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/pose.h"
+#include "culling/body_type.h"
+#include "culling/culler.h"
+#include "culling/grow_buffer.h"
+#include "culling/kernels.h"
+#include "culling/pair_events.h"
+#include "culling/slots.h"
+
+namespace throng {
+
+/// What all tasks of a frame read.
+struct PartStageFrame {
+  std::span<const std::shared_ptr<const BodyType>> types;
+  std::span<const uint16_t> shape_type;  ///< type of each shape that has buckets
+  std::span<const uint16_t> type_first_shape;
+  const SlotBody* bodies;
+  const PartPose* poses;
+  BoxFrame boxes;
+  const Kernels* kernels;
+  VolumeKind volume;
+  bool exact;
+};
+
+/// N and time of one worker; summed up in any order.
+struct PartStageCounters {
+  StageCounters body_box, box, part, exact;
+  uint64_t primitive_tests = 0;
+  void add(const PartStageCounters& other);
+};
+
+/// The scratch of one worker.
+class PartStage {
+ public:
+  /// A task: begin(), add() blocks of sphere pairs, finish(). finish() writes the keys of the
+  /// overlapping parts; a() and b() of a key are body indices.
+  void begin() { pair_count_ = 0; }
+  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs);
+  void finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, size_t& count);
+
+  const PartStageCounters& counters() const { return counters_; }
+  void clear_counters() { counters_ = {}; }
+  uint32_t times_grown() const;
+
+ private:
+  void find_candidates(const PartStageFrame& frame);
+  void test_ordops(const PartStageFrame& frame, Kernels::OrdopPairs test);
+  void sort_into_buckets(const PartStageFrame& frame);
+  void test_others(const PartStageFrame& frame);
+  void decide_by_triangles(const PartStageFrame& frame);
+
+  GrowBuffer<BodyPair> pairs_;
+  GrowBuffer<Candidate> candidates_;
+  GrowBuffer<uint32_t> bucket_start_, order_;
+  GrowBuffer<uint8_t> overlaps_;
+  size_t pair_count_ = 0, candidate_count_ = 0;
+  PartStageCounters counters_;
+};
+
+}  // namespace throng
