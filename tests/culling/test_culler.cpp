@@ -1,0 +1,234 @@
+// The laws of the whole culling pass, on random worlds of mixed bodies.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "culling/culling.h"
+#include "culling/triangle_bvh.h"
+#include "tests/culling/random_world.h"
+
+namespace throng {
+namespace {
+
+using testing::RandomWorld;
+
+std::vector<PairKey> pairs_of(const RandomWorld& world, const CullerOptions& options, int threads) {
+  Workers workers(threads);
+  Culler culler(world.types, options, workers);
+  culler.step(world.view(), world);
+  return {culler.pairs().begin(), culler.pairs().end()};
+}
+
+/// Every pair of parts of different bodies whose solids touch, by trying them all.
+std::vector<PairKey> touching_by_brute_force(const RandomWorld& world) {
+  std::vector<std::vector<TriangleBvh>> surfaces;
+  for (const auto& type : world.types) {
+    surfaces.emplace_back();
+    for (const PartShape& part : type->parts())
+      surfaces.back().emplace_back(part.points, part.triangles);
+  }
+  std::vector<PairKey> out;
+  ExactCounters counters;
+  for (size_t a = 0; a < world.ids.size(); ++a) {
+    for (size_t b = a + 1; b < world.ids.size(); ++b) {
+      if (world.types[world.type_of[a]]->is_static() && world.types[world.type_of[b]]->is_static())
+        continue;
+      const Eigen::Vector3f shift =
+          (world.roots[b].position_m - world.roots[a].position_m).cast<float>();
+      if (shift.norm() > 20) continue;  // farther than the largest two bodies reach
+      const auto& surfaces_a = surfaces[world.type_of[a]];
+      const auto& surfaces_b = surfaces[world.type_of[b]];
+      for (size_t pa = 0; pa < surfaces_a.size(); ++pa)
+        for (size_t pb = 0; pb < surfaces_b.size(); ++pb)
+          if (solids_touch(surfaces_a[pa], world.pose(a, pa), world.scales[a], surfaces_b[pb],
+                           world.pose(b, pb), world.scales[b], shift, counters))
+            out.emplace_back(world.ids[a], world.ids[b], static_cast<uint32_t>(pa),
+                             static_cast<uint32_t>(pb));
+    }
+  }
+  return out;
+}
+
+struct Place {
+  const char* name;
+  double extent_m;
+  Eigen::Vector3d centre_m;
+};
+const Place kPlaces[] = {{"dense", 3, {0, 0, 0}},
+                         {"sparse", 25, {0, 0, 0}},
+                         {"far from the origin", 4, {10'000, -7'000, 100}},
+                         {"all in one point", 0, {1, 2, 3}}};
+
+TEST(Culler, NeverMissesATouchingPair) {
+  for (const Place& place : kPlaces) {
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+      SCOPED_TRACE(::testing::Message() << place.name << ", seed " << seed);
+      const RandomWorld world(seed, place.extent_m == 0 ? 12 : 60, place.extent_m, place.centre_m);
+      const std::vector<PairKey> truth = touching_by_brute_force(world);
+      if (place.extent_m < 10) ASSERT_GT(truth.size(), 20u);
+      for (const VolumeKind volume : kAllVolumes) {
+        const std::vector<PairKey> found = pairs_of(world, {.part_volume = volume}, 1);
+        size_t missed = 0;
+        for (const PairKey& pair : truth)
+          missed += !std::binary_search(found.begin(), found.end(), pair);
+        EXPECT_EQ(missed, 0u) << name_of(volume) << " misses " << missed << " of " << truth.size();
+      }
+      EXPECT_EQ(pairs_of(world, {.exact = true}, 1), truth)
+          << "the exact stage is the truth itself";
+    }
+  }
+}
+
+TEST(Culler, GivesTheSamePairsOnEveryPathAndNumberOfThreads) {
+  for (const Place& place : kPlaces) {
+    for (uint64_t seed = 11; seed <= 14; ++seed) {
+      const RandomWorld world(seed, place.extent_m == 0 ? 12 : 700, place.extent_m * 2,
+                              place.centre_m);
+      for (const VolumeKind volume :
+           {VolumeKind::kOrdop14, VolumeKind::kOrdop18, VolumeKind::kOrdop26}) {
+        const auto reference = pairs_of(
+            world,
+            {.part_volume = volume, .pair_search = PairSearch::kBrute, .simd = SimdTarget::kScalar},
+            1);
+        ASSERT_FALSE(reference.empty());
+        for (const PairSearch search :
+             {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute}) {
+          for (const SimdTarget target : simd_targets_of_this_machine()) {
+            for (const int threads : {1, 3}) {
+              const auto found = pairs_of(
+                  world, {.part_volume = volume, .pair_search = search, .simd = target}, threads);
+              EXPECT_TRUE(found == reference)
+                  << place.name << ", seed " << seed << ", " << name_of(volume) << ", search "
+                  << static_cast<int>(search) << ", " << name_of(target) << ", " << threads
+                  << " threads: " << found.size() << " pairs instead of " << reference.size();
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Culler, ReportsSortedPairsOfDifferentBodiesOnce) {
+  const RandomWorld world(21, 300, 5, Eigen::Vector3d::Zero());
+  const auto found = pairs_of(world, {}, 2);
+  ASSERT_GT(found.size(), 100u);
+  EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
+  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
+  for (const PairKey& pair : found) EXPECT_LT(pair.a(), pair.b());
+}
+
+TEST(Culler, NeverTestsStaticBodiesAgainstEachOther) {
+  const RandomWorld world(22, 300, 5, Eigen::Vector3d::Zero());
+  std::map<uint32_t, bool> is_static;
+  for (size_t i = 0; i < world.ids.size(); ++i)
+    is_static[world.ids[i]] = world.types[world.type_of[i]]->is_static();
+  for (const PairKey& pair : pairs_of(world, {}, 1))
+    EXPECT_FALSE(is_static[pair.a()] && is_static[pair.b()]);
+}
+
+/// Some bodies leave, some come back: the views of a world with a changing set of bodies.
+struct Subset {
+  Subset(const RandomWorld& world, uint64_t seed) : world_(world) {
+    for (size_t i = 0; i < world.ids.size(); ++i) {
+      if (random_uniform({.seed = seed, .id = i}) < 0.3) continue;
+      index.push_back(static_cast<uint32_t>(i));
+      ids.push_back(world.ids[i]);
+      types.push_back(world.type_of[i]);
+      scales.push_back(world.scales[i]);
+      roots.push_back(world.roots[i]);
+    }
+  }
+  struct Source : PoseSource {
+    explicit Source(const Subset& s) : subset(s) {}
+    void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override {
+      std::vector<uint32_t> mapped;
+      for (const uint32_t body : bodies) mapped.push_back(subset.index[body]);
+      subset.world_.poses(mapped, out);
+    }
+    const Subset& subset;
+  };
+  BodiesView view() const { return {ids, types, scales, roots}; }
+
+  const RandomWorld& world_;
+  std::vector<uint32_t> index, ids;
+  std::vector<uint16_t> types;
+  std::vector<float> scales;
+  std::vector<RootPose> roots;
+};
+
+TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
+  const RandomWorld world(31, 200, 4, Eigen::Vector3d::Zero());
+  Workers workers(2);
+  Culler culler(world.types, {}, workers);
+  std::set<PairKey> open;
+  uint64_t begins = 0;
+  const auto take = [&] {
+    for (const PairEvent& event : culler.events()) {
+      if (event.kind == EventKind::kBegin) {
+        EXPECT_TRUE(open.insert(event.pair).second) << "begun twice";
+        ++begins;
+      } else {
+        EXPECT_EQ(open.erase(event.pair), 1u) << "ended without a begin";
+      }
+    }
+  };
+  for (uint64_t frame = 0; frame < 20; ++frame) {
+    const Subset subset(world, 100 + frame);
+    culler.step(subset.view(), Subset::Source(subset));
+    take();
+    EXPECT_TRUE(std::equal(open.begin(), open.end(), culler.pairs().begin(), culler.pairs().end()))
+        << "what is open differs from what touches in frame " << frame;
+  }
+  EXPECT_GT(begins, 1000u);
+  culler.finish();
+  take();
+  EXPECT_TRUE(open.empty());
+}
+
+TEST(Culler, CountsEveryStage) {
+  const RandomWorld world(41, 300, 5, Eigen::Vector3d::Zero());
+  Workers workers(1);
+  Culler culler(world.types, {.exact = true}, workers);
+  culler.step(world.view(), world);
+  const CullingCounters& c = culler.counters();
+  EXPECT_EQ(c.avatar.updates, world.ids.size());
+  EXPECT_EQ(c.body_box.tests, c.avatar.passed);
+  EXPECT_EQ(c.part.tests, c.box.passed);
+  EXPECT_EQ(c.exact.tests, c.part.passed);
+  EXPECT_EQ(c.exact.passed, culler.pairs().size());
+  EXPECT_GE(c.avatar.tests, c.avatar.passed);
+  EXPECT_GE(c.box.tests, c.box.passed);
+  EXPECT_GT(c.primitive_tests, c.exact.tests);
+}
+
+TEST(Culler, LooksAtFewerPairsWithAGridThanByBruteForce) {
+  const RandomWorld world(42, 2000, 60, Eigen::Vector3d::Zero());
+  const auto tests = [&](PairSearch search) {
+    Workers workers(1);
+    Culler culler(world.types, {.pair_search = search}, workers);
+    culler.step(world.view(), world);
+    return culler.counters().avatar.tests;
+  };
+  const uint64_t grid = tests(PairSearch::kGrid), sweep = tests(PairSearch::kSweep),
+                 brute = tests(PairSearch::kBrute);
+  EXPECT_LT(grid, sweep);
+  EXPECT_LT(sweep, brute);
+  EXPECT_LT(grid * 20, brute);
+}
+
+TEST(Culler, HandlesAnEmptyFrameAndASingleBody) {
+  const RandomWorld world(43, 1, 1, Eigen::Vector3d::Zero());
+  Workers workers(1);
+  Culler culler(world.types, {}, workers);
+  culler.step({}, world);
+  EXPECT_TRUE(culler.pairs().empty());
+  culler.step(world.view(), world);
+  EXPECT_TRUE(culler.pairs().empty());
+}
+
+}  // namespace
+}  // namespace throng
