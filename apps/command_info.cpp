@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <memory>
+
+#include "apps/command.h"
+#include "apps/info.h"
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(
+The reader is chosen by the extension: .tri, .urdf, .yaml or .yml, .lcmlog.
+
+Examples:
+  throng info avatars/models/adult/head.tri
+  throng info avatars/models/adult/adult.urdf
+  throng info plaza
+  throng info out/plaza.lcmlog)";
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+int describe(const std::string& name) {
+  const fs::path file(name);
+  const std::string extension = lower_extension(file);
+  if (extension == ".tri") {
+    print_tri_info(file);
+  } else if (extension == ".urdf") {
+    print_urdf_info(file);
+  } else if (extension == ".yaml" || extension == ".yml") {
+    print_scene_info(name);
+  } else if (extension.empty() && !fs::exists(file)) {
+    print_scene_info(name);  // a bundled one, or a did-you-mean
+  } else {
+    throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file",
+                     extension.empty() ? "no extension" : "extension '" + extension + "'");
+  }
+  return kExitFine;
+}
+
+}  // namespace
+
+Command add_info_command(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("info", "Checks and describes a .tri mesh, a URDF, a scene or a log");
+  app->footer(kFooter);
+  const auto file = std::make_shared<std::string>();
+  app->add_option("FILE", *file, "What to describe")->required();
+  return {app, [file] { return describe(*file); }};
+}
+
+}  // namespace throng
