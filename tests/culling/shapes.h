@@ -1,0 +1,148 @@
+// Shapes, poses and oracles that the tests of culling share.
+// One rule: everything random comes from a seed that the test prints.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/random.h"
+
+namespace throng::test {
+
+/// A stream of random numbers under one seed.
+class Draw {
+ public:
+  explicit Draw(uint64_t seed, uint64_t id = 0) : key_{seed, id, 0, Purpose::kBoxWorld} {}
+
+  double uniform(double low, double high) {
+    ++key_.step;
+    return random_uniform(key_, low, high);
+  }
+  int integer(int low, int high) {  ///< both included
+    return low + static_cast<int>(uniform(0, high - low + 1));
+  }
+  Eigen::Vector3d in_box(double half) {
+    const double x = uniform(-half, half), y = uniform(-half, half);
+    return {x, y, uniform(-half, half)};
+  }
+  Eigen::Vector3d direction() {
+    const double z = uniform(-1, 1), turn = uniform(0, 2 * std::numbers::pi);
+    const double r = std::sqrt(1 - z * z);
+    return {r * std::cos(turn), r * std::sin(turn), z};
+  }
+  Eigen::Quaterniond rotation() {  ///< uniform (Shoemake 1992)
+    const double u = uniform(0, 1), v = uniform(0, 2 * std::numbers::pi),
+                 w = uniform(0, 2 * std::numbers::pi);
+    return {std::sqrt(u) * std::cos(w), std::sqrt(1 - u) * std::sin(v),
+            std::sqrt(1 - u) * std::cos(v), std::sqrt(u) * std::sin(w)};
+  }
+  PartPose pose(double reach_m) {
+    Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+    out.linear() = rotation().toRotationMatrix();
+    out.translation() = in_box(reach_m);
+    return to_part_pose(out);
+  }
+
+ private:
+  RandomKey key_;
+};
+
+inline Eigen::Vector3d placed_exactly(const PartPose& pose, float scale, const Eigen::Vector3f& p) {
+  return to_isometry(pose) * (static_cast<double>(scale) * p.cast<double>());
+}
+
+struct Shape {
+  std::string name;
+  std::vector<Eigen::Vector3f> points;
+};
+
+/// A cloud of points for every way in which a part can be odd.
+inline std::vector<Shape> odd_shapes(uint64_t seed) {
+  Draw draw(seed, 1);
+  const auto cloud = [&](int count, const Eigen::Vector3d& size, const Eigen::Vector3d& offset) {
+    std::vector<Eigen::Vector3f> points;
+    for (int i = 0; i < count; ++i)
+      points.push_back((draw.in_box(1).cwiseProduct(size) + offset).cast<float>());
+    return points;
+  };
+  std::vector<Eigen::Vector3f> tilted_flat, ball, cube;
+  const Eigen::Matrix3d turn = draw.rotation().toRotationMatrix();
+  for (const Eigen::Vector3f& p : cloud(60, {0.3, 0.2, 0}, {0, 0, 0}))
+    tilted_flat.push_back((turn * p.cast<double>()).cast<float>());
+  for (int i = 0; i < 300; ++i)
+    ball.push_back((0.2 * draw.direction() + Eigen::Vector3d(0, 0.1, 0)).cast<float>());
+  for (int i = 0; i < 8; ++i)
+    cube.push_back({(i & 1) ? 0.5f : -0.5f, (i & 2) ? 0.5f : -0.5f, (i & 4) ? 0.5f : -0.5f});
+  return {{"one point", cloud(1, {1, 1, 1}, {0, 0, 0})},
+          {"a point at the origin", {Eigen::Vector3f::Zero()}},
+          {"two points", cloud(2, {0.3, 0.3, 0.3}, {0, 0, 0})},
+          {"the same point twice", {{0.1f, 0.2f, 0.3f}, {0.1f, 0.2f, 0.3f}}},
+          {"points on a line", {{0, 0, 0}, {0.1f, 0.1f, 0.1f}, {0.3f, 0.3f, 0.3f}}},
+          {"flat", cloud(60, {0.3, 0.2, 0}, {0, 0, 0})},
+          {"flat and tilted", tilted_flat},
+          {"needle", cloud(40, {1e-5, 1e-5, 1}, {0, 0, 0})},
+          {"limb", cloud(150, {0.05, 0.06, 0.25}, {0, 0, -0.2})},
+          {"ball", ball},
+          {"cube", cube},
+          {"huge", cloud(80, {300, 200, 100}, {10, 20, 30})},
+          {"tiny", cloud(80, {1e-4, 2e-4, 1e-4}, {0, 0, 0})},
+          {"far from its origin", cloud(80, {0.1, 0.2, 0.3}, {40, -30, 20})}};
+}
+
+inline double reach_of(const std::vector<Eigen::Vector3f>& points) {
+  double reach = 0;
+  for (const Eigen::Vector3f& p : points) reach = std::max(reach, p.cast<double>().norm());
+  return reach;
+}
+
+struct Solid {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3i> triangles;
+};
+
+/// A closed, outward-oriented, bumpy ellipsoid of `rings` by `spokes`.
+inline Solid bumpy_ellipsoid(Draw& draw, int rings, int spokes, const Eigen::Vector3d& half_m,
+                             double bump) {
+  Solid out;
+  const auto add = [&](double polar, double turn) {
+    const Eigen::Vector3d d(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn),
+                            std::cos(polar));
+    out.points.push_back((draw.uniform(1 - bump, 1 + bump) * d.cwiseProduct(half_m)).cast<float>());
+  };
+  add(0, 0);
+  for (int r = 1; r < rings; ++r)
+    for (int s = 0; s < spokes; ++s)
+      add(std::numbers::pi * r / rings, 2 * std::numbers::pi * s / spokes);
+  add(std::numbers::pi, 0);
+  const auto at = [&](int r, int s) { return 1 + (r - 1) * spokes + s % spokes; };
+  const int last = static_cast<int>(out.points.size()) - 1;
+  for (int s = 0; s < spokes; ++s) {
+    out.triangles.push_back({0, at(1, s), at(1, s + 1)});
+    for (int r = 1; r + 1 < rings; ++r) {
+      out.triangles.push_back({at(r, s), at(r + 1, s), at(r + 1, s + 1)});
+      out.triangles.push_back({at(r, s), at(r + 1, s + 1), at(r, s + 1)});
+    }
+    out.triangles.push_back({last, at(rings - 1, s + 1), at(rings - 1, s)});
+  }
+  return out;
+}
+
+/// A closed, outward-oriented box.
+inline Solid box_solid(const Eigen::Vector3d& half_m,
+                       const Eigen::Vector3d& centre_m = Eigen::Vector3d::Zero()) {
+  Solid out;
+  for (int i = 0; i < 8; ++i)
+    out.points.push_back(
+        (centre_m +
+         Eigen::Vector3d((i & 1) ? 1 : -1, (i & 2) ? 1 : -1, (i & 4) ? 1 : -1).cwiseProduct(half_m))
+            .cast<float>());
+  out.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                   {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return out;
+}
+
+}  // namespace throng::test
