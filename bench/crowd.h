@@ -1,0 +1,51 @@
+// The bench crowd: people on a jittered square who walk straight on, whatever is in their way.
+// One rule: no steering, so that every engine is given the same frames and overlaps grow as in the
+// paper; the same numbers give the same crowd.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "avatars/gait.h"
+#include "avatars/model.h"
+#include "culling/culling.h"
+
+namespace throng::bench {
+
+struct CrowdShape {
+  int avatars = 20'000;
+  double per_m2 = 1;
+  double speed_mps = 1.3;
+  double step_s = 1.0 / 60.0;
+  uint64_t seed = 1;
+};
+
+class Crowd : public PoseSource {
+ public:
+  Crowd(std::shared_ptr<const Model> model, const CrowdShape& shape);
+
+  /// Everybody walks on for one step.
+  void advance();
+
+  BodiesView view() const { return {ids_, types_, scales_, roots_}; }
+  /// The one body type, fitted to the model; a fresh one at each call.
+  std::shared_ptr<const BodyType> body_type() const;
+  void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
+
+  int count() const { return static_cast<int>(ids_.size()); }
+  const Model& model() const { return *model_; }
+  SimdTarget simd = SimdTarget::kBest;
+
+ private:
+  std::shared_ptr<const Model> model_;
+  Gait gait_;
+  CrowdShape shape_;
+  float dphase_ = 0;
+  std::vector<uint32_t> ids_;
+  std::vector<uint16_t> types_;
+  std::vector<float> scales_, phases_, speeds_;
+  std::vector<RootPose> roots_;
+  std::vector<Eigen::Vector2d> velocities_mps_;
+};
+
+}  // namespace throng::bench
