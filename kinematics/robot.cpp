@@ -43,6 +43,26 @@ urdf::ModelInterfaceSharedPtr parse_quietly(const std::string& text, Messages& m
   return model;
 }
 
+/// Line breaks and tabs inside attribute values become spaces: XML 1.0 asks for it, tinyxml does
+/// not do it, and urdfdom then finds no number.
+std::string with_plain_values(std::string text, const std::vector<XmlElement>& elements,
+                              const char* scanned) {
+  for (const XmlElement& element : elements)
+    for (const auto& [name, value] : element.attributes) {
+      const size_t open = text.find_first_of("\"'", static_cast<size_t>(name.data() - scanned));
+      const size_t close = text.find(text[open], open + 1);
+      for (size_t i = open; i < close; ++i)
+        if (text[i] == '\n' || text[i] == '\r' || text[i] == '\t') text[i] = ' ';
+    }
+  return text;
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  return text;
+}
+
 Eigen::Vector3d to_eigen(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 Eigen::Isometry3d to_eigen(const urdf::Pose& pose) {
@@ -177,7 +197,8 @@ Robot parse_urdf(const std::string& text, const std::filesystem::path& file) {
   const auto elements = scan_xml(text, file.string(), kUrdfCaps);
   check_urdf(elements, file.string());
   Messages messages;
-  const auto model = parse_quietly(text, messages);
+  const auto model = parse_quietly(with_plain_values(text, elements, text.data()), messages);
+  messages.errors = one_line(messages.errors);
   if (!model || !model->getRoot())
     throw InputError(file.string(), "a URDF that urdfdom reads",
                      messages.errors.empty() ? "one that it refuses" : messages.errors);

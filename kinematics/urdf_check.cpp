@@ -33,7 +33,13 @@ std::optional<std::vector<double>> finite_numbers(std::string_view text) {
   }
 }
 
-std::string quoted(std::string_view text) { return fmt::format("'{}'", text.substr(0, 60)); }
+/// For an error, which is one line whatever the file holds.
+std::string quoted(std::string_view text) {
+  std::string shown(text.substr(0, 60));
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 0x20) c = '?';
+  return fmt::format("'{}'", shown);
+}
 
 class Check {
  public:

@@ -179,7 +179,7 @@ class Scanner {
           append_entity(decoded, raw.substr(i + 1, semicolon - i - 1)))
         i = semicolon;
       else
-        decoded.push_back(raw[i]);
+        decoded.push_back(is_space(raw[i]) ? ' ' : raw[i]);  // as XML 1.0, 3.3.3 has it
     }
     advance(end + 1 - at_);
     return decoded;

@@ -1,0 +1,159 @@
+// Damaged URDFs: whatever happens to the bytes, parse_urdf() either throws InputError or returns a
+// robot that is sound and poses finitely.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "base/errors.h"
+#include "base/random.h"
+#include "kinematics/kinematics.h"
+
+namespace throng {
+namespace {
+
+/// THRONG_FUZZ_SEED repeats or varies a run; THRONG_FUZZ_ROUNDS lengthens it.
+uint64_t from_environment(const char* name, uint64_t fallback) {
+  const char* value = std::getenv(name);
+  return value ? std::strtoull(value, nullptr, 10) : fallback;
+}
+
+class Mutator {
+ public:
+  Mutator(uint64_t seed, uint64_t round) : key_{seed, round, 0, Purpose::kSpawnPosition} {}
+
+  std::string mutated(std::string text) {
+    for (uint64_t edits = 1 + below(4); edits > 0; --edits) edit(text);
+    return text;
+  }
+
+ private:
+  uint64_t below(uint64_t limit) {
+    return random_bits(key_, draw_++) % std::max<uint64_t>(limit, 1);
+  }
+
+  void edit(std::string& text) {
+    static const std::vector<std::string> kPieces = {"nan",
+                                                     "inf",
+                                                     "-1",
+                                                     "0",
+                                                     "1e308",
+                                                     "1e-320",
+                                                     "\"",
+                                                     "'",
+                                                     "<",
+                                                     ">",
+                                                     "/>",
+                                                     "</link>",
+                                                     "<link name=\"a\"/>",
+                                                     "<link>",
+                                                     "&",
+                                                     "&#x0;",
+                                                     "&amp;",
+                                                     "<!--",
+                                                     "-->",
+                                                     "<![CDATA[",
+                                                     "<?",
+                                                     std::string(1, '\0'),
+                                                     "\xff\xfe",
+                                                     "type=\"floating\"",
+                                                     "<mimic joint=\"motor\"/>",
+                                                     "<parent link=\"palm\"/>",
+                                                     ",",
+                                                     " "};
+    const size_t at = below(text.size() + 1);
+    const size_t length = below(1 + std::min<size_t>(text.size() - at, 1 + below(80)));
+    switch (below(6)) {
+      case 0:
+        text.erase(at, length);
+        break;
+      case 1:
+        text.insert(at, kPieces[below(kPieces.size())]);
+        break;
+      case 2:
+        text.replace(at, length, kPieces[below(kPieces.size())]);
+        break;
+      case 3:
+        if (at < text.size()) text[at] = static_cast<char>(below(256));
+        break;
+      case 4:
+        text.insert(below(text.size() + 1), text.substr(at, length));
+        break;
+      default:
+        replace_a_value(text, at);
+    }
+  }
+
+  /// Puts one attribute's value in the place of another's: names collide, numbers wander.
+  void replace_a_value(std::string& text, size_t at) {
+    const auto value_after = [&](size_t from) {
+      const size_t open = text.find('"', from);
+      const size_t close = open == std::string::npos ? open : text.find('"', open + 1);
+      return std::pair{open, close};
+    };
+    const auto [open, close] = value_after(at);
+    const auto [from_open, from_close] = value_after(below(text.size() + 1));
+    if (close == std::string::npos || from_close == std::string::npos) return;
+    text.replace(open, close - open, text.substr(from_open, from_close - from_open));
+  }
+
+  RandomKey key_;
+  uint32_t draw_ = 0;
+};
+
+void expect_sound(const Robot& robot) {
+  ASSERT_EQ(robot.links.size(), robot.joints.size() + 1);
+  for (size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& joint = robot.joints[i];
+    ASSERT_EQ(joint.child_link, static_cast<int>(i) + 1);
+    ASSERT_GE(joint.parent_link, 0);
+    ASSERT_LT(joint.parent_link, joint.child_link);
+    ASSERT_LT(std::abs(joint.axis.norm() - 1), 1e-9);
+    ASSERT_LE(joint.lower, joint.upper);
+    ASSERT_TRUE(joint.parent_from_joint.matrix().allFinite());
+  }
+}
+
+void expect_finite_poses(const Robot& robot) {
+  std::vector<int> links(robot.links.size());
+  std::iota(links.begin(), links.end(), 0);
+  const FlatModel model(robot, links);
+  std::vector<float> posture;
+  for (const JointColumn& column : model.columns()) posture.push_back(column.upper);
+  const RootFrame root;
+  std::vector<PartPose> poses(links.size());
+  forward_kinematics(model, posture, std::span(&root, 1), poses);
+  for (const PartPose& pose : poses) ASSERT_TRUE(to_isometry(pose).matrix().allFinite());
+}
+
+TEST(DamagedUrdf, is_refused_in_words_or_sound) {
+  const uint64_t seed = from_environment("THRONG_FUZZ_SEED", 1);
+  const uint64_t rounds = from_environment("THRONG_FUZZ_ROUNDS", 2000);
+  const std::filesystem::path fixtures =
+      std::filesystem::path(THRONG_SOURCE_DIR) / "tests/kinematics/fixtures";
+  int accepted = 0;
+  for (const char* name : {"wheels.urdf", "skew_arm.urdf", "mimic_hand.urdf"}) {
+    const std::string text = read_urdf_text(fixtures / name);
+    for (uint64_t round = 0; round < rounds; ++round) {
+      SCOPED_TRACE(std::string(name) + ", THRONG_FUZZ_SEED=" + std::to_string(seed) + ", round " +
+                   std::to_string(round));
+      try {
+        const Robot robot = parse_urdf(Mutator(seed, round).mutated(text), "damaged.urdf");
+        ++accepted;
+        expect_sound(robot);
+        expect_finite_poses(robot);
+      } catch (const InputError& error) {
+        const std::string message = error.what();
+        ASSERT_NE(message.find("expected"), std::string::npos);
+        ASSERT_EQ(message.find('\n'), std::string::npos) << message;
+      }
+    }
+  }
+  // Otherwise the damage is so heavy that nothing behind the first check is ever reached.
+  EXPECT_GT(accepted, 100) << "seed " << seed;
+}
+
+}  // namespace
+}  // namespace throng
