@@ -32,12 +32,6 @@ PeriodicCurve curve_of_degrees(std::vector<Knot> knots) {
   return PeriodicCurve(knots);
 }
 
-PeriodicCurve hip_curve(double rv) {
-  const double a = slow_share(rv), s = fast_share(rv);
-  if (s > 0) return curve_of_degrees({{0.2 * s - 0.1, 25 + 5 * s}, {0.5, -15}, {0.9, 25 + 6 * s}});
-  return curve_of_degrees({{-0.1, 25 * a}, {0.5, -15 * a}});
-}
-
 // The knee's yielding under load. Boulic's tables have 3 degrees there up to RV 1.3 and 25 at RV 3;
 // 16.6 is measured at 1.34 m/s (RV 1.56).
 double loaded_knee_degrees(double rv) {
@@ -77,7 +71,7 @@ PeriodicCurve foot_pitch_curve(double rv) {
   return curve_of_degrees({{0, 16 * stride},
                            {0.09, 0},
                            {0.57 * toe_off, 0},
-                           {toe_off, -32 * stride},
+                           {toe_off, -36 * stride},
                            {toe_off + 0.05, -50 * stride},
                            {0.95, 17 * stride}});
 }
@@ -119,7 +113,6 @@ double stance_fraction(double relative_speed) {
 
 GaitCurves::GaitCurves(double relative_speed)
     : relative_speed_(relative_speed),
-      hip_(hip_curve(relative_speed)),
       knee_(knee_curve(relative_speed)),
       elbow_(elbow_curve(relative_speed)),
       thorax_(thorax_curve(relative_speed)),
@@ -154,10 +147,6 @@ double GaitCurves::pelvis_roll(double t) const {
 double GaitCurves::pelvis_lateral(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
   return -0.128 * rv * (1 - rv) * std::sin(kTurn * (t - 0.1));
-}
-
-double GaitCurves::pelvis_vertical(double t) const {
-  return 0.011 * relative_speed_ * (std::sin(kTurn * (2 * t - 0.35)) - 1);
 }
 
 }  // namespace throng

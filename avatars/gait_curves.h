@@ -47,7 +47,6 @@ class GaitCurves {
   /// relative_speed: RV, leg lengths a second, in [0, 3].
   explicit GaitCurves(double relative_speed);
 
-  double hip_flexion(double t) const { return hip_(t); }
   double knee_flexion(double t) const { return knee_(t); }
   double elbow_flexion(double t) const { return elbow_(t); }
   /// Positive forward, so backward at heel strike of the same side.
@@ -60,14 +59,14 @@ class GaitCurves {
   double pelvis_pitch(double t) const;    ///< positive leans forward
   double pelvis_roll(double t) const;     ///< positive raises the left hip
   double pelvis_lateral(double t) const;  ///< in leg lengths, positive to the left
-  double pelvis_vertical(
-      double t) const;  ///< in leg lengths, positive up; highest over a straight leg
+  /// Amplitude of the pelvis's rise and fall, in leg lengths.
+  double largest_bob() const { return 0.015 * relative_speed_; }
   /// Of the thorax against the root, opposite to the pelvis.
   double thorax_yaw(double t) const { return -thorax_(t); }
 
  private:
   double relative_speed_;
-  PeriodicCurve hip_, knee_, elbow_, thorax_, foot_pitch_;
+  PeriodicCurve knee_, elbow_, thorax_, foot_pitch_;
 };
 
 }  // namespace throng

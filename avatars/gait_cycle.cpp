@@ -35,42 +35,41 @@ double smooth(double u) {
 
 }  // namespace
 
-// Where the feet of one leg are over the cycle, seen from above and from the side.
+// One foot over the cycle, seen from above and from the side.
 struct Walker::Step {
-  const Leg* leg;
   const GaitCurves* curves;
-  double stride_m, stance, swing_height_m;
-  double x_m, y_m;  // of the ankle over the flat foot, as if it had landed under the root at t = 0
-  double heading_rad;
+  const Leg* leg;
+  double stride_m, stance, swing_height_m, side_m, heading_rad;
 
+  // The point under the ankle, in the root frame; the foot rolls along its heading and nowhere
+  // else.
   Vector2d planted(double t) const {
     const double roll = leg->roll_m(curves->foot_pitch(t));
-    return Vector2d(x_m - stride_m * t, y_m) +
+    return Vector2d(stride_m * (stance / 2 - t), side_m) +
            roll * Vector2d(std::cos(heading_rad), std::sin(heading_rad));
   }
 
-  FootTarget target(double t) const {
-    FootTarget foot{{}, curves->foot_pitch(t), heading_rad};
-    if (t <= stance) {
-      foot.ankle_m.head<2>() = planted(t);
-      return foot;
-    }
-    // The swing leaves with the speed that the rolling foot has, and lands with a part of it: at
-    // all of it the foot would reach 5 cm beyond its landing place.
-    constexpr double kLandingShare = 0.35;
-    constexpr double kDt = 1e-5;
+  // It leaves with the rolling foot's speed and lands with a part of it: at all of it the foot
+  // would reach 5 cm too far first.
+  Vector2d swing(double t) const {
+    constexpr double kDt = 1e-5, kLandingShare = 0.35;
     const double span = 1 - stance, u = (t - stance) / span, v = 1 - u;
     const Vector2d leave = planted(stance), land = planted(0);
-    const Vector2d leave_rate = (leave - planted(stance - kDt)) / kDt * span;
-    const Vector2d land_rate = (planted(kDt) - land) / kDt * span * kLandingShare;
-    foot.ankle_m.head<2>() = leave * (v * v * (1 + 2 * u)) + leave_rate * (u * v * v) +
-                             land * (u * u * (1 + 2 * v)) - land_rate * (u * u * v);
-    return foot;
+    const Vector2d leave_rate = (leave - planted(stance - kDt)) * (span / kDt);
+    const Vector2d land_rate = (planted(kDt) - land) * (span / kDt * kLandingShare);
+    return leave * (v * v * (1 + 2 * u)) + leave_rate * (u * v * v) + land * (u * u * (1 + 2 * v)) -
+           land_rate * (u * u * v);
+  }
+
+  Vector3d track(double t) const {
+    Vector3d point = Vector3d::Zero();
+    point.head<2>() = t <= stance ? planted(t) : swing(t);
+    return point;
   }
 
   double clearance_m(double t) const {
-    const double sine = std::sin(std::numbers::pi * std::max(0.0, t - stance) / (1 - stance));
-    return swing_height_m * sine * sine;
+    const double u = std::max(0.0, t - stance) / (1 - stance), v = 1 - u;
+    return swing_height_m * (u * u * v * v * v) / (0.4 * 0.4 * 0.6 * 0.6 * 0.6);
   }
 
   // The share of the body's weight on this foot.
@@ -80,13 +79,14 @@ struct Walker::Step {
   }
 };
 
-// What is known of an instant before the pelvis's height is.
+// A moment of the cycle before the pelvis's height is known.
 struct Walker::Instant {
   std::vector<double> columns;
   Isometry3d pelvis;  // its motion from the zero posture
   struct Foot {
-    FootTarget target;
+    Vector3d track_m;  // on the ground under the ankle
     double clearance_m, load, knee_rad;
+    FootTarget target;
   };
   std::array<Foot, 2> feet;
 };
@@ -135,8 +135,12 @@ Walker::Instant Walker::instant(const GaitCurves& curves, const std::array<Step,
     set(columns, name + "_shoulder_flexion", curves.shoulder_flexion(own));
     set(columns, name + "_shoulder_abduction", kArmsOut);
     set(columns, name + "_elbow_flexion", curves.elbow_flexion(own));
-    now.feet[side] = {steps[side].target(own), steps[side].clearance_m(own), steps[side].load(own),
-                      curves.knee_flexion(own)};
+    const Step& step = steps[side];
+    now.feet[side] = {step.track(own),
+                      step.clearance_m(own),
+                      step.load(own),
+                      curves.knee_flexion(own),
+                      {{}, curves.foot_pitch(own), step.heading_rad}};
   }
   columns[static_cast<size_t>(vertical_column_)] = 0;
   std::vector<Isometry3d> links;
@@ -161,6 +165,26 @@ double highest_point(const Function& value, double low, double high) {
   return (low + high) / 2;
 }
 
+// The rise and fall of a step, without its mean: the first harmonic, so that the body does not
+// jerk.
+std::vector<double> bob_of(const std::vector<double>& samples, double largest) {
+  const size_t n = samples.size();
+  const auto angle = [n](size_t i) {
+    return 2 * kTurn * static_cast<double>(i) / static_cast<double>(n);
+  };
+  double cosine = 0, sine = 0;
+  for (size_t i = 0; i < n; ++i) {
+    cosine += 2 * samples[i] * std::cos(angle(i)) / static_cast<double>(n);
+    sine += 2 * samples[i] * std::sin(angle(i)) / static_cast<double>(n);
+  }
+  const double amplitude = std::hypot(cosine, sine);
+  const double share = amplitude > largest ? largest / amplitude : 1;
+  std::vector<double> bob(n);
+  for (size_t i = 0; i < n; ++i)
+    bob[i] = share * (cosine * std::cos(angle(i)) + sine * std::sin(angle(i)));
+  return bob;
+}
+
 // Height of a hip whose leg reaches `reach` to an ankle.
 double hip_height(const Vector3d& hip, const Vector3d& ankle, double reach) {
   const double aside = (hip - ankle).head<2>().squaredNorm();
@@ -169,22 +193,27 @@ double hip_height(const Vector3d& hip, const Vector3d& ankle, double reach) {
 
 }  // namespace
 
-// Heights of pelvis and ankles depend on each other, weakly (through the tilt of the feet), so they
-// are found in turn. The feet are moved forward or back to where the legs allow the highest pelvis.
+// Heights of pelvis and ankles and the places of the feet depend on each other, weakly, so they are
+// found in turn. The feet are moved forward or back to where the legs allow the highest pelvis.
 std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
                                           std::vector<Instant>& instants) const {
   const size_t n = instants.size();
-  std::vector<double> bob(n), height(n);
-  for (size_t i = 0; i < n; ++i)
-    bob[i] = height[i] =
-        curves.pelvis_vertical(static_cast<double>(i) / static_cast<double>(n)) * leg_length_m();
-  for (int round = 0; round < 4; ++round) {
-    for (size_t i = 0; i < n; ++i)
+  std::vector<double> height(n, 0.0), wanted(n), bob(n);
+  for (int round = 0; round < 5; ++round) {
+    for (size_t i = 0; i < n; ++i) {
+      wanted[i] = 0;
       for (size_t side = 0; side < 2; ++side) {
+        const Leg& leg = legs_[side];
         Instant::Foot& foot = instants[i].feet[side];
-        const Vector3d hip = legs_[side].hip_m(instants[i].pelvis) + height[i] * Vector3d::UnitZ();
-        foot.target.ankle_m.z() = foot.clearance_m + legs_[side].ankle_height_m(hip, foot.target);
+        const Vector3d hip = leg.hip_m(instants[i].pelvis);
+        foot.target.ankle_m =
+            foot.track_m + foot.clearance_m * Vector3d::UnitZ() +
+            leg.ankle_over_ground_m(hip + height[i] * Vector3d::UnitZ(), foot.target);
+        wanted[i] += foot.load *
+                     (hip_height(hip, foot.target.ankle_m, leg.reach_m(foot.knee_rad)) - hip.z());
       }
+    }
+    bob = bob_of(wanted, curves.largest_bob() * leg_length_m());
     // How high the pelvis can be over its bob if the feet are shifted by this much.
     const auto highest = [&](double shift) {
       double most = std::numeric_limits<double>::infinity();
@@ -202,7 +231,10 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
     const double lift = highest(shift);
     for (size_t i = 0; i < n; ++i) {
       height[i] = bob[i] + lift;
-      for (Instant::Foot& foot : instants[i].feet) foot.target.ankle_m.x() += shift;
+      for (Instant::Foot& foot : instants[i].feet) {
+        foot.track_m.x() += shift;
+        foot.target.ankle_m.x() += shift;
+      }
     }
   }
   return height;
@@ -218,12 +250,11 @@ std::vector<std::vector<double>> Walker::cycle(double relative_speed, int n) con
   for (size_t side = 0; side < 2; ++side) {
     const Leg& leg = legs_[side];
     const double width = 1 - walking * (1 - kStepWidthShare);
-    steps[side] = {&leg,
-                   &curves,
+    steps[side] = {&curves,
+                   &leg,
                    kStridePerRootSpeed * root_speed * leg_length_m(),
                    stance_fraction(relative_speed),
                    kClearance * std::min(root_speed, 1.0) * leg_length_m(),
-                   0,
                    leg.ankle_m().y() * width,
                    side == 0 ? -kToeOut : kToeOut};
   }

@@ -164,11 +164,12 @@ Matrix3d Leg::plane_frame(const Vector3d& hip_m, const FootTarget& target) const
   return frame;
 }
 
-double Leg::ankle_height_m(const Vector3d& hip_m, const FootTarget& target) const {
-  const Matrix3d turn = plane_frame(hip_m, target) * turn_y(-target.pitch_rad);
+Vector3d Leg::ankle_over_ground_m(const Vector3d& hip_m, const FootTarget& target) const {
+  const Matrix3d frame = plane_frame(hip_m, target);
+  const Eigen::RowVector3d heights = (frame * turn_y(-target.pitch_rad)).row(2);
   double lowest = std::numeric_limits<double>::infinity();
-  for (const Vector3d& point : foot_) lowest = std::min(lowest, turn.row(2).dot(point));
-  return -lowest;
+  for (const Vector3d& point : foot_) lowest = std::min(lowest, heights.dot(point));
+  return frame.col(2) * (-lowest / frame(2, 2));
 }
 
 void Leg::solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,

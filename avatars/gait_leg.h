@@ -36,9 +36,9 @@ class Leg {
   /// Distance from hip to ankle with the knee bent this far.
   double reach_m(double knee_flexion_rad) const;
 
-  /// Height of the ankle over the lowest point of the foot that is turned by `target`, seen from
-  /// `hip_m`.
-  double ankle_height_m(const Eigen::Vector3d& hip_m, const FootTarget& target) const;
+  /// From the point on the ground under the foot's middle plane to the ankle, when the foot is
+  /// turned by `target` and its lowest point touches the ground; seen from `hip_m`.
+  Eigen::Vector3d ankle_over_ground_m(const Eigen::Vector3d& hip_m, const FootTarget& target) const;
 
   /// How far the ankle moves forward when a flat foot rolls on the ground, without sliding, to
   /// `pitch_rad`.
