@@ -1,0 +1,41 @@
+// The channels of a run, their names and the limits of a message.
+// One rule: a message is one UDP datagram, so its loss is the loss of one message and no more.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace throng {
+
+enum class Channel : uint8_t { kRun, kStates, kEvents, kTouching, kCounters, kEnd, kParts };
+inline constexpr int kChannelCount = 7;
+inline constexpr std::array<Channel, kChannelCount> kAllChannels = {
+    Channel::kRun,      Channel::kStates, Channel::kEvents, Channel::kTouching,
+    Channel::kCounters, Channel::kEnd,    Channel::kParts};
+
+/// "THRONG_RUN", "THRONG_STATES", ...
+std::string_view name_of(Channel channel);
+std::optional<Channel> channel_of(std::string_view name);
+
+/// What the numbers in the messages mean. Grows when a meaning changes and the field does not;
+/// a changed field changes the fingerprint by itself.
+inline constexpr int32_t kSchema = 1;
+
+/// An encoded message, fingerprint included. A UDP datagram holds 65507 bytes with LCM's header and
+/// the channel's name; larger messages become fragments, and liblcm 1.3.1 drops a message whose
+/// fragments arrive out of order.
+inline constexpr size_t kMaxMessageBytes = 60'000;
+
+/// A run description in one piece: a hundred models of a million triangles in all fit. A reader
+/// reserves this much at most before it trusts a description.
+inline constexpr size_t kMaxDescriptionBytes = size_t{64} << 20;
+
+/// The machine itself only (ttl=0), a port of our own (LCM's default is 7667), and a receive buffer
+/// that holds a burst of states: the default of 208 kB is full after three messages of 60 kB.
+inline constexpr std::string_view kDefaultLcmUrl =
+    "udpm://239.255.76.67:7684?ttl=0&recv_buf_size=2097152";
+
+}  // namespace throng

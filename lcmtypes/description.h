@@ -1,0 +1,31 @@
+// The run description: all that somebody on another machine needs to draw a run and to understand
+// its events. One rule: no path of this machine is in it, and nothing in it is trusted when read.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/channels.h"
+#include "lcmtypes/quantise.h"
+#include "scenes/sink.h"
+#include "throng/run_description_t.hpp"
+
+namespace throng {
+
+/// How each column of a model's posture rows is quantised.
+std::vector<ColumnRange> column_ranges(const Model& model);
+
+run_description_t describe(const RunInfo& run);
+
+/// Why a received description cannot be used, or "" if it is sound: every index in range, every
+/// number finite, joints a tree with unit axes.
+std::string defect_of(const run_description_t& description);
+
+/// A model that can be posed like the one that was described. `described` has no defect.
+std::shared_ptr<const Model> to_model(const model_t& described);
+
+/// The ranges that the description states; the same as column_ranges() of the sender's model.
+std::vector<ColumnRange> column_ranges(const model_t& described);
+
+}  // namespace throng

@@ -1,0 +1,312 @@
+#include "lcmtypes/encoder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <iterator>
+
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+constexpr int64_t kSecond_us = 1'000'000;
+
+// Fingerprint, five int64 and three int32 that every message begins with.
+constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
+
+constexpr int kRunBytes = static_cast<int>(kMaxMessageBytes - kHeaderBytes) - 12;
+constexpr size_t kStatesFixed = kHeaderBytes + 4 * 4;
+constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4;
+constexpr size_t kPartsFixed = kHeaderBytes + 4 * 4;
+constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
+constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
+constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 10;
+
+constexpr int chunks_of(size_t items, size_t per_chunk) {
+  return static_cast<int>(items / per_chunk + (items % per_chunk != 0));
+}
+
+}  // namespace
+
+RunEncoder::RunEncoder(const EncoderOptions& options, MessageTarget& target)
+    : options_(options), target_(target), buffer_(kMaxMessageBytes) {
+  assert(options.state_every >= 1);
+}
+
+template <class Message>
+void RunEncoder::send(Channel channel, Message& message, int chunk, int chunk_count) {
+  Totals& totals = totals_[static_cast<size_t>(channel)];
+  message.utime = utime_us_;
+  message.run_id = run_id_;
+  message.instance = instance_;
+  message.frame = frame_;
+  message.seq = totals.messages;
+  message.chunk = chunk;
+  message.chunk_count = chunk_count;
+  message.schema = kSchema;
+  const int size = message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
+  assert(size > 0);
+  ++totals.messages;
+  totals.bytes += size;
+  target_.message(channel, utime_us_, {buffer_.data(), static_cast<size_t>(size)});
+}
+
+void RunEncoder::begin(const RunInfo& run) {
+  run_id_ = static_cast<int64_t>(run.run_id);
+  instance_ = options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
+  totals_ = {};
+  clamped_ = 0;
+  utime_us_ = frame_ = 0;
+  last_second_ = -1;
+
+  const run_description_t description = describe(run);
+  const auto size = static_cast<size_t>(description.getEncodedSize());
+  if (size > kMaxDescriptionBytes)
+    throw InputError(
+        "run description",
+        fmt::format("models and obstacles of at most {} MB", kMaxDescriptionBytes >> 20),
+        fmt::format("{} MB", size >> 20));
+  description_.resize(size);
+  description.encode(description_.data(), 0, static_cast<int>(size));
+
+  ranges_.clear();
+  for (const auto& model : run.models) ranges_.push_back(column_ranges(*model));
+
+  // As many avatars a message as fit, model by model of different width.
+  const auto plan = [&](size_t fixed, size_t per_avatar, size_t per_item, auto items_of) {
+    std::vector<AvatarRange> chunks;
+    size_t bytes = kMaxMessageBytes;
+    for (int avatar = 0; avatar < run.avatar_count(); ++avatar) {
+      const int items = items_of(run.model_of_avatar[static_cast<size_t>(avatar)]);
+      const size_t more = per_avatar + per_item * static_cast<size_t>(items);
+      if (chunks.empty() || bytes + more > kMaxMessageBytes) {
+        chunks.push_back({avatar, 0, 0});
+        bytes = fixed;
+      }
+      bytes += more;
+      ++chunks.back().count;
+      chunks.back().items += items;
+    }
+    return chunks;
+  };
+  state_chunks_ = plan(kStatesFixed, kStatesPerAvatar, 2,
+                       [&](uint16_t model) { return static_cast<int>(ranges_[model].size()); });
+  part_chunks_ = plan(kPartsFixed, 0, kPartsPerPart,
+                      [&](uint16_t model) { return run.models[model]->part_count(); });
+}
+
+int RunEncoder::description_chunks() const {
+  return chunks_of(description_.size(), static_cast<size_t>(kRunBytes));
+}
+
+void RunEncoder::send_description_chunk(int chunk) {
+  const auto total = static_cast<int>(description_.size());
+  run_.total_bytes = total;
+  run_.offset = chunk * kRunBytes;
+  run_.size = std::min(kRunBytes, total - run_.offset);
+  const auto first = description_.begin() + run_.offset;
+  run_.data.assign(first, first + run_.size);
+  send(Channel::kRun, run_, chunk, description_chunks());
+}
+
+void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
+  utime_us_ = frame.utime_us;
+  frame_ = frame.number;
+  send_events(frame.events);
+  if (frame.utime_us / kSecond_us != last_second_) {
+    last_second_ = frame.utime_us / kSecond_us;
+    send_touching(frame.pairs);
+  }
+  if (frame.number % options_.state_every == 0) {
+    send_states(run, frame);
+    if (options_.part_poses) send_parts(run, frame);
+  }
+  send_counters(frame);
+}
+
+void RunEncoder::send_events(std::span<const PairEvent> events) {
+  const int chunks = chunks_of(events.size(), kEventsPerMessage);
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
+    const size_t count = std::min(kEventsPerMessage, events.size() - first);
+    events_t& m = events_;
+    m.count = static_cast<int32_t>(count);
+    m.a.resize(count);
+    m.b.resize(count);
+    m.part_a.resize(count);
+    m.part_b.resize(count);
+    m.kind.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      const PairEvent& event = events[first + i];
+      m.a[i] = static_cast<int32_t>(event.pair.a());
+      m.b[i] = static_cast<int32_t>(event.pair.b());
+      m.part_a[i] = static_cast<uint8_t>(event.pair.part_a());
+      m.part_b[i] = static_cast<uint8_t>(event.pair.part_b());
+      m.kind[i] = static_cast<uint8_t>(event.kind);
+    }
+    send(Channel::kEvents, m, chunk, chunks);
+  }
+}
+
+void RunEncoder::send_touching(std::span<const PairKey> pairs) {
+  // Also when nothing touches: a receiver learns that its set should be empty.
+  const int chunks = std::max(1, chunks_of(pairs.size(), kTouchingPerMessage));
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * kTouchingPerMessage;
+    const size_t count = std::min(kTouchingPerMessage, pairs.size() - first);
+    touching_t& m = touching_;
+    m.count = static_cast<int32_t>(count);
+    m.a.resize(count);
+    m.b.resize(count);
+    m.part_a.resize(count);
+    m.part_b.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      const PairKey pair = pairs[first + i];
+      m.a[i] = static_cast<int32_t>(pair.a());
+      m.b[i] = static_cast<int32_t>(pair.b());
+      m.part_a[i] = static_cast<uint8_t>(pair.part_a());
+      m.part_b[i] = static_cast<uint8_t>(pair.part_b());
+    }
+    send(Channel::kTouching, m, chunk, chunks);
+  }
+}
+
+void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
+  assert(static_cast<int>(frame.roots.size()) == run.avatar_count());
+  const auto chunks = static_cast<int>(state_chunks_.size());
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    fill_states(run, frame, state_chunks_[static_cast<size_t>(chunk)]);
+    send(Channel::kStates, states_, chunk, chunks);
+  }
+}
+
+void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range) {
+  states_t& m = states_;
+  const auto count = static_cast<size_t>(range.count);
+  m.first_avatar = range.first;
+  m.avatar_count = range.count;
+  m.joint_value_count = range.items;
+  m.clamped = 0;
+  for (auto* column : {&m.root_x_100um, &m.root_y_100um, &m.root_z_100um}) column->resize(count);
+  for (auto* column : {&m.root_qw, &m.root_qx, &m.root_qy, &m.root_qz}) column->resize(count);
+  m.speed_mps.resize(count);
+  m.joint_values.resize(static_cast<size_t>(range.items));
+  size_t value = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t avatar = static_cast<size_t>(range.first) + i;
+    const RootPose& root = frame.roots[avatar];
+    m.root_x_100um[i] = quantised_position(root.position_m.x(), m.clamped);
+    m.root_y_100um[i] = quantised_position(root.position_m.y(), m.clamped);
+    m.root_z_100um[i] = quantised_position(root.position_m.z(), m.clamped);
+    m.root_qw[i] = quantised_unit(root.world_from_root.w(), m.clamped);
+    m.root_qx[i] = quantised_unit(root.world_from_root.x(), m.clamped);
+    m.root_qy[i] = quantised_unit(root.world_from_root.y(), m.clamped);
+    m.root_qz[i] = quantised_unit(root.world_from_root.z(), m.clamped);
+    m.speed_mps[i] = frame.speeds_mps[avatar];
+    const float* posture = frame.postures.data() + frame.posture_offsets[avatar];
+    for (const ColumnRange& column : ranges_[run.model_of_avatar[avatar]])
+      m.joint_values[value++] = column.quantised_value(*posture++, m.clamped);
+  }
+  clamped_ += m.clamped;
+}
+
+void RunEncoder::send_parts(const RunInfo& run, const Frame& frame) {
+  const auto chunks = static_cast<int>(part_chunks_.size());
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const AvatarRange& range = part_chunks_[static_cast<size_t>(chunk)];
+    parts_t& m = parts_;
+    m.first_avatar = range.first;
+    m.avatar_count = range.count;
+    m.part_count = range.items;
+    m.clamped = 0;
+    for (auto* column : {&m.x_100um, &m.y_100um, &m.z_100um}) column->clear();
+    for (auto* column : {&m.qw, &m.qx, &m.qy, &m.qz}) column->clear();
+    for (int i = range.first; i < range.first + range.count; ++i) {
+      const auto avatar = static_cast<size_t>(i);
+      const size_t first = frame.posture_offsets[avatar];
+      add_part_poses(*run.models[run.model_of_avatar[avatar]], frame.roots[avatar],
+                     run.scale_of_avatar[avatar],
+                     frame.postures.subspan(first, frame.posture_offsets[avatar + 1] - first));
+    }
+    clamped_ += m.clamped;
+    send(Channel::kParts, m, chunk, chunks);
+  }
+}
+
+void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float scale,
+                                std::span<const float> posture) {
+  const RootFrame root_frame{root.world_from_root, scale};
+  poses_.resize(static_cast<size_t>(model.part_count()));
+  forward_kinematics(model.kinematics, posture, {&root_frame, 1}, poses_);
+  parts_t& m = parts_;
+  for (const PartPose& pose : poses_) {
+    const Eigen::Isometry3d relative = to_isometry(pose);
+    const Eigen::Vector3d position = root.position_m + relative.translation();
+    const Eigen::Quaternionf q(Eigen::Quaterniond(relative.linear()).cast<float>());
+    m.x_100um.push_back(quantised_position(position.x(), m.clamped));
+    m.y_100um.push_back(quantised_position(position.y(), m.clamped));
+    m.z_100um.push_back(quantised_position(position.z(), m.clamped));
+    m.qw.push_back(quantised_unit(q.w(), m.clamped));
+    m.qx.push_back(quantised_unit(q.x(), m.clamped));
+    m.qy.push_back(quantised_unit(q.y(), m.clamped));
+    m.qz.push_back(quantised_unit(q.z(), m.clamped));
+  }
+}
+
+void RunEncoder::send_counters(const Frame& frame) {
+  counters_t& m = counters_;
+  const CullingCounters& c = *frame.counters;
+  const StageCounters* stages[] = {&c.avatar, &c.box, &c.part, &c.exact};
+  const bool clock = options_.with_clock_times;
+  for (size_t i = 0; i < std::size(stages); ++i) {
+    m.updates[i] = static_cast<int64_t>(stages[i]->updates);
+    m.tests[i] = static_cast<int64_t>(stages[i]->tests);
+    m.passed[i] = static_cast<int64_t>(stages[i]->passed);
+    m.update_ns[i] = clock ? stages[i]->update_ns : 0;
+    m.test_ns[i] = clock ? stages[i]->test_ns : 0;
+  }
+  m.posed_bodies = static_cast<int64_t>(c.posed_bodies);
+  m.begins = std::count_if(frame.events.begin(), frame.events.end(),
+                           [](const PairEvent& e) { return e.kind == EventKind::kBegin; });
+  m.ends = static_cast<int64_t>(frame.events.size()) - m.begins;
+  m.persisting = static_cast<int64_t>(frame.persisting);
+  m.touching = static_cast<int64_t>(frame.pairs.size());
+  const FrameTimes times = clock && frame.times ? *frame.times : FrameTimes{};
+  m.steering_ns = times.steering_ns;
+  m.gait_ns = times.gait_ns;
+  m.kinematics_ns = times.kinematics_ns;
+  m.avatar_cull_ns = times.avatar_cull_ns;
+  m.part_cull_ns = times.part_cull_ns;
+  m.exact_ns = times.exact_ns;
+  m.events_ns = times.events_ns;
+  m.publish_ns = times.publish_ns;
+  m.frame_ns = times.frame_ns;
+  send(Channel::kCounters, m, 0, 1);
+}
+
+void RunEncoder::end(const RunInfo&, const RunEnd& end) {
+  utime_us_ = end.utime_us;
+  frame_ = end.frames;
+  send_events(end.events);
+  end_.frames = end.frames;
+  end_.begins = static_cast<int64_t>(end.begins);
+  end_.ends = static_cast<int64_t>(end.ends);
+  end_.hash = static_cast<int64_t>(end.hash);
+  end_.channels.clear();
+  end_.messages.clear();
+  end_.bytes.clear();
+  for (const Channel channel : kAllChannels) {
+    if (channel == Channel::kEnd) continue;
+    end_.channels.emplace_back(name_of(channel));
+    end_.messages.push_back(totals(channel).messages);
+    end_.bytes.push_back(totals(channel).bytes);
+  }
+  end_.channel_count = static_cast<int32_t>(end_.channels.size());
+  send(Channel::kEnd, end_, 0, 1);
+}
+
+void RunEncoder::repeat_end() { send(Channel::kEnd, end_, 0, 1); }
+
+}  // namespace throng

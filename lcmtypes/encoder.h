@@ -1,0 +1,106 @@
+// Turns a run into messages: the same ones for the wire and for the log.
+// One rule: what is encoded depends on the run and the options only, never on a clock or a thread;
+// after the first frames nothing is allocated unless a frame has more events than any before.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "lcmtypes/channels.h"
+#include "lcmtypes/description.h"
+#include "scenes/sink.h"
+#include "throng/counters_t.hpp"
+#include "throng/end_t.hpp"
+#include "throng/events_t.hpp"
+#include "throng/parts_t.hpp"
+#include "throng/run_t.hpp"
+#include "throng/states_t.hpp"
+#include "throng/touching_t.hpp"
+
+namespace throng {
+
+struct EncoderOptions {
+  bool with_instance = true;     ///< false: instance is 0
+  bool with_clock_times = true;  ///< false: everything read from a clock is 0
+  int state_every = 1;           ///< avatar states of every n-th frame; events are always complete
+  bool part_poses = false;       ///< THRONG_PARTS with every states message
+};
+
+/// Where encoded messages go. The bytes hold during the call.
+class MessageTarget {
+ public:
+  virtual ~MessageTarget() = default;
+  virtual void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) = 0;
+};
+
+class RunEncoder {
+ public:
+  /// Keeps a reference to `target`.
+  RunEncoder(const EncoderOptions& options, MessageTarget& target);
+
+  /// Encodes the description; sends nothing. Throws InputError if it is larger than a reader takes.
+  void begin(const RunInfo& run);
+  /// Messages in this order: events, touching (once a simulated second), states, parts, counters.
+  void frame(const RunInfo& run, const Frame& frame);
+  /// The last ends, then THRONG_END.
+  void end(const RunInfo& run, const RunEnd& end);
+
+  int description_chunks() const;
+  void send_description_chunk(int chunk);
+  /// THRONG_END once more, with the totals of the first.
+  void repeat_end();
+
+  struct Totals {
+    int64_t messages = 0;
+    int64_t bytes = 0;
+  };
+  const Totals& totals(Channel channel) const { return totals_[static_cast<size_t>(channel)]; }
+  /// Values that did not fit their message so far (see quantise.h).
+  int64_t clamped() const { return clamped_; }
+
+ private:
+  struct AvatarRange {
+    int first = 0;
+    int count = 0;
+    int items = 0;  // joint values, or parts
+  };
+  template <class Message>
+  void send(Channel channel, Message& message, int chunk, int chunk_count);
+  void send_events(std::span<const PairEvent> events);
+  void send_touching(std::span<const PairKey> pairs);
+  void send_states(const RunInfo& run, const Frame& frame);
+  void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range);
+  void send_parts(const RunInfo& run, const Frame& frame);
+  void add_part_poses(const Model& model, const RootPose& root, float scale,
+                      std::span<const float> posture);
+  void send_counters(const Frame& frame);
+
+  EncoderOptions options_;
+  MessageTarget& target_;
+  std::array<Totals, kChannelCount> totals_{};
+  int64_t clamped_ = 0;
+
+  int64_t run_id_ = 0;
+  int64_t instance_ = 0;
+  int64_t utime_us_ = 0;
+  int64_t frame_ = 0;
+  int64_t last_second_ = -1;
+
+  std::vector<uint8_t> description_;
+  std::vector<std::vector<ColumnRange>> ranges_;  // by model
+  std::vector<AvatarRange> state_chunks_, part_chunks_;
+  std::vector<PartPose> poses_;
+
+  // One of each, reused; their vectors keep their capacity.
+  run_t run_{};
+  states_t states_{};
+  events_t events_{};
+  touching_t touching_{};
+  counters_t counters_{};
+  end_t end_{};
+  parts_t parts_{};
+  std::vector<uint8_t> buffer_;
+};
+
+}  // namespace throng

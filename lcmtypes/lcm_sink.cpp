@@ -1,0 +1,101 @@
+#include "lcmtypes/lcm_sink.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <lcm/lcm-cpp.hpp>
+#include <thread>
+
+namespace throng {
+namespace {
+
+constexpr int kEndCopies = 5;
+constexpr std::chrono::milliseconds kEndPause{20};
+constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
+// A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
+constexpr std::chrono::milliseconds kDescriptionPause{1};
+
+void to_stderr(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+
+}  // namespace
+
+struct LcmSink::Connection {
+  explicit Connection(const std::string& url) : lcm(url) {
+    for (const Channel channel : kAllChannels)
+      channels[static_cast<size_t>(channel)] = name_of(channel);
+  }
+  lcm::LCM lcm;
+  std::array<std::string, kChannelCount> channels;  // publish() wants strings: made once
+};
+
+LcmSink::LcmSink(const LcmOptions& options)
+    : options_(options),
+      connection_(std::make_unique<Connection>(options.url)),
+      encoder_({.state_every = options.state_every, .part_poses = options.part_poses}, *this) {
+  if (!options_.warn) options_.warn = to_stderr;
+  if (good()) return;
+  options_.warn(fmt::format(
+      "LCM cannot use {}: nothing is published, the run goes on. Where multicast has no route: "
+      "'ip route add 224.0.0.0/4 dev lo'; to do without LCM: --lcm off",
+      options_.url));
+}
+
+LcmSink::~LcmSink() = default;
+
+bool LcmSink::good() const { return connection_->lcm.good(); }
+
+void LcmSink::begin(const RunInfo& run) {
+  if (!good()) return;
+  encoder_.begin(run);
+  for (int chunk = 0; chunk < encoder_.description_chunks(); ++chunk) {
+    if (chunk > 1) std::this_thread::sleep_for(kDescriptionPause);
+    encoder_.send_description_chunk(chunk);
+  }
+  round_started_ = Clock::now();
+  next_chunk_ = 0;
+}
+
+void LcmSink::frame(const RunInfo& run, const Frame& frame) {
+  if (!good()) return;
+  encoder_.frame(run, frame);
+  send_due_description();
+}
+
+void LcmSink::send_due_description() {
+  // Spread over the second, so that a large description does not come as a burst on top of a frame.
+  const auto now = Clock::now();
+  const int chunks = encoder_.description_chunks();
+  const double round = (now - round_started_) / kDescriptionPeriod;
+  const int due = static_cast<int>(std::min(1.0, round) * chunks);
+  for (; next_chunk_ < due; ++next_chunk_) encoder_.send_description_chunk(next_chunk_);
+  if (next_chunk_ == chunks) {
+    next_chunk_ = 0;
+    round_started_ = now;
+  }
+}
+
+void LcmSink::end(const RunInfo& run, const RunEnd& end) {
+  if (!good()) return;
+  encoder_.end(run, end);
+  for (int copy = 1; copy < kEndCopies; ++copy) {
+    std::this_thread::sleep_for(kEndPause);
+    encoder_.repeat_end();
+  }
+}
+
+void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {
+  const std::string& name = connection_->channels[static_cast<size_t>(channel)];
+  if (connection_->lcm.publish(name, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
+    ++messages_;
+    bytes_ += static_cast<int64_t>(bytes.size());
+    return;
+  }
+  if (dropped_++ == 0)
+    options_.warn(
+        fmt::format("LCM did not take a message on {} ({}); the run goes on, further ones "
+                    "are only counted",
+                    name, options_.url));
+}
+
+}  // namespace throng

@@ -1,0 +1,57 @@
+// Publishes a run over LCM while it goes on.
+// One rule: trouble on the network never stops or slows the run; it is counted and told.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "lcmtypes/encoder.h"
+
+namespace throng {
+
+struct LcmOptions {
+  std::string url{kDefaultLcmUrl};
+  int state_every = 1;
+  bool part_poses = false;
+  /// Where warnings go; stderr if empty.
+  std::function<void(const std::string&)> warn;
+};
+
+class LcmSink final : public Sink, private MessageTarget {
+ public:
+  /// Warns once, with the way out, if LCM cannot use the URL; then frames go nowhere.
+  explicit LcmSink(const LcmOptions& options);
+  ~LcmSink() override;
+
+  void begin(const RunInfo& run) override;
+  /// Also sends the pieces of the description that are due: all of them once a second.
+  void frame(const RunInfo& run, const Frame& frame) override;
+  /// THRONG_END five times, 20 ms apart: it is the one message that nothing later makes up for.
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+  bool good() const;
+  const std::string& url() const { return options_.url; }
+  int64_t messages() const { return messages_; }  ///< that LCM took
+  int64_t bytes() const { return bytes_; }
+  int64_t dropped() const { return dropped_; }  ///< that LCM refused
+  const RunEncoder& encoder() const { return encoder_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
+  void send_due_description();
+
+  struct Connection;
+  LcmOptions options_;
+  std::unique_ptr<Connection> connection_;
+  RunEncoder encoder_;
+  Clock::time_point round_started_{};
+  int next_chunk_ = 0;
+  int64_t messages_ = 0;
+  int64_t bytes_ = 0;
+  int64_t dropped_ = 0;
+};
+
+}  // namespace throng

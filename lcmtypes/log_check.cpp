@@ -1,0 +1,244 @@
+#include "lcmtypes/log_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "base/errors.h"
+#include "lcmtypes/log_reader.h"
+#include "lcmtypes/log_sink.h"
+#include "lcmtypes/run_reader.h"
+
+namespace throng {
+namespace {
+
+size_t index_of(Channel channel) { return static_cast<size_t>(channel); }
+
+class Judge {
+ public:
+  explicit Judge(const std::filesystem::path& file) : log_(file) { report_.bytes = log_.size(); }
+
+  LogReport run() {
+    LogEvent event;
+    for (;;) {
+      const LogReader::Status status = log_.next(event);
+      if (status == LogReader::Status::kEvent) {
+        take(event);
+      } else if (status == LogReader::Status::kEnd) {
+        break;
+      } else if (!skip_damage(status)) {
+        break;
+      }
+    }
+    finish();
+    return report_;
+  }
+  const RunReader& reader() const { return reader_; }
+
+ private:
+  bool skip_damage(LogReader::Status status) {
+    const uint64_t from = log_.offset();
+    problem(log_.problem());
+    const bool goes_on = log_.resync();
+    // A torn event that others follow is damage: its length was hit.
+    (goes_on || status == LogReader::Status::kDamaged ? report_.damaged : report_.torn) = true;
+    if (goes_on) problem(fmt::format("byte {}: {} bytes skipped", from, log_.offset() - from));
+    return goes_on;
+  }
+
+  void take(const LogEvent& event) {
+    if (event.number != next_number_)
+      problem(fmt::format("byte {}: expected event number {}, found {}", event.offset, next_number_,
+                          event.number));
+    next_number_ = event.number < INT64_MAX ? event.number + 1 : 0;
+    if (event.stamp_us < last_stamp_us_)
+      problem(fmt::format("byte {}: stamp {} us after {} us", event.offset, event.stamp_us,
+                          last_stamp_us_));
+    last_stamp_us_ = event.stamp_us;
+    ++report_.log_events;
+    report_.sound_bytes += event.bytes;
+    const std::optional<Channel> channel = channel_of(event.channel);
+    if (!channel) {
+      ++report_.foreign_messages;
+      return;
+    }
+    take(*channel, event);
+  }
+
+  void take(Channel channel, const LogEvent& event) {
+    LogReport::ChannelReport& sum = report_.channels[index_of(channel)];
+    ++sum.messages;
+    sum.bytes += static_cast<int64_t>(event.data.size());
+    MessageHeader header;
+    std::string defect = check_message(channel, event.data);
+    if (defect.empty()) defect = read_header(channel, event.data, header);
+    if (!defect.empty()) {
+      ++sum.refused;
+      problem(fmt::format("byte {}: {}: {}", event.offset, event.channel, defect));
+      return;
+    }
+    number(channel, event, header);
+    report_.last_frame = std::max(report_.last_frame, header.frame);
+    report_.last_utime_us = std::max(report_.last_utime_us, header.utime_us);
+    const auto update = reader_.take(event.channel, event.data);
+    if (update == RunReader::Update::kRefused)
+      problem(fmt::format("byte {}: {}", event.offset, reader_.refusal()));
+    if (update == RunReader::Update::kEvents) pair_up(event);
+    if (channel == Channel::kCounters) compare_touching(event);
+    if (channel == Channel::kEnd) compare_totals(event);
+  }
+
+  void number(Channel channel, const LogEvent& event, const MessageHeader& header) {
+    int64_t& next = next_seq_[index_of(channel)];
+    if (header.seq != next)
+      problem(fmt::format("byte {}: {}: expected seq {}, found {}", event.offset, event.channel,
+                          next, header.seq));
+    if (header.seq > next) report_.channels[index_of(channel)].missing += header.seq - next;
+    next = header.seq + 1;
+  }
+
+  void pair_up(const LogEvent& event) {
+    for (const PairEvent& e : reader_.new_events()) {
+      const bool is_begin = e.kind == EventKind::kBegin;
+      ++(is_begin ? report_.begins : report_.ends);
+      const bool fits = is_begin ? open_.insert(e.pair).second : open_.erase(e.pair) == 1;
+      if (fits) continue;
+      problem(fmt::format("byte {}: pair {}:{} - {}:{} {}", event.offset, e.pair.a(),
+                          e.pair.part_a(), e.pair.b(), e.pair.part_b(),
+                          is_begin ? "begins twice" : "ends without a begin"));
+    }
+  }
+
+  void compare_touching(const LogEvent& event) {
+    const int64_t said = reader_.counters()->touching;
+    if (said != static_cast<int64_t>(open_.size()))
+      problem(fmt::format("byte {}: {} pairs touch by the counters, {} by the events", event.offset,
+                          said, open_.size()));
+  }
+
+  void compare_totals(const LogEvent& event) {
+    const end_t& end = *reader_.end();
+    report_.finished = true;
+    if (end.begins != report_.begins || end.ends != report_.ends || !open_.empty()) {
+      report_.finished = false;
+      problem(fmt::format(
+          "byte {}: the run says {} begins and {} ends, the log has {} and {}, {} pairs open",
+          event.offset, end.begins, end.ends, report_.begins, report_.ends, open_.size()));
+    }
+    for (size_t i = 0; i < end.channels.size(); ++i) {
+      const std::optional<Channel> channel = channel_of(end.channels[i]);
+      if (!channel) continue;
+      const LogReport::ChannelReport& found = report_.channels[index_of(*channel)];
+      if (found.messages == end.messages[i] && found.bytes == end.bytes[i]) continue;
+      report_.finished = false;
+      problem(fmt::format(
+          "byte {}: the run says {} messages of {} bytes on {}, the log has {} of {}", event.offset,
+          end.messages[i], end.bytes[i], end.channels[i], found.messages, found.bytes));
+    }
+  }
+
+  void finish() {
+    report_.open_pairs = static_cast<int64_t>(open_.size());
+    if (!reader_.run()) problem("no complete run description");
+  }
+
+  void problem(std::string text) {
+    if (++report_.problem_count <= static_cast<int64_t>(LogReport::kMaxProblems))
+      report_.problems.push_back(std::move(text));
+  }
+
+  LogReader log_;
+  LogReport report_;
+  RunReader reader_;
+  std::set<PairKey> open_;
+  std::array<int64_t, kChannelCount> next_seq_{};
+  int64_t next_number_ = 0;
+  int64_t last_stamp_us_ = 0;
+};
+
+std::string describe_run(const run_description_t& run) {
+  std::string out = fmt::format("scene {}, seed {}, {} avatars, step {:.6g} s, parts by {}{}\n",
+                                run.scene, run.seed, run.avatar_count, run.step_s, run.part_volume,
+                                run.exact ? ", decided by triangles" : "");
+  for (const model_t& model : run.models) {
+    size_t vertices = 0;
+    for (const part_t& part : model.parts) vertices += part.mesh.coordinates_m.size() / 3;
+    out += fmt::format("model {}: {} joints ({} move), {} parts, {} vertices, {:.2f} m\n",
+                       model.name, model.joint_count, model.column_count, model.part_count,
+                       vertices, model.height_m);
+  }
+  out += fmt::format("ground {:.1f} x {:.1f} m, {} obstacles\n",
+                     run.ground_max_m[0] - run.ground_min_m[0],
+                     run.ground_max_m[1] - run.ground_min_m[1], run.obstacle_count);
+  return out;
+}
+
+std::string describe_channels(const LogReport& report) {
+  std::string out = fmt::format("{:<16}{:>10}{:>14}{:>12}{:>12}{:>9}\n", "channel", "messages",
+                                "bytes", "per s", "kB/s", "missing");
+  const double seconds = static_cast<double>(report.last_utime_us) * 1e-6;
+  for (const Channel channel : kAllChannels) {
+    const LogReport::ChannelReport& sum = report.channels[index_of(channel)];
+    if (sum.messages == 0) continue;
+    const double per_s = seconds > 0 ? static_cast<double>(sum.messages) / seconds : 0;
+    const double kb_per_s = seconds > 0 ? static_cast<double>(sum.bytes) * 1e-3 / seconds : 0;
+    out += fmt::format("{:<16}{:>10}{:>14}{:>12.1f}{:>12.1f}{:>9}\n", name_of(channel),
+                       sum.messages, sum.bytes, per_s, kb_per_s, sum.missing);
+  }
+  if (report.foreign_messages > 0)
+    out += fmt::format("{:<16}{:>10}\n", "other channels", report.foreign_messages);
+  return out;
+}
+
+}  // namespace
+
+LogReport check_log(const std::filesystem::path& file) { return Judge(file).run(); }
+
+std::string describe_log(const std::filesystem::path& file) {
+  Judge judge(file);
+  const LogReport report = judge.run();
+  std::string out = fmt::format("LCM log, {} bytes, {} events, {:.3f} s, {}\n", report.bytes,
+                                report.log_events, static_cast<double>(report.last_utime_us) * 1e-6,
+                                report.finished ? "finished" : "not finished");
+  if (const run_description_t* run = judge.reader().run())
+    out += fmt::format("run {:016x}\n", static_cast<uint64_t>(judge.reader().run_id())) +
+           describe_run(*run);
+  out += describe_channels(report);
+  out += fmt::format("pair events: {} begins, {} ends, {} pairs open\n", report.begins, report.ends,
+                     report.open_pairs);
+  if (report.torn)
+    out += fmt::format("torn: the last {} bytes are no whole event\n",
+                       report.bytes - report.sound_bytes);
+  for (const std::string& problem : report.problems) out += "problem: " + problem + "\n";
+  const auto shown = static_cast<int64_t>(report.problems.size());
+  if (report.problem_count > shown)
+    out += fmt::format("and {} problems more\n", report.problem_count - shown);
+  return out;
+}
+
+int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path& out) {
+  LogReader log(in);
+  std::error_code error;
+  if (std::filesystem::equivalent(in, out, error))
+    throw EnvironmentError(out.string() +
+                           ": the repaired log has to be another file than the torn one");
+  LogFile repaired(out);
+  LogEvent event;
+  for (;;) {
+    const LogReader::Status status = log.next(event);
+    if (status == LogReader::Status::kEnd) break;
+    if (status != LogReader::Status::kEvent) {
+      if (!log.resync()) break;
+      continue;
+    }
+    const std::optional<Channel> channel = channel_of(event.channel);
+    if (channel && !check_message(*channel, event.data).empty()) continue;
+    repaired.copy(event.number, event.channel, event.stamp_us, event.data);
+  }
+  repaired.close();
+  return repaired.events();
+}
+
+}  // namespace throng

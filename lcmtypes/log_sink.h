@@ -1,0 +1,84 @@
+// Records a run as an LCM log that LCM's own tools read.
+// One rule: the bytes depend on the run alone (stamps are simulation time, instance is 0), and a
+// byte that could not be written is an error at once.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/encoder.h"
+
+namespace throng {
+
+/// An LCM log file. An event is, big-endian:
+/// u32 0xEDA1DA01 | i64 number | i64 stamp | i32 channel length | i32 data length | channel | data.
+/// liblcm's own file provider stamps wall-clock time and does not report a full disk.
+class LogFile {
+ public:
+  /// Creates or empties the file. Throws EnvironmentError naming it.
+  explicit LogFile(const std::filesystem::path& file);
+  ~LogFile();  ///< writes what is left, as far as it can
+  LogFile(const LogFile&) = delete;
+  LogFile& operator=(const LogFile&) = delete;
+
+  /// Throws EnvironmentError when a buffer could not be written.
+  void write(std::string_view channel, int64_t stamp_us, std::span<const uint8_t> data) {
+    copy(events_, channel, stamp_us, data);
+  }
+  /// Writes an event under the number that it had elsewhere.
+  void copy(int64_t number, std::string_view channel, int64_t stamp_us,
+            std::span<const uint8_t> data);
+  void flush();
+  void close();
+
+  uint64_t bytes() const { return bytes_; }  ///< written and buffered
+  int64_t events() const { return events_; }
+  size_t buffered() const { return used_; }
+
+ private:
+  void put(const void* data, size_t size);
+
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+  std::vector<uint8_t> buffer_;
+  size_t used_ = 0;
+  uint64_t bytes_ = 0;
+  int64_t events_ = 0;
+};
+
+struct LogOptions {
+  int state_every = 1;
+  bool part_poses = false;
+  bool with_clock_times = false;  ///< true: the log differs from run to run
+  /// What a kill -9 can cost: nothing stays unwritten longer, unless a single frame takes longer.
+  double flush_s = 0.25;
+};
+
+class LogSink final : public Sink, private MessageTarget {
+ public:
+  /// Throws EnvironmentError naming the file.
+  LogSink(const std::filesystem::path& file, const LogOptions& options = {});
+
+  void begin(const RunInfo& run) override;
+  void frame(const RunInfo& run, const Frame& frame) override;
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+  const RunEncoder& encoder() const { return encoder_; }
+  uint64_t bytes() const { return log_.bytes(); }
+  int64_t messages() const { return log_.events(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
+  void flush_if_due();
+
+  LogFile log_;
+  RunEncoder encoder_;
+  std::chrono::duration<double> flush_interval_;
+  Clock::time_point oldest_unwritten_{};
+  Clock::time_point last_frame_{};
+};
+
+}  // namespace throng

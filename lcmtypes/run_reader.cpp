@@ -1,0 +1,249 @@
+#include "lcmtypes/run_reader.h"
+
+#include <algorithm>
+
+#include "base/errors.h"
+
+namespace throng {
+
+bool RunReader::follows(Channel channel, const MessageHeader& header) {
+  if (!is_free_ && header.run_id == run_id_ && header.instance == instance_) return true;
+  const bool begins = channel == Channel::kRun && header.frame == 0 && header.utime_us == 0;
+  if (!is_free_ && !begins && !end_) {
+    ++foreign_;
+    return false;
+  }
+  *this = [this, &header] {
+    RunReader fresh;
+    fresh.run_id_ = header.run_id;
+    fresh.instance_ = header.instance;
+    fresh.is_free_ = false;
+    fresh.refused_ = refused_;
+    fresh.foreign_ = foreign_;
+    fresh.refusal_ = std::move(refusal_);
+    return fresh;
+  }();
+  return true;
+}
+
+void RunReader::count(Channel channel, const MessageHeader& header, size_t bytes) {
+  Tally& tally = tallies_[static_cast<size_t>(channel)];
+  ++tally.messages;
+  tally.bytes += static_cast<int64_t>(bytes);
+  tally.last_frame = std::max(tally.last_frame, header.frame);
+  if (tally.next_seq < 0) tally.next_seq = header.seq;
+  if (header.seq >= tally.next_seq) {
+    tally.missing += header.seq - tally.next_seq;
+    tally.next_seq = header.seq + 1;
+  } else if (tally.missing > 0) {
+    --tally.missing;  // it was late, not lost
+  }
+}
+
+RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
+  ++refused_;
+  refusal_ = std::string(channel) + ": " + std::move(why);
+  return Update::kRefused;
+}
+
+RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t> bytes) {
+  const std::optional<Channel> channel = channel_of(name);
+  if (!channel) return Update::kNothing;
+  MessageHeader header;
+  std::string defect = check_message(*channel, bytes);
+  if (defect.empty()) defect = read_header(*channel, bytes, header);
+  if (!defect.empty()) return refuse(name, std::move(defect));
+  if (!follows(*channel, header)) return Update::kNothing;
+  count(*channel, header, bytes.size());
+  return dispatch(*channel, bytes);
+}
+
+namespace {
+
+template <class Message>
+Message decoded(std::span<const uint8_t> bytes, std::string& defect) {
+  Message message;
+  defect = decode(bytes, message);
+  return message;
+}
+
+}  // namespace
+
+RunReader::Update RunReader::dispatch(Channel channel, std::span<const uint8_t> bytes) {
+  Update update = Update::kNothing;
+  std::string defect;
+  switch (channel) {
+    case Channel::kRun: {
+      const auto message = decoded<run_t>(bytes, defect);
+      if (defect.empty()) defect = take_run(message, update);
+      break;
+    }
+    case Channel::kStates: {
+      const auto message = decoded<states_t>(bytes, defect);
+      if (defect.empty()) defect = take_states(message, update);
+      break;
+    }
+    case Channel::kEvents: {
+      const auto message = decoded<events_t>(bytes, defect);
+      if (!defect.empty()) break;
+      take_events(message);
+      update = Update::kEvents;
+      break;
+    }
+    case Channel::kTouching: {
+      const auto message = decoded<touching_t>(bytes, defect);
+      if (defect.empty()) take_touching(message, update);
+      break;
+    }
+    case Channel::kCounters:
+      counters_ = decoded<counters_t>(bytes, defect);
+      update = Update::kCounters;
+      break;
+    case Channel::kEnd:
+      end_ = decoded<end_t>(bytes, defect);
+      update = Update::kEnd;
+      break;
+    case Channel::kParts:
+      break;
+  }
+  return defect.empty() ? update : refuse(name_of(channel), std::move(defect));
+}
+
+std::string RunReader::take_run(const run_t& piece, Update& update) {
+  if (run_) return "";
+  if (piece.total_bytes != total_bytes_) {
+    pieces_.clear();
+    piece_bytes_ = 0;
+    total_bytes_ = piece.total_bytes;
+  }
+  const bool is_new = pieces_.emplace(piece.offset, piece.data).second;
+  if (is_new) piece_bytes_ += piece.size;
+  if (piece_bytes_ < total_bytes_) return "";
+  std::string defect = adopt_description();
+  if (defect.empty()) update = Update::kRun;
+  return defect;
+}
+
+std::string RunReader::adopt_description() {
+  std::vector<uint8_t> bytes;
+  bytes.reserve(static_cast<size_t>(total_bytes_));
+  bool is_contiguous = true;
+  for (const auto& [offset, data] : pieces_) {
+    is_contiguous = is_contiguous && static_cast<size_t>(offset) == bytes.size();
+    bytes.insert(bytes.end(), data.begin(), data.end());
+  }
+  pieces_.clear();
+  piece_bytes_ = 0;
+  if (!is_contiguous) return "pieces that overlap";
+  auto description = std::make_unique<run_description_t>();
+  std::string defect = decode(bytes, *description);
+  if (!defect.empty()) return defect;
+  run_ = std::move(description);
+  models_.resize(run_->models.size());
+  for (const model_t& model : run_->models) ranges_.push_back(column_ranges(model));
+  posture_offsets_ = {0};
+  for (const int16_t model : run_->model_of_avatar)
+    posture_offsets_.push_back(posture_offsets_.back() +
+                               ranges_[static_cast<size_t>(model)].size());
+  return "";
+}
+
+std::string RunReader::take_states(const states_t& m, Update& update) {
+  if (!run_) return "";
+  const auto avatars = static_cast<int64_t>(run_->avatar_count);
+  if (m.first_avatar < 0 || m.first_avatar + int64_t{m.avatar_count} > avatars)
+    return "avatars that the run does not have";
+  const auto first = static_cast<size_t>(m.first_avatar);
+  const auto count = static_cast<size_t>(m.avatar_count);
+  const size_t first_value = posture_offsets_[first];
+  if (posture_offsets_[first + count] - first_value != static_cast<size_t>(m.joint_value_count))
+    return "joint values that the models do not have";
+  if (m.frame < pending_.frame || m.frame <= state_.frame) return "";
+  if (m.frame > pending_.frame || pending_chunks_.size() != static_cast<size_t>(m.chunk_count)) {
+    if (pending_avatars_ > 0) ++tallies_[static_cast<size_t>(Channel::kStates)].incomplete;
+    pending_.frame = m.frame;
+    pending_.utime_us = m.utime;
+    pending_.roots.resize(static_cast<size_t>(avatars));
+    pending_.speeds_mps.resize(static_cast<size_t>(avatars));
+    pending_.postures.resize(posture_offsets_.back());
+    pending_chunks_.assign(static_cast<size_t>(m.chunk_count), false);
+    pending_avatars_ = 0;
+  }
+  if (pending_chunks_[static_cast<size_t>(m.chunk)]) return "";
+  pending_chunks_[static_cast<size_t>(m.chunk)] = true;
+  for (size_t i = 0, value = 0; i < count; ++i) {
+    RootPose& root = pending_.roots[first + i];
+    root.position_m = {position_of(m.root_x_100um[i]), position_of(m.root_y_100um[i]),
+                       position_of(m.root_z_100um[i])};
+    root.world_from_root = rotation_of(m.root_qw[i], m.root_qx[i], m.root_qy[i], m.root_qz[i]);
+    pending_.speeds_mps[first + i] = m.speed_mps[i];
+    for (const ColumnRange& range :
+         ranges_[static_cast<size_t>(run_->model_of_avatar[first + i])]) {
+      pending_.postures[first_value + value] = range.value_of(m.joint_values[value]);
+      ++value;
+    }
+  }
+  pending_avatars_ += m.avatar_count;
+  if (std::find(pending_chunks_.begin(), pending_chunks_.end(), false) != pending_chunks_.end())
+    return "";
+  const bool is_whole = pending_avatars_ == run_->avatar_count;
+  pending_avatars_ = 0;
+  if (!is_whole) return "chunks that do not add up to the run's avatars";
+  std::swap(state_, pending_);
+  update = Update::kState;
+  return "";
+}
+
+void RunReader::take_events(const events_t& m) {
+  new_events_.clear();
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    const PairKey pair(static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i],
+                       m.part_b[i]);
+    const auto kind = static_cast<EventKind>(m.kind[i]);
+    new_events_.push_back({pair, kind});
+    if (kind == EventKind::kBegin)
+      touching_.insert(pair);
+    else
+      touching_.erase(pair);
+  }
+}
+
+void RunReader::take_touching(const touching_t& m, Update& update) {
+  if (m.frame != pending_touching_frame_) {
+    if (!pending_touching_chunks_.empty())
+      ++tallies_[static_cast<size_t>(Channel::kTouching)].incomplete;
+    pending_touching_frame_ = m.frame;
+    pending_touching_.clear();
+    pending_touching_chunks_.clear();
+  }
+  for (size_t i = 0; i < m.a.size(); ++i)
+    pending_touching_.emplace(static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]),
+                              m.part_a[i], m.part_b[i]);
+  pending_touching_chunks_.insert(m.chunk);
+  if (pending_touching_chunks_.size() < static_cast<size_t>(m.chunk_count)) return;
+  // Events of a later frame that overtook it would be undone: the next set, a second on, is right.
+  if (m.frame >= tally(Channel::kEvents).last_frame) touching_.swap(pending_touching_);
+  pending_touching_.clear();
+  pending_touching_chunks_.clear();
+  update = Update::kTouching;
+}
+
+std::shared_ptr<const Model> RunReader::model(size_t index) {
+  std::shared_ptr<const Model>& model = models_.at(index);
+  if (!model) model = to_model(run_->models.at(index));
+  return model;
+}
+
+void RunReader::part_poses(int avatar, std::vector<PartPose>& out) {
+  const auto i = static_cast<size_t>(avatar);
+  const std::shared_ptr<const Model> body = model(static_cast<size_t>(run_->model_of_avatar.at(i)));
+  const RootFrame root{state_.roots.at(i).world_from_root, run_->scale_of_avatar.at(i)};
+  out.resize(static_cast<size_t>(body->part_count()));
+  forward_kinematics(
+      body->kinematics,
+      std::span(state_.postures)
+          .subspan(posture_offsets_[i], posture_offsets_[i + 1] - posture_offsets_[i]),
+      {&root, 1}, out);
+}
+
+}  // namespace throng

@@ -1,0 +1,128 @@
+// Puts a run together again from its messages, whether they come from a log or over LCM.
+// One rule: takes any bytes in any order; what is refused or missing is counted, never fatal.
+// It follows one run: another takes over when this one has ended, when the other begins, or after
+// forget(); until then its messages are counted as foreign.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lcmtypes/description.h"
+#include "lcmtypes/guard.h"
+#include "scenes/sink.h"
+
+namespace throng {
+
+/// The crowd at one frame, from THRONG_STATES, in real numbers.
+struct CrowdState {
+  int64_t frame = -1;
+  int64_t utime_us = 0;
+  std::vector<RootPose> roots;
+  std::vector<float> speeds_mps;
+  std::vector<float> postures;  ///< rows one after another (see RunReader::posture_offsets)
+};
+
+class RunReader {
+ public:
+  /// What a message completed or changed.
+  enum class Update {
+    kNothing,   ///< a piece of something, or a channel that is not ours
+    kRun,       ///< run() is new: another run, or the first
+    kState,     ///< state() is a newer frame
+    kEvents,    ///< touching() and new_events() changed
+    kTouching,  ///< touching() was set anew
+    kCounters,  ///< counters() is new, and the frame is over
+    kEnd,       ///< end() is known
+    kRefused    ///< damaged, hostile or of another version: see refusal()
+  };
+
+  Update take(std::string_view channel, std::span<const uint8_t> bytes);
+
+  /// Lets whichever run is heard next take over (a receiver calls it after some seconds of
+  /// silence).
+  void forget() { is_free_ = true; }
+
+  /// Null until the description is complete. States that came before are dropped, not kept.
+  const run_description_t* run() const { return run_.get(); }
+  int64_t run_id() const { return run_id_; }
+  int64_t instance() const { return instance_; }
+  /// A model of run(), ready to be posed; built when first asked for. Throws InputError if the
+  /// kinematics refuse it.
+  std::shared_ptr<const Model> model(size_t index);
+  /// avatar_count + 1 entries into CrowdState::postures.
+  const std::vector<size_t>& posture_offsets() const { return posture_offsets_; }
+
+  const CrowdState& state() const { return state_; }
+  /// Poses of the parts of one avatar in state(); translations relative to its root's position.
+  void part_poses(int avatar, std::vector<PartPose>& out);
+
+  const std::set<PairKey>& touching() const { return touching_; }
+  /// Of the last THRONG_EVENTS message.
+  std::span<const PairEvent> new_events() const { return new_events_; }
+  const std::optional<counters_t>& counters() const { return counters_; }
+  const std::optional<end_t>& end() const { return end_; }
+
+  /// What was received on a channel of the current run, and what its numbering proves was not.
+  struct Tally {
+    int64_t messages = 0;
+    int64_t bytes = 0;
+    int64_t missing = 0;  ///< holes in seq since the first message received
+    int64_t next_seq = -1;
+    int64_t last_frame = -1;
+    int64_t incomplete = 0;  ///< sets of chunks that a newer one overtook
+  };
+  const Tally& tally(Channel channel) const { return tallies_[static_cast<size_t>(channel)]; }
+  int64_t foreign() const { return foreign_; }
+  int64_t refused() const { return refused_; }
+  const std::string& refusal() const { return refusal_; }  ///< the newest
+
+ private:
+  Update refuse(std::string_view channel, std::string why);
+  bool follows(Channel channel, const MessageHeader& header);
+  void count(Channel channel, const MessageHeader& header, size_t bytes);
+  Update dispatch(Channel channel, std::span<const uint8_t> bytes);
+  std::string take_run(const run_t& piece, Update& update);
+  std::string take_states(const states_t& states, Update& update);
+  void take_events(const events_t& events);
+  void take_touching(const touching_t& touching, Update& update);
+  std::string adopt_description();
+
+  int64_t run_id_ = 0;
+  int64_t instance_ = 0;
+  bool is_free_ = true;
+  std::array<Tally, kChannelCount> tallies_{};
+  int64_t refused_ = 0;
+  int64_t foreign_ = 0;
+  std::string refusal_;
+
+  // The description on its way: pieces by offset.
+  std::map<int32_t, std::vector<uint8_t>> pieces_;
+  int32_t total_bytes_ = 0;
+  int64_t piece_bytes_ = 0;
+
+  std::unique_ptr<run_description_t> run_;
+  std::vector<std::shared_ptr<const Model>> models_;
+  std::vector<std::vector<ColumnRange>> ranges_;
+  std::vector<size_t> posture_offsets_;
+
+  CrowdState state_, pending_;
+  int32_t pending_avatars_ = 0;
+  std::vector<bool> pending_chunks_;
+
+  std::set<PairKey> touching_, pending_touching_;
+  int64_t pending_touching_frame_ = -1;
+  std::set<int32_t> pending_touching_chunks_;
+  std::vector<PairEvent> new_events_;
+  std::optional<counters_t> counters_;
+  std::optional<end_t> end_;
+};
+
+}  // namespace throng
