@@ -3,13 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
-
+#include <cstdint>
 #include <filesystem>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "avatars/mesh.h"
+#include "avatars/model.h"
 #include "culling/culler.h"
 
 namespace throng {
@@ -17,9 +17,16 @@ namespace throng {
 struct Rectangle {
   Eigen::Vector2d min_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d max_m = Eigen::Vector2d::Zero();
+
+  Eigen::Vector2d size_m() const { return max_m - min_m; }
+  double area_m2() const { return size_m().prod(); }
+  bool contains(const Eigen::Vector2d& point) const {
+    return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
+  }
+  bool operator==(const Rectangle&) const = default;
 };
 
-/// A normal distribution cut off at both ends.
+/// A normal distribution cut off at both ends; always min <= mean <= max and deviation >= 0.
 struct Distribution {
   double mean = 0;
   double deviation = 0;
@@ -31,11 +38,13 @@ struct Distribution {
 struct Group {
   std::string name;
   std::filesystem::path model;  ///< a URDF, absolute; "adult" in the file means the bundled one
+  std::shared_ptr<const Model> body;  ///< what `model` holds; load_scene() fills it
   int count = 0;
   Rectangle spawn;
-  std::vector<Rectangle> goals;  ///< visited in order, then over again
+  std::vector<Rectangle> goals;                   ///< visited in order, then over again
   Distribution speed_mps{1.34, 0.26, 0.5, 2.2};   // Weidmann 1993
   Distribution height_m{1.70, 0.09, 1.45, 2.00};  // ANSUR II, men and women mixed
+  double radius_m = 0;                            ///< of the steering disc; 0: from the height
 };
 
 /// Something solid that stands still.
@@ -43,9 +52,10 @@ struct Obstacle {
   enum class Kind { kBox, kCylinder, kMesh };
   std::string name;
   Kind kind = Kind::kBox;
-  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< a mesh: where its origin lies
   double heading_rad = 0;
-  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  ///< box edges; cylinder: diameter, diameter, height
+  Eigen::Vector3d size_m =
+      Eigen::Vector3d::Ones();  ///< box edges; cylinder: diameter, diameter, height; mesh: extent
   std::filesystem::path mesh_file;
   Mesh mesh;  ///< the solid in the obstacle's own frame, whatever its kind
 };
@@ -62,8 +72,13 @@ struct Scene {
   std::vector<Obstacle> obstacles;
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
-  uint64_t content_hash = 0;  ///< of what the file says and of what it refers to, not of where it lies
+  uint64_t content_hash =
+      0;  ///< of what the file says and of what it refers to, not of where it lies
 };
+
+/// Hash of everything in a scene that shapes its frames, and of its name; not of its duration (a
+/// longer run begins with the shorter one's frames), its description, or where files lie.
+uint64_t content_hash_of(const Scene& scene);
 
 /// A path, or the name of a bundled scene. Throws InputError with file:line or a did-you-mean.
 Scene load_scene(const std::string& path_or_name);
@@ -75,8 +90,11 @@ struct SceneEntry {
 };
 std::vector<SceneEntry> bundled_scenes();
 
-/// Scales the groups in proportion to `total` people; spawn areas that become too full grow with the
-/// ground. Says on `notes` what it changed.
+/// Scales the groups in proportion to `total` people (by largest remainders, so that the sum is
+/// exact). Where spawn areas or the ground become too full, the plan grows by one factor about the
+/// middle of the ground: ground, areas, the places of obstacles, and the lengths of those that span
+/// it (walls). Heights stay. Says on `notes` what it changed. Throws InputError if `total` is out
+/// of range.
 void scale_to(Scene& scene, int total, std::vector<std::string>& notes);
 
 }  // namespace throng

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/workers.h"
+#include "scenes/crowd.h"
 #include "scenes/scene.h"
 #include "scenes/sink.h"
 
@@ -16,6 +17,9 @@ struct SimulationOptions {
   int threads = 1;
   PairSearch pair_search = PairSearch::kGrid;
   SimdTarget simd = SimdTarget::kBest;
+  /// Fill Frame::postures. Off, only avatars in a surviving pair get joint angles at all: a run
+  /// that nobody draws or logs does not pay for the rest. Never changes the events.
+  bool postures = true;
 };
 
 class Simulation {
@@ -25,10 +29,17 @@ class Simulation {
   ~Simulation();
 
   const RunInfo& info() const;
+  const Scene& scene() const;
   /// What the user should know: people who could not be placed, spawn areas that were enlarged.
   const std::vector<std::string>& notes() const;
 
-  /// Advances by scene.step_s. The frame's spans hold until the next step.
+  /// People that the scene asks for but that found no place.
+  int unplaced() const;
+  /// Of the latest decision of steering.
+  const SteeringCounters& steering() const;
+
+  /// The first call delivers frame 0, people where they start; each later one advances by
+  /// scene.step_s. The frame's spans hold until the next step.
   const Frame& step();
   /// Ends every pair that still touches.
   RunEnd finish();

@@ -16,7 +16,8 @@ namespace throng {
 
 struct RunInfo {
   const Scene* scene = nullptr;
-  uint64_t run_id = 0;    ///< hashes scene content, seed and the options that change results; nothing else
+  uint64_t run_id =
+      0;  ///< hashes scene content, seed and the options that change results; nothing else
   uint64_t instance = 0;  ///< random for each run, to tell two runs on one channel apart
   double step_s = 0;
   std::vector<std::shared_ptr<const Model>> models;
@@ -45,16 +46,17 @@ struct FrameTimes {
 
 struct Frame {
   int64_t number = 0;
-  int64_t utime_us = 0;                 ///< simulation time
-  std::span<const RootPose> roots;      ///< one an avatar
-  std::span<const float> speeds_mps;    ///< one an avatar
-  std::span<const float> postures;      ///< rows one after another, avatar by avatar (see posture_offsets)
+  int64_t utime_us = 0;               ///< simulation time
+  std::span<const RootPose> roots;    ///< one an avatar
+  std::span<const float> speeds_mps;  ///< one an avatar
+  std::span<const float>
+      postures;  ///< rows one after another, avatar by avatar (see posture_offsets)
   std::span<const size_t> posture_offsets;  ///< avatar_count + 1 entries into postures
-  std::span<const PairKey> pairs;       ///< all that touch now, sorted
-  std::span<const PairEvent> events;    ///< begins and ends of this frame, sorted
+  std::span<const PairKey> pairs;           ///< all that touch now, sorted
+  std::span<const PairEvent> events;        ///< begins and ends of this frame, sorted
   uint64_t persisting = 0;
   const CullingCounters* counters = nullptr;
-  const FrameTimes* times = nullptr;    ///< of the frame so far; publish_ns is the previous frame's
+  const FrameTimes* times = nullptr;  ///< of the frame so far; publish_ns is the previous frame's
 };
 
 struct RunEnd {

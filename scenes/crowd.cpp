@@ -1,0 +1,92 @@
+#include "scenes/crowd.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/crowd_blocks.h"
+#include "scenes/crowd_tuning.h"
+#include "scenes/trig.h"
+
+namespace throng {
+
+Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOptions& options,
+             Workers& workers)
+    : ways_(ways), workers_(workers), options_(options), grid_(ways.walkable().ground()) {
+  steps_a_decision_ =
+      std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
+  period_s_ = steps_a_decision_ * options.step_s;
+  const SinCos largest = sin_cos(tuning::kMaxTurn_radps * options.step_s);
+  turn_cos_ = largest.cos;
+  turn_sin_ = largest.sin;
+  for (const Person& person : people) {
+    groups_.push_back(person.group);
+    radii_m_.push_back(person.radius_m);
+    free_speeds_mps_.push_back(person.free_speed_mps);
+    positions_m_.push_back(person.position_m);
+    headings_.push_back(person.heading);
+    velocities_mps_.push_back(person.free_speed_mps * person.heading);
+  }
+  const size_t count = people.size();
+  smooth_velocities_mps_ = old_velocities_mps_ = next_velocities_mps_ = intents_mps_ =
+      velocities_mps_;
+  anchors_m_ = expected_m_ = relaxed_m_ = targets_m_ = positions_m_;
+  drifts_mps_.assign(count, Eigen::Vector2d::Zero());
+  walked_m_.assign(count, 0);
+  clearances_m_.assign(count, 0);
+  stops_.assign(count, 0);
+  visits_.assign(count, 0);
+  waits_.assign(count, 0);
+  anchor_steps_.assign(count, 0);
+  neighbours_.resize(count * kMaxNeighbours);
+  neighbour_counts_.assign(count, 0);
+  block_values_.resize(static_cast<size_t>(block_count(count)));
+  grid_.rebuild(positions_m_);
+  for (uint32_t id = 0; id < count; ++id) choose_goal(id);
+}
+
+void Crowd::step() {
+  if (size() == 0) return;
+  if (steps_ % steps_a_decision_ == 0) decide();
+  for_people([this](uint32_t id) {
+    move(id);
+    turn(id);
+  });
+  ++steps_;
+}
+
+void Crowd::move(uint32_t id) {
+  const auto part = static_cast<double>(steps_ % steps_a_decision_);
+  const Eigen::Vector2d change = next_velocities_mps_[id] - old_velocities_mps_[id];
+  const Eigen::Vector2d midway =
+      old_velocities_mps_[id] + (part + 0.5) / steps_a_decision_ * change + drifts_mps_[id];
+  velocities_mps_[id] = old_velocities_mps_[id] + (part + 1) / steps_a_decision_ * change;
+  const Eigen::Vector2d from = positions_m_[id];
+  Eigen::Vector2d to = from + options_.step_s * midway;
+  // Far from any wall at the decision, nobody reaches one before the next.
+  const double reach_m =
+      period_s_ * (2 * tuning::kHaste * free_speeds_mps_[id] + tuning::kMaxDrift_mps);
+  if (clearances_m_[id] < reach_m + tuning::kWallGap_m)
+    to = ways_.walkable().slide(from, to, tuning::kWallGap_m);
+  walked_m_[id] = (to - from).norm();
+  positions_m_[id] = to;
+}
+
+void Crowd::turn(uint32_t id) {
+  Eigen::Vector2d& smooth = smooth_velocities_mps_[id];
+  smooth += options_.step_s / (tuning::kTurnSmoothing_s + options_.step_s) *
+            (velocities_mps_[id] - smooth);
+  const double speed = smooth.norm();
+  if (speed < tuning::kTurnSpeed_mps) return;
+  const Eigen::Vector2d to = smooth / speed;
+  const Eigen::Vector2d from = headings_[id];
+  if (from.dot(to) >= turn_cos_) {
+    headings_[id] = to;
+    return;
+  }
+  const double side = from.x() * to.y() - from.y() * to.x() >= 0 ? turn_sin_ : -turn_sin_;
+  const Eigen::Vector2d turned(turn_cos_ * from.x() - side * from.y(),
+                               side * from.x() + turn_cos_ * from.y());
+  headings_[id] = turned.normalized();
+}
+
+}  // namespace throng

@@ -1,0 +1,39 @@
+// The constants of steering, each with its unit and reason.
+// One rule: a number that shapes how people walk stands here, nowhere else.
+#pragma once
+
+namespace throng::tuning {
+
+/// Decisions ten times a second: people do not react faster, and between them motion is smooth.
+inline constexpr double kPeriod_s = 0.1;
+/// How far ahead collisions with people are avoided. Longer makes crowds timid, shorter makes them
+/// bump.
+inline constexpr double kHorizon_s = 2.0;
+/// How far ahead walls slow a person down: at 0.5 s one can walk along a wall at arm's length.
+inline constexpr double kWallHorizon_s = 0.5;
+/// Two people at 1.34 m/s head on meet from 5.4 m within the horizon.
+inline constexpr double kReach_m = 5.0;
+/// People speed up a little to pass.
+inline constexpr double kHaste = 1.2;
+/// Time to take up a wanted velocity (Helbing and Molnar 1995: 0.5 s).
+inline constexpr double kRelaxation_s = 0.5;
+/// Breaks the symmetry of people who meet exactly head on.
+inline constexpr double kPerturbation_mps = 1e-3;
+/// Sweeps of disc relaxation a decision, at most.
+inline constexpr int kSweeps = 4;
+/// Overlaps below this are left alone.
+inline constexpr double kSlop_m = 0.002;
+/// The fastest that relaxation moves anybody: a push, not a jump.
+inline constexpr double kMaxDrift_mps = 0.5;
+/// Centres stay this far from walls whatever happens; steering itself keeps a disc's radius.
+inline constexpr double kWallGap_m = 0.1;
+/// The fastest the body turns, and how fast it must move to turn at all.
+inline constexpr double kMaxTurn_radps = 3.0;
+inline constexpr double kTurnSpeed_mps = 0.2;
+/// The body follows the mean velocity of about this time, so that it does not shake in a throng.
+inline constexpr double kTurnSmoothing_s = 0.5;
+/// A target counts as reached within this; after so long in the goal's area, anyhow.
+inline constexpr double kArrival_m = 0.7;
+inline constexpr double kPatience_s = 3.0;
+
+}  // namespace throng::tuning

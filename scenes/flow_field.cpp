@@ -1,0 +1,183 @@
+#include "scenes/flow_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace throng {
+namespace {
+
+/// Half a cell from a kerb is enough to walk round it; finer cells only cost memory.
+constexpr double kFinestCell_m = 0.25;
+/// A field of a million cells takes 12 MB and half a second to march.
+constexpr double kMaxCells = 1 << 20;
+/// The widest disc (0.22 m for 1.70 m, 2.0 m tall) and a hand's breadth.
+constexpr double kBodyMargin_m = 0.3;
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+/// Neighbours in the order left, right, below, above; -1 where the grid ends.
+struct Neighbours {
+  ptrdiff_t cell[4];
+};
+
+Neighbours neighbours_of(const FlowGrid& grid, size_t cell) {
+  const auto columns = static_cast<ptrdiff_t>(grid.columns());
+  const auto at = static_cast<ptrdiff_t>(cell);
+  const ptrdiff_t column = at % columns;
+  const ptrdiff_t row = at / columns;
+  return {{column > 0 ? at - 1 : -1, column + 1 < columns ? at + 1 : -1,
+           row > 0 ? at - columns : -1, row + 1 < grid.rows() ? at + columns : -1}};
+}
+
+/// Distance from the nearer neighbour along each axis: the upwind scheme's quadratic.
+double eikonal(double x, double y, double cell_m) {
+  const double low = std::min(x, y);
+  const double high = std::max(x, y);
+  if (high - low >= cell_m) return low + cell_m;
+  const double gap = high - low;
+  return 0.5 * (low + high + std::sqrt(2 * cell_m * cell_m - gap * gap));
+}
+
+}  // namespace
+
+FlowGrid::FlowGrid(const Walkable& walkable) : origin_m_(walkable.ground().min_m) {
+  const Eigen::Vector2d size = walkable.ground().size_m();
+  cell_m_ = std::max(kFinestCell_m, std::sqrt(size.prod() / kMaxCells));
+  columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
+  rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
+  // A closed wall must stay closed: its blocked strip may not slip between two cell centres.
+  const double margin_m = std::max(kBodyMargin_m, 0.71 * cell_m_);
+  free_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  for (size_t cell = 0; cell < free_.size(); ++cell) {
+    const Eigen::Vector2d centre = centre_m(cell);
+    double clearance = Walkable::kReach_m;
+    for (const uint32_t footprint : walkable.near(centre))
+      clearance = std::min(clearance, walkable.nearest(footprint, centre).distance_m);
+    free_[cell] = clearance >= margin_m && walkable.ground().contains(centre);
+  }
+}
+
+Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
+  const auto columns = static_cast<size_t>(columns_);
+  return origin_m_ + cell_m_ * Eigen::Vector2d(static_cast<double>(cell % columns) + 0.5,
+                                               static_cast<double>(cell / columns) + 0.5);
+}
+
+size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {
+  const Eigen::Vector2d offset = (point - origin_m_) / cell_m_;
+  const int column = std::clamp(static_cast<int>(std::floor(offset.x())), 0, columns_ - 1);
+  const int row = std::clamp(static_cast<int>(std::floor(offset.y())), 0, rows_ - 1);
+  return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
+}
+
+FlowField::FlowField(const FlowGrid& grid, const Rectangle& goal)
+    : grid_(&grid),
+      distance_m_(grid.cell_count(), kFar),
+      direction_(grid.cell_count(), Eigen::Vector2f::Zero()) {
+  march(goal);
+  point_downhill();
+  lead_out_of_walls();
+}
+
+void FlowField::march(const Rectangle& goal) {
+  // A queue of (distance, cell): equal distances leave in the order of cells.
+  using Entry = std::pair<float, size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
+    if (!grid_->is_free(cell)) continue;
+    // The cell's distance to the rectangle, so that small goals between cell centres count too.
+    const Eigen::Vector2d centre = grid_->centre_m(cell);
+    const double away = (centre - centre.cwiseMax(goal.min_m).cwiseMin(goal.max_m)).norm();
+    if (away > 0.71 * grid_->cell_m()) continue;
+    distance_m_[cell] = static_cast<float>(away);
+    queue.emplace(distance_m_[cell], cell);
+  }
+  const auto value = [&](ptrdiff_t cell) {
+    return cell < 0 ? kFar : distance_m_[static_cast<size_t>(cell)];
+  };
+  while (!queue.empty()) {
+    const auto [distance, cell] = queue.top();
+    queue.pop();
+    if (distance > distance_m_[cell]) continue;
+    for (const ptrdiff_t next : neighbours_of(*grid_, cell).cell) {
+      if (next < 0 || !grid_->is_free(static_cast<size_t>(next))) continue;
+      const Neighbours around = neighbours_of(*grid_, static_cast<size_t>(next));
+      const auto x = static_cast<double>(std::min(value(around.cell[0]), value(around.cell[1])));
+      const auto y = static_cast<double>(std::min(value(around.cell[2]), value(around.cell[3])));
+      const auto found = static_cast<float>(eikonal(x, y, grid_->cell_m()));
+      if (!(found < distance_m_[static_cast<size_t>(next)])) continue;
+      distance_m_[static_cast<size_t>(next)] = found;
+      queue.emplace(found, static_cast<size_t>(next));
+    }
+  }
+}
+
+void FlowField::point_downhill() {
+  const auto fall = [&](float here, ptrdiff_t back, ptrdiff_t ahead) {
+    const float behind = back < 0 ? kFar : distance_m_[static_cast<size_t>(back)];
+    const float before = ahead < 0 ? kFar : distance_m_[static_cast<size_t>(ahead)];
+    const float lower = std::min(behind, before);
+    if (!(lower < here)) return 0.0f;
+    return before < behind ? here - lower : lower - here;
+  };
+  for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
+    if (!(distance_m_[cell] < kFar)) continue;
+    const Neighbours around = neighbours_of(*grid_, cell);
+    const Eigen::Vector2f down(fall(distance_m_[cell], around.cell[0], around.cell[1]),
+                               fall(distance_m_[cell], around.cell[2], around.cell[3]));
+    if (down.squaredNorm() > 0) direction_[cell] = down.normalized();
+  }
+}
+
+void FlowField::lead_out_of_walls() {
+  // Whoever was pushed too near an obstacle goes to the nearest cell with a way: breadth first.
+  std::vector<size_t> front;
+  std::vector<uint8_t> known(distance_m_.size());
+  for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
+    known[cell] = distance_m_[cell] < kFar;
+    if (known[cell]) front.push_back(cell);
+  }
+  for (size_t i = 0; i < front.size(); ++i) {
+    for (const ptrdiff_t next : neighbours_of(*grid_, front[i]).cell) {
+      if (next < 0) continue;
+      const auto cell = static_cast<size_t>(next);
+      if (known[cell] || grid_->is_free(cell)) continue;
+      known[cell] = 1;
+      const Eigen::Vector2d out = grid_->centre_m(front[i]) - grid_->centre_m(cell);
+      direction_[cell] = out.normalized().cast<float>();
+      front.push_back(cell);
+    }
+  }
+}
+
+Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
+  const Eigen::Vector2d offset = (point - grid_->origin_m()) / grid_->cell_m();
+  const double x = std::clamp(offset.x() - 0.5, 0.0, static_cast<double>(grid_->columns() - 1));
+  const double y = std::clamp(offset.y() - 0.5, 0.0, static_cast<double>(grid_->rows() - 1));
+  const auto column = static_cast<size_t>(x);
+  const auto row = static_cast<size_t>(y);
+  const auto columns = static_cast<size_t>(grid_->columns());
+  const size_t right = column + 1 < columns ? 1 : 0;
+  const size_t above = row + 1 < static_cast<size_t>(grid_->rows()) ? columns : 0;
+  const size_t cell = row * columns + column;
+  const double fx = x - static_cast<double>(column);
+  const double fy = y - static_cast<double>(row);
+  const auto at = [&](size_t index) -> Eigen::Vector2d { return direction_[index].cast<double>(); };
+  const Eigen::Vector2d blend = (1 - fy) * ((1 - fx) * at(cell) + fx * at(cell + right)) +
+                                fy * ((1 - fx) * at(cell + above) + fx * at(cell + above + right));
+  // Where ways part, directions cancel: take the cell's own then.
+  const Eigen::Vector2d chosen = blend.squaredNorm() > 0.01 ? blend : at(grid_->cell_at(point));
+  const double length = chosen.norm();
+  return length > 0 ? Eigen::Vector2d(chosen / length) : Eigen::Vector2d::Zero();
+}
+
+double FlowField::distance_m(const Eigen::Vector2d& point) const {
+  return static_cast<double>(distance_m_[grid_->cell_at(point)]);
+}
+
+bool FlowField::reaches(const Eigen::Vector2d& point) const {
+  return distance_m_[grid_->cell_at(point)] < kFar;
+}
+
+}  // namespace throng

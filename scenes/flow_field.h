@@ -1,0 +1,57 @@
+// The way to a goal from everywhere: walking distance on a grid around inflated obstacles, and its
+// downhill direction. One rule: built once a goal, O(1) a question, the same on every machine.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "scenes/walkable.h"
+
+namespace throng {
+
+/// The cells of the ground, and which of them a person's centre may pass through.
+class FlowGrid {
+ public:
+  explicit FlowGrid(const Walkable& walkable);
+
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  size_t cell_count() const { return free_.size(); }
+  double cell_m() const { return cell_m_; }
+  bool is_free(size_t cell) const { return free_[cell] != 0; }
+  Eigen::Vector2d centre_m(size_t cell) const;
+  size_t cell_at(const Eigen::Vector2d& point) const;
+  const Eigen::Vector2d& origin_m() const { return origin_m_; }
+
+ private:
+  Eigen::Vector2d origin_m_;
+  double cell_m_ = 0;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<uint8_t> free_;
+};
+
+class FlowField {
+ public:
+  /// Solves |grad distance| = 1 from the goal by fast marching (Sethian 1996). Keeps a reference to
+  /// `grid`.
+  FlowField(const FlowGrid& grid, const Rectangle& goal);
+
+  /// Unit direction to walk, blended between cells; zero at the goal and where no way leads to it.
+  Eigen::Vector2d direction(const Eigen::Vector2d& point) const;
+  /// Walking distance to the goal from the point's cell; infinite if there is no way, or if the
+  /// cell is too near an obstacle.
+  double distance_m(const Eigen::Vector2d& point) const;
+  bool reaches(const Eigen::Vector2d& point) const;
+
+ private:
+  void march(const Rectangle& goal);
+  void point_downhill();
+  void lead_out_of_walls();
+
+  const FlowGrid* grid_;
+  std::vector<float> distance_m_;
+  std::vector<Eigen::Vector2f> direction_;
+};
+
+}  // namespace throng

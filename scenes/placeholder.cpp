@@ -1,1 +1,0 @@
-#include "scenes/scenes.h"

@@ -1,0 +1,95 @@
+#include "scenes/posing.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <chrono>
+
+namespace throng {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+int64_t nanoseconds(Clock::duration duration) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(duration).count();
+}
+
+/// Rows of one batch; grows to the widest model once a thread and is then reused.
+std::span<float> scratch_rows(size_t floats) {
+  thread_local std::vector<float> rows;
+  if (rows.size() < floats) rows.resize(floats);
+  return {rows.data(), floats};
+}
+
+}  // namespace
+
+Posing::Posing(std::vector<std::shared_ptr<const Model>> models, const BodyStates& states)
+    : models_(std::move(models)), states_(states) {
+  gaits_.reserve(models_.size());
+  for (const auto& model : models_) gaits_.emplace_back(*model);
+}
+
+void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offsets) {
+  rows_ = rows;
+  row_offsets_ = offsets;
+}
+
+void Posing::postures(uint32_t first, uint32_t count, std::span<float> rows) const {
+  const Gait& gait = gaits_[states_.types[first]];
+  gait.postures({states_.phases.data() + first, count}, {states_.speeds_mps.data() + first, count},
+                {states_.scales.data() + first, count}, rows);
+}
+
+void Posing::gather_rows(std::span<const uint32_t> bodies, size_t type,
+                         std::span<float> rows) const {
+  const auto columns = static_cast<size_t>(gaits_[type].column_count());
+  if (!rows_.empty()) {
+    for (size_t i = 0; i < bodies.size(); ++i)
+      std::copy_n(rows_.begin() + static_cast<ptrdiff_t>(row_offsets_[bodies[i]]), columns,
+                  rows.begin() + static_cast<ptrdiff_t>(i * columns));
+    return;
+  }
+  std::array<float, kMaxBatch> phases;
+  std::array<float, kMaxBatch> speeds;
+  std::array<float, kMaxBatch> scales;
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    phases[i] = states_.phases[bodies[i]];
+    speeds[i] = states_.speeds_mps[bodies[i]];
+    scales[i] = states_.scales[bodies[i]];
+  }
+  gaits_[type].postures({phases.data(), bodies.size()}, {speeds.data(), bodies.size()},
+                        {scales.data(), bodies.size()}, rows);
+}
+
+void Posing::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
+  assert(bodies.size() <= kMaxBatch);
+  if (bodies.empty()) return;
+  const size_t type = states_.types[bodies.front()];
+  if (type >= models_.size()) {  // an obstacle: one part, in the root frame
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      Eigen::Isometry3d world_from_part = Eigen::Isometry3d::Identity();
+      world_from_part.linear() =
+          states_.roots[bodies[i]].world_from_root.cast<double>().toRotationMatrix();
+      out[i] = to_part_pose(world_from_part);
+    }
+    return;
+  }
+  const auto start = Clock::now();
+  const auto columns = static_cast<size_t>(gaits_[type].column_count());
+  const std::span<float> rows = scratch_rows(bodies.size() * columns);
+  gather_rows(bodies, type, rows);
+  const auto posed = Clock::now();
+  std::array<RootFrame, kMaxBatch> frames;
+  for (size_t i = 0; i < bodies.size(); ++i)
+    frames[i] = {states_.roots[bodies[i]].world_from_root, states_.scales[bodies[i]]};
+  forward_kinematics(models_[type]->kinematics, rows, {frames.data(), bodies.size()}, out);
+  gait_ns_.fetch_add(nanoseconds(posed - start), std::memory_order_relaxed);
+  kinematics_ns_.fetch_add(nanoseconds(Clock::now() - posed), std::memory_order_relaxed);
+}
+
+Posing::Times Posing::take_times() {
+  return {static_cast<double>(gait_ns_.exchange(0, std::memory_order_relaxed)),
+          static_cast<double>(kinematics_ns_.exchange(0, std::memory_order_relaxed))};
+}
+
+}  // namespace throng

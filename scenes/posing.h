@@ -1,0 +1,63 @@
+// Postures and part poses of avatars and obstacles, on demand, many at a time.
+// One rule: what a body gets depends on its own state only, never on who is asked for with it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "avatars/gait.h"
+#include "avatars/model.h"
+#include "culling/culler.h"
+
+namespace throng {
+
+/// The state of all bodies that poses depend on, by body: avatars first, then obstacles.
+struct BodyStates {
+  std::vector<uint16_t> types;  ///< models first, then one type an obstacle
+  std::vector<RootPose> roots;
+  std::vector<float> scales;
+  // Avatars only.
+  std::vector<float> phases;
+  std::vector<float> speeds_mps;
+};
+
+class Posing : public PoseSource {
+ public:
+  /// Keeps a reference to `states`. Tabulates a gait for each model.
+  Posing(std::vector<std::shared_ptr<const Model>> models, const BodyStates& states);
+
+  const Gait& gait(size_t model) const { return gaits_[model]; }
+  const Model& model(size_t model) const { return *models_[model]; }
+
+  void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
+
+  /// Posture rows of consecutive avatars of one model.
+  void postures(uint32_t first, uint32_t count, std::span<float> rows) const;
+
+  /// Rows that postures() already computed for this frame, by avatar through `offsets`; poses()
+  /// then copies them. Empty: poses() computes what it needs.
+  void use_rows(std::span<const float> rows, std::span<const size_t> offsets);
+
+  /// Nanoseconds inside poses() since the last call, summed over threads.
+  struct Times {
+    double gait_ns = 0;
+    double kinematics_ns = 0;
+  };
+  Times take_times();
+
+ private:
+  void gather_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const;
+
+  std::vector<std::shared_ptr<const Model>> models_;
+  std::vector<Gait> gaits_;
+  const BodyStates& states_;
+  std::span<const float> rows_;
+  std::span<const size_t> row_offsets_;
+  mutable std::atomic<int64_t> gait_ns_{0};
+  mutable std::atomic<int64_t> kinematics_ns_{0};
+};
+
+}  // namespace throng

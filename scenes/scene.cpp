@@ -1,0 +1,313 @@
+#include "scenes/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "avatars/tri.h"
+#include "base/errors.h"
+#include "scenes/hasher.h"
+#include "scenes/scene_fields.h"
+#include "scenes/shapes.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int64_t kMaxBodies = PairKey::kMaxId;  // ids run from 0 to kMaxId
+constexpr Range kSpeedRange{0.1, 4.0};           // from a shuffle to a run
+constexpr Range kHeightRange{0.5, 2.5};          // the gait's curves hold no further
+constexpr Range kRadiusRange{0.05, 0.35};        // the grids of spawning and ways hold no wider
+constexpr Range kSizeRange{0, 1e4, true};        // 10 km: a wall around the largest scene
+/// Steering turns ten times a second; a longer step would outlive its decisions.
+constexpr Range kStepRange{1e-4, 0.1};
+/// A million cells of flow field are then 3 m wide, the coarsest that keep clear of walls.
+constexpr double kMaxGround_m2 = 1e7;
+constexpr double kDefaultStep_s = 1.0 / 60.0;
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string show(const Rectangle& r) {
+  return fmt::format("[{}, {}] to [{}, {}]", r.min_m.x(), r.min_m.y(), r.max_m.x(), r.max_m.y());
+}
+
+/// Reads a scene from its tree; remembers the file for messages.
+class SceneReader {
+ public:
+  SceneReader(const fs::path& file, const YamlNode& root)
+      : file_(file.string()), folder_(file.parent_path()), fields_(file_, root, "a scene") {
+    scene_.file = file;
+  }
+
+  Scene read() {
+    scene_.name = fields_.text_or("name", fs::path(file_).stem().string());
+    scene_.description = fields_.text_or("description", "");
+    scene_.seed = static_cast<uint64_t>(fields_.integer_or("seed", 0, INT64_MAX, 1));
+    scene_.step_s = fields_.number_or("step_s", kStepRange, kDefaultStep_s);
+    scene_.duration_s = fields_.number_or("duration_s", {0, 1e7, true}, 10);
+    scene_.ground = read_rectangle(file_, fields_.require("ground"), "ground");
+    if (!(scene_.ground.area_m2() <= kMaxGround_m2))
+      throw InputError(at_line(file_, fields_.require("ground").line),
+                       fmt::format("ground of at most {} m2", kMaxGround_m2),
+                       fmt::format("{}", scene_.ground.area_m2()));
+    read_culling();
+    read_obstacles();
+    read_groups();
+    fields_.done();
+    scene_.content_hash = content_hash_of(scene_);
+    return std::move(scene_);
+  }
+
+ private:
+  void read_culling() {
+    const YamlNode* node = fields_.find("culling");
+    if (node == nullptr) return;
+    Fields culling(file_, *node, "culling");
+    if (const YamlNode* volume = culling.find("part_volume")) {
+      const auto kind = volume_of(volume->scalar);
+      if (!kind) {
+        std::vector<std::string> names;
+        for (const VolumeKind each : kAllVolumes) names.emplace_back(name_of(each));
+        throw InputError(culling.where(*volume), fmt::format("a part_volume ({})", list_of(names)),
+                         describe(*volume) + did_you_mean(volume->scalar, names));
+      }
+      scene_.part_volume = *kind;
+    }
+    scene_.exact = culling.boolean_or("exact", false);
+    culling.done();
+  }
+
+  /// The items of a list-valued key; an absent key is an empty list.
+  std::vector<const YamlNode*> items_of(Fields& fields, const std::string& key, bool required) {
+    std::vector<const YamlNode*> items;
+    const YamlNode* node = required ? &fields.require(key) : fields.find(key);
+    if (node == nullptr) return items;
+    if (node->kind != YamlNode::Kind::kList || (required && node->items.empty()))
+      throw InputError(fields.where(*node), fmt::format("a list for '{}'", key), describe(*node));
+    for (const YamlNode& item : node->items) items.push_back(&item);
+    return items;
+  }
+
+  template <typename Named>
+  std::string unique_name(Fields& fields, const std::string& fallback,
+                          const std::vector<Named>& earlier) {
+    const std::string name = fields.text_or("name", fallback);
+    for (const Named& other : earlier)
+      if (other.name == name)
+        throw InputError(at_line(file_, fields.line()), "every name once",
+                         fmt::format("'{}' again", name));
+    return name;
+  }
+
+  void read_groups() {
+    int64_t bodies = static_cast<int64_t>(scene_.obstacles.size());
+    for (const YamlNode* item : items_of(fields_, "groups", true)) {
+      Fields fields(file_, *item, "a group");
+      Group group;
+      group.name =
+          unique_name(fields, fmt::format("group {}", scene_.groups.size() + 1), scene_.groups);
+      group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, std::nullopt));
+      bodies += group.count;
+      if (bodies > kMaxBodies)
+        throw InputError(at_line(file_, item->line),
+                         fmt::format("at most {} people and obstacles", kMaxBodies),
+                         fmt::format("{}", bodies));
+      group.spawn = area_on_ground(fields.require("spawn"), "spawn");
+      for (const YamlNode* goal : items_of(fields, "goals", true))
+        group.goals.push_back(area_on_ground(*goal, "a goal"));
+      if (const YamlNode* node = fields.find("speed_mps"))
+        group.speed_mps =
+            read_distribution(file_, *node, "speed_mps", group.speed_mps, kSpeedRange);
+      if (const YamlNode* node = fields.find("height_m"))
+        group.height_m = read_distribution(file_, *node, "height_m", group.height_m, kHeightRange);
+      group.radius_m = fields.number_or("radius_m", kRadiusRange, 0);
+      read_model(fields, group);
+      fields.done();
+      scene_.groups.push_back(std::move(group));
+    }
+  }
+
+  void read_model(Fields& fields, Group& group) {
+    const YamlNode* node = fields.find("model");
+    if (node == nullptr || node->scalar == "adult") {
+      group.model = adult_urdf();
+    } else {
+      if (node->kind != YamlNode::Kind::kScalar)
+        throw InputError(fields.where(*node), "'adult' or a URDF file for 'model'",
+                         describe(*node));
+      group.model = existing_file(fields, *node, "'adult' or a URDF file");
+    }
+    for (const Group& earlier : scene_.groups)
+      if (earlier.model == group.model) group.body = earlier.body;
+    if (group.body == nullptr) group.body = load_model(group.model);
+    if (!(group.body->height_m > 0))
+      throw InputError(at_line(file_, fields.line()), "a model that stands above its ground",
+                       fmt::format("'{}' with height {} m", group.body->name,
+                                   static_cast<double>(group.body->height_m)));
+  }
+
+  fs::path existing_file(Fields& fields, const YamlNode& node, const std::string& expected) {
+    const fs::path path = fs::absolute(folder_ / node.scalar).lexically_normal();
+    std::error_code error;
+    if (!fs::is_regular_file(path, error))
+      throw InputError(fields.where(node), expected,
+                       fmt::format("'{}', and no such file at {}", node.scalar, path.string()));
+    return path;
+  }
+
+  Rectangle area_on_ground(const YamlNode& node, const std::string& what) {
+    const Rectangle area = read_rectangle(file_, node, what);
+    if (!scene_.ground.contains(area.min_m) || !scene_.ground.contains(area.max_m))
+      throw InputError(at_line(file_, node.line),
+                       fmt::format("{} within the ground ({})", what, show(scene_.ground)),
+                       show(area));
+    return area;
+  }
+
+  void read_obstacles() {
+    for (const YamlNode* item : items_of(fields_, "obstacles", false)) {
+      Fields fields(file_, *item, "an obstacle");
+      Obstacle obstacle;
+      obstacle.name = unique_name(fields, fmt::format("obstacle {}", scene_.obstacles.size() + 1),
+                                  scene_.obstacles);
+      const std::vector<double> place =
+          fields.numbers("position_m", 2, {-kMaxCoordinate_m, kMaxCoordinate_m});
+      const double bottom_m = fields.number_or("bottom_m", {-10, 1000}, 0);
+      obstacle.heading_rad =
+          fields.number_or("heading_deg", {-360, 360}, 0) * (std::numbers::pi / 180);
+      read_shape(fields, obstacle);
+      fields.done();
+      const double rise = obstacle.kind == Obstacle::Kind::kMesh ? 0 : 0.5 * obstacle.size_m.z();
+      obstacle.centre_m = {place[0], place[1], bottom_m + rise};
+      for (const Eigen::Vector2d& corner : footprint_of(obstacle))
+        if (!scene_.ground.contains(corner))
+          throw InputError(at_line(file_, item->line),
+                           fmt::format("obstacle '{}' within the ground ({})", obstacle.name,
+                                       show(scene_.ground)),
+                           fmt::format("a corner at [{}, {}]", corner.x(), corner.y()));
+      scene_.obstacles.push_back(std::move(obstacle));
+    }
+  }
+
+  void read_shape(Fields& fields, Obstacle& obstacle) {
+    const std::string kind = fields.text("kind");
+    if (kind == "box") {
+      const std::vector<double> size = fields.numbers("size_m", 3, kSizeRange);
+      obstacle.kind = Obstacle::Kind::kBox;
+      obstacle.size_m = {size[0], size[1], size[2]};
+      obstacle.mesh = box_mesh(obstacle.size_m);
+    } else if (kind == "cylinder") {
+      const double diameter_m = fields.number("diameter_m", kSizeRange);
+      obstacle.kind = Obstacle::Kind::kCylinder;
+      obstacle.size_m = {diameter_m, diameter_m, fields.number("height_m", kSizeRange)};
+      obstacle.mesh = cylinder_mesh(diameter_m, obstacle.size_m.z());
+    } else if (kind == "mesh") {
+      obstacle.kind = Obstacle::Kind::kMesh;
+      obstacle.mesh_file = existing_file(fields, fields.require("file"), "a .tri file");
+      obstacle.mesh = read_tri(obstacle.mesh_file).mesh;
+      measure_mesh(fields, obstacle);
+    } else {
+      const std::vector<std::string> kinds = {"box", "cylinder", "mesh"};
+      throw InputError(fields.where(fields.require("kind")), "kind: box, cylinder or mesh",
+                       fmt::format("'{}'{}", kind, did_you_mean(kind, kinds)));
+    }
+  }
+
+  void measure_mesh(Fields& fields, Obstacle& obstacle) {
+    Eigen::Vector3f low = obstacle.mesh.vertices.front();
+    Eigen::Vector3f high = low;
+    for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
+      low = low.cwiseMin(vertex);
+      high = high.cwiseMax(vertex);
+    }
+    obstacle.size_m = (high - low).cast<double>();
+    if (footprint_of(obstacle).size() < 3 || !(obstacle.size_m.maxCoeff() <= kSizeRange.max))
+      throw InputError(at_line(file_, fields.line()),
+                       fmt::format("a mesh that covers some ground, at most {} m", kSizeRange.max),
+                       fmt::format("one of {} x {} x {} m", obstacle.size_m.x(),
+                                   obstacle.size_m.y(), obstacle.size_m.z()));
+  }
+
+  std::string file_;
+  fs::path folder_;
+  Fields fields_;
+  Scene scene_;
+};
+
+fs::path bundled_folder() { return data_directory() / "scenes" / "bundled"; }
+
+}  // namespace
+
+uint64_t content_hash_of(const Scene& scene) {
+  Hasher hash;
+  const auto add_area = [&](const Rectangle& r) {
+    hash.add(r.min_m.x()).add(r.min_m.y()).add(r.max_m.x()).add(r.max_m.y());
+  };
+  const auto add_distribution = [&](const Distribution& d) {
+    hash.add(d.mean).add(d.deviation).add(d.min).add(d.max);
+  };
+  hash.add(scene.name).add(scene.seed).add(scene.step_s);
+  hash.add(name_of(scene.part_volume)).add(uint64_t{scene.exact});
+  add_area(scene.ground);
+  hash.add(uint64_t{scene.groups.size()});
+  for (const Group& group : scene.groups) {
+    hash.add(group.name).add(static_cast<uint64_t>(group.count));
+    hash.add(group.body == nullptr ? 0 : group.body->content_hash);
+    add_area(group.spawn);
+    hash.add(uint64_t{group.goals.size()});
+    for (const Rectangle& goal : group.goals) add_area(goal);
+    add_distribution(group.speed_mps);
+    add_distribution(group.height_m);
+    hash.add(group.radius_m);
+  }
+  hash.add(uint64_t{scene.obstacles.size()});
+  for (const Obstacle& obstacle : scene.obstacles) {
+    hash.add(obstacle.name).add(static_cast<uint64_t>(obstacle.kind)).add(obstacle.heading_rad);
+    for (int axis = 0; axis < 3; ++axis) hash.add(obstacle.centre_m[axis]);
+    for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices)
+      for (int axis = 0; axis < 3; ++axis) hash.add(static_cast<double>(vertex[axis]));
+    for (const Eigen::Vector3i& triangle : obstacle.mesh.triangles)
+      for (int corner = 0; corner < 3; ++corner) hash.add(static_cast<uint64_t>(triangle[corner]));
+  }
+  return hash.value();
+}
+
+Scene load_scene(const std::string& path_or_name) {
+  fs::path file = path_or_name;
+  // A bare word is a bundled scene; a path has a folder or an extension.
+  if (!file.has_parent_path() && !file.has_extension() && !fs::exists(file)) {
+    const fs::path bundled = bundled_folder() / (path_or_name + ".yaml");
+    if (!fs::exists(bundled)) {
+      std::vector<std::string> names;
+      for (const SceneEntry& entry : bundled_scenes()) names.push_back(entry.name);
+      throw InputError(path_or_name.empty() ? "scene" : path_or_name,
+                       fmt::format("a scene file or a bundled scene ({})", list_of(names)),
+                       fmt::format("neither{}", did_you_mean(path_or_name, names)));
+    }
+    file = bundled;
+  }
+  const std::string text = read_text_file(file, kMaxYamlBytes);
+  return SceneReader(file, parse_yaml(text, file.string())).read();
+}
+
+std::vector<SceneEntry> bundled_scenes() {
+  std::vector<SceneEntry> entries;
+  for (const auto& item : fs::directory_iterator(bundled_folder())) {
+    if (item.path().extension() != ".yaml") continue;
+    const std::string file = item.path().string();
+    const YamlNode root = parse_yaml(read_text_file(item.path(), kMaxYamlBytes), file);
+    Fields fields(file, root, "a scene");
+    entries.push_back({item.path().stem().string(), fields.text_or("description", "")});
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const SceneEntry& a, const SceneEntry& b) { return a.name < b.name; });
+  return entries;
+}
+
+}  // namespace throng

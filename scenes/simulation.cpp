@@ -1,0 +1,323 @@
+#include "scenes/simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include "base/errors.h"
+#include "scenes/hasher.h"
+#include "scenes/posing.h"
+#include "scenes/shapes.h"
+#include "scenes/spawn.h"
+#include "scenes/trig.h"
+#include "scenes/ways.h"
+
+namespace throng {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Avatars a block: a posture row takes about 50 ns, a state less.
+constexpr uint32_t kBlock = 256;
+/// A sphere in float must still hold points that rounding moved by an ulp of 10 km.
+constexpr float kSphereSlack_m = 1e-3f;
+
+double nanoseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+}
+
+/// Rotation about z of a heading given as unit vector, by half-angle formulas: exact to rounding
+/// and the same on every machine.
+Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
+  const double cosine = std::clamp(heading.x(), -1.0, 1.0);
+  double w = std::sqrt(0.5 * (1 + cosine));
+  double z = std::copysign(std::sqrt(0.5 * (1 - cosine)), heading.y());
+  // The smaller of the two from the larger, which has lost no digits.
+  if (w > std::abs(z))
+    z = 0.5 * heading.y() / w;
+  else
+    w = 0.5 * heading.y() / z;
+  return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
+}
+
+std::shared_ptr<const BodyType> person_type(const Model& model, const Gait& gait) {
+  std::vector<PartShape> shapes;
+  for (const Part& part : model.parts) shapes.push_back({part.mesh.vertices, part.mesh.triangles});
+  return std::make_shared<BodyType>(
+      std::move(shapes), RootSphere{gait.sphere_centre_m(), gait.sphere_radius_m()}, false);
+}
+
+std::shared_ptr<const BodyType> obstacle_type(const Obstacle& obstacle) {
+  const std::vector<Eigen::Vector3f>& points = obstacle.mesh.vertices;
+  Eigen::Vector3f low = points.front();
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& point : points) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  RootSphere sphere{0.5f * (low + high), 0};
+  for (const Eigen::Vector3f& point : points)
+    sphere.radius_m = std::max(sphere.radius_m, (point - sphere.centre_m).norm());
+  sphere.radius_m += kSphereSlack_m;
+  return std::make_shared<BodyType>(std::vector<PartShape>{{points, obstacle.mesh.triangles}},
+                                    sphere, true);
+}
+
+uint64_t random_instance() {
+  std::random_device device;
+  return (uint64_t{device()} << 32) | device();
+}
+
+/// Loads what the scene names but does not hold yet.
+Scene with_bodies(Scene scene) {
+  for (Group& group : scene.groups)
+    if (group.body == nullptr) group.body = load_model(group.model);
+  scene.content_hash = content_hash_of(scene);
+  return scene;
+}
+
+std::vector<std::shared_ptr<const Model>> models_of(const Scene& scene) {
+  std::vector<std::shared_ptr<const Model>> models;
+  for (const Group& group : scene.groups) {
+    if (group.body->part_count() < 1 || group.body->part_count() > BodyType::kMaxParts)
+      throw InputError(group.model.string(),
+                       fmt::format("a model of 1 to {} parts", BodyType::kMaxParts),
+                       fmt::format("{}", group.body->part_count()));
+    if (std::find(models.begin(), models.end(), group.body) == models.end())
+      models.push_back(group.body);
+  }
+  return models;
+}
+
+}  // namespace
+
+struct Simulation::State {
+  State(Scene scene_in, const SimulationOptions& options_in);
+
+  void place_bodies();
+  void describe_run();
+  void cut_blocks();
+  void update_bodies(bool moved);
+  void update_postures();
+  void split_times(double steering_ns, double postures_ns);
+  void fill_frame();
+
+  /// Consecutive avatars of one model.
+  struct Block {
+    uint32_t first = 0;
+    uint32_t count = 0;
+  };
+
+  SimulationOptions options;
+  Scene scene;
+  Workers workers;
+  std::vector<std::shared_ptr<const Model>> models;
+  Ways ways;
+  Spawned spawned;
+  Crowd crowd;
+  BodyStates bodies;
+  Posing posing;
+  std::vector<uint32_t> ids;
+  std::vector<Block> blocks;
+  std::vector<float> postures;
+  std::vector<size_t> posture_offsets;
+  std::unique_ptr<Culler> culler;
+  RunInfo info;
+  Frame frame;
+  FrameTimes times;
+  int64_t frames = 0;
+  uint64_t begins = 0;
+  uint64_t ends = 0;
+};
+
+Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
+    : options(options_in),
+      scene(with_bodies(std::move(scene_in))),
+      workers(options.threads),
+      models(models_of(scene)),
+      ways(scene, workers),
+      spawned(spawn(scene, ways)),
+      crowd(ways, spawned.people, {scene.seed, scene.step_s}, workers),
+      posing(models, bodies) {
+  place_bodies();
+  describe_run();
+  cut_blocks();
+  std::vector<std::shared_ptr<const BodyType>> types;
+  for (size_t i = 0; i < models.size(); ++i)
+    types.push_back(person_type(*models[i], posing.gait(i)));
+  for (const Obstacle& obstacle : scene.obstacles) types.push_back(obstacle_type(obstacle));
+  CullerOptions culling;
+  culling.part_volume = scene.part_volume;
+  culling.exact = scene.exact;
+  culling.pair_search = options.pair_search;
+  culling.simd = options.simd;
+  culler = std::make_unique<Culler>(std::move(types), culling, workers);
+}
+
+void Simulation::State::place_bodies() {
+  for (const Person& person : spawned.people) {
+    const std::shared_ptr<const Model>& body = scene.groups[person.group].body;
+    const auto type = std::find(models.begin(), models.end(), body) - models.begin();
+    bodies.types.push_back(static_cast<uint16_t>(type));
+    bodies.scales.push_back(
+        static_cast<float>(person.height_m / static_cast<double>(body->height_m)));
+    bodies.phases.push_back(static_cast<float>(person.phase));
+  }
+  bodies.speeds_mps.resize(spawned.people.size());
+  bodies.roots.resize(spawned.people.size());
+  for (size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const SinCos turn = sin_cos(scene.obstacles[i].heading_rad);
+    bodies.types.push_back(static_cast<uint16_t>(models.size() + i));
+    bodies.scales.push_back(1);
+    bodies.roots.push_back({scene.obstacles[i].centre_m, turned_to({turn.cos, turn.sin})});
+  }
+  for (uint32_t id = 0; id < bodies.types.size(); ++id) ids.push_back(id);
+}
+
+void Simulation::State::describe_run() {
+  const auto people = static_cast<ptrdiff_t>(crowd.size());
+  info.scene = &scene;
+  // Threads, SIMD, pair search and outputs stay out: they change no frame.
+  info.run_id = Hasher().add("throng run 1").add(scene.content_hash).value();
+  info.instance = random_instance();
+  info.step_s = scene.step_s;
+  info.models = models;
+  info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + people);
+  info.scale_of_avatar.assign(bodies.scales.begin(), bodies.scales.begin() + people);
+  info.part_volume = scene.part_volume;
+  info.exact = scene.exact;
+}
+
+void Simulation::State::cut_blocks() {
+  posture_offsets.push_back(0);
+  for (uint32_t id = 0; id < crowd.size(); ++id) {
+    const bool continues = !blocks.empty() && blocks.back().count < kBlock &&
+                           bodies.types[blocks.back().first] == bodies.types[id];
+    if (!continues) blocks.push_back({id, 0});
+    ++blocks.back().count;
+    const auto columns = static_cast<size_t>(posing.gait(bodies.types[id]).column_count());
+    posture_offsets.push_back(posture_offsets.back() + columns);
+  }
+  if (options.postures) postures.resize(posture_offsets.back());
+}
+
+void Simulation::State::update_bodies(bool moved) {
+  workers.for_blocks(static_cast<int>(blocks.size()), [&](int index, int) {
+    const Block& block = blocks[static_cast<size_t>(index)];
+    const Gait& gait = posing.gait(bodies.types[block.first]);
+    for (uint32_t id = block.first; id < block.first + block.count; ++id) {
+      const Eigen::Vector2d& position = crowd.positions_m()[id];
+      bodies.roots[id].position_m = {position.x(), position.y(), 0};
+      bodies.roots[id].world_from_root = turned_to(crowd.headings()[id]);
+      bodies.speeds_mps[id] = static_cast<float>(crowd.velocities_mps()[id].norm());
+      if (!moved) continue;
+      const double stride_m =
+          static_cast<double>(gait.stride_length_m(bodies.speeds_mps[id], bodies.scales[id]));
+      const double phase = static_cast<double>(bodies.phases[id]) + crowd.walked_m()[id] / stride_m;
+      // Rounding to float must not turn 0.99999999 into 1.
+      const auto wrapped = static_cast<float>(phase - std::floor(phase));
+      bodies.phases[id] = wrapped < 1 ? wrapped : 0;
+    }
+  });
+}
+
+void Simulation::State::update_postures() {
+  workers.for_blocks(static_cast<int>(blocks.size()), [&](int index, int) {
+    const Block& block = blocks[static_cast<size_t>(index)];
+    const size_t begin = posture_offsets[block.first];
+    const size_t end = posture_offsets[block.first + block.count];
+    posing.postures(block.first, block.count, {postures.data() + begin, end - begin});
+  });
+  posing.use_rows(postures, posture_offsets);
+}
+
+/// Stages of the culling pass overlap over threads: each gets its share of the pass's wall time.
+void Simulation::State::split_times(double steering_ns, double postures_ns) {
+  const CullingCounters& counters = culler->counters();
+  const Posing::Times posed = posing.take_times();
+  const auto sum = [](const StageCounters& stage) { return stage.update_ns + stage.test_ns; };
+  const double avatar_ns = sum(counters.avatar) + sum(counters.body_box);
+  const double part_ns = sum(counters.box) + sum(counters.part);
+  const double exact_ns = sum(counters.exact);
+  const double pose_ns = posed.gait_ns + posed.kinematics_ns;
+  const double total_ns = avatar_ns + part_ns + exact_ns + pose_ns;
+  const double pass_ns = std::max(0.0, counters.wall_ns - counters.events_ns);
+  const double share = total_ns > 0 ? pass_ns / total_ns : 0;
+  times.steering_ns = steering_ns;
+  times.gait_ns = postures_ns + share * posed.gait_ns;
+  times.kinematics_ns = share * posed.kinematics_ns;
+  times.avatar_cull_ns = share * avatar_ns;
+  times.part_cull_ns = share * part_ns;
+  times.exact_ns = share * exact_ns;
+  times.events_ns = counters.events_ns;
+}
+
+void Simulation::State::fill_frame() {
+  frame.number = frames;
+  frame.utime_us =
+      static_cast<int64_t>(std::llround(static_cast<double>(frames) * scene.step_s * 1e6));
+  frame.roots = {bodies.roots.data(), crowd.size()};
+  frame.speeds_mps = bodies.speeds_mps;
+  frame.postures = postures;
+  frame.posture_offsets = posture_offsets;
+  frame.pairs = culler->pairs();
+  frame.events = culler->events();
+  frame.persisting = culler->persisting();
+  frame.counters = &culler->counters();
+  frame.times = &times;
+  for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
+}
+
+Simulation::Simulation(Scene scene, const SimulationOptions& options)
+    : state_(std::make_unique<State>(std::move(scene), options)) {}
+Simulation::~Simulation() = default;
+
+const RunInfo& Simulation::info() const { return state_->info; }
+const Scene& Simulation::scene() const { return state_->scene; }
+const std::vector<std::string>& Simulation::notes() const { return state_->spawned.notes; }
+const SteeringCounters& Simulation::steering() const { return state_->crowd.counters(); }
+FrameTimes& Simulation::times() { return state_->times; }
+
+int Simulation::unplaced() const {
+  int total = 0;
+  for (const int count : state_->spawned.unplaced) total += count;
+  return total;
+}
+
+const Frame& Simulation::step() {
+  State& s = *state_;
+  const auto start = Clock::now();
+  const bool moved = s.frames > 0;
+  if (moved) s.crowd.step();
+  s.update_bodies(moved);
+  const double steering_ns = nanoseconds_since(start);
+  const auto before_postures = Clock::now();
+  if (s.options.postures) s.update_postures();
+  const double postures_ns = nanoseconds_since(before_postures);
+  s.culler->step({s.ids, s.bodies.types, s.bodies.scales, s.bodies.roots}, s.posing);
+  s.split_times(steering_ns, postures_ns);
+  s.fill_frame();
+  ++s.frames;
+  s.times.frame_ns = nanoseconds_since(start);
+  return s.frame;
+}
+
+RunEnd Simulation::finish() {
+  State& s = *state_;
+  s.culler->finish();
+  for (const PairEvent& event : s.culler->events())
+    ++(event.kind == EventKind::kBegin ? s.begins : s.ends);
+  RunEnd end;
+  end.frames = s.frames;
+  end.utime_us = s.frame.utime_us;
+  end.events = s.culler->events();
+  end.begins = s.begins;
+  end.ends = s.ends;
+  end.hash = s.culler->hash();
+  return end;
+}
+
+}  // namespace throng

@@ -1,0 +1,138 @@
+#include "scenes/spawn.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+/// Gaps between discs, from comfortable to touching; kDarts tries each.
+constexpr double kGaps_m[] = {0.30, 0.12, 0.02};
+constexpr uint32_t kDarts = 60;
+/// A draw that misses [min, max] a thousand times is a distribution almost outside it: take the
+/// mean.
+constexpr uint64_t kDraws = 1000;
+constexpr double kReferenceHeight_m = 1.70;
+constexpr double kReferenceRadius_m = 0.22;
+constexpr uint32_t kNobody = UINT32_MAX;
+
+/// The people placed so far in lists by cell.
+class Places {
+ public:
+  explicit Places(const Rectangle& ground) : origin_m_(ground.min_m) {
+    // Discs with their gap span less than a metre, so that the nine cells around see all conflicts.
+    cell_m_ = std::max(1.0, std::sqrt(ground.area_m2() / (1 << 22)));
+    columns_ = static_cast<int>(ground.size_m().x() / cell_m_) + 1;
+    rows_ = static_cast<int>(ground.size_m().y() / cell_m_) + 1;
+    first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNobody);
+  }
+
+  bool is_free(const Eigen::Vector2d& point, double radius_m, double gap_m,
+               const std::vector<Person>& people) const {
+    const auto [column, row] = cell_of(point);
+    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
+        for (uint32_t id = first_[index(c, r)]; id != kNobody; id = next_[id]) {
+          const double apart = radius_m + people[id].radius_m + gap_m;
+          if ((people[id].position_m - point).squaredNorm() < apart * apart) return false;
+        }
+    return true;
+  }
+
+  void add(const Eigen::Vector2d& point) {
+    const auto [column, row] = cell_of(point);
+    uint32_t& first = first_[index(column, row)];
+    next_.push_back(first);
+    first = static_cast<uint32_t>(next_.size() - 1);
+  }
+
+ private:
+  std::pair<int, int> cell_of(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d offset = (point - origin_m_) / cell_m_;
+    return {std::clamp(static_cast<int>(offset.x()), 0, columns_ - 1),
+            std::clamp(static_cast<int>(offset.y()), 0, rows_ - 1)};
+  }
+  size_t index(int column, int row) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
+  }
+
+  Eigen::Vector2d origin_m_;
+  double cell_m_ = 1;
+  int columns_ = 1;
+  int rows_ = 1;
+  std::vector<uint32_t> first_;  ///< by cell
+  std::vector<uint32_t> next_;   ///< by person
+};
+
+/// Finds a free place in the group's spawn area; `id` names the person asked for, placed or not.
+bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64_t id,
+                const std::vector<Person>& people, const Places& places, Person& person) {
+  const Stop& goal = ways.route(person.group).front();
+  uint32_t dart = 0;
+  for (const double gap_m : kGaps_m) {
+    for (uint32_t attempt = 0; attempt < kDarts; ++attempt, ++dart) {
+      const RandomKey key{scene.seed, id, dart, Purpose::kSpawnPosition};
+      const Eigen::Vector2d point(
+          random_uniform(key, group.spawn.min_m.x(), group.spawn.max_m.x(), 0),
+          random_uniform(key, group.spawn.min_m.y(), group.spawn.max_m.y(), 1));
+      if (!places.is_free(point, person.radius_m, gap_m, people)) continue;
+      if (ways.walkable().clearance_m(point) < person.radius_m || !goal.field->reaches(point))
+        continue;
+      person.position_m = point;
+      Eigen::Vector2d heading = goal.field->direction(point);
+      if (heading.squaredNorm() == 0) heading = 0.5 * (goal.area.min_m + goal.area.max_m) - point;
+      if (heading.squaredNorm() > 0) person.heading = heading.normalized();
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose) {
+  if (distribution.deviation == 0) return distribution.mean;
+  for (uint64_t attempt = 0; attempt < kDraws; ++attempt) {
+    const double value =
+        random_normal({seed, id, attempt, purpose}, distribution.mean, distribution.deviation);
+    if (value >= distribution.min && value <= distribution.max) return value;
+  }
+  return distribution.mean;
+}
+
+double disc_radius_m(double height_m) {
+  return kReferenceRadius_m * (height_m / kReferenceHeight_m);
+}
+
+Spawned spawn(const Scene& scene, const Ways& ways) {
+  Spawned out;
+  Places places(scene.ground);
+  uint64_t id = 0;
+  for (size_t g = 0; g < scene.groups.size(); ++g) {
+    const Group& group = scene.groups[g];
+    int placed = 0;
+    for (int i = 0; i < group.count; ++i, ++id) {
+      Person person;
+      person.group = static_cast<uint32_t>(g);
+      person.height_m = draw(group.height_m, scene.seed, id, Purpose::kHeight);
+      person.free_speed_mps = draw(group.speed_mps, scene.seed, id, Purpose::kFreeSpeed);
+      person.radius_m = group.radius_m > 0 ? group.radius_m : disc_radius_m(person.height_m);
+      person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
+      if (!find_place(scene, group, ways, id, out.people, places, person)) continue;
+      places.add(person.position_m);
+      out.people.push_back(person);
+      ++placed;
+    }
+    out.unplaced.push_back(group.count - placed);
+    if (placed < group.count)
+      out.notes.push_back(fmt::format(
+          "group '{}': placed {} of {} people; its spawn area holds no more, or no way leads from "
+          "it to the goal",
+          group.name, placed, group.count));
+  }
+  return out;
+}
+
+}  // namespace throng

@@ -1,0 +1,45 @@
+// Placing people: apart from each other, off the obstacles, with a way to their goal.
+// One rule: every person asked for is placed or counted as not placed, and the same seed places
+// alike.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/random.h"
+#include "scenes/scene.h"
+#include "scenes/ways.h"
+
+namespace throng {
+
+/// One person at the start of a run.
+struct Person {
+  uint32_t group = 0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d heading = Eigen::Vector2d::UnitX();  ///< unit
+  double radius_m = 0;                                 ///< of the steering disc
+  double height_m = 0;
+  double free_speed_mps = 0;
+  double phase = 0;  ///< of the gait cycle, in [0, 1)
+};
+
+struct Spawned {
+  std::vector<Person> people;  ///< group by group
+  std::vector<int> unplaced;   ///< by group
+  std::vector<std::string> notes;
+};
+
+/// Throws darts (at first 0.3 m between discs, then closer, at last touching) until a place is free
+/// or patience ends.
+Spawned spawn(const Scene& scene, const Ways& ways);
+
+/// A draw from a distribution: repeated until it lies inside.
+double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose);
+
+/// Radius of the steering disc: 0.22 m for a person of 1.70 m. Half the shoulder breadth is 0.255
+/// m, so that shoulders and arms touch where discs do not.
+double disc_radius_m(double height_m);
+
+}  // namespace throng
