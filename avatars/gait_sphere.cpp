@@ -12,9 +12,23 @@ using Eigen::Vector3d;
 // Single precision in postures, kinematics and placing: ten times what was measured.
 constexpr double kFloatMargin = 1e-4;
 
-std::vector<double> columns_at(const GaitTable& table, int speed, int phase) {
-  const float* row = table.row(speed, phase);
-  return {row, row + table.columns};
+// The bound on what happens between two nodes falls with the square of their distance, so this many
+// speeds are looked at for one in the table.
+constexpr int kSpeedSplit = 3;
+
+int speed_steps(const GaitTable& table) { return (table.speeds - 1) * kSpeedSplit + 1; }
+
+// A posture of the table; step counts speeds in parts of kSpeedSplit.
+std::vector<double> columns_at(const GaitTable& table, int step, int phase) {
+  const int speed = step / kSpeedSplit;
+  const double share = static_cast<double>(step % kSpeedSplit) / kSpeedSplit;
+  const float* slow = table.row(speed, phase);
+  const float* fast = share > 0 ? table.row(speed + 1, phase) : slow;
+  std::vector<double> columns;
+  for (int c = 0; c < table.columns; ++c)
+    columns.push_back((1 - share) * static_cast<double>(slow[c]) +
+                      share * static_cast<double>(fast[c]));
+  return columns;
 }
 
 // A vertex at height z and distance r from the axis is sqrt(r^2 + z^2 - 2 z c + c^2) from a centre
@@ -44,13 +58,13 @@ double best_centre(const std::vector<Line>& lines, double low, double high) {
 
 // Every node would do; a sample of them misses the best height by less than a millimetre.
 double centre_height(const PosableModel& model, const GaitTable& table) {
-  constexpr int kPhaseStride = 16, kSpeedStride = 4, kHeights = 64;
+  constexpr int kPhaseStride = 16, kStepStride = 12, kHeights = 12;
   std::vector<Line> uppermost;
   std::vector<Isometry3d> links;
   double low = 0, high = 0;
-  for (int speed = table.speeds - 1; speed >= 0; speed -= kSpeedStride)
+  for (int step = speed_steps(table) - 1; step >= 0; step -= kStepStride)
     for (int phase = 0; phase < table.phases; phase += kPhaseStride) {
-      model.pose(columns_at(table, speed, phase), links);
+      model.pose(columns_at(table, step, phase), links);
       std::vector<Line> lines;
       for (const Part& part : model.model().parts)
         for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
@@ -118,22 +132,81 @@ class Sagitta {
 double stray_between_nodes(const Sagitta& part, const GaitTable& table) {
   double along_phase = 0, along_speed = 0;
   std::vector<double> travel(static_cast<size_t>(table.columns));
-  for (int speed = 0; speed < table.speeds; ++speed)
+  for (int step = 0; step < speed_steps(table); ++step) {
+    std::vector<double> next = columns_at(table, step, 0), next_up = next;
+    const bool last = step + 1 == speed_steps(table);
+    if (!last) next_up = columns_at(table, step + 1, 0);
     for (int phase = 0; phase < table.phases; ++phase) {
-      const float *here = table.row(speed, phase), *next = table.row(speed, phase + 1);
-      for (size_t c = 0; c < travel.size(); ++c)
-        travel[c] = std::abs(static_cast<double>(next[c]) - static_cast<double>(here[c]));
+      const std::vector<double> here = std::move(next), here_up = std::move(next_up);
+      next = columns_at(table, step, phase + 1);
+      next_up = last ? next : columns_at(table, step + 1, phase + 1);
+      for (size_t c = 0; c < travel.size(); ++c) travel[c] = std::abs(next[c] - here[c]);
       along_phase = std::max(along_phase, part.bound(travel));
-      if (speed + 1 == table.speeds) continue;
-      const float *here_up = table.row(speed + 1, phase),
-                  *next_up = table.row(speed + 1, phase + 1);
+      if (last) continue;
       for (size_t c = 0; c < travel.size(); ++c)
-        travel[c] =
-            std::max(std::abs(static_cast<double>(here_up[c]) - static_cast<double>(here[c])),
-                     std::abs(static_cast<double>(next_up[c]) - static_cast<double>(next[c])));
+        travel[c] = std::max(std::abs(here_up[c] - here[c]), std::abs(next_up[c] - next[c]));
       along_speed = std::max(along_speed, part.bound(travel));
     }
+  }
   return along_phase + along_speed;
+}
+
+// Vertices near each other: their sphere tells most postures apart from the farthest one.
+struct Cluster {
+  Vector3d middle;
+  double radius = 0;
+  std::vector<Vector3d> vertices;
+
+  explicit Cluster(std::vector<Vector3d> points) : vertices(std::move(points)) {
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& vertex : vertices) box.extend(vertex);
+    middle = box.center();
+    for (const Vector3d& vertex : vertices) radius = std::max(radius, (vertex - middle).norm());
+  }
+
+  // Cut in two across its longest side until a piece is no larger than this.
+  static void cut(std::vector<Vector3d> points, double largest, std::vector<Cluster>& pieces) {
+    Cluster whole(std::move(points));
+    if (whole.radius <= largest) {
+      pieces.push_back(std::move(whole));
+      return;
+    }
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& vertex : whole.vertices) box.extend(vertex);
+    Eigen::Index axis = 0;
+    box.sizes().maxCoeff(&axis);
+    const auto middle =
+        std::partition(whole.vertices.begin(), whole.vertices.end(),
+                       [&](const Vector3d& vertex) { return vertex[axis] < box.center()[axis]; });
+    cut({whole.vertices.begin(), middle}, largest, pieces);
+    cut({middle, whole.vertices.end()}, largest, pieces);
+  }
+};
+
+// A part as the search for the farthest vertex sees it.
+struct Extent {
+  size_t link;
+  double stray;
+  Cluster whole;
+  std::vector<Cluster> pieces;
+};
+
+std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table) {
+  constexpr double kPieces = 8;  // a piece's radius to the part's
+  std::vector<Extent> extents;
+  for (const Part& part : model.model().parts) {
+    std::vector<Vector3d> points;
+    for (const Eigen::Vector3f& vertex : part.mesh.vertices)
+      points.push_back(vertex.cast<double>());
+    if (points.empty()) continue;
+    Extent extent{static_cast<size_t>(part.link),
+                  stray_between_nodes(Sagitta(model, part), table),
+                  Cluster(points),
+                  {}};
+    Cluster::cut(std::move(points), extent.whole.radius / kPieces, extent.pieces);
+    extents.push_back(std::move(extent));
+  }
+  return extents;
 }
 
 }  // namespace
@@ -141,35 +214,24 @@ double stray_between_nodes(const Sagitta& part, const GaitTable& table) {
 GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
   GaitSphere sphere{centre_height(model, table), 0};
   const Vector3d centre(0, 0, sphere.centre_z_m);
-
-  // A part's own sphere tells most nodes apart from the farthest without a look at its vertices.
-  struct Extent {
-    const Part* part;
-    Vector3d middle;
-    double radius, stray;
-  };
-  std::vector<Extent> extents;
-  for (const Part& part : model.model().parts) {
-    Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3f& vertex : part.mesh.vertices) box.extend(vertex.cast<double>());
-    double radius = 0;
-    for (const Eigen::Vector3f& vertex : part.mesh.vertices)
-      radius = std::max(radius, (vertex.cast<double>() - box.center()).norm());
-    extents.push_back(
-        {&part, box.center(), radius, stray_between_nodes(Sagitta(model, part), table)});
-  }
+  const std::vector<Extent> extents = extents_of(model, table);
   std::vector<Isometry3d> links;
-  for (int speed = table.speeds - 1; speed >= 0; --speed)
+  for (int step = speed_steps(table) - 1; step >= 0; --step)
     for (int phase = 0; phase < table.phases; ++phase) {
-      model.pose(columns_at(table, speed, phase), links);
+      model.pose(columns_at(table, step, phase), links);
       for (const Extent& extent : extents) {
-        const Isometry3d& pose = links[static_cast<size_t>(extent.part->link)];
-        if ((pose * extent.middle - centre).norm() + extent.radius + extent.stray <=
-            sphere.radius_m)
-          continue;
-        for (const Eigen::Vector3f& vertex : extent.part->mesh.vertices)
-          sphere.radius_m = std::max(sphere.radius_m,
-                                     (pose * vertex.cast<double>() - centre).norm() + extent.stray);
+        const Isometry3d& pose = links[extent.link];
+        const auto beyond = [&](const Cluster& cluster) {
+          return (pose * cluster.middle - centre).norm() + cluster.radius + extent.stray >
+                 sphere.radius_m;
+        };
+        if (!beyond(extent.whole)) continue;
+        for (const Cluster& piece : extent.pieces) {
+          if (!beyond(piece)) continue;
+          for (const Vector3d& vertex : piece.vertices)
+            sphere.radius_m =
+                std::max(sphere.radius_m, (pose * vertex - centre).norm() + extent.stray);
+        }
       }
     }
   sphere.radius_m += kFloatMargin;
