@@ -1,1 +1,0 @@
-#include "avatars/avatars.h"
