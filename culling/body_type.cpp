@@ -15,7 +15,8 @@ BodyType::BodyType(std::vector<PartShape> parts, const RootSphere& sphere, bool 
       volumes_(std::make_unique<Volumes>()) {
   assert(!parts_.empty() && parts_.size() <= kMaxParts);
   for (const PartShape& part : parts_) {
-    volumes_->ordops.emplace_back(Slabs::around(part.points));
+    volumes_->slabs.push_back(Slabs::around(part.points));
+    volumes_->ordops.emplace_back(volumes_->slabs.back());
     volumes_->spheres.push_back(Sphere::fit(part.points));
     volumes_->aabbs.push_back(Aabb::fit(part.points));
     volumes_->obbs.push_back(Obb::fit(part.points));

@@ -12,7 +12,8 @@
 namespace throng {
 
 struct BodyType::Volumes {
-  std::vector<OrdopTable> ordops;  ///< one a part, as all below
+  std::vector<Slabs> slabs;  ///< one a part, as all below
+  std::vector<OrdopTable> ordops;
   std::vector<Sphere::Fitted> spheres;
   std::vector<Aabb::Fitted> aabbs;
   std::vector<Obb::Fitted> obbs;

@@ -27,20 +27,17 @@ constexpr size_t box_block_units(size_t parts) { return 1 + 6 * padded_parts(par
 inline constexpr float kEmptyLow = 1e30f;
 inline constexpr float kEmptyHigh = -1e30f;
 
-/// Lengths of the unnormalised edge and corner directions, rounded up: they scale the margin.
-inline constexpr float kEdgeLength = 1.4142137f;
-inline constexpr float kCornerLength = 1.7320509f;
-
-/// A part's or-DOP laid out for lookup by the sign bits of a direction (bit 0: x negative, ...).
+/// A part's or-DOP laid out for lookup by the sign bits of a direction (bit 0: x negative, ...),
+/// and recentred: its slabs are taken around `origin`, the centre of its box, so that the three
+/// axis slabs have centre zero and drop out of every sum.
 struct alignas(64) OrdopTable {
-  explicit OrdopTable(const Slabs& slabs);
-  OrdopTable() = default;
+  explicit OrdopTable(const Slabs& fitted);
   // Sixteen entries, the second eight a copy of the first: one register of any width up to 512
   // bits.
   float corner_half[16], corner_centre[16];
   float edge_half[3][16], edge_centre[3][16];  ///< by the axis that the edge direction leaves out
-  float axis_half[3], axis_centre[3];
-  Slabs slabs;
+  Slabs slabs;                                 ///< recentred
+  float origin[3];
 };
 
 /// The spheres of a frame in slot order (sorted by grid cell), radii inflated by the float margin.

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "culling/kernels.h"
+#include "culling/volumes/directions.h"
 
 #if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
@@ -94,25 +95,14 @@ HWY_INLINE V by_smallest(const Sorted& s, V x, V y, V z) {
   return hn::IfThenElse(s.smallest_is_z, z, hn::IfThenElse(s.smallest_is_y, y, x));
 }
 
-/// The slabs along the axis directions, centres turned to the direction's signs.
-struct AxisSlabs {
-  Interval x, y, z;
+/// Half widths along the axis directions; their centres are zero (see OrdopTable).
+struct AxisHalves {
+  V x, y, z;
 };
-
-HWY_INLINE AxisSlabs axis_slabs(const OrdopTable& t, const V3& d) {
-  const Lanes tag;
-  const V sign = hn::SignBit(tag);
-  const auto turned = [&](float centre, V component) {
-    return hn::Xor(hn::Set(tag, centre), hn::And(component, sign));
-  };
-  return {{turned(t.axis_centre[0], d.x), hn::Set(tag, t.axis_half[0])},
-          {turned(t.axis_centre[1], d.y), hn::Set(tag, t.axis_half[1])},
-          {turned(t.axis_centre[2], d.z), hn::Set(tag, t.axis_half[2])}};
-}
-
-HWY_INLINE Interval largest_axis(const Sorted& s, const AxisSlabs& a) {
-  return {by_largest(s, a.x.centre, a.y.centre, a.z.centre),
-          by_largest(s, a.x.half, a.y.half, a.z.half)};
+HWY_INLINE AxisHalves axis_halves(const OrdopTable& t) {
+  const Lanes d;
+  return {hn::Set(d, t.slabs.slab[0].half), hn::Set(d, t.slabs.slab[1].half),
+          hn::Set(d, t.slabs.slab[2].half)};
 }
 
 HWY_INLINE Interval edge_without(const OrdopTable& t, int axis, U signs) {
@@ -121,6 +111,10 @@ HWY_INLINE Interval edge_without(const OrdopTable& t, int axis, U signs) {
 
 HWY_INLINE Interval scaled(const Interval& i, V weight) {
   return {hn::Mul(weight, i.centre), hn::Mul(weight, i.half)};
+}
+/// Adds an axis slab, whose centre is zero.
+HWY_INLINE Interval with_axis(const Interval& sum, V half, V weight) {
+  return {sum.centre, hn::Add(sum.half, hn::Mul(weight, half))};
 }
 HWY_INLINE Interval operator+(const Interval& a, const Interval& b) {
   return {hn::Add(a.centre, b.centre), hn::Add(a.half, b.half)};
@@ -131,15 +125,16 @@ template <int K>
 HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
   const Lanes tag;
   const Sorted s = sorted(d);
-  const AxisSlabs axes = axis_slabs(t, d);
+  const AxisHalves axes = axis_halves(t);
+  const V largest_half = by_largest(s, axes.x, axes.y, axes.z);
   if constexpr (K == 26) {
     const Interval ex = edge_without(t, 0, s.signs), ey = edge_without(t, 1, s.signs),
                    ez = edge_without(t, 2, s.signs);
     const Interval edge = {by_smallest(s, ex.centre, ey.centre, ez.centre),
                            by_smallest(s, ex.half, ey.half, ez.half)};
     const Interval corner = {lookup8(t.corner_centre, s.signs), lookup8(t.corner_half, s.signs)};
-    return (scaled(corner, s.smallest) + scaled(edge, hn::Sub(s.middle, s.smallest))) +
-           scaled(largest_axis(s, axes), hn::Sub(s.largest, s.middle));
+    return with_axis(scaled(corner, s.smallest) + scaled(edge, hn::Sub(s.middle, s.smallest)),
+                     largest_half, hn::Sub(s.largest, s.middle));
   } else if constexpr (K == 18) {
     const Interval e[3] = {edge_without(t, 0, s.signs), edge_without(t, 1, s.signs),
                            edge_without(t, 2, s.signs)};
@@ -163,8 +158,8 @@ HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
       return hn::Max(zero, hn::Mul(half, hn::Sub(hn::Add(a, b), c)));
     };
     const Interval e0 = edge(0), e1 = edge(1), e2 = edge(2);
-    const Interval one = (scaled(e2, s.middle) + scaled(e1, s.smallest)) +
-                         scaled(largest_axis(s, axes), axis_weight);
+    const Interval one =
+        with_axis(scaled(e2, s.middle) + scaled(e1, s.smallest), largest_half, axis_weight);
     const Interval two = (scaled(e2, half_weight(s.largest, s.middle, s.smallest)) +
                           scaled(e1, half_weight(s.largest, s.smallest, s.middle))) +
                          scaled(e0, half_weight(s.middle, s.smallest, s.largest));
@@ -174,15 +169,14 @@ HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
     static_assert(K == 14);
     const LaneBits bits;
     const V half = hn::Set(tag, 0.5f);
-    const Interval largest = largest_axis(s, axes);
+
     const M x_taken = hn::Or(s.largest_is_x, hn::Not(hn::Or(s.smallest_is_z, s.smallest_is_y)));
     const M y_taken = hn::Or(hn::AndNot(s.largest_is_x, s.largest_is_y),
                              hn::AndNot(s.smallest_is_z, s.smallest_is_y));
     const auto middle_of = [&](V x, V y, V z) {
       return hn::IfThenElse(x_taken, hn::IfThenElse(y_taken, z, y), x);
     };
-    const Interval middle = {middle_of(axes.x.centre, axes.y.centre, axes.z.centre),
-                             middle_of(axes.x.half, axes.y.half, axes.z.half)};
+    const V middle_half = middle_of(axes.x, axes.y, axes.z);
     const Interval corner = {lookup8(t.corner_centre, s.signs), lookup8(t.corner_half, s.signs)};
     // The corner with the sign of the smallest component turned round.
     const M small_y = hn::AndNot(s.smallest_is_z, s.smallest_is_y);
@@ -193,11 +187,12 @@ HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
     const Interval corner_flipped = {lookup8(t.corner_centre, flipped),
                                      lookup8(t.corner_half, flipped)};
     const Interval one =
-        (scaled(corner, s.smallest) + scaled(middle, hn::Sub(s.middle, s.smallest))) +
-        scaled(largest, hn::Sub(s.largest, s.smallest));
-    const Interval two = (scaled(corner, hn::Mul(half, hn::Add(s.middle, s.smallest))) +
-                          scaled(corner_flipped, hn::Mul(half, hn::Sub(s.middle, s.smallest)))) +
-                         scaled(largest, hn::Sub(s.largest, s.middle));
+        with_axis(with_axis(scaled(corner, s.smallest), middle_half, hn::Sub(s.middle, s.smallest)),
+                  largest_half, hn::Sub(s.largest, s.smallest));
+    const Interval two =
+        with_axis(scaled(corner, hn::Mul(half, hn::Add(s.middle, s.smallest))) +
+                      scaled(corner_flipped, hn::Mul(half, hn::Sub(s.middle, s.smallest))),
+                  largest_half, hn::Sub(s.largest, s.middle));
     const V low = hn::Max(hn::Sub(one.centre, one.half), hn::Sub(two.centre, two.half));
     const V high = hn::Min(hn::Add(one.centre, one.half), hn::Add(two.centre, two.half));
     return {hn::Mul(half, hn::Add(low, high)), hn::Mul(half, hn::Sub(high, low))};
@@ -261,49 +256,72 @@ HWY_INLINE Poses load_poses(const PoseOf& pose_of) {
   return p;
 }
 
-/// Separating axes along the directions of one or-DOP ("own") against another ("other").
+/// Rotation times vector, rows summed x, y, z.
+HWY_INLINE V3 turned(const Poses& p, const V3& v) {
+  const V3 row_x = {p.column[0].x, p.column[1].x, p.column[2].x};
+  const V3 row_y = {p.column[0].y, p.column[1].y, p.column[2].y};
+  const V3 row_z = {p.column[0].z, p.column[1].z, p.column[2].z};
+  return {dot(row_x, v), dot(row_y, v), dot(row_z, v)};
+}
+HWY_INLINE V3 operator*(const V3& v, V factor) {
+  return {hn::Mul(v.x, factor), hn::Mul(v.y, factor), hn::Mul(v.z, factor)};
+}
+
+/// Where the origin of a table's slabs lies, relative to the body's root.
+HWY_INLINE V3 centre_of(const OrdopTable& t, const Poses& pose, V scale) {
+  const Lanes d;
+  const V3 origin = {hn::Mul(scale, hn::Set(d, t.origin[0])),
+                     hn::Mul(scale, hn::Set(d, t.origin[1])),
+                     hn::Mul(scale, hn::Set(d, t.origin[2]))};
+  return pose.translation + turned(pose, origin);
+}
+
+/// Separating axes along the directions of one or-DOP ("own") against another ("other"), in units
+/// of own's scale, so that own's slabs are constants.
 template <int K>
 struct HalfTest {
   const OrdopTable& own;
   const OrdopTable& other;
-  V own_scale, other_scale, margin;
-  V3 column[3];  ///< own's axes in other's frame
-  V3 offset;     ///< other's origin in own's frame
+  V3 column[3];  ///< own's axes in other's frame, times other's scale over own's
+  V3 offset;     ///< other's centre in own's frame
+  V margin;
 
   /// True where direction `index` of own, `d` in other's frame, separates; tau = direction .
   /// offset.
-  HWY_INLINE M separates(size_t index, const V3& d, V tau, float length) const {
+  HWY_INLINE M separates(size_t index, const V3& d, V tau, V margin_along) const {
     const Lanes tag;
-    const Interval far = scaled(bound<K>(other, d), other_scale);
-    const V own_centre = hn::Mul(own_scale, hn::Set(tag, own.slabs.slab[index].centre));
-    const V own_half = hn::Mul(own_scale, hn::Set(tag, own.slabs.slab[index].half));
-    const V gap = hn::Abs(hn::Sub(hn::Add(tau, far.centre), own_centre));
-    const V reach = hn::Add(hn::Add(own_half, far.half), hn::Mul(margin, hn::Set(tag, length)));
-    return hn::Gt(gap, reach);
+    const Interval far = bound<K>(other, d);
+    const Slab& near = own.slabs.slab[index];
+    V between = hn::Add(tau, far.centre);
+    if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
+    const V reach = hn::Add(hn::Add(hn::Set(tag, near.half), far.half), margin_along);
+    return hn::Gt(hn::Abs(between), reach);
   }
   HWY_INLINE M axes() const {
-    const M x = separates(0, column[0], offset.x, 1.0f);
-    const M y = separates(1, column[1], offset.y, 1.0f);
-    const M z = separates(2, column[2], offset.z, 1.0f);
+    const M x = separates(0, column[0], offset.x, margin);
+    const M y = separates(1, column[1], offset.y, margin);
+    const M z = separates(2, column[2], offset.z, margin);
     return hn::Or(x, hn::Or(y, z));
   }
   HWY_INLINE M edges() const {
     const V3 &x = column[0], &y = column[1], &z = column[2];
-    M out = separates(3, y + z, hn::Add(offset.y, offset.z), kEdgeLength);
-    out = hn::Or(out, separates(4, y - z, hn::Sub(offset.y, offset.z), kEdgeLength));
-    out = hn::Or(out, separates(5, x + z, hn::Add(offset.x, offset.z), kEdgeLength));
-    out = hn::Or(out, separates(6, x - z, hn::Sub(offset.x, offset.z), kEdgeLength));
-    out = hn::Or(out, separates(7, x + y, hn::Add(offset.x, offset.y), kEdgeLength));
-    return hn::Or(out, separates(8, x - y, hn::Sub(offset.x, offset.y), kEdgeLength));
+    const V along = hn::Mul(margin, hn::Set(Lanes(), kEdgeLength));
+    M out = separates(3, y + z, hn::Add(offset.y, offset.z), along);
+    out = hn::Or(out, separates(4, y - z, hn::Sub(offset.y, offset.z), along));
+    out = hn::Or(out, separates(5, x + z, hn::Add(offset.x, offset.z), along));
+    out = hn::Or(out, separates(6, x - z, hn::Sub(offset.x, offset.z), along));
+    out = hn::Or(out, separates(7, x + y, hn::Add(offset.x, offset.y), along));
+    return hn::Or(out, separates(8, x - y, hn::Sub(offset.x, offset.y), along));
   }
   HWY_INLINE M corners() const {
+    const V along = hn::Mul(margin, hn::Set(Lanes(), kCornerLength));
     const V3 sum = column[0] + column[1], difference = column[0] - column[1];
     const V3& z = column[2];
     const V plus = hn::Add(offset.x, offset.y), minus = hn::Sub(offset.x, offset.y);
-    M out = separates(9, sum + z, hn::Add(plus, offset.z), kCornerLength);
-    out = hn::Or(out, separates(10, sum - z, hn::Sub(plus, offset.z), kCornerLength));
-    out = hn::Or(out, separates(11, difference + z, hn::Add(minus, offset.z), kCornerLength));
-    return hn::Or(out, separates(12, difference - z, hn::Sub(minus, offset.z), kCornerLength));
+    M out = separates(9, sum + z, hn::Add(plus, offset.z), along);
+    out = hn::Or(out, separates(10, sum - z, hn::Sub(plus, offset.z), along));
+    out = hn::Or(out, separates(11, difference + z, hn::Add(minus, offset.z), along));
+    return hn::Or(out, separates(12, difference - z, hn::Sub(minus, offset.z), along));
   }
 };
 
@@ -345,19 +363,25 @@ HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const Bo
     load_rows([&](size_t lane) { return &pair_of[lane]->shift_m[0]; }, shift);
     load_rows([&](size_t lane) { return &pair_of[lane]->scale_a; }, scales);
 
-    const V3 delta = (V3{shift[0], shift[1], shift[2]} + pb.translation) - pa.translation;
+    const V3 delta = (V3{shift[0], shift[1], shift[2]} + centre_of(b, pb, scales[1])) -
+                     centre_of(a, pa, scales[0]);
     V relative[3][3];  // [i][j]: axis i of b . axis j of a
     for (size_t i = 0; i < 3; ++i)
       for (size_t j = 0; j < 3; ++j) relative[i][j] = dot(pb.column[i], pa.column[j]);
-    HalfTest<K> from_a{a, b, scales[0], scales[1], shift[3], {}, {}};
-    HalfTest<K> from_b{b, a, scales[1], scales[0], shift[3], {}, {}};
+    const V one = hn::Set(d, 1.0f);
+    const V per_a = hn::Div(one, scales[0]), per_b = hn::Div(one, scales[1]);
+    const V b_over_a = hn::Mul(scales[1], per_a), a_over_b = hn::Mul(scales[0], per_b);
+    HalfTest<K> from_a{a, b, {}, {}, hn::Mul(shift[3], per_a)};
+    HalfTest<K> from_b{b, a, {}, {}, hn::Mul(shift[3], per_b)};
     for (size_t j = 0; j < 3; ++j) {
-      from_a.column[j] = {relative[0][j], relative[1][j], relative[2][j]};
-      from_b.column[j] = {relative[j][0], relative[j][1], relative[j][2]};
+      from_a.column[j] = V3{relative[0][j], relative[1][j], relative[2][j]} * b_over_a;
+      from_b.column[j] = V3{relative[j][0], relative[j][1], relative[j][2]} * a_over_b;
     }
-    from_a.offset = {dot(pa.column[0], delta), dot(pa.column[1], delta), dot(pa.column[2], delta)};
-    from_b.offset = {hn::Neg(dot(pb.column[0], delta)), hn::Neg(dot(pb.column[1], delta)),
-                     hn::Neg(dot(pb.column[2], delta))};
+    from_a.offset =
+        V3{dot(pa.column[0], delta), dot(pa.column[1], delta), dot(pa.column[2], delta)} * per_a;
+    from_b.offset = V3{hn::Neg(dot(pb.column[0], delta)), hn::Neg(dot(pb.column[1], delta)),
+                       hn::Neg(dot(pb.column[2], delta))} *
+                    per_b;
     const M apart = separated<K>(from_a, from_b);
     HWY_ALIGN float flags[kLanes];
     hn::Store(hn::IfThenElse(apart, hn::Zero(d), hn::Set(d, 1.0f)), d, flags);
@@ -408,13 +432,14 @@ HWY_NOINLINE void part_boxes(const OrdopTable* tables, size_t parts, const PartP
         const Poses pose = load_poses([&](size_t lane) {
           return &poses[(first + HWY_MIN(lane, in_use - 1)) * parts + part];
         });
-        const V translation[3] = {pose.translation.x, pose.translation.y, pose.translation.z};
+        const V3 origin = centre_of(tables[part], pose, scale);
+        const V middle[3] = {origin.x, origin.y, origin.z};
         const V3 direction[3] = {{pose.column[0].x, pose.column[1].x, pose.column[2].x},
                                  {pose.column[0].y, pose.column[1].y, pose.column[2].y},
                                  {pose.column[0].z, pose.column[1].z, pose.column[2].z}};
         for (size_t axis = 0; axis < 3; ++axis) {
           const Interval extent = scaled(bound<26>(tables[part], direction[axis]), scale);
-          const V centre = hn::Add(translation[axis], extent.centre);
+          const V centre = hn::Add(middle[axis], extent.centre);
           const V half = hn::Add(extent.half, margin);
           low[axis][p] = hn::Sub(centre, half);
           high[axis][p] = hn::Add(centre, half);

@@ -1,16 +1,37 @@
 #include "culling/kernels_scalar.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
-#include "culling/volumes/ordop.h"
+#include "culling/volumes/directions.h"
+#include "culling/volumes/pose_math.h"
 
 namespace throng {
 
-OrdopTable::OrdopTable(const Slabs& fitted) : slabs(fitted) {
-  for (size_t axis = 0; axis < 3; ++axis) {
-    axis_half[axis] = slabs.slab[axis].half;
-    axis_centre[axis] = slabs.slab[axis].centre;
+namespace {
+
+/// The same slabs around another origin: centres move, half widths grow by what rounding cost.
+Slabs recentred(const Slabs& slabs, const float (&origin)[3]) {
+  Slabs out;
+  for (size_t i = 0; i < slabs.slab.size(); ++i) {
+    double moved = static_cast<double>(slabs.slab[i].centre);
+    for (size_t axis = 0; axis < 3; ++axis)
+      moved -= kDirections[i][axis] * static_cast<double>(origin[axis]);
+    const float centre = static_cast<float>(moved);
+    const double half =
+        static_cast<double>(slabs.slab[i].half) + std::fabs(moved - static_cast<double>(centre));
+    out.slab[i] = {centre,
+                   std::nextafter(static_cast<float>(half), std::numeric_limits<float>::max())};
   }
+  return out;
+}
+
+}  // namespace
+
+OrdopTable::OrdopTable(const Slabs& fitted) {
+  for (size_t axis = 0; axis < 3; ++axis) origin[axis] = fitted.slab[axis].centre;
+  slabs = recentred(fitted, origin);
   for (size_t entry = 0; entry < 16; ++entry) {
     const bool negative[3] = {(entry & 1) != 0, (entry & 2) != 0, (entry & 4) != 0};
     for (size_t omitted = 0; omitted < 3; ++omitted) {
@@ -38,6 +59,13 @@ size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end,
   return found;
 }
 
+/// Where the origin of a table's slabs lies, relative to the body's root.
+Eigen::Vector3f centre_m(const OrdopTable& table, const PartPose& pose, float scale) {
+  const Eigen::Vector3f origin(scale * table.origin[0], scale * table.origin[1],
+                               scale * table.origin[2]);
+  return translation_m(pose) + turned(pose, origin);
+}
+
 void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, const float* scales,
                 const float* margins, size_t bodies, float* const* blocks) {
   const size_t padded = padded_parts(parts);
@@ -50,13 +78,14 @@ void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, c
     std::fill_n(rows, 3 * padded, kEmptyLow);
     std::fill_n(rows + 3 * padded, 3 * padded, kEmptyHigh);
     for (size_t part = 0; part < parts; ++part) {
-      const auto& pose = poses[body * parts + part].rows;
+      const PartPose& pose = poses[body * parts + part];
+      const Eigen::Vector3f centre = centre_m(tables[part], pose, scales[body]);
       for (size_t axis = 0; axis < 3; ++axis) {
-        const Slab extent =
-            tables[part].slabs.bound<26>({pose[axis][0], pose[axis][1], pose[axis][2]});
-        const float centre = pose[axis][3] + scales[body] * extent.centre;
+        const auto& row = pose.rows[axis];
+        const Slab extent = tables[part].slabs.bound<26>({row[0], row[1], row[2]});
+        const float middle = centre[static_cast<int>(axis)] + scales[body] * extent.centre;
         const float half = scales[body] * extent.half + margins[body];
-        const float low = centre - half, high = centre + half;
+        const float low = middle - half, high = middle + half;
         rows[axis * padded + part] = low;
         rows[(axis + 3) * padded + part] = high;
         own[axis] = std::min(own[axis], low);
@@ -102,6 +131,49 @@ size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first, siz
   return i;
 }
 
+/// One or-DOP's directions against the other's bound, in units of its own scale.
+struct HalfTest {
+  const OrdopTable& own;
+  const OrdopTable& other;
+  Eigen::Matrix3f other_from_own;  // times the ratio of the scales
+  Eigen::Vector3f offset;          // of other's centre, in own's frame, over own's scale
+  float margin;                    // over own's scale
+
+  template <int K>
+  bool separates() const {
+    for (size_t i = 0; i < kDirections.size(); ++i) {
+      if (!has_direction(K, static_cast<int>(i))) continue;
+      const Eigen::Vector3f n = direction_vector(static_cast<int>(i));
+      const Eigen::Vector3f d(along(n, other_from_own.row(0)), along(n, other_from_own.row(1)),
+                              along(n, other_from_own.row(2)));
+      const Slab far = other.slabs.bound<K>(d);
+      const Slab& near = own.slabs.slab[i];
+      const float gap = std::fabs((along(n, offset) + far.centre) - near.centre);
+      if (gap > (near.half + far.half) + margin * direction_length(static_cast<int>(i)))
+        return true;
+    }
+    return false;
+  }
+};
+
+template <int K>
+bool overlap(const OrdopTable& a, const PartPose& pose_a, const OrdopTable& b,
+             const PartPose& pose_b, const BodyPair& pair) {
+  const Eigen::Vector3f shift(pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]);
+  const Eigen::Vector3f delta =
+      shift + centre_m(b, pose_b, pair.scale_b) - centre_m(a, pose_a, pair.scale_a);
+  Eigen::Matrix3f b_from_a;
+  for (int column = 0; column < 3; ++column)
+    b_from_a.col(column) = turned_back(
+        pose_b, {pose_a.rows[0][column], pose_a.rows[1][column], pose_a.rows[2][column]});
+  const float per_a = 1.0f / pair.scale_a, per_b = 1.0f / pair.scale_b;
+  const HalfTest from_a{a, b, b_from_a * (pair.scale_b * per_a), turned_back(pose_a, delta) * per_a,
+                        pair.shift_m[3] * per_a};
+  const HalfTest from_b{b, a, b_from_a.transpose() * (pair.scale_a * per_b),
+                        -turned_back(pose_b, delta) * per_b, pair.shift_m[3] * per_b};
+  return !from_a.separates<K>() && !from_b.separates<K>();
+}
+
 template <int K>
 void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
                  const PartPose* poses, const Candidate* candidates, const uint32_t* order,
@@ -110,9 +182,7 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
     const Candidate& c = candidates[order[i]];
     const BodyPair& pair = pairs[c.pair];
     overlaps[order[i]] =
-        ordop_overlaps<K>(a.slabs, poses[pair.pose_a + c.part_a], pair.scale_a, b.slabs,
-                          poses[pair.pose_b + c.part_b], pair.scale_b,
-                          {pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]}, pair.shift_m[3]);
+        overlap<K>(a, poses[pair.pose_a + c.part_a], b, poses[pair.pose_b + c.part_b], pair);
   }
 }
 

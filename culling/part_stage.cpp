@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "culling/fitted.h"
+#include "culling/kernels_scalar.h"
 #include "culling/stopwatch.h"
 
 namespace throng {
@@ -54,7 +55,7 @@ bool placed_overlap(const PartPair& p, const FittedOf& fitted_of) {
 
 bool volumes_overlap(VolumeKind kind, const PartPair& p) {
   const auto slabs = [](const PartOf& part) -> const Slabs& {
-    return part.volumes->ordops[part.part].slabs;
+    return part.volumes->slabs[part.part];
   };
   switch (kind) {
     case VolumeKind::kSphere:
@@ -104,13 +105,13 @@ void PartStage::finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, s
   overlaps_.resize(candidate_count_);
   switch (frame.volume) {
     case VolumeKind::kOrdop14:
-      test_ordops(frame, frame.kernels->ordop_pairs_14);
+      test_ordops(frame, &Kernels::ordop_pairs_14);
       break;
     case VolumeKind::kOrdop18:
-      test_ordops(frame, frame.kernels->ordop_pairs_18);
+      test_ordops(frame, &Kernels::ordop_pairs_18);
       break;
     case VolumeKind::kOrdop26:
-      test_ordops(frame, frame.kernels->ordop_pairs_26);
+      test_ordops(frame, &Kernels::ordop_pairs_26);
       break;
     default:
       test_others(frame);
@@ -193,7 +194,8 @@ void PartStage::sort_into_buckets(const PartStageFrame& frame) {
     order_[bucket_start_[size_t{candidates_[i].bucket} + 1]++] = static_cast<uint32_t>(i);
 }
 
-void PartStage::test_ordops(const PartStageFrame& frame, Kernels::OrdopPairs test) {
+void PartStage::test_ordops(const PartStageFrame& frame, OrdopKernel kernel) {
+  const Kernels::OrdopPairs test = frame.kernels->*kernel, reference = scalar_kernels().*kernel;
   sort_into_buckets(frame);
   const uint32_t shapes = frame.boxes.shapes;
   const auto table_of = [&](size_t shape) -> const OrdopTable& {
@@ -212,7 +214,10 @@ void PartStage::test_ordops(const PartStageFrame& frame, Kernels::OrdopPairs tes
   // Shapes beyond the buckets: rare, so one by one with the reference.
   for (uint32_t i = bucket_start_[bucket]; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[order_[i]];
-    overlaps_[order_[i]] = volumes_overlap(frame.volume, part_pair(frame, pairs_[c.pair], c));
+    const BodyPair& pair = pairs_[c.pair];
+    reference(frame.types[pair.type_a]->volumes().ordops[c.part_a],
+              frame.types[pair.type_b]->volumes().ordops[c.part_b], pairs_.data(), frame.poses,
+              candidates_.data(), order_.data() + i, 1, overlaps_.data());
   }
 }
 

@@ -53,7 +53,8 @@ class PartStage {
 
  private:
   void find_candidates(const PartStageFrame& frame);
-  void test_ordops(const PartStageFrame& frame, Kernels::OrdopPairs test);
+  using OrdopKernel = Kernels::OrdopPairs Kernels::*;
+  void test_ordops(const PartStageFrame& frame, OrdopKernel kernel);
   void sort_into_buckets(const PartStageFrame& frame);
   void test_others(const PartStageFrame& frame);
   void decide_by_triangles(const PartStageFrame& frame);
