@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -5,6 +7,7 @@
 
 #include "apps/command.h"
 #include "apps/info.h"
+#include "avatars/describe.h"
 #include "base/errors.h"
 
 namespace throng {
@@ -31,18 +34,20 @@ std::string lower_extension(const fs::path& file) {
 int describe(const std::string& name) {
   const fs::path file(name);
   const std::string extension = lower_extension(file);
+  std::string text;
   if (extension == ".tri") {
-    print_tri_info(file);
+    text = describe_tri(read_tri(file), name);
   } else if (extension == ".urdf") {
-    print_urdf_info(file);
+    text = describe_model(*load_model(file));
   } else if (extension == ".yaml" || extension == ".yml") {
-    print_scene_info(name);
+    text = describe_scene(name);
   } else if (extension.empty() && !fs::exists(file)) {
-    print_scene_info(name);  // a bundled one, or a did-you-mean
+    text = describe_scene(name);  // a bundled one, or a did-you-mean
   } else {
     throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file",
                      extension.empty() ? "no extension" : "extension '" + extension + "'");
   }
+  fmt::print("{}", text);
   return kExitFine;
 }
 

@@ -1,16 +1,12 @@
-// What `throng info` prints for each kind of file.
-// One rule: each function reads the whole file with the library's own reader and throws InputError
-// before it prints anything.
+// What `throng info` says about a scene.
+// One rule: everything is read by the library's own reader first; half a description is none.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 namespace throng {
 
-void print_tri_info(const std::filesystem::path& file);
-void print_urdf_info(const std::filesystem::path& file);
-/// A scene file, or the name of a bundled scene.
-void print_scene_info(const std::string& path_or_name);
+/// A scene file, or the name of a bundled scene. Lines end in a line feed. Throws InputError.
+std::string describe_scene(const std::string& path_or_name);
 
 }  // namespace throng

@@ -1,0 +1,231 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/log_guard.h"
+#include "apps/progress.h"
+#include "apps/run_report.h"
+#include "apps/stop_signal.h"
+#include "base/errors.h"
+#include "lcmtypes/lcm_sink.h"
+#include "lcmtypes/log_sink.h"
+#include "scenes/runner.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxThreads = 256;
+
+constexpr const char* kFooter = R"(
+Examples:
+  throng run plaza
+  throng run plaza --avatars 5000 --seconds 2 --json result.json
+  throng run corridor --exact --lcm off --log corridor.lcmlog
+  throng run my_scene.yaml --part-volume obb --threads 1 --log off
+
+The events depend on the scene, --avatars, --seed, --part-volume and --exact; never on --threads, --simd
+or --pair-search. Ctrl-C ends the run with its summary and a sound log.)";
+
+struct RunOptions {
+  std::string scene;
+  std::optional<int> avatars;
+  std::optional<double> seconds;
+  std::optional<uint64_t> seed;
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::string part_volume;
+  bool exact = false;
+  std::string simd = "best";
+  std::string pair_search = "grid";
+  std::string lcm{kDefaultLcmUrl};
+  std::string log;
+  std::string json;
+};
+
+constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
+    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
+
+std::vector<std::string> volume_names() {
+  std::vector<std::string> names;
+  for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
+  return names;
+}
+
+std::vector<std::string> simd_names() {
+  std::vector<std::string> names;
+  for (const SimdTarget target : {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
+                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
+    names.emplace_back(name_of(target));
+  return names;
+}
+
+std::vector<std::string> pair_search_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, search] : kPairSearches) names.emplace_back(name);
+  return names;
+}
+
+void add_options(CLI::App& app, RunOptions& options) {
+  app.add_option("SCENE", options.scene, "A scene file, or a name from `throng scenes`")
+      ->required();
+  app.add_option("--avatars", options.avatars, "People in all; scales the scene's groups")
+      ->check(whole_option(1, PairKey::kMaxId, "a whole number from 1 to 16777215"))
+      ->type_name("N");
+  app.add_option("--seconds", options.seconds, "Simulated time instead of the scene's")
+      ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
+      ->type_name("S");
+  app.add_option("--seed", options.seed, "Start of all random numbers instead of the scene's")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  app.add_option("--threads", options.threads, "Default: all cores")
+      ->check(whole_option(1, kMaxThreads, fmt::format("a whole number from 1 to {}", kMaxThreads)))
+      ->type_name("N");
+  app.add_option("--part-volume", options.part_volume, "What encloses a body part")
+      ->check(name_option(volume_names()))
+      ->type_name("VOLUME");
+  app.add_flag("--exact", options.exact, "Triangles decide what touches");
+  app.add_option("--simd", options.simd, "best, scalar, sse4, avx2 or avx512")
+      ->check(name_option(simd_names()))
+      ->type_name("TARGET");
+  app.add_option("--pair-search", options.pair_search, "grid, sweep or brute")
+      ->check(name_option(pair_search_names()))
+      ->type_name("NAME");
+  app.add_option("--lcm", options.lcm, fmt::format("Where to publish, or off [{}]", options.lcm))
+      ->type_name("URL");
+  app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
+      ->type_name("FILE");
+  app.add_option("--json", options.json, "Writes the results for machines")->type_name("FILE");
+}
+
+SimulationOptions simulation_options(const RunOptions& options) {
+  SimulationOptions out;
+  out.threads = options.threads;
+  out.simd = resolved(simd_target_of(options.simd).value());
+  for (const auto& [name, search] : kPairSearches)
+    if (options.pair_search == name) out.pair_search = search;
+  return out;
+}
+
+Scene scene_for(const RunOptions& options) {
+  Scene scene = load_scene(options.scene);
+  if (options.seconds) scene.duration_s = *options.seconds;
+  if (options.seed) scene.seed = *options.seed;
+  if (!options.part_volume.empty()) scene.part_volume = volume_of(options.part_volume).value();
+  if (options.exact) scene.exact = true;
+  if (options.avatars) {
+    std::vector<std::string> notes;
+    scale_to(scene, *options.avatars, notes);
+    for (const std::string& note : notes) fmt::print(stderr, "note: {}\n", note);
+  }
+  return scene;
+}
+
+/// The path of the log, its folder created where nobody chose one.
+fs::path log_file(const RunOptions& options, const Scene& scene) {
+  if (!options.log.empty()) return options.log;
+  const fs::path folder = "out";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw EnvironmentError(
+        fmt::format("{}: cannot create the folder for logs: {}; name another with --log",
+                    folder.string(), error.message()));
+  return folder / scene.file.stem().concat(".lcmlog");
+}
+
+/// Everybody who listens to the run.
+struct Listeners {
+  std::unique_ptr<LogSink> log;
+  std::unique_ptr<LogGuard> guard;
+  std::unique_ptr<LcmSink> lcm;
+
+  std::vector<Sink*> sinks() const {
+    std::vector<Sink*> all;
+    if (guard != nullptr) all.push_back(guard.get());
+    if (lcm != nullptr) all.push_back(lcm.get());
+    return all;
+  }
+  bool lost_log() const { return guard != nullptr && guard->failed(); }
+};
+
+RunSummary run_to_end(Simulation& simulation, const Listeners& listeners) {
+  const StopSignal stop;
+  ProgressBar progress(simulation.scene().name,
+                       frame_count(simulation.scene().duration_s, simulation.info().step_s));
+  return run(simulation, listeners.sinks(), [&](const Frame& frame) {
+    progress.show(frame.number + 1);
+    return !StopSignal::requested() && !listeners.lost_log();
+  });
+}
+
+RunReport report_of(const RunOptions& options, const SimulationOptions& simulated,
+                    const Scene& scene, const RunSummary& summary, const Listeners& listeners,
+                    const fs::path& log) {
+  RunReport report;
+  report.scene = scene.name;
+  report.seed = scene.seed;
+  report.step_s = scene.step_s;
+  report.threads = options.threads;
+  report.simd = name_of(simulated.simd);
+  report.summary = summary;
+  report.lcm.url = "off";
+  if (listeners.lcm != nullptr)
+    report.lcm = {listeners.lcm->url(), listeners.lcm->messages(), listeners.lcm->bytes(),
+                  listeners.lcm->dropped()};
+  report.log = listeners.log == nullptr ? "off" : log.string();
+  report.log_bytes = listeners.log == nullptr ? 0 : listeners.log->bytes();
+  return report;
+}
+
+int run_scene(const RunOptions& options) {
+  const SimulationOptions simulated = simulation_options(options);
+  Scene scene = scene_for(options);
+  if (!options.json.empty()) require_writable(options.json);
+
+  Listeners listeners;
+  fs::path log;
+  if (options.log != "off") {
+    log = log_file(options, scene);
+    listeners.log = std::make_unique<LogSink>(log);
+    listeners.guard = std::make_unique<LogGuard>(*listeners.log);
+  }
+  if (options.lcm != "off") {
+    LcmOptions lcm;
+    lcm.url = options.lcm;
+    listeners.lcm = std::make_unique<LcmSink>(lcm);
+  }
+
+  Simulation simulation(std::move(scene), simulated);
+  for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
+  const RunSummary summary = run_to_end(simulation, listeners);
+  if (summary.stopped_early) fmt::print(stderr, "stopped after {} frames\n", summary.frames);
+
+  const RunReport report =
+      report_of(options, simulated, simulation.scene(), summary, listeners, log);
+  fmt::print("{}", format_table(report));
+  int exit_code = kExitFine;
+  if (listeners.lost_log()) {
+    fmt::print(stderr, "{}\n", listeners.guard->failure());
+    exit_code = kExitEnvironment;
+  }
+  if (!options.json.empty()) write_json(report, options.json);
+  return exit_code;
+}
+
+}  // namespace
+
+Command add_run_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("run", "Runs a scene: who touches whom, frame by frame");
+  app->footer(kFooter);
+  const auto options = std::make_shared<RunOptions>();
+  add_options(*app, *options);
+  return {app, [options] { return run_scene(*options); }};
+}
+
+}  // namespace throng

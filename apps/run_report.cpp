@@ -1,0 +1,167 @@
+#include "apps/run_report.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "apps/machine.h"
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double per(double total, uint64_t count) {
+  return count == 0 ? 0 : total / static_cast<double>(count);
+}
+
+std::string hash_text(uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string megabytes(double bytes) { return fmt::format("{:.1f} MB", bytes * 1e-6); }
+
+void add_stage(std::string& text, const char* name, const StageCounters& stage, int64_t frames) {
+  if (stage.updates == 0 && stage.tests == 0) return;
+  fmt::format_to(std::back_inserter(text),
+                 "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", name,
+                 stage.volume, stage.updates, stage.tests, stage.passed,
+                 per(stage.update_ns, stage.updates), per(stage.test_ns, stage.tests),
+                 per((stage.update_ns + stage.test_ns) * 1e-6, static_cast<uint64_t>(frames)));
+}
+
+void add_stage_table(std::string& text, const RunSummary& summary) {
+  fmt::format_to(std::back_inserter(text), "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10} {:>8} {:>9}\n",
+                 "stage", "volume", "updates", "tests", "passed", "ns/update", "ns/test",
+                 "ms/frame");
+  add_stage(text, "avatar", summary.totals.avatar, summary.frames);
+  add_stage(text, "body box", summary.totals.body_box, summary.frames);
+  add_stage(text, "part box", summary.totals.box, summary.frames);
+  add_stage(text, "part", summary.totals.part, summary.frames);
+  add_stage(text, "exact", summary.totals.exact, summary.frames);
+}
+
+void add_time_table(std::string& text, const RunSummary& summary) {
+  const StageMedians& stage = summary.stage_ms;
+  fmt::format_to(std::back_inserter(text),
+                 "{:<11} {:>8} {:>7} {:>10} {:>11} {:>9} {:>7} {:>7} {:>8}\n", "ms a frame",
+                 "steering", "gait", "kinematics", "avatar cull", "part cull", "exact", "events",
+                 "publish");
+  fmt::format_to(
+      std::back_inserter(text),
+      "{:<11} {:>8.3f} {:>7.3f} {:>10.3f} {:>11.3f} {:>9.3f} {:>7.3f} {:>7.3f} {:>8.3f}\n",
+      "median", stage.steering_ms, stage.gait_ms, stage.kinematics_ms, stage.avatar_cull_ms,
+      stage.part_cull_ms, stage.exact_ms, stage.events_ms, stage.publish_ms);
+}
+
+Json to_json(const StageCounters& stage) {
+  return {{"volume", stage.volume},
+          {"updates", stage.updates},
+          {"tests", stage.tests},
+          {"passed", stage.passed},
+          {"update_ns", per(stage.update_ns, stage.updates)},
+          {"test_ns", per(stage.test_ns, stage.tests)}};
+}
+
+Json to_json(const StageMedians& stage) {
+  return {{"steering", stage.steering_ms},     {"gait", stage.gait_ms},
+          {"kinematics", stage.kinematics_ms}, {"avatar_cull", stage.avatar_cull_ms},
+          {"part_cull", stage.part_cull_ms},   {"exact", stage.exact_ms},
+          {"events", stage.events_ms},         {"publish", stage.publish_ms}};
+}
+
+Json to_json(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  Json json;
+  json["scene"] = report.scene;
+  json["seed"] = report.seed;
+  json["avatars"] = summary.avatars;
+  json["unplaced"] = summary.unplaced;
+  json["parts"] = summary.parts;
+  json["frames"] = summary.frames;
+  json["stopped_early"] = summary.stopped_early;
+  json["step_s"] = report.step_s;
+  json["threads"] = report.threads;
+  json["wall_s"] = summary.wall_s;
+  json["realtime_factor"] = summary.realtime_factor;
+  json["frame_ms"] = {{"median", summary.frame_ms.median},
+                      {"p95", summary.frame_ms.p95},
+                      {"max", summary.frame_ms.max}};
+  json["cull_ms"] = {{"median", summary.cull_ms.median}};
+  json["stage_ms"] = to_json(summary.stage_ms);
+  json["stages"] = {{"avatar", to_json(summary.totals.avatar)},
+                    {"body_box", to_json(summary.totals.body_box)},
+                    {"part_box", to_json(summary.totals.box)},
+                    {"part", to_json(summary.totals.part)},
+                    {"exact", to_json(summary.totals.exact)}};
+  json["events"] = {
+      {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
+  json["pairs_peak"] = summary.pairs_peak;
+  json["hash"] = hash_text(summary.hash);
+  json["run_id"] = hash_text(summary.run_id);
+  json["lcm"] = {{"url", report.lcm.url},
+                 {"messages", report.lcm.messages},
+                 {"bytes", report.lcm.bytes},
+                 {"dropped", report.lcm.dropped}};
+  json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
+  json["peak_rss_bytes"] = peak_rss_bytes();
+  json["machine"] = {{"cpu", cpu_name()}, {"simd", report.simd}};
+  return json;
+}
+
+EnvironmentError cannot_write(const std::filesystem::path& file, int error) {
+  return EnvironmentError(fmt::format("{}: cannot write: {}", file.string(), std::strerror(error)));
+}
+
+}  // namespace
+
+std::string format_table(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  std::string text =
+      fmt::format("{}: {} avatars, {} parts, {} frames of {:.4g} ms\n\n", report.scene,
+                  summary.avatars, summary.parts, summary.frames, report.step_s * 1e3);
+  add_stage_table(text, summary);
+  text += '\n';
+  add_time_table(text, summary);
+  const auto line = [&text](const char* name, const std::string& what) {
+    fmt::format_to(std::back_inserter(text), "{:<9} {}\n", name, what);
+  };
+  text += '\n';
+  line("frame", fmt::format("{:.3f} ms median, {:.3f} p95, {:.3f} max; culling {:.3f} median",
+                            summary.frame_ms.median, summary.frame_ms.p95, summary.frame_ms.max,
+                            summary.cull_ms.median));
+  line("time",
+       fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} times real time ({} {}, {})",
+                   summary.simulated_s, summary.wall_s, summary.realtime_factor, report.threads,
+                   report.threads == 1 ? "thread" : "threads", report.simd));
+  line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
+                             summary.begins, summary.persists, summary.ends, summary.pairs_peak));
+  line("log", report.log == "off" ? "off"
+                                  : fmt::format("{}, {}", report.log,
+                                                megabytes(static_cast<double>(report.log_bytes))));
+  line("lcm",
+       report.lcm.url == "off"
+           ? "off"
+           : fmt::format("{}: {} messages, {}, {} dropped", report.lcm.url, report.lcm.messages,
+                         megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
+  line("hash", hash_text(summary.hash));
+  return text;
+}
+
+void require_writable(const std::filesystem::path& file) {
+  errno = 0;
+  if (!std::ofstream(file, std::ios::app)) throw cannot_write(file, errno);
+}
+
+void write_json(const RunReport& report, const std::filesystem::path& file) {
+  errno = 0;
+  std::ofstream out(file, std::ios::trunc);
+  out << to_json(report).dump(2) << '\n';
+  out.close();
+  if (!out) throw cannot_write(file, errno);
+}
+
+}  // namespace throng

@@ -1,0 +1,42 @@
+// What `throng run` tells about a run: a table for people, JSON for machines.
+// One rule: both say the same, from the same summary; a figure that leaves the process names its
+// unit.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "scenes/runner.h"
+
+namespace throng {
+
+struct RunReport {
+  std::string scene;
+  uint64_t seed = 0;
+  double step_s = 0;
+  int threads = 1;
+  std::string simd;
+  RunSummary summary;
+
+  struct Lcm {
+    std::string url;  ///< "off" if nothing was sent
+    int64_t messages = 0;
+    int64_t bytes = 0;
+    int64_t dropped = 0;
+  };
+  Lcm lcm;
+  std::string log;  ///< path, or "off"
+  uint64_t log_bytes = 0;
+};
+
+/// A table with a row for each stage, then a line each for time, events, log, messages and hash.
+std::string format_table(const RunReport& report);
+
+/// Creates the file if it is not there. Throws EnvironmentError if it cannot be written, so that
+/// this is known before the run and not after it.
+void require_writable(const std::filesystem::path& file);
+
+/// Throws EnvironmentError if it could not be written completely.
+void write_json(const RunReport& report, const std::filesystem::path& file);
+
+}  // namespace throng

@@ -1,0 +1,46 @@
+// The built programs as a user meets them: a command, a folder, what comes out.
+// One rule: nothing is linked from the programs; what counts is what a terminal shows.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace throng {
+
+/// A folder of its own for each test, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Outcome {
+  int exit_code = -1;  ///< 128 + signal if one ended it
+  std::string out;
+  std::string err;
+};
+
+/// Runs a line of POSIX sh in a folder without a terminal or input; `throng` and `hello` are on its
+/// PATH.
+Outcome shell(const std::string& line, const ScratchFolder& folder);
+
+/// The whole file; throws if it cannot be read.
+std::string read_file(const std::filesystem::path& file);
+void write_file(const std::filesystem::path& file, const std::string& text);
+
+/// A path inside the repository, quoted for sh.
+std::string repository(const std::string& path);
+
+/// How many lines a text has.
+int line_count(const std::string& text);
+
+}  // namespace throng

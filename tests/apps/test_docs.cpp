@@ -1,0 +1,81 @@
+// Every command that the documents show works as shown.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A fenced block. "```sh" is run; "```sh by-hand" is not; "```yaml NAME" is a file that later
+/// commands of the document use.
+struct Block {
+  int line = 0;
+  std::string info;
+  std::string text;
+};
+
+std::vector<Block> blocks_of(const std::string& document) {
+  std::vector<Block> blocks;
+  std::istringstream in(document);
+  std::string line;
+  bool inside = false;
+  for (int number = 1; std::getline(in, line); ++number) {
+    if (line.starts_with("```")) {
+      inside = !inside;
+      if (inside) blocks.push_back({number, line.substr(3), ""});
+    } else if (inside) {
+      blocks.back().text += line + "\n";
+    }
+  }
+  return blocks;
+}
+
+std::vector<fs::path> documents() {
+  const fs::path top(THRONG_SOURCE_DIR);
+  std::vector<fs::path> found = {top / "README.md"};
+  for (const fs::directory_entry& entry : fs::directory_iterator(top / "docs"))
+    if (entry.path().extension() == ".md") found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+TEST(Documents, CommandsWorkAsShown) {
+  int commands = 0;
+  for (const fs::path& document : documents()) {
+    const ScratchFolder folder;
+    for (const Block& block : blocks_of(read_file(document))) {
+      if (block.info.starts_with("yaml ")) write_file(folder / block.info.substr(5), block.text);
+      if (block.info != "sh") continue;
+      ++commands;
+      const Outcome outcome = shell(block.text, folder);
+      EXPECT_EQ(outcome.exit_code, 0) << document.filename().string() << ":" << block.line << ":\n"
+                                      << block.text << outcome.err;
+    }
+  }
+  EXPECT_GE(commands, 3);
+}
+
+TEST(Documents, LinksLeadToFiles) {
+  const fs::path top(THRONG_SOURCE_DIR);
+  for (const fs::path& document : documents()) {
+    const std::string text = read_file(document);
+    for (size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at + 1)) {
+      const std::string link = text.substr(at + 2, text.find(')', at) - at - 2);
+      if (link.starts_with("http")) continue;
+      const std::string file = link.substr(0, link.find('#'));
+      EXPECT_TRUE(fs::exists(document.parent_path() / file))
+          << document.filename().string() << " points to " << link;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,45 @@
+// A signal ends a run like its last frame does: with a summary, and with a log whose events pair
+// up.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+class Stop : public testing::TestWithParam<const char*> {};
+
+TEST_P(Stop, EndsCleanly) {
+  const ScratchFolder folder;
+  // Starts a run of an hour, waits until its log has grown past the description, and signals it.
+  const Outcome outcome = shell(
+      "throng run plaza --seconds 3600 --lcm off --log run.lcmlog --json run.json >table &\n"
+      "run=$!\n"
+      "for i in $(seq 600); do\n"
+      "  [ \"$(wc -c <run.lcmlog 2>/dev/null || echo 0)\" -gt 3000000 ] && break; sleep 0.1\n"
+      "done\n"
+      "kill -" +
+          std::string(GetParam()) +
+          " $run\n"
+          "wait $run",
+      folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, testing::HasSubstr("stopped after"));
+  EXPECT_THAT(read_file(folder / "table"), testing::HasSubstr("hash"));
+  const auto json = nlohmann::json::parse(read_file(folder / "run.json"));
+  EXPECT_EQ(json["stopped_early"], true);
+  EXPECT_GT(json["frames"], 0);
+  EXPECT_LT(json["frames"], 3600 * 60);
+  EXPECT_EQ(json["events"]["begin"], json["events"]["end"]);
+  const Outcome check = shell("throng check run.lcmlog", folder);
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, Stop, testing::Values("TERM", "INT"));
+
+}  // namespace
+}  // namespace throng
