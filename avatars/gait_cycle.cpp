@@ -140,7 +140,7 @@ Walker::Instant Walker::instant(const GaitCurves& curves, const std::array<Step,
                       step.clearance_m(own),
                       step.load(own),
                       curves.knee_flexion(own),
-                      {{}, curves.foot_pitch(own), step.heading_rad}};
+                      {Vector3d::Zero(), curves.foot_pitch(own), step.heading_rad}};
   }
   columns[static_cast<size_t>(vertical_column_)] = 0;
   std::vector<Isometry3d> links;
