@@ -30,7 +30,7 @@ const AdultJoints& adult_joints() {
     j.head = on_grid({0, 0, 0.852 * h});
     // Acromion height .818 h. The arms hang a little outwards (the carrying angle), which keeps
     // them clear of chest, hips and thighs.
-    j.shoulder = on_grid({-0.012, 0.200, 0.816 * h});
+    j.shoulder = on_grid({-0.012, 0.192, 0.816 * h});
     j.elbow = on_grid(j.shoulder + Eigen::Vector3d(-0.03, 0.100, -1).normalized() * (0.188 * h));
     j.wrist = on_grid(j.elbow + Eigen::Vector3d(0.08, 0.070, -1).normalized() * (0.152 * h));
     return j;

@@ -114,20 +114,20 @@ Mesh upper_arm_shape() {
   Loft loft;
   loft.table = along(j.shoulder, j.elbow,
                      {
-                         {1.448, 0.048, 0.050, 0.048, 0.046},
-                         {1.420, 0.057, 0.058, 0.057, 0.052},
-                         {1.370, 0.059, 0.058, 0.056, 0.050},
+                         {1.425, 0.055, 0.056, 0.056, 0.054},
+                         {1.400, 0.059, 0.059, 0.058, 0.053},
+                         {1.365, 0.059, 0.058, 0.056, 0.050},
                          {1.320, 0.055, 0.053, 0.050, 0.047},
                          {1.270, 0.057, 0.052, 0.049, 0.047},
                          {1.210, 0.053, 0.048, 0.045, 0.045},
-                         {1.150, 0.045, 0.042, 0.042, 0.042},
-                         {j.elbow.z(), 0.041, 0.040, 0.043, 0.043},
+                         {1.150, 0.046, 0.043, 0.043, 0.043},
+                         {j.elbow.z(), 0.043, 0.042, 0.044, 0.044},
                      });
   loft.rings = 28;
   loft.segments = 48;
   loft.first_cap_rings = 5;
   loft.last_cap_rings = 4;
-  loft.first_cap_m = 0.026;
+  loft.first_cap_m = 0.048;
   loft.last_cap_m = 0.036;
   return lofted(loft);
 }
@@ -138,8 +138,8 @@ Mesh lower_arm_shape() {
   Loft loft;
   loft.table = along(j.elbow, j.wrist,
                      {
-                         {j.elbow.z(), 0.041, 0.040, 0.042, 0.042},
-                         {1.065, 0.048, 0.044, 0.046, 0.045},
+                         {j.elbow.z(), 0.038, 0.037, 0.039, 0.039},
+                         {1.060, 0.048, 0.044, 0.046, 0.045},
                          {1.030, 0.050, 0.045, 0.047, 0.045},
                          {0.970, 0.043, 0.040, 0.039, 0.038},
                          {0.900, 0.034, 0.032, 0.028, 0.027},
@@ -150,8 +150,8 @@ Mesh lower_arm_shape() {
   loft.segments = 16;
   loft.first_cap_rings = 8;
   loft.last_cap_rings = 5;
-  loft.first_cap_m = 0.038;
-  loft.last_cap_m = 0.018;
+  loft.first_cap_m = 0.034;
+  loft.last_cap_m = 0.022;
   return lofted(loft);
 }
 

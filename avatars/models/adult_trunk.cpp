@@ -15,19 +15,19 @@ Section on_midline(double height, double x, double front, double back, double ha
 /// bottom, columns from the midline outwards (both sides alike).
 constexpr int kReliefColumns = 5;
 constexpr std::array<std::array<double, kReliefColumns>, 18> kRelief = {{
-    {},                   // neck
-    {},                   //
-    {},                   //
-    {},                   //
-    {-4, -3, -1},         // under the chin
-    {5, 4, 1},            // chin
-    {-1, -1, 0},          // below the lower lip
-    {4, 3, 1},            // mouth
-    {12, 5, 1, 0},        // upper lip and base of the nose
-    {23, 8, 0, 1, 1},     // tip of the nose
-    {15, 4, -2, 0, 2},    // bridge of the nose, cheek bones
-    {5, -3, -8, -6, -1},  // eyes
-    {3, 3, 3, 2, 0},      // brow
+    {},                  // neck
+    {},                  //
+    {},                  //
+    {},                  //
+    {-4, -3, -1},        // under the chin
+    {7, 6, 2},           // chin
+    {-2, -2, 0},         // below the lower lip
+    {6, 4, 1},           // mouth
+    {12, 5, 1, 0},       // upper lip and base of the nose
+    {26, 9, -1, 1, 1},   // tip of the nose
+    {17, 5, -3, 1, 3},   // bridge of the nose, cheek bones
+    {6, -4, -9, -7, 0},  // eyes
+    {4, 5, 4, 3, 1},     // brow
 }};
 
 /// Ears: rings 9 to 12, where the crowded segments reach the side of the head.
@@ -42,17 +42,17 @@ Mesh head_shape() {
   const std::vector<Section> sections = {
       on_midline(1.425, -0.005, 0.055, 0.052, 0.056, 0),
       on_midline(1.455, -0.008, 0.057, 0.058, 0.057, 0),
-      on_midline(1.485, -0.006, 0.060, 0.062, 0.058, 0),
-      on_midline(1.508, 0.000, 0.066, 0.065, 0.058, 0),
-      on_midline(1.522, 0.013, 0.084, 0.074, 0.058, 0),
-      on_midline(1.532, 0.020, 0.095, 0.079, 0.061, 0),
-      on_midline(1.548, 0.022, 0.098, 0.085, 0.066, 0.05),
-      on_midline(1.564, 0.022, 0.097, 0.091, 0.069, 0.05),
-      on_midline(1.580, 0.022, 0.096, 0.095, 0.071, 0.05),
-      on_midline(1.597, 0.022, 0.095, 0.098, 0.073, 0.05),
-      on_midline(1.615, 0.022, 0.095, 0.100, 0.0745, 0.05),
-      on_midline(1.632, 0.022, 0.094, 0.101, 0.0755, 0.05),
-      on_midline(1.650, 0.022, 0.096, 0.101, 0.0765, 0.05),
+      on_midline(1.485, -0.006, 0.059, 0.062, 0.056, 0),
+      on_midline(1.508, 0.000, 0.063, 0.065, 0.055, 0),
+      on_midline(1.522, 0.013, 0.082, 0.074, 0.053, 0),
+      on_midline(1.532, 0.020, 0.093, 0.079, 0.054, 0),
+      on_midline(1.548, 0.022, 0.096, 0.085, 0.060, 0),
+      on_midline(1.564, 0.022, 0.097, 0.091, 0.066, 0),
+      on_midline(1.580, 0.022, 0.097, 0.095, 0.070, 0),
+      on_midline(1.597, 0.022, 0.095, 0.098, 0.073, 0),
+      on_midline(1.615, 0.022, 0.095, 0.100, 0.0745, 0),
+      on_midline(1.632, 0.022, 0.094, 0.101, 0.0755, 0),
+      on_midline(1.650, 0.022, 0.096, 0.101, 0.0765, 0),
       on_midline(1.674, 0.022, 0.096, 0.099, 0.0770, 0),
       on_midline(1.700, 0.021, 0.090, 0.094, 0.0730, 0),
       on_midline(1.721, 0.020, 0.076, 0.081, 0.0630, 0),
@@ -84,23 +84,24 @@ Mesh head_shape() {
 Mesh torso_shape() {
   // Chest 289 x 254 mm, waist 326 x 238 mm (ANSUR II, men).
   const std::vector<Section> table = {
-      on_midline(1.020, 0.000, 0.112, 0.100, 0.156, 0.30),
-      on_midline(1.060, 0.000, 0.116, 0.100, 0.154, 0.30),
-      on_midline(1.120, 0.000, 0.118, 0.100, 0.152, 0.30),
-      on_midline(1.200, 0.000, 0.119, 0.110, 0.152, 0.30),
-      on_midline(1.270, 0.000, 0.124, 0.122, 0.153, 0.35),
-      on_midline(1.330, 0.000, 0.118, 0.126, 0.156, 0.35),
-      on_midline(1.380, 0.000, 0.102, 0.122, 0.166, 0.35),
-      on_midline(1.415, 0.000, 0.084, 0.114, 0.176, 0.30),
-      on_midline(1.440, 0.000, 0.070, 0.106, 0.172, 0.20),
-      on_midline(1.460, 0.000, 0.058, 0.097, 0.138, 0.10),
-      on_midline(1.480, 0.000, 0.048, 0.086, 0.095, 0),
+      on_midline(1.000, 0.000, 0.119, 0.117, 0.173, 0.30),
+      on_midline(1.040, 0.000, 0.118, 0.108, 0.163, 0.30),
+      on_midline(1.080, 0.000, 0.118, 0.102, 0.156, 0.30),
+      on_midline(1.130, 0.000, 0.119, 0.101, 0.152, 0.30),
+      on_midline(1.200, 0.000, 0.120, 0.110, 0.152, 0.30),
+      on_midline(1.270, 0.000, 0.124, 0.122, 0.154, 0.35),
+      on_midline(1.330, 0.000, 0.118, 0.126, 0.158, 0.35),
+      on_midline(1.380, 0.000, 0.102, 0.122, 0.170, 0.35),
+      on_midline(1.415, 0.000, 0.084, 0.112, 0.184, 0.25),
+      on_midline(1.440, 0.000, 0.068, 0.102, 0.184, 0.10),
+      on_midline(1.460, 0.000, 0.056, 0.094, 0.150, 0),
+      on_midline(1.480, 0.000, 0.048, 0.084, 0.098, 0),
       on_midline(1.505, 0.000, 0.040, 0.070, 0.058, 0),
   };
   constexpr int kRings = 28;
   std::vector<Ring> rings;
   for (int i = 0; i < kRings; ++i)
-    rings.push_back(ring_of(section_at(table, 1.020 + (1.505 - 1.020) * i / (kRings - 1)), 30));
+    rings.push_back(ring_of(section_at(table, 1.000 + (1.505 - 1.000) * i / (kRings - 1)), 30));
   const Eigen::Vector3d top(-0.012, 0, 1.512);
   return tube(rings, {nullptr, &top});
 }
@@ -112,9 +113,9 @@ Mesh pelvis_shape() {
            on_midline(0.860, -0.005, 0.070, 0.085, 0.095, 0.2),
            on_midline(0.900, -0.005, 0.105, 0.132, 0.158, 0.3),
            on_midline(0.945, -0.003, 0.112, 0.136, 0.174, 0.3),
-           on_midline(0.995, 0.000, 0.114, 0.122, 0.172, 0.3),
-           on_midline(1.040, 0.000, 0.114, 0.106, 0.162, 0.3),
-           on_midline(1.068, 0.000, 0.110, 0.096, 0.150, 0.3),
+           on_midline(0.990, 0.000, 0.110, 0.120, 0.170, 0.3),
+           on_midline(1.030, 0.000, 0.104, 0.100, 0.152, 0.3),
+           on_midline(1.065, 0.000, 0.096, 0.086, 0.136, 0.3),
        })
     rings.push_back(ring_of(section, 12));
   const Eigen::Vector3d crotch(0, 0, 0.840);
