@@ -25,6 +25,8 @@ struct Command {
 Command add_run_command(CLI::App& parent);
 Command add_scenes_command(CLI::App& parent);
 Command add_info_command(CLI::App& parent);
+Command add_check_command(CLI::App& parent);
+Command add_render_command(CLI::App& parent);
 
 /// Accepts a number in [low, high] (above low if `open`); `what` completes "expected ...".
 CLI::Validator number_option(double low, double high, bool open, const std::string& what);

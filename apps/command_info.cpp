@@ -9,6 +9,7 @@
 #include "apps/info.h"
 #include "avatars/describe.h"
 #include "base/errors.h"
+#include "lcmtypes/log_check.h"
 
 namespace throng {
 namespace {
@@ -41,6 +42,8 @@ int describe(const std::string& name) {
     text = describe_model(*load_model(file));
   } else if (extension == ".yaml" || extension == ".yml") {
     text = describe_scene(name);
+  } else if (extension == ".lcmlog") {
+    text = describe_log(file);
   } else if (extension.empty() && !fs::exists(file)) {
     text = describe_scene(name);  // a bundled one, or a did-you-mean
   } else {

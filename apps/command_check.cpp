@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "apps/command.h"
+#include "lcmtypes/log_check.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+A log is sound when every byte belongs to a message, no message is missing, and every contact that
+begins also ends. Exit code 1 says that it is not.
+
+Examples:
+  throng check out/plaza.lcmlog
+  throng check torn.lcmlog --repair sound.lcmlog)";
+
+struct CheckOptions {
+  std::string log;
+  std::string repaired;
+};
+
+int check(const CheckOptions& options) {
+  const LogReport report = check_log(options.log);
+  fmt::print("{}: {}\n", options.log,
+             !report.is_sound() ? "not sound"
+             : report.finished  ? "sound"
+                                : "sound, but cut off");
+  fmt::print("  messages   {} of ours, {} of others, {} bytes\n",
+             report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
+  fmt::print("  events     {} begin, {} end, {} open\n", report.begins, report.ends,
+             report.open_pairs);
+  fmt::print("  frames     {}, {:.2f} s\n", report.last_frame + 1,
+             static_cast<double>(report.last_utime_us) * 1e-6);
+  for (const std::string& problem : report.problems) fmt::print("  problem    {}\n", problem);
+  const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
+  if (untold > 0) fmt::print("  problem    and {} more\n", untold);
+  if (!options.repaired.empty()) {
+    const int64_t messages = repair_log(options.log, options.repaired);
+    fmt::print("  repaired   {}: {} sound messages\n", options.repaired, messages);
+  }
+  return report.is_sound() ? kExitFine : kExitCheckFailed;
+}
+
+}  // namespace
+
+Command add_check_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("check", "Judges a log: numbering, gaps, events in pairs");
+  app->footer(kFooter);
+  const auto options = std::make_shared<CheckOptions>();
+  app->add_option("LOG", options->log, "The log to judge")->required();
+  app->add_option("--repair", options->repaired, "Writes what is sound into a new log")
+      ->type_name("FILE");
+  return {app, [options] { return check(*options); }};
+}
+
+}  // namespace throng

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "apps/picture.h"
+#include "apps/recorded_frame.h"
+
+namespace throng {
+namespace {
+
+constexpr int kMaxPixels = 8192;
+
+constexpr const char* kFooter = R"(
+Parts that touch are red. Without --eye and --target the picture shows the whole crowd.
+
+Examples:
+  throng render out/plaza.lcmlog --frame 300 --out plaza.png
+  throng render out/plaza.lcmlog --frame 300 --eye 4,-9,3 --target 0,-5,1 --out near.png)";
+
+struct RenderCommand {
+  std::string log;
+  int64_t frame = 0;
+  std::string out;
+  std::vector<float> eye_m;
+  std::vector<float> target_m;
+  PictureOptions picture;
+};
+
+int render_frame(RenderCommand command) {
+  const auto to_point = [](const std::vector<float>& xyz) -> std::optional<Eigen::Vector3f> {
+    if (xyz.empty()) return std::nullopt;
+    return Eigen::Vector3f(xyz[0], xyz[1], xyz[2]);
+  };
+  command.picture.eye_m = to_point(command.eye_m);
+  command.picture.target_m = to_point(command.target_m);
+  RecordedFrame frame(command.log, command.frame);
+  write_png(command.out, picture_of(frame, command.picture));
+  fmt::print("{}: frame {}, {} avatars, {} pairs of parts touch\n", command.out, command.frame,
+             frame.crowd().roots.size(), frame.touching().size());
+  return kExitFine;
+}
+
+void add_point(CLI::App& app, const char* name, std::vector<float>& xyz, const char* what) {
+  app.add_option(name, xyz, what)
+      ->expected(3)
+      ->delimiter(',')
+      ->check(number_option(-1e6, 1e6, false, "three numbers, x,y,z"))
+      ->type_name("X,Y,Z");
+}
+
+}  // namespace
+
+Command add_render_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("render", "A picture of one frame of a log");
+  app->footer(kFooter);
+  const auto command = std::make_shared<RenderCommand>();
+  app->add_option("LOG", command->log, "The log of a run")->required();
+  app->add_option("--frame", command->frame, "Which frame; the first is 0")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  app->add_option("--out", command->out, "The PNG to write")->required()->type_name("FILE");
+  add_point(*app, "--eye", command->eye_m, "Where the eye is, in metres");
+  add_point(*app, "--target", command->target_m, "What it looks at, in metres");
+  const auto pixels = whole_option(16, kMaxPixels, fmt::format("16 to {} pixels", kMaxPixels));
+  app->add_option("--width", command->picture.width, "Pixels [1280]")
+      ->check(pixels)
+      ->type_name("N");
+  app->add_option("--height", command->picture.height, "Pixels [720]")
+      ->check(pixels)
+      ->type_name("N");
+  return {app, [command] { return render_frame(*command); }};
+}
+
+}  // namespace throng

@@ -1,0 +1,119 @@
+#include "apps/picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace throng {
+namespace {
+
+using BodyPart = std::pair<uint32_t, uint32_t>;
+
+const Eigen::Vector3f kTouching(0.85F, 0.10F, 0.08F);
+const Eigen::Vector3f kObstacle(0.55F, 0.53F, 0.50F);
+/// Calm clothes: what touches has to stand out.
+const std::array<Eigen::Vector3f, 6> kClothes = {
+    Eigen::Vector3f(0.33F, 0.42F, 0.53F), Eigen::Vector3f(0.46F, 0.52F, 0.50F),
+    Eigen::Vector3f(0.60F, 0.62F, 0.64F), Eigen::Vector3f(0.38F, 0.40F, 0.46F),
+    Eigen::Vector3f(0.55F, 0.58F, 0.66F), Eigen::Vector3f(0.42F, 0.50F, 0.58F)};
+constexpr float kPersonHeight_m = 1.7F;
+
+std::set<BodyPart> parts_in_touch(const std::set<PairKey>& pairs) {
+  std::set<BodyPart> parts;
+  for (const PairKey& pair : pairs) {
+    parts.insert({pair.a(), pair.part_a()});
+    parts.insert({pair.b(), pair.part_b()});
+  }
+  return parts;
+}
+
+Mesh to_mesh(const mesh_t& received) {
+  Mesh mesh;
+  for (size_t i = 0; i + 2 < received.coordinates_m.size(); i += 3)
+    mesh.vertices.emplace_back(received.coordinates_m[i], received.coordinates_m[i + 1],
+                               received.coordinates_m[i + 2]);
+  for (size_t i = 0; i + 2 < received.indices.size(); i += 3)
+    mesh.triangles.emplace_back(received.indices[i], received.indices[i + 1],
+                                received.indices[i + 2]);
+  return mesh;
+}
+
+Eigen::Isometry3f world_from(const RootPose& root, const PartPose& pose) {
+  Eigen::Isometry3d world = to_isometry(pose);
+  world.pretranslate(root.position_m);
+  return world.cast<float>();
+}
+
+void add_people(RecordedFrame& frame, const std::set<BodyPart>& in_touch,
+                std::vector<RenderItem>& items) {
+  RunReader& run = frame.run();
+  const run_description_t& description = *run.run();
+  std::vector<PartPose> poses;
+  for (size_t avatar = 0; avatar < frame.crowd().roots.size(); ++avatar) {
+    const auto id = static_cast<uint32_t>(avatar);
+    const auto model = static_cast<size_t>(description.model_of_avatar[avatar]);
+    const std::vector<Part>& parts = run.model(model)->parts;
+    run.part_poses(static_cast<int>(avatar), poses);
+    for (size_t part = 0; part < parts.size(); ++part) {
+      const bool touches = in_touch.contains({id, static_cast<uint32_t>(part)});
+      items.push_back({&parts[part].mesh, world_from(frame.crowd().roots[avatar], poses[part]),
+                       description.scale_of_avatar[avatar],
+                       touches ? kTouching : kClothes[avatar % kClothes.size()]});
+    }
+  }
+}
+
+void add_obstacles(RecordedFrame& frame, const std::set<BodyPart>& in_touch,
+                   std::deque<Mesh>& meshes, std::vector<RenderItem>& items) {
+  auto id = static_cast<uint32_t>(frame.crowd().roots.size());
+  for (const obstacle_t& obstacle : frame.run().run()->obstacles) {
+    Eigen::Isometry3f pose = Eigen::Isometry3f::Identity();
+    pose.rotate(
+        Eigen::AngleAxisf(static_cast<float>(obstacle.heading_rad), Eigen::Vector3f::UnitZ()));
+    pose.pretranslate(Eigen::Map<const Eigen::Vector3d>(obstacle.centre_m).cast<float>());
+    meshes.push_back(to_mesh(obstacle.mesh));
+    items.push_back({&meshes.back(), pose, 1, in_touch.contains({id, 0}) ? kTouching : kObstacle});
+    ++id;
+  }
+}
+
+/// Fits the crowd: its bounding circle, seen from south-east and above.
+Camera camera_of(const CrowdState& crowd, const PictureOptions& options) {
+  Camera camera;
+  Eigen::Vector3d low = crowd.roots.empty() ? Eigen::Vector3d::Zero() : crowd.roots[0].position_m;
+  Eigen::Vector3d high = low;
+  for (const RootPose& root : crowd.roots) {
+    low = low.cwiseMin(root.position_m);
+    high = high.cwiseMax(root.position_m);
+  }
+  const Eigen::Vector3f middle = (0.5 * (low + high)).cast<float>();
+  camera.target_m = options.target_m.value_or(middle + Eigen::Vector3f(0, 0, 0.3F));
+  const float radius_m = std::max(kPersonHeight_m, 0.5F * static_cast<float>((high - low).norm()));
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  const float half_width = std::tan(0.5F * camera.vertical_fov_rad) * std::max(aspect, 0.1F);
+  const float distance_m = 1.05F * radius_m / std::min(half_width, 0.8F);
+  const Eigen::Vector3f back = Eigen::Vector3f(0.45F, -0.75F, 0.5F).normalized();
+  camera.eye_m = options.eye_m.value_or(camera.target_m + distance_m * back);
+  return camera;
+}
+
+}  // namespace
+
+Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
+  const std::set<BodyPart> in_touch = parts_in_touch(frame.touching());
+  std::vector<RenderItem> items;
+  std::deque<Mesh> meshes;  // items point into it: a deque does not move what it has
+  add_people(frame, in_touch, items);
+  add_obstacles(frame, in_touch, meshes, items);
+  RenderOptions render_options;
+  render_options.width = options.width;
+  render_options.height = options.height;
+  render_options.samples = 3;
+  return render(items, camera_of(frame.crowd(), options), render_options);
+}
+
+}  // namespace throng

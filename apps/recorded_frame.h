@@ -1,0 +1,30 @@
+// One frame of a log: where every part is and which of them touch.
+// One rule: nothing but the log is read, so that a log from another machine looks the same.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <set>
+
+#include "culling/pair_events.h"
+#include "lcmtypes/run_reader.h"
+
+namespace throng {
+
+/// The run as it was at the end of a frame. Where states were recorded more rarely, the crowd is
+/// that of the latest frame before.
+class RecordedFrame {
+ public:
+  /// Reads the log up to the end of frame `number`. Throws InputError if the file is no log, has no
+  /// description, or does not reach so far.
+  RecordedFrame(const std::filesystem::path& log, int64_t number);
+
+  RunReader& run() { return run_; }
+  const CrowdState& crowd() const { return run_.state(); }
+  const std::set<PairKey>& touching() const { return run_.touching(); }
+
+ private:
+  RunReader run_;
+};
+
+}  // namespace throng
