@@ -112,6 +112,16 @@ std::string describe_model(const Model& model) {
   return out;
 }
 
+std::string describe_urdf(const std::filesystem::path& file, bool& complete) {
+  std::vector<std::string> unreadable;
+  std::string out = describe_model(*load_readable_model(file, unreadable));
+  complete = unreadable.empty();
+  if (complete) return out;
+  out += "\nshapes that cannot be read; a scene refuses this model until they can:\n";
+  for (const std::string& line : unreadable) out += "  " + line + "\n";
+  return out;
+}
+
 std::string describe_tri(const TriFile& tri, const std::string& file_name) {
   const TriDialect& dialect = tri.dialect;
   std::vector<std::string_view> traits;

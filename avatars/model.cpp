@@ -111,6 +111,7 @@ void add_notes(Robot& robot, float lowest_m) {
 /// Lowest and highest vertex with every joint at zero, above the root's origin.
 std::pair<float, float> vertical_extent(const FlatModel& kinematics,
                                         const std::vector<Part>& parts) {
+  if (parts.empty()) return {0.0f, 0.0f};
   const std::vector<float> posture(static_cast<size_t>(kinematics.column_count()), 0.0f);
   std::vector<PartPose> poses(parts.size());
   const RootFrame root;
@@ -140,23 +141,35 @@ uint64_t hash_of(const std::string& urdf, const std::vector<Part>& parts) {
   return hash.value();
 }
 
-}  // namespace
-
-std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file) {
-  const std::string where = urdf_file.string();
-  const std::string text = read_urdf_text(urdf_file);
-  Robot robot = parse_urdf(text, urdf_file);
+/// The parts that can be read; what cannot goes to `unreadable`, or is thrown where that is null.
+std::vector<Part> parts_of(const Robot& robot, const std::string& where,
+                           std::vector<std::string>* unreadable) {
   std::vector<Part> parts;
-  std::vector<int> links;
   for (size_t i = 0; i < robot.links.size(); ++i) {
     if (geometry_of(robot.links[i]).empty()) continue;
-    parts.push_back(part_of(robot.links[i], static_cast<int>(i), where));
-    links.push_back(static_cast<int>(i));
+    try {
+      parts.push_back(part_of(robot.links[i], static_cast<int>(i), where));
+    } catch (const InputError& error) {
+      if (!unreadable) throw;
+      unreadable->push_back(fmt::format("link '{}': {}", robot.links[i].name, error.what()));
+    }
   }
-  if (parts.empty()) throw InputError(where, "at least one link with geometry", "none");
+  if (parts.empty() && !unreadable)
+    throw InputError(where, "at least one link with geometry", "none");
   if (parts.size() > kMaxParts)
     throw InputError(where, fmt::format("at most {} links with geometry", kMaxParts),
                      fmt::format("{}", parts.size()));
+  return parts;
+}
+
+std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
+                                      std::vector<std::string>* unreadable) {
+  const std::string where = urdf_file.string();
+  const std::string text = read_urdf_text(urdf_file);
+  Robot robot = parse_urdf(text, urdf_file);
+  std::vector<Part> parts = parts_of(robot, where, unreadable);
+  std::vector<int> links;
+  for (const Part& part : parts) links.push_back(part.link);
   FlatModel kinematics(robot, links);
   const auto [lowest, highest] = vertical_extent(kinematics, parts);
   add_notes(robot, lowest);
@@ -166,6 +179,17 @@ std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file) 
   const float height = highest > 0 ? highest : highest - lowest;
   return std::make_shared<const Model>(Model{std::move(name), std::move(robot), std::move(parts),
                                              std::move(kinematics), height, hash});
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file) {
+  return assemble(urdf_file, nullptr);
+}
+
+std::shared_ptr<const Model> load_readable_model(const std::filesystem::path& urdf_file,
+                                                 std::vector<std::string>& unreadable) {
+  return assemble(urdf_file, &unreadable);
 }
 
 }  // namespace throng

@@ -35,6 +35,11 @@ struct Model {
 /// has no collision geometry. Throws InputError.
 std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file);
 
+/// The same for looking at a model whose meshes are not all at hand: links whose shapes cannot be read
+/// carry no part, and `unreadable` gets a line for each. Throws InputError for a bad URDF.
+std::shared_ptr<const Model> load_readable_model(const std::filesystem::path& urdf_file,
+                                                 std::vector<std::string>& unreadable);
+
 /// Where the bundled models, scenes and pages lie: $THRONG_DATA, else the folders beside the binary's
 /// install prefix, else the source tree it was built from. Throws EnvironmentError if none exists.
 std::filesystem::path data_directory();

@@ -244,6 +244,25 @@ TEST(Describe, tells_tree_parts_and_what_was_not_understood) {
   EXPECT_EQ(text.find(fixtures().string()), std::string::npos) << "an absolute path";
 }
 
+TEST_F(Files, a_urdf_is_described_even_where_its_meshes_are_missing) {
+  const auto urdf = write(
+      "r.urdf",
+      "<robot name='r'><link name='a'><visual><geometry><mesh filename='package://gone/a.stl'/>"
+      "</geometry></visual></link><link name='b'><visual><geometry><box size='1 1 1'/></geometry>"
+      "</visual></link><joint name='j' type='continuous'><parent link='a'/><child "
+      "link='b'/></joint>"
+      "</robot>");
+  EXPECT_THROW(load_model(urdf), InputError);
+  bool complete = true;
+  const std::string text = describe_urdf(urdf, complete);
+  EXPECT_FALSE(complete);
+  EXPECT_THAT(text, HasSubstr("b *  (j: continuous, axis x)"));
+  EXPECT_THAT(text, HasSubstr("link 'a': "));
+  EXPECT_THAT(text, HasSubstr("found none for 'package://gone/a.stl'"));
+  describe_urdf(fixtures() / "wheels.urdf", complete);
+  EXPECT_TRUE(complete);
+}
+
 TEST(Describe, tells_dialect_size_and_volume_of_a_tri_file) {
   const std::string text = describe_tri(parse_tri(kTetrahedron, "t.tri"), "t.tri");
   EXPECT_THAT(text, HasSubstr("t.tri: 4 vertices, 4 triangles"));
