@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <thread>
+#include <utility>
 
 namespace throng {
 namespace {
@@ -20,19 +21,15 @@ void to_stderr(const std::string& text) { fmt::print(stderr, "{}\n", text); }
 
 }  // namespace
 
-struct LcmSink::Connection {
-  explicit Connection(const std::string& url) : lcm(url) {
-    for (const Channel channel : kAllChannels)
-      channels[static_cast<size_t>(channel)] = name_of(channel);
-  }
-  lcm::LCM lcm;
-  std::array<std::string, kChannelCount> channels;  // publish() wants strings: made once
-};
-
 LcmSink::LcmSink(const LcmOptions& options)
+    : LcmSink(options, std::make_shared<lcm::LCM>(options.url)) {}
+
+LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
     : options_(options),
-      connection_(std::make_unique<Connection>(options.url)),
+      lcm_(std::move(lcm)),
       encoder_({.state_every = options.state_every, .part_poses = options.part_poses}, *this) {
+  for (const Channel channel : kAllChannels)
+    channels_[static_cast<size_t>(channel)] = name_of(channel);
   if (!options_.warn) options_.warn = to_stderr;
   if (good()) return;
   options_.warn(fmt::format(
@@ -43,7 +40,7 @@ LcmSink::LcmSink(const LcmOptions& options)
 
 LcmSink::~LcmSink() = default;
 
-bool LcmSink::good() const { return connection_->lcm.good(); }
+bool LcmSink::good() const { return lcm_->good(); }
 
 void LcmSink::begin(const RunInfo& run) {
   if (!good()) return;
@@ -85,8 +82,8 @@ void LcmSink::end(const RunInfo& run, const RunEnd& end) {
 }
 
 void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {
-  const std::string& name = connection_->channels[static_cast<size_t>(channel)];
-  if (connection_->lcm.publish(name, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
+  const std::string& name = channels_[static_cast<size_t>(channel)];
+  if (lcm_->publish(name, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
     ++messages_;
     bytes_ += static_cast<int64_t>(bytes.size());
     return;

@@ -9,6 +9,10 @@
 
 #include "lcmtypes/encoder.h"
 
+namespace lcm {
+class LCM;
+}
+
 namespace throng {
 
 struct LcmOptions {
@@ -16,13 +20,15 @@ struct LcmOptions {
   int state_every = 1;
   bool part_poses = false;
   /// Where warnings go; stderr if empty.
-  std::function<void(const std::string&)> warn;
+  std::function<void(const std::string&)> warn = {};
 };
 
 class LcmSink final : public Sink, private MessageTarget {
  public:
   /// Warns once, with the way out, if LCM cannot use the URL; then frames go nowhere.
   explicit LcmSink(const LcmOptions& options);
+  /// Publishes over a connection that the caller has; options.url only names it in messages.
+  LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm);
   ~LcmSink() override;
 
   void begin(const RunInfo& run) override;
@@ -43,9 +49,9 @@ class LcmSink final : public Sink, private MessageTarget {
   void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
   void send_due_description();
 
-  struct Connection;
   LcmOptions options_;
-  std::unique_ptr<Connection> connection_;
+  std::shared_ptr<lcm::LCM> lcm_;
+  std::array<std::string, kChannelCount> channels_;  // LCM wants strings: made once
   RunEncoder encoder_;
   Clock::time_point round_started_{};
   int next_chunk_ = 0;

@@ -1,0 +1,42 @@
+// Counts the pair events of one run with nothing but generated LCM code, to prove that nothing else
+// is needed: prints "begins N ends N" and exits 0 if they are what THRONG_END says.
+#include <chrono>
+#include <cstdio>
+#include <lcm/lcm-cpp.hpp>
+
+#include "throng/end_t.hpp"
+#include "throng/events_t.hpp"
+
+namespace {
+
+struct Listener {
+  void on_events(const lcm::ReceiveBuffer*, const std::string&, const throng::events_t* message) {
+    for (const uint8_t kind : message->kind) ++(kind == 0 ? begins : ends);
+  }
+  void on_end(const lcm::ReceiveBuffer*, const std::string&, const throng::end_t* message) {
+    is_over = true;
+    said_begins = message->begins;
+    said_ends = message->ends;
+  }
+  long begins = 0, ends = 0;
+  int64_t said_begins = 0, said_ends = 0;
+  bool is_over = false;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return std::fprintf(stderr, "usage: lcm_listener URL\n"), 2;
+  lcm::LCM lcm(argv[1]);
+  if (!lcm.good()) return std::fprintf(stderr, "LCM cannot use %s\n", argv[1]), 3;
+  Listener listener;
+  lcm.subscribe("THRONG_EVENTS", &Listener::on_events, &listener)->setQueueCapacity(0);
+  lcm.subscribe("THRONG_END", &Listener::on_end, &listener);
+  std::printf("listening\n");
+  std::fflush(stdout);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(50);
+  while (!listener.is_over && std::chrono::steady_clock::now() < deadline) lcm.handleTimeout(200);
+  std::printf("begins %ld ends %ld\n", listener.begins, listener.ends);
+  if (!listener.is_over) return std::fprintf(stderr, "no THRONG_END came\n"), 1;
+  return listener.begins == listener.said_begins && listener.ends == listener.said_ends ? 0 : 1;
+}

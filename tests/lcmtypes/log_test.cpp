@@ -1,0 +1,187 @@
+// Logs: reproducible to the byte, readable by LCM's own code, and honest about a full disk.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <thread>
+
+#include "base/errors.h"
+#include "lcmtypes/guard.h"
+#include "lcmtypes/log_check.h"
+#include "lcmtypes/log_reader.h"
+#include "synthetic_run.h"
+
+namespace throng {
+namespace {
+
+std::vector<uint8_t> log_of(uint64_t seed, uint64_t instance, const LogOptions& options = {}) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = seed});
+  run.set_instance(instance);
+  LogSink sink(file.path(), options);
+  run.play(sink, 90);
+  return bytes_of(file.path());
+}
+
+TEST(Log, TheSameRunGivesTheSameBytes) {
+  const auto first = log_of(1, 111);
+  EXPECT_GT(first.size(), 100'000u);
+  EXPECT_EQ(first, log_of(1, 222)) << "instance and clock stay out";
+  EXPECT_NE(first, log_of(2, 111));
+  EXPECT_NE(first, log_of(1, 111, {.with_clock_times = true})) << "clock times were asked for";
+}
+
+TEST(Log, NamesNoPathOfThisMachine) {
+  const auto bytes = log_of(1, 1);
+  const std::string text(bytes.begin(), bytes.end());
+  EXPECT_EQ(text.find("/a/folder"), std::string::npos);
+  EXPECT_EQ(text.find(data_directory().string()), std::string::npos);
+}
+
+TEST(Log, IsReadByLcmsOwnReader) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 9, .pairs = 500});
+  LogSink sink(file.path());
+  run.play(sink, 150);
+
+  lcm::LogFile log(file.path().string(), "r");
+  ASSERT_TRUE(log.good());
+  int64_t events = 0, begins = 0, ends = 0, last_stamp = 0;
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    EXPECT_EQ(event->eventnum, events++);
+    EXPECT_GE(event->timestamp, last_stamp);
+    last_stamp = event->timestamp;
+    if (event->channel != "THRONG_EVENTS") continue;
+    events_t message;
+    ASSERT_EQ(message.decode(event->data, 0, event->datalen), event->datalen);
+    for (const uint8_t kind : message.kind) ++(kind == 0 ? begins : ends);
+  }
+  EXPECT_EQ(events, sink.messages());
+  EXPECT_EQ(begins, run.begins());
+  EXPECT_EQ(ends, run.ends());
+  EXPECT_EQ(last_stamp, 149 * 1'000'000 / 60) << "stamps are simulation time";
+}
+
+TEST(Log, OurReaderAndLcmsAgreeOnEveryEvent) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 9});
+  LogSink sink(file.path());
+  run.play(sink, 70);
+  lcm::LogFile theirs(file.path().string(), "r");
+  LogReader ours(file.path());
+  LogEvent event;
+  uint64_t offset = 0;
+  while (ours.next(event) == LogReader::Status::kEvent) {
+    const lcm::LogEvent* expected = theirs.readNextEvent();
+    ASSERT_NE(expected, nullptr);
+    EXPECT_EQ(event.number, expected->eventnum);
+    EXPECT_EQ(event.stamp_us, expected->timestamp);
+    EXPECT_EQ(event.channel, expected->channel);
+    const auto* data = static_cast<const uint8_t*>(expected->data);
+    EXPECT_TRUE(std::equal(event.data.begin(), event.data.end(), data, data + expected->datalen));
+    EXPECT_EQ(event.offset, offset);
+    offset += event.bytes;
+  }
+  EXPECT_EQ(theirs.readNextEvent(), nullptr);
+  EXPECT_EQ(offset, ours.size());
+}
+
+TEST(Log, AFinishedRunChecksClean) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3, .pairs = 300});
+  LogSink sink(file.path());
+  run.play(sink, 130);
+  const LogReport report = check_log(file.path());
+  EXPECT_THAT(report.problems, testing::IsEmpty());
+  EXPECT_TRUE(report.finished && report.is_sound() && !report.torn && !report.damaged);
+  EXPECT_EQ(report.begins, run.begins());
+  EXPECT_EQ(report.ends, run.ends());
+  EXPECT_EQ(report.begins, report.ends);
+  EXPECT_EQ(report.open_pairs, 0);
+  EXPECT_EQ(report.log_events, sink.messages());
+  EXPECT_EQ(report.bytes, sink.bytes());
+  EXPECT_EQ(report.sound_bytes, report.bytes);
+  EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kStates)].messages, 130);
+}
+
+TEST(Log, IsDescribedForPeople) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3});
+  LogSink sink(file.path());
+  run.play(sink, 61);
+  const std::string text = describe_log(file.path());
+  for (const char* expected : {"scene synthetic, seed 3, 20 avatars", "model adult", "model rover",
+                               "1 obstacles", "THRONG_STATES", "finished"})
+    EXPECT_THAT(text, testing::HasSubstr(expected));
+  EXPECT_THAT(text, testing::HasSubstr(std::to_string(run.begins()) + " begins"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("problem")));
+}
+
+TEST(Log, AFullDiskIsToldWithTheFilesName) {
+  SyntheticRun run({.avatars = 500});
+  LogSink sink("/dev/full");
+  try {
+    run.play(sink, 300);
+    FAIL() << "nothing was said";
+  } catch (const EnvironmentError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("/dev/full"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("No space left"));
+  }
+}
+
+TEST(Log, AFolderThatIsNotThereIsTold) {
+  EXPECT_THROW(LogSink("/no/such/folder/run.lcmlog"), EnvironmentError);
+}
+
+TEST(Log, NothingStaysUnwrittenLongerThanTheFlushInterval) {
+  const ScratchFile file;
+  SyntheticRun run({.avatars = 3, .pairs = 2, .crowd = SyntheticRun::Crowd::kAdults});
+  LogSink sink(file.path(), {.flush_s = 0.05});
+  sink.begin(run.info());
+  EXPECT_EQ(std::filesystem::file_size(file.path()), sink.bytes()) << "the description at once";
+  using Clock = std::chrono::steady_clock;
+  // At every frame's end, whatever the disk lacks was written at most flush_s ago, less a frame.
+  std::vector<std::pair<Clock::time_point, uint64_t>> history;
+  for (int i = 0; i < 40; ++i) {
+    const auto started = Clock::now();
+    sink.frame(run.info(), run.step());
+    history.emplace_back(started, sink.bytes());
+    const uint64_t on_disk = std::filesystem::file_size(file.path());
+    const auto now = Clock::now();
+    for (const auto& [when, bytes] : history) {
+      if (bytes <= on_disk) continue;
+      const double age_s = std::chrono::duration<double>(now - when).count();
+      EXPECT_LT(age_s, 0.06) << "frame " << i;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+  }
+}
+
+TEST(Log, ARunGivenUpLeavesAReadableLog) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3});
+  {
+    LogSink sink(file.path());
+    sink.begin(run.info());
+    for (int i = 0; i < 20; ++i) sink.frame(run.info(), run.step());
+  }
+  const LogReport report = check_log(file.path());
+  EXPECT_TRUE(report.is_sound()) << report.problems.front();
+  EXPECT_FALSE(report.finished);
+  EXPECT_EQ(report.last_frame, 19);
+  EXPECT_EQ(report.open_pairs, run.begins() - run.ends());
+}
+
+TEST(Log, WhatIsNoLogIsRefused) {
+  const ScratchFile file;
+  write_bytes(file.path(), std::vector<uint8_t>{'h', 'e', 'l', 'l', 'o'});
+  EXPECT_THROW(check_log(file.path()), InputError);
+  write_bytes(file.path(), {});
+  EXPECT_THROW(check_log(file.path()), InputError);
+  EXPECT_THROW(check_log("/no/such/file.lcmlog"), InputError);
+  EXPECT_THROW(check_log("/tmp"), InputError);
+}
+
+}  // namespace
+}  // namespace throng

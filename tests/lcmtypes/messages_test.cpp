@@ -1,0 +1,245 @@
+// The messages themselves: fingerprints, sizes, and that what arrives is what was sent.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "base/random.h"
+#include "lcmtypes/guard.h"
+#include "lcmtypes/run_reader.h"
+#include "synthetic_run.h"
+
+namespace throng {
+namespace {
+
+// Whoever listens was built against these numbers. A change is a new protocol: say so in the
+// changelog.
+TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
+  const std::map<std::string, std::pair<int64_t, uint64_t>> golden = {
+      {"run_t", {run_t::getHash(), 0xc40bb11c8af3eb40}},
+      {"run_description_t", {run_description_t::getHash(), 0xab184bc486bc7d48}},
+      {"obstacle_t", {obstacle_t::getHash(), 0xdc90ba3330d0e3c8}},
+      {"mesh_t", {mesh_t::getHash(), 0x3a66596cb107c4a8}},
+      {"model_t", {model_t::getHash(), 0x8459d7f47a107a2a}},
+      {"joint_t", {joint_t::getHash(), 0x9ba21b10d8364e58}},
+      {"part_t", {part_t::getHash(), 0xe2123e5fdfbf1b33}},
+      {"states_t", {states_t::getHash(), 0x1e02a511ca423d3a}},
+      {"events_t", {events_t::getHash(), 0x928107e773cf3234}},
+      {"touching_t", {touching_t::getHash(), 0x4c39f20edbb38640}},
+      {"counters_t", {counters_t::getHash(), 0x5a8873b3b6a931fb}},
+      {"end_t", {end_t::getHash(), 0xe798eab369bd5e12}},
+      {"parts_t", {parts_t::getHash(), 0x15259622cf3c970a}},
+  };
+  for (const auto& [name, hashes] : golden)
+    EXPECT_EQ(static_cast<uint64_t>(hashes.first), hashes.second)
+        << name << std::hex << ": expected " << hashes.second << ", found " << hashes.first;
+}
+
+struct Crowd {
+  int avatars;
+  int pairs;
+  int frames;
+};
+class MessageSizes : public testing::TestWithParam<Crowd> {};
+
+TEST_P(MessageSizes, NeverExceedOneDatagram) {
+  const Crowd crowd = GetParam();
+  SyntheticRun run({.avatars = crowd.avatars, .seed = 7, .pairs = crowd.pairs});
+  const auto messages = messages_of(run, crowd.frames, {.part_poses = true});
+  size_t largest = 0;
+  std::map<Channel, int64_t> seq;
+  for (const auto& m : messages) {
+    largest = std::max(largest, m.bytes.size());
+    MessageHeader header;
+    ASSERT_EQ(read_header(m.channel, m.bytes, header), "");
+    EXPECT_EQ(header.seq, seq[m.channel]++) << name_of(m.channel);
+    EXPECT_EQ(header.run_id, static_cast<int64_t>(run.info().run_id));
+    EXPECT_EQ(header.instance, static_cast<int64_t>(run.info().instance));
+  }
+  EXPECT_LE(largest, kMaxMessageBytes);
+  if (crowd.avatars >= 500) {
+    EXPECT_GT(largest, kMaxMessageBytes * 9 / 10) << "chunks are filled";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Crowds, MessageSizes,
+                         testing::Values(Crowd{0, 0, 2}, Crowd{1, 3, 70}, Crowd{500, 20'000, 3},
+                                         Crowd{100'000, 30'000, 1}));
+
+TEST(Messages, StatesArriveWithinHalfAQuantisationStep) {
+  constexpr uint64_t kSeed = 3;
+  SyntheticRun run({.avatars = 900, .seed = kSeed, .spread_m = 10'000});
+  MessageList list;
+  RunEncoder encoder({}, list);
+  encoder.begin(run.info());
+  for (int chunk = 0; chunk < encoder.description_chunks(); ++chunk)
+    encoder.send_description_chunk(chunk);
+  const Frame& sent = run.step();
+  encoder.frame(run.info(), sent);
+  RunReader reader;
+  for (const auto& m : list.messages)
+    ASSERT_NE(reader.take(name_of(m.channel), m.bytes), RunReader::Update::kRefused)
+        << reader.refusal();
+  ASSERT_EQ(reader.state().frame, 0) << "seed " << kSeed;
+
+  double position = 0, angle = 0, speed = 0, joint = 0, allowed = 0;
+  for (size_t i = 0; i < sent.roots.size(); ++i) {
+    const RootPose& found = reader.state().roots[i];
+    const RootPose& root = sent.roots[i];
+    position = std::max(position, (found.position_m - root.position_m).cwiseAbs().maxCoeff());
+    angle = std::max(
+        angle, static_cast<double>(found.world_from_root.angularDistance(root.world_from_root)));
+    speed = std::max(
+        speed, std::abs(static_cast<double>(reader.state().speeds_mps[i] - sent.speeds_mps[i])));
+    const auto ranges = column_ranges(*run.info().models[run.info().model_of_avatar[i]]);
+    for (size_t c = 0; c < ranges.size(); ++c) {
+      const size_t at = sent.posture_offsets[i] + c;
+      const double step =
+          0.5 * ranges[c].half / 32767 + 2e-7;  // and the rounding of a float near pi
+      const double off =
+          std::abs(static_cast<double>(reader.state().postures[at] - sent.postures[at]));
+      EXPECT_LE(off, step) << "avatar " << i << " column " << c << ", seed " << kSeed;
+      joint = std::max(joint, off);
+      allowed = std::max(allowed, step);
+    }
+  }
+  EXPECT_LE(position, 0.5e-4 + 1e-9);
+  EXPECT_LE(angle, 6.2e-5 + 1e-3) << "angularDistance() itself loses 1e-3 near zero in float";
+  EXPECT_EQ(speed, 0);
+  EXPECT_GT(joint, allowed / 2)
+      << "the largest error is near the stated one, so the bound means something";
+  EXPECT_EQ(encoder.clamped(), 0);
+}
+
+TEST(Messages, RotationsArriveWithinTheStatedAngle) {
+  constexpr uint64_t kSeed = 11;
+  double worst = 0;
+  for (uint64_t i = 0; i < 20'000; ++i) {
+    SCOPED_TRACE(i);
+    Eigen::Vector4d v;
+    for (uint32_t k = 0; k < 4; ++k)
+      v[k] = random_normal({kSeed, i, 0, Purpose::kStyle}, 0, 1, 2 * k);
+    const Eigen::Quaternionf q(v.normalized().cast<float>());
+    int32_t clamped = 0;
+    const Eigen::Quaternionf back =
+        rotation_of(quantised_unit(q.w(), clamped), quantised_unit(q.x(), clamped),
+                    quantised_unit(q.y(), clamped), quantised_unit(q.z(), clamped));
+    ASSERT_EQ(clamped, 0);
+    const Eigen::Quaterniond off = q.cast<double>().conjugate() * back.cast<double>();
+    worst = std::max(worst, 2 * std::asin(std::min(1.0, off.vec().norm())));
+  }
+  EXPECT_LT(worst, 6.2e-5) << "radians, seed " << kSeed;
+  EXPECT_GT(worst, 3e-5) << "the bound means something";
+}
+
+TEST(Messages, ValuesThatDoNotFitAreClampedAndCounted) {
+  int32_t clamped = 0;
+  EXPECT_EQ(quantised_position(300'000, clamped), 2147483646);
+  EXPECT_EQ(quantised_position(-1e300, clamped), -2147483646);
+  EXPECT_EQ(quantised_position(std::nan(""), clamped), 0);
+  EXPECT_EQ(clamped, 3);
+  const ColumnRange knee{1, 1, false};
+  EXPECT_EQ(knee.quantised_value(2.5f, clamped), 32767);
+  EXPECT_EQ(clamped, 4);
+  EXPECT_EQ(knee.quantised_value(2.0f, clamped), 32767);
+  EXPECT_EQ(knee.quantised_value(0.0f, clamped), -32767);
+  EXPECT_EQ(quantised_unit(1.0000001f, clamped), 32767);
+  EXPECT_EQ(clamped, 4) << "a rounding error beyond a limit is no loss";
+}
+
+TEST(Messages, AJointThatGoesRoundIsBroughtIntoOneTurn) {
+  const ColumnRange wheel{0, std::numbers::pi, true};
+  int32_t clamped = 0;
+  const float turned = wheel.value_of(wheel.quantised_value(100.0f, clamped));
+  EXPECT_NEAR(static_cast<double>(turned), std::remainder(100.0, 2 * std::numbers::pi), 5e-5);
+  EXPECT_EQ(clamped, 0);
+}
+
+TEST(Messages, EventsArriveInOrderOverAllChunks) {
+  SyntheticRun run({.avatars = 500, .seed = 5, .pairs = 20'000});
+  const auto messages = messages_of(run, 2);
+  std::map<int64_t, std::vector<PairEvent>> found;
+  for (const auto& m : messages) {
+    if (m.channel != Channel::kEvents) continue;
+    events_t events;
+    ASSERT_EQ(decode(m.bytes, events), "");
+    for (size_t i = 0; i < events.a.size(); ++i)
+      found[events.frame].push_back(
+          {PairKey(static_cast<uint32_t>(events.a[i]), static_cast<uint32_t>(events.b[i]),
+                   events.part_a[i], events.part_b[i]),
+           static_cast<EventKind>(events.kind[i])});
+  }
+  SyntheticRun again({.avatars = 500, .seed = 5, .pairs = 20'000});
+  for (int frame = 0; frame < 2; ++frame) {
+    const Frame& sent = again.step();
+    EXPECT_GT(sent.events.size(), 10'000u) << "more than one chunk";
+    EXPECT_TRUE(std::equal(sent.events.begin(), sent.events.end(), found[frame].begin(),
+                           found[frame].end()))
+        << "frame " << frame;
+  }
+  const RunEnd end = again.finish();
+  EXPECT_TRUE(std::equal(end.events.begin(), end.events.end(), found[2].begin(), found[2].end()));
+}
+
+TEST(Messages, ThinningStatesKeepsEveryEvent) {
+  SyntheticRun every({.seed = 2}), fifth({.seed = 2});
+  std::map<Channel, int> full, thin;
+  for (const auto& m : messages_of(every, 30)) ++full[m.channel];
+  for (const auto& m : messages_of(fifth, 30, {.state_every = 5})) ++thin[m.channel];
+  EXPECT_EQ(full[Channel::kStates], 30);
+  EXPECT_EQ(thin[Channel::kStates], 6);
+  for (const Channel channel :
+       {Channel::kEvents, Channel::kCounters, Channel::kTouching, Channel::kEnd})
+    EXPECT_EQ(thin[channel], full[channel]) << name_of(channel);
+}
+
+TEST(Messages, TheWholeTouchingSetComesOnceASimulatedSecond) {
+  SyntheticRun run({.seed = 2});
+  std::vector<int64_t> stamps;
+  for (const auto& m : messages_of(run, 200))
+    if (m.channel == Channel::kTouching) stamps.push_back(m.utime_us);
+  EXPECT_THAT(stamps, testing::ElementsAre(0, 1'000'000, 2'000'000, 3'000'000));
+}
+
+TEST(Messages, PartPosesAreThoseOfForwardKinematics) {
+  SyntheticRun run({.avatars = 9, .seed = 4});
+  MessageList list;
+  RunEncoder encoder({.part_poses = true}, list);
+  encoder.begin(run.info());
+  const Frame& frame = run.step();
+  encoder.frame(run.info(), frame);
+  parts_t parts;
+  for (const auto& m : list.messages)
+    if (m.channel == Channel::kParts) {
+      ASSERT_EQ(decode(m.bytes, parts), "");
+    }
+  ASSERT_EQ(parts.avatar_count, 9);
+  size_t at = 0;
+  for (size_t i = 0; i < 9; ++i) {
+    const Model& model = *run.info().models[run.info().model_of_avatar[i]];
+    std::vector<PartPose> poses(model.parts.size());
+    const RootFrame root{frame.roots[i].world_from_root, run.info().scale_of_avatar[i]};
+    forward_kinematics(
+        model.kinematics,
+        frame.postures.subspan(frame.posture_offsets[i],
+                               frame.posture_offsets[i + 1] - frame.posture_offsets[i]),
+        {&root, 1}, poses);
+    for (const PartPose& pose : poses) {
+      const Eigen::Isometry3d expected = to_isometry(pose);
+      const Eigen::Vector3d position(position_of(parts.x_100um[at]), position_of(parts.y_100um[at]),
+                                     position_of(parts.z_100um[at]));
+      EXPECT_LT((position - frame.roots[i].position_m - expected.translation()).norm(), 1e-4)
+          << "part " << at;
+      const Eigen::Matrix3d rotation =
+          rotation_of(parts.qw[at], parts.qx[at], parts.qy[at], parts.qz[at])
+              .cast<double>()
+              .toRotationMatrix();
+      EXPECT_LT((rotation - expected.linear()).cwiseAbs().maxCoeff(), 1e-4) << "part " << at;
+      ++at;
+    }
+  }
+  EXPECT_EQ(at, parts.qw.size());
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,55 @@
+#!/bin/sh
+# LCM's own player replays a log of ours, and listeners made of generated code alone count its events.
+# Runs in a network namespace of its own where that is allowed, so that multicast works on any machine.
+set -eu
+write_log=$1 listener=$2 example=$3
+url='udpm://239.255.76.67:7684?ttl=0&recv_buf_size=2097152'
+
+if [ "${THRONG_IN_NAMESPACE:-}" != yes ]; then
+  for flags in -n -rn; do
+    if unshare $flags true 2>/dev/null; then
+      THRONG_IN_NAMESPACE=yes exec unshare $flags "$0" "$@"
+    fi
+  done
+  if ! ip route get 239.255.76.67 >/dev/null 2>&1; then
+    echo "skipped: no network namespaces here (unshare -n, unshare -rn) and no multicast route"
+    exit 77
+  fi
+else
+  ip link set lo up
+  ip link set lo multicast on
+  ip route add 224.0.0.0/4 dev lo
+fi
+
+dir=$(mktemp -d)
+pids=
+trap 'kill $pids 2>/dev/null || true; rm -rf "$dir"' EXIT
+expected=$("$write_log" "$dir/run.lcmlog")
+
+"$listener" "$url" >"$dir/listener" &
+listener_pid=$!
+"$example" >"$dir/example" &
+pids="$listener_pid $!"
+tries=0
+until grep -q listening "$dir/listener"; do
+  tries=$((tries + 1))
+  [ $tries -lt 100 ] || { echo "the listener does not start"; exit 1; }
+  sleep 0.05
+done
+sleep 0.2 # the example says nothing when it starts
+lcm-logplayer --lcm-url="$url" "$dir/run.lcmlog" >"$dir/player" 2>&1
+status=0
+wait $listener_pid || status=$?
+found=$(tail -n 1 "$dir/listener")
+echo "in the log:  $expected"
+echo "replayed:    $found"
+[ "$found" = "$expected" ] || { echo "the replay differs"; exit 1; }
+[ $status -eq 0 ] || { echo "the listener's counts are not those of THRONG_END"; exit 1; }
+
+sleep 0.2
+touches=$(grep -c ' touches ' "$dir/example")
+leaves=$(grep -c ' leaves ' "$dir/example")
+[ "begins $touches ends $leaves" = "$expected" ] || {
+  echo "the example of docs/lcm.md printed begins $touches ends $leaves"
+  exit 1
+}
