@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <iterator>
 #include <vector>
 
 namespace throng {
