@@ -19,8 +19,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 constexpr double kToeOut = 6 * kDegree;
-// Arms hang a little off the hips.
-constexpr double kArmsOut = 6 * kDegree;
+// Beyond the model's own hang of the arms, so that hands pass the thighs.
+constexpr double kArmsOut = 1 * kDegree;
 // No knee locks: at less than this, a millimetre of pelvis is worth several degrees of knee.
 constexpr double kStraightestKnee = 2 * kDegree;
 // Height of the lowest sole point halfway through the swing, in leg lengths; 2.5 cm for an adult.
@@ -155,7 +155,7 @@ namespace {
 template <typename Function>
 double highest_point(const Function& value, double low, double high) {
   constexpr double kGolden = 0.6180339887498949;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 25; ++i) {
     const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
     if (value(a) > value(b))
       high = b;
@@ -191,6 +191,20 @@ double hip_height(const Vector3d& hip, const Vector3d& ankle, double reach) {
   return ankle.z() + std::sqrt(std::max(0.0, reach * reach - aside));
 }
 
+// A leg as what keeps the pelvis from rising: from the hip, without its height, to the ankle.
+struct Rope {
+  Vector3d ankle;
+  double length;
+};
+
+// How far the pelvis can rise if all feet are moved forward by `shift`.
+double highest_lift(const std::vector<Rope>& ropes, double shift) {
+  double lift = std::numeric_limits<double>::infinity();
+  for (const Rope& rope : ropes)
+    lift = std::min(lift, hip_height(-shift * Vector3d::UnitX(), rope.ankle, rope.length));
+  return lift;
+}
+
 }  // namespace
 
 // Heights of pelvis and ankles and the places of the feet depend on each other, weakly, so they are
@@ -199,7 +213,7 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
                                           std::vector<Instant>& instants) const {
   const size_t n = instants.size();
   std::vector<double> height(n, 0.0), wanted(n), bob(n);
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < 4; ++round) {
     for (size_t i = 0; i < n; ++i) {
       wanted[i] = 0;
       for (size_t side = 0; side < 2; ++side) {
@@ -214,19 +228,13 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
       }
     }
     bob = bob_of(wanted, curves.largest_bob() * leg_length_m());
-    // How high the pelvis can be over its bob if the feet are shifted by this much.
-    const auto highest = [&](double shift) {
-      double most = std::numeric_limits<double>::infinity();
-      for (size_t i = 0; i < n; ++i)
-        for (size_t side = 0; side < 2; ++side) {
-          const Leg& leg = legs_[side];
-          const Vector3d ankle = instants[i].feet[side].target.ankle_m + shift * Vector3d::UnitX();
-          const Vector3d hip = leg.hip_m(instants[i].pelvis);
-          most = std::min(most,
-                          hip_height(hip, ankle, leg.reach_m(kStraightestKnee)) - hip.z() - bob[i]);
-        }
-      return most;
-    };
+    std::vector<Rope> ropes;
+    for (size_t i = 0; i < n; ++i)
+      for (size_t side = 0; side < 2; ++side)
+        ropes.push_back({instants[i].feet[side].target.ankle_m -
+                             (legs_[side].hip_m(instants[i].pelvis) + bob[i] * Vector3d::UnitZ()),
+                         legs_[side].reach_m(kStraightestKnee)});
+    const auto highest = [&](double shift) { return highest_lift(ropes, shift); };
     const double shift = highest_point(highest, -0.3 * leg_length_m(), 0.3 * leg_length_m());
     const double lift = highest(shift);
     for (size_t i = 0; i < n; ++i) {
@@ -259,6 +267,7 @@ std::vector<std::vector<double>> Walker::cycle(double relative_speed, int n) con
                    side == 0 ? -kToeOut : kToeOut};
   }
   std::vector<Instant> instants;
+  instants.reserve(static_cast<size_t>(n));
   for (int i = 0; i < n; ++i)
     instants.push_back(instant(curves, steps, static_cast<double>(i) / n));
 

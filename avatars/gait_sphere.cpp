@@ -12,6 +12,9 @@ using Eigen::Vector3d;
 // Single precision in postures, kinematics and placing: ten times what was measured.
 constexpr double kFloatMargin = 1e-4;
 
+// Results are multiples of this, so that the last bits of a C library's sines do not reach them.
+constexpr double kGrain = 1.0 / 8192;
+
 // The bound on what happens between two nodes falls with the square of their distance, so this many
 // speeds are looked at for one in the table.
 constexpr int kSpeedSplit = 3;
@@ -24,10 +27,10 @@ std::vector<double> columns_at(const GaitTable& table, int step, int phase) {
   const double share = static_cast<double>(step % kSpeedSplit) / kSpeedSplit;
   const float* slow = table.row(speed, phase);
   const float* fast = share > 0 ? table.row(speed + 1, phase) : slow;
-  std::vector<double> columns;
+  std::vector<double> columns(static_cast<size_t>(table.columns));
   for (int c = 0; c < table.columns; ++c)
-    columns.push_back((1 - share) * static_cast<double>(slow[c]) +
-                      share * static_cast<double>(fast[c]));
+    columns[static_cast<size_t>(c)] =
+        (1 - share) * static_cast<double>(slow[c]) + share * static_cast<double>(fast[c]);
   return columns;
 }
 
@@ -212,7 +215,7 @@ std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table
 }  // namespace
 
 GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
-  GaitSphere sphere{centre_height(model, table), 0};
+  GaitSphere sphere{std::nearbyint(centre_height(model, table) / kGrain) * kGrain, 0};
   const Vector3d centre(0, 0, sphere.centre_z_m);
   const std::vector<Extent> extents = extents_of(model, table);
   std::vector<Isometry3d> links;
@@ -234,7 +237,7 @@ GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
         }
       }
     }
-  sphere.radius_m += kFloatMargin;
+  sphere.radius_m = std::ceil((sphere.radius_m + kFloatMargin) / kGrain) * kGrain;
   return sphere;
 }
 
