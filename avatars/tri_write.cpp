@@ -19,9 +19,11 @@ std::string format_tri(const Mesh& mesh) {
   std::string out;
   out.reserve(mesh.vertices.size() * 30 + mesh.triangles.size() * 16 + 16);
   append(out, mesh.vertices.size(), '\n');
-  // The shortest digits that read back as the same float: exact, and the same from any compiler.
+  // Adding zero turns -0 into 0. The shortest digits that read back as the same float: exact, and
+  // the same from any compiler.
   for (const Eigen::Vector3f& v : mesh.vertices)
-    for (int i = 0; i < 3; ++i) append(out, v[i], i < 2 ? ' ' : '\n', std::chars_format::fixed);
+    for (int i = 0; i < 3; ++i)
+      append(out, v[i] + 0.0F, i < 2 ? ' ' : '\n', std::chars_format::fixed);
   append(out, mesh.triangles.size(), '\n');
   for (const Eigen::Vector3i& t : mesh.triangles)
     for (int i = 0; i < 3; ++i) append(out, t[i], i < 2 ? ' ' : '\n');
