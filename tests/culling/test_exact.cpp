@@ -339,11 +339,14 @@ enum class Contact { kNone, kSurfaces, kInside };
 Contact contact_by_brute_force(const Solid& a, const PartPose& pose_a, float scale_a,
                                const Solid& b, const PartPose& pose_b, float scale_b,
                                const Eigen::Vector3f& a_to_b) {
-  for (size_t i = 0; i < a.triangles.size(); ++i)
-    for (size_t j = 0; j < b.triangles.size(); ++j)
-      if (triangles_touch(placed_triangle(a, i, pose_a, scale_a, Vector3d::Zero()),
-                          placed_triangle(b, j, pose_b, scale_b, a_to_b.cast<double>())))
-        return Contact::kSurfaces;
+  std::vector<Triangle> placed_b;
+  for (size_t j = 0; j < b.triangles.size(); ++j)
+    placed_b.push_back(placed_triangle(b, j, pose_b, scale_b, a_to_b.cast<double>()));
+  for (size_t i = 0; i < a.triangles.size(); ++i) {
+    const Triangle placed_a = placed_triangle(a, i, pose_a, scale_a, Vector3d::Zero());
+    for (const Triangle& triangle : placed_b)
+      if (triangles_touch(placed_a, triangle)) return Contact::kSurfaces;
+  }
   const auto inside = [](const Solid& s, const PartPose& pose, float scale, const Vector3d& q) {
     const Vector3d p = to_isometry(pose).linear().inverse() *
                        (q - to_isometry(pose).translation()) / static_cast<double>(scale);
@@ -360,7 +363,7 @@ Contact contact_by_brute_force(const Solid& a, const PartPose& pose_a, float sca
 TEST(Solids, AgreeWithAllPairsOfTriangles) {
   Draw draw(kSeed, 5);
   int touching = 0, contained = 0;
-  const int kCasesTried = 1500;
+  const int kCasesTried = 800;
   for (int i = 0; i < kCasesTried; ++i) {
     const Solid a = bumpy_ellipsoid(draw, 6, 7, {0.3, 0.1, 0.2}, 0.2);
     const Solid b = bumpy_ellipsoid(draw, 5, 6, {0.1, 0.2, 0.1}, 0.2);
@@ -385,7 +388,7 @@ TEST(Solids, AgreeWithAllPairsOfTriangles) {
               expected)
         << "in the other order, case " << i << ", seed " << kSeed;
   }
-  EXPECT_GT(contained, 50);
+  EXPECT_GT(contained, 25);
   EXPECT_GT(touching, kCasesTried / 4);
   EXPECT_LT(touching, kCasesTried * 3 / 4);
 }
