@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 
+#include "avatars/primitives.h"
 #include "avatars/tri.h"
 #include "base/errors.h"
 #include "scenes/hasher.h"
 #include "scenes/scene_fields.h"
+#include "scenes/scene_limits.h"
 #include "scenes/shapes.h"
 
 namespace throng {
@@ -16,20 +19,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kMaxBodies = PairKey::kMaxId;  // ids run from 0 to kMaxId
-constexpr Range kSpeedRange{0.1, 4.0};           // from a shuffle to a run
-constexpr Range kHeightRange{0.5, 2.5};          // the gait's curves hold no further
-constexpr Range kRadiusRange{0.05, 0.35};        // the grids of spawning and ways hold no wider
-constexpr Range kSizeRange{0, 1e4, true};        // 10 km: a wall around the largest scene
+constexpr Range kSpeedRange{0.1, 4.0};     // from a shuffle to a run
+constexpr Range kHeightRange{0.5, 2.5};    // the gait's curves hold no further
+constexpr Range kRadiusRange{0.05, 0.35};  // the grids of spawning and ways hold no wider
+constexpr Range kSizeRange{0, 1e4, true};  // 10 km: a wall around the largest scene
 /// Steering turns ten times a second; a longer step would outlive its decisions.
 constexpr Range kStepRange{1e-4, 0.1};
-/// A million cells of flow field are then 3 m wide, the coarsest that keep clear of walls.
-constexpr double kMaxGround_m2 = 1e7;
+/// Meshes hold floats: a wall along the edge of a ground of 10 km may stand out by as much.
+constexpr double kRounding_m = 1e-3;
 constexpr double kDefaultStep_s = 1.0 / 60.0;
 
 std::string list_of(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) {
+    if (!text.empty()) text += ", ";
+    text += name;
+  }
   return text;
 }
 
@@ -46,6 +51,8 @@ class SceneReader {
   }
 
   Scene read() {
+    fields_.expect_keys({"name", "description", "seed", "step_s", "duration_s", "ground", "culling",
+                         "groups", "obstacles"});
     scene_.name = fields_.text_or("name", fs::path(file_).stem().string());
     scene_.description = fields_.text_or("description", "");
     scene_.seed = static_cast<uint64_t>(fields_.integer_or("seed", 0, INT64_MAX, 1));
@@ -94,14 +101,12 @@ class SceneReader {
     return items;
   }
 
-  template <typename Named>
   std::string unique_name(Fields& fields, const std::string& fallback,
-                          const std::vector<Named>& earlier) {
+                          std::set<std::string>& earlier) {
     const std::string name = fields.text_or("name", fallback);
-    for (const Named& other : earlier)
-      if (other.name == name)
-        throw InputError(at_line(file_, fields.line()), "every name once",
-                         fmt::format("'{}' again", name));
+    if (!earlier.insert(name).second)
+      throw InputError(at_line(file_, fields.line()), "every name once",
+                       fmt::format("'{}' again", name));
     return name;
   }
 
@@ -109,9 +114,11 @@ class SceneReader {
     int64_t bodies = static_cast<int64_t>(scene_.obstacles.size());
     for (const YamlNode* item : items_of(fields_, "groups", true)) {
       Fields fields(file_, *item, "a group");
+      fields.expect_keys(
+          {"name", "model", "count", "spawn", "goals", "speed_mps", "height_m", "radius_m"});
       Group group;
       group.name =
-          unique_name(fields, fmt::format("group {}", scene_.groups.size() + 1), scene_.groups);
+          unique_name(fields, fmt::format("group {}", scene_.groups.size() + 1), group_names_);
       group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, std::nullopt));
       bodies += group.count;
       if (bodies > kMaxBodies)
@@ -171,11 +178,18 @@ class SceneReader {
   }
 
   void read_obstacles() {
+    if (const YamlNode* node = fields_.find("obstacles");
+        node != nullptr && static_cast<int64_t>(node->items.size()) > kMaxObstacles)
+      throw InputError(at_line(file_, node->line),
+                       fmt::format("at most {} obstacles", kMaxObstacles),
+                       fmt::format("{}", node->items.size()));
     for (const YamlNode* item : items_of(fields_, "obstacles", false)) {
       Fields fields(file_, *item, "an obstacle");
+      fields.expect_keys({"name", "kind", "position_m", "bottom_m", "heading_deg", "size_m",
+                          "diameter_m", "height_m", "file"});
       Obstacle obstacle;
       obstacle.name = unique_name(fields, fmt::format("obstacle {}", scene_.obstacles.size() + 1),
-                                  scene_.obstacles);
+                                  obstacle_names_);
       const std::vector<double> place =
           fields.numbers("position_m", 2, {-kMaxCoordinate_m, kMaxCoordinate_m});
       const double bottom_m = fields.number_or("bottom_m", {-10, 1000}, 0);
@@ -185,8 +199,10 @@ class SceneReader {
       fields.done();
       const double rise = obstacle.kind == Obstacle::Kind::kMesh ? 0 : 0.5 * obstacle.size_m.z();
       obstacle.centre_m = {place[0], place[1], bottom_m + rise};
+      const Eigen::Vector2d rounding = Eigen::Vector2d::Constant(kRounding_m);
+      const Rectangle reach{scene_.ground.min_m - rounding, scene_.ground.max_m + rounding};
       for (const Eigen::Vector2d& corner : footprint_of(obstacle))
-        if (!scene_.ground.contains(corner))
+        if (!reach.contains(corner))
           throw InputError(at_line(file_, item->line),
                            fmt::format("obstacle '{}' within the ground ({})", obstacle.name,
                                        show(scene_.ground)),
@@ -206,7 +222,7 @@ class SceneReader {
       const double diameter_m = fields.number("diameter_m", kSizeRange);
       obstacle.kind = Obstacle::Kind::kCylinder;
       obstacle.size_m = {diameter_m, diameter_m, fields.number("height_m", kSizeRange)};
-      obstacle.mesh = cylinder_mesh(diameter_m, obstacle.size_m.z());
+      obstacle.mesh = cylinder_mesh(0.5 * diameter_m, obstacle.size_m.z());
     } else if (kind == "mesh") {
       obstacle.kind = Obstacle::Kind::kMesh;
       obstacle.mesh_file = existing_file(fields, fields.require("file"), "a .tri file");
@@ -238,6 +254,8 @@ class SceneReader {
   fs::path folder_;
   Fields fields_;
   Scene scene_;
+  std::set<std::string> group_names_;
+  std::set<std::string> obstacle_names_;
 };
 
 fs::path bundled_folder() { return data_directory() / "scenes" / "bundled"; }

@@ -70,14 +70,6 @@ const YamlNode* Fields::find(const std::string& key) {
 const YamlNode& Fields::require(const std::string& key) {
   const YamlNode* node = find(key);
   if (node != nullptr) return *node;
-  // A misspelt key is worth naming before its absence: read on, then complain about the stranger.
-  for (const YamlEntry& entry : node_.entries) {
-    const std::vector<std::string> wanted = {key};
-    const std::string hint = did_you_mean(entry.key, wanted);
-    if (!hint.empty())
-      throw InputError(at_line(file_, entry.line), fmt::format("a key of {}", what_),
-                       fmt::format("'{}'{}", entry.key, hint));
-  }
   throw InputError(where(node_), fmt::format("the key '{}' in {}", key, what_), "none");
 }
 
@@ -147,12 +139,14 @@ std::vector<double> Fields::numbers(const std::string& key, int count, const Ran
   return values;
 }
 
-void Fields::done() const {
+void Fields::expect_keys(const std::vector<std::string>& keys) const {
   for (const YamlEntry& entry : node_.entries)
-    if (std::find(known_.begin(), known_.end(), entry.key) == known_.end())
+    if (std::find(keys.begin(), keys.end(), entry.key) == keys.end())
       throw InputError(at_line(file_, entry.line), fmt::format("a key of {}", what_),
-                       fmt::format("'{}'{}", entry.key, did_you_mean(entry.key, known_)));
+                       fmt::format("'{}'{}", entry.key, did_you_mean(entry.key, keys)));
 }
+
+void Fields::done() const { expect_keys(known_); }
 
 Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what) {
   Fields fields(file, node, what);

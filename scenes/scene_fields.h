@@ -25,6 +25,10 @@ class Fields {
   /// `what` names the map in messages: "a group".
   Fields(const std::string& file, const YamlNode& node, std::string what);
 
+  /// Throws for the first key that is not among these, with a did-you-mean: a misspelt key is worth
+  /// naming before the absence of the right one.
+  void expect_keys(const std::vector<std::string>& keys) const;
+
   /// The value of a key, or null if it is absent. Marks the key as known.
   const YamlNode* find(const std::string& key);
   const YamlNode& require(const std::string& key);

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "avatars/primitives.h"
 #include "base/workers.h"
 #include "scenes/crowd.h"
 #include "scenes/shapes.h"

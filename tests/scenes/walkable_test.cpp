@@ -23,16 +23,6 @@ TEST(Trig, AgreesWithTheCLibrary) {
   }
 }
 
-TEST(Shapes, BoxAndCylinderAreClosedSolidsOfTheirVolume) {
-  const Mesh box = box_mesh({2, 3, 0.5});
-  EXPECT_TRUE(is_closed(box));
-  EXPECT_NEAR(signed_volume_m3(box), 3.0, 1e-6);
-  const Mesh cylinder = cylinder_mesh(2, 0.5);
-  EXPECT_TRUE(is_closed(cylinder));
-  const double prism_m2 = 0.5 * kCylinderSides * std::sin(2 * std::numbers::pi / kCylinderSides);
-  EXPECT_NEAR(signed_volume_m3(cylinder), 0.5 * prism_m2, 1e-6);
-}
-
 TEST(Shapes, FootprintTurnsWithTheObstacle) {
   const Obstacle turned = box(10, 0, 4, 2, std::numbers::pi / 2);
   double widest = 0;

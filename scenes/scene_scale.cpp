@@ -1,0 +1,118 @@
+// Scaling a scene to another number of people.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/errors.h"
+#include "scenes/scene.h"
+#include "scenes/scene_limits.h"
+#include "scenes/shapes.h"
+
+namespace throng {
+namespace {
+
+/// People per m2 of a spawn area, and of the whole ground, above which the plan grows: throwing
+/// darts places up to about 2 per m2, and beyond one per m2 crossing streams begin to jam.
+constexpr double kMaxSpawnDensity = 1.2;
+constexpr double kMaxGroundDensity = 1.0;
+/// An edge longer than this share of the ground's shorter side bounds the scene (a wall); a shorter
+/// one is furniture.
+constexpr double kWallShare = 1.0 / 3.0;
+
+/// Shares of `total` in proportion to `counts`, by largest remainders: their sum is exactly
+/// `total`.
+std::vector<int64_t> shares_of(const std::vector<int64_t>& counts, int64_t total) {
+  const int64_t sum = std::accumulate(counts.begin(), counts.end(), int64_t{0});
+  std::vector<int64_t> shares;
+  std::vector<size_t> order;
+  int64_t given = 0;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    shares.push_back(counts[i] * total / sum);
+    given += shares.back();
+    order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return counts[a] * total % sum > counts[b] * total % sum;
+  });
+  for (int64_t i = 0; i < total - given; ++i) ++shares[order[static_cast<size_t>(i)]];
+  return shares;
+}
+
+/// How many times too full the fullest area is, at densities that the file itself does not reach.
+double overfull(const Scene& scene, const std::vector<int64_t>& shares, int64_t before,
+                int64_t total) {
+  const auto excess = [](double density, double own_density, double limit) {
+    return density / std::max(limit, own_density);
+  };
+  double worst = excess(static_cast<double>(total) / scene.ground.area_m2(),
+                        static_cast<double>(before) / scene.ground.area_m2(), kMaxGroundDensity);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    const double area_m2 = scene.groups[i].spawn.area_m2();
+    worst = std::max(worst, excess(static_cast<double>(shares[i]) / area_m2,
+                                   scene.groups[i].count / area_m2, kMaxSpawnDensity));
+  }
+  return worst;
+}
+
+void grow_obstacle(Obstacle& obstacle, double factor, double wall_m) {
+  double x = obstacle.size_m.x() > wall_m ? factor : 1;
+  double y = obstacle.size_m.y() > wall_m ? factor : 1;
+  // Round and free shapes keep theirs.
+  if (obstacle.kind != Obstacle::Kind::kBox) x = y = std::max(x, y);
+  obstacle.size_m.x() *= x;
+  obstacle.size_m.y() *= y;
+  for (Eigen::Vector3f& vertex : obstacle.mesh.vertices)
+    vertex = (vertex.cast<double>().cwiseProduct(Eigen::Vector3d(x, y, 1))).cast<float>();
+}
+
+void grow_plan(Scene& scene, double factor) {
+  const Eigen::Vector2d middle = 0.5 * (scene.ground.min_m + scene.ground.max_m);
+  const double wall_m = kWallShare * scene.ground.size_m().minCoeff();
+  const auto grow = [&](Rectangle& area) {
+    area.min_m = middle + factor * (area.min_m - middle);
+    area.max_m = middle + factor * (area.max_m - middle);
+  };
+  grow(scene.ground);
+  for (Group& group : scene.groups) {
+    grow(group.spawn);
+    for (Rectangle& goal : group.goals) grow(goal);
+  }
+  for (Obstacle& obstacle : scene.obstacles) {
+    obstacle.centre_m.head<2>() = middle + factor * (obstacle.centre_m.head<2>() - middle);
+    grow_obstacle(obstacle, factor, wall_m);
+  }
+}
+
+}  // namespace
+
+void scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
+  const int64_t most = kMaxBodies - static_cast<int64_t>(scene.obstacles.size());
+  if (total < 1 || total > most)
+    throw InputError("avatars", fmt::format("1 to {} people in scene '{}'", most, scene.name),
+                     fmt::format("{}", total));
+  std::vector<int64_t> counts;
+  for (const Group& group : scene.groups) counts.push_back(group.count);
+  const int64_t before = std::accumulate(counts.begin(), counts.end(), int64_t{0});
+  if (before == 0)
+    throw InputError("avatars", fmt::format("people in scene '{}' to scale", scene.name),
+                     "groups of none");
+  const std::vector<int64_t> shares = shares_of(counts, total);
+  const double factor = std::sqrt(std::max(1.0, overfull(scene, shares, before, total)));
+  if (factor * factor * scene.ground.area_m2() > kMaxGround_m2)
+    throw InputError(
+        "avatars", fmt::format("a ground of at most {} m2", kMaxGround_m2),
+        fmt::format("{:.0f} m2 for {} people", factor * factor * scene.ground.area_m2(), total));
+  if (factor > 1) {
+    grow_plan(scene, factor);
+    const Eigen::Vector2d size = scene.ground.size_m();
+    notes.push_back(fmt::format(
+        "{} people need more room: the plan of '{}' grew {:.2f} times, to {:.1f} m x {:.1f} m",
+        total, scene.name, factor, size.x(), size.y()));
+  }
+  for (size_t i = 0; i < shares.size(); ++i) scene.groups[i].count = static_cast<int>(shares[i]);
+  scene.content_hash = content_hash_of(scene);
+}
+
+}  // namespace throng

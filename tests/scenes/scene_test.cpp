@@ -1,0 +1,289 @@
+// Scene files: what they say arrives, what is wrong with them is told with file and line.
+#include "scenes/scene.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "base/errors.h"
+#include "scenes/scene_limits.h"
+#include "scenes/yaml_tree.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own, gone at the end.
+class SceneFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              fmt::format("throng_scene_{}_{}", ::getpid(),
+                          testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  Scene load(const std::string& text) const { return load_scene(write("s.yaml", text).string()); }
+
+  /// The complaint about a text, its folder taken off.
+  std::string complaint(const std::string& text) const {
+    const std::string file = write("s.yaml", text).string();
+    try {
+      load_scene(file);
+    } catch (const InputError& error) {
+      std::string message = error.what();
+      const size_t at = message.find(folder_.string() + "/");
+      if (at != std::string::npos) message.erase(at, folder_.string().size() + 1);
+      return message;
+    }
+    return "no complaint";
+  }
+
+  fs::path folder_;
+};
+
+const std::string kGround = "ground: {min_m: [0, 0], max_m: [20, 10]}\n";
+const std::string kGroup =
+    "groups:\n"
+    "  - name: a\n"
+    "    count: 3\n"
+    "    spawn: {min_m: [1, 1], max_m: [4, 9]}\n"
+    "    goals: [{min_m: [15, 1], max_m: [19, 9]}]\n";
+
+TEST_F(SceneFile, SaysWhatItSays) {
+  const Scene scene = load(
+      "name: test\ndescription: a test\nseed: 7\nstep_s: 1/50\nduration_s: 2.5\n" + kGround +
+      "culling: {part_volume: ordop14, exact: true}\n" + kGroup +
+      "    speed_mps: {mean: 1.2, deviation: 0.1, min: 1, max: 1.5}\n"
+      "    height_m: 1.8\n"
+      "obstacles:\n"
+      "  - {name: wall, kind: box, position_m: [10, 5], size_m: [0.5, 2, 3], heading_deg: 90}\n"
+      "  - {kind: cylinder, position_m: [12, 5], diameter_m: 1, height_m: 2, bottom_m: 1}\n");
+  EXPECT_EQ(scene.name, "test");
+  EXPECT_EQ(scene.seed, 7u);
+  EXPECT_EQ(scene.step_s, 1.0 / 50);
+  EXPECT_EQ(scene.duration_s, 2.5);
+  EXPECT_EQ(scene.part_volume, VolumeKind::kOrdop14);
+  EXPECT_TRUE(scene.exact);
+  ASSERT_EQ(scene.groups.size(), 1u);
+  EXPECT_EQ(scene.groups[0].count, 3);
+  EXPECT_EQ(scene.groups[0].speed_mps.mean, 1.2);
+  EXPECT_EQ(scene.groups[0].height_m.min, 1.8);
+  EXPECT_EQ(scene.groups[0].height_m.max, 1.8);
+  ASSERT_NE(scene.groups[0].body, nullptr);
+  EXPECT_EQ(scene.groups[0].body->part_count(), 15);
+  ASSERT_EQ(scene.obstacles.size(), 2u);
+  EXPECT_NEAR(scene.obstacles[0].heading_rad, 1.5707963267948966, 1e-15);
+  EXPECT_EQ(scene.obstacles[0].centre_m.z(), 1.5);
+  EXPECT_EQ(scene.obstacles[1].centre_m.z(), 2);
+  EXPECT_EQ(scene.obstacles[1].name, "obstacle 2");
+}
+
+struct Wrong {
+  std::string what;
+  std::string text;
+  std::string complaint;  ///< how it begins
+};
+
+TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
+  const std::string box = "obstacles:\n  - {kind: box, position_m: [5, 5], size_m: [1, 1, 1]";
+  const Wrong cases[] = {
+      {"unknown key", kGround + kGroup + "durations: 3\n",
+       "s.yaml:7: expected a key of a scene, found 'durations' (did you mean 'duration_s'?)"},
+      {"misspelt required key", "grund: {min_m: [0, 0], max_m: [20, 10]}\n" + kGroup,
+       "s.yaml:1: expected a key of a scene, found 'grund' (did you mean 'ground'?)"},
+      {"no ground", kGroup, "s.yaml:1: expected the key 'ground' in a scene, found none"},
+      {"no groups", kGround, "s.yaml:1: expected the key 'groups' in a scene, found none"},
+      {"empty groups", kGround + "groups: []\n",
+       "s.yaml:2: expected a list for 'groups', found a list of 0"},
+      {"wrong type", kGround + "seed: many\n" + kGroup,
+       "s.yaml:2: expected a whole number from 0 to 9223372036854775807 for 'seed', found 'many'"},
+      {"a quoted number", kGround + "duration_s: \"3\"\n" + kGroup,
+       "s.yaml:2: expected a number for 'duration_s', found '3'"},
+      {"not a number", kGround + "duration_s: .nan\n" + kGroup,
+       "s.yaml:2: expected a number for 'duration_s', found '.nan'"},
+      {"infinite", kGround + "duration_s: inf\n" + kGroup,
+       "s.yaml:2: expected a number for 'duration_s', found 'inf'"},
+      {"out of range", kGround + "step_s: 2\n" + kGroup,
+       "s.yaml:2: expected 'step_s' from 0.0001 to 0.1, found 2"},
+      {"division by zero", kGround + "step_s: 1/0\n" + kGroup,
+       "s.yaml:2: expected a number for 'step_s', found '1/0'"},
+      {"key twice", kGround + kGround + kGroup,
+       "s.yaml:2: expected every key once, found 'ground' again (first on line 1)"},
+      {"name twice", kGround + kGroup + kGroup.substr(8),
+       "s.yaml:7: expected every name once, found 'a' again"},
+      {"corners swapped", "ground: {min_m: [0, 10], max_m: [20, 0]}\n" + kGroup,
+       "s.yaml:1: expected min_m below max_m in ground, found [0, 10] and [20, 0]"},
+      {"three coordinates", "ground: {min_m: [0, 0, 0], max_m: [20, 10]}\n" + kGroup,
+       "s.yaml:1: expected a list of 2 numbers for 'min_m', found a list of 3"},
+      {"huge ground", "ground: {min_m: [-90000, -90000], max_m: [90000, 90000]}\n" + kGroup,
+       "s.yaml:1: expected ground of at most 1"},
+      {"spawn off the ground",
+       kGround + "groups:\n  - count: 1\n    spawn: {min_m: [-1, 1], max_m: [4, 9]}\n",
+       "s.yaml:4: expected spawn within the ground ([0, 0] to [20, 10]), found [-1, 1] to [4, 9]"},
+      {"too many people", kGround + "groups:\n  - {count: 99999999}\n",
+       "s.yaml:3: expected a whole number from 0 to 16777215 for 'count', found '99999999'"},
+      {"negative count", kGround + "groups:\n  - {count: -1}\n",
+       "s.yaml:3: expected a whole number from 0 to 16777215 for 'count', found '-1'"},
+      {"no goals", kGround + kGroup.substr(0, kGroup.find("    goals")) + "    goals: []\n",
+       "s.yaml:6: expected a list for 'goals', found a list of 0"},
+      {"mean outside", kGround + kGroup + "    speed_mps: {mean: 3, max: 2}\n",
+       "s.yaml:7: expected min <= mean <= max in speed_mps, found min 0.5, mean 3, max 2"},
+      {"no such model", kGround + kGroup + "    model: nobody.urdf\n",
+       "s.yaml:7: expected 'adult' or a URDF file, found 'nobody.urdf', and no such file at "},
+      {"obstacle off the ground",
+       kGround + kGroup +
+           "obstacles:\n  - {name: x, kind: box, position_m: [20, 5], size_m: [1, 1, 1]}\n",
+       "s.yaml:8: expected obstacle 'x' within the ground ([0, 0] to [20, 10]), found a corner "
+       "at "},
+      {"flat obstacle",
+       kGround + kGroup + "obstacles:\n  - {kind: box, position_m: [5, 5], size_m: [1, 0, 1]}\n",
+       "s.yaml:8: expected 'size_m' above 0 and at most 10000, found 0"},
+      {"unknown shape", kGround + kGroup + "obstacles:\n  - {kind: bix, position_m: [5, 5]}\n",
+       "s.yaml:8: expected kind: box, cylinder or mesh, found 'bix' (did you mean 'box'?)"},
+      {"a key of another shape", kGround + kGroup + box + ", diameter_m: 2}\n",
+       "s.yaml:8: expected a key of an obstacle, found 'diameter_m'"},
+      {"no such mesh",
+       kGround + kGroup + "obstacles:\n  - {kind: mesh, position_m: [5, 5], file: no.tri}\n",
+       "s.yaml:8: expected a .tri file, found 'no.tri', and no such file at "},
+      {"unknown volume", kGround + "culling: {part_volume: ordop27}\n" + kGroup,
+       "s.yaml:2: expected a part_volume (sphere, aabb, obb, kdop14, kdop18, kdop26, ordop14, "
+       "ordop18, "
+       "ordop26), found 'ordop27' (did you mean 'ordop"},
+      {"not YAML", kGround + "groups: [\n", "s.yaml:"},
+      {"a list", "- 1\n- 2\n", "s.yaml:1: expected a scene (a map of keys), found a list of 2"},
+      {"empty", "", "s.yaml: expected a scene, found an empty file"},
+      {"only a comment", "# nothing\n", "s.yaml"},
+      {"two documents", kGround + "---\n" + kGround, "s.yaml:3: expected one document in the file"},
+      {"an anchor", "ground: &g {min_m: [0, 0], max_m: [20, 10]}\n",
+       "s.yaml:1: expected a value, found a YAML anchor ('&'), which scene files do not use"},
+      {"a tag", "ground: !!python/object {min_m: [0, 0]}\n",
+       "s.yaml:1: expected a value without a tag, found the tag "},
+      {"deep nesting", "ground: " + std::string(40, '[') + std::string(40, ']') + "\n",
+       "s.yaml:1: expected at most 16 levels of nesting, found a deeper one"},
+      {"binary", std::string("a: \0b", 5), "s.yaml: expected text, found a binary file"},
+  };
+  for (const Wrong& wrong : cases)
+    EXPECT_THAT(complaint(wrong.text), testing::StartsWith(wrong.complaint)) << wrong.what;
+}
+
+TEST_F(SceneFile, HugeFilesAreRefusedUnread) {
+  const fs::path file = write("big.yaml", "");
+  fs::resize_file(file, uint64_t{3} << 30);  // sparse: takes no room
+  EXPECT_THAT(
+      [&] { load_scene(file.string()); },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr("expected at most 4194304 bytes")));
+  fs::create_directories(folder_ / "folder.yaml");
+  EXPECT_THAT(
+      [&] { load_scene((folder_ / "folder.yaml").string()); },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr("expected a file, found a directory")));
+}
+
+TEST_F(SceneFile, ManyKeysDoNotTakeForever) {
+  std::string text;
+  for (int i = 0; i < 100000; ++i) text += fmt::format("k{}: 1\n", i);
+  EXPECT_EQ(complaint(text), "s.yaml:65: expected at most 64 keys in a map, found more");
+}
+
+TEST_F(SceneFile, MisspeltBundledNameIsCorrected) {
+  EXPECT_THAT([] { load_scene("plazza"); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("(did you mean 'plaza'?)")));
+}
+
+TEST_F(SceneFile, BundledScenesLoadAndHoldWhatTheySay) {
+  const std::vector<SceneEntry> entries = bundled_scenes();
+  std::vector<std::string> names;
+  for (const SceneEntry& entry : entries) {
+    names.push_back(entry.name);
+    EXPECT_FALSE(entry.description.empty()) << entry.name;
+    EXPECT_EQ(load_scene(entry.name).name, entry.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"corridor", "plaza"}));
+  const Scene plaza = load_scene("plaza");
+  int people = 0;
+  for (const Group& group : plaza.groups) people += group.count;
+  EXPECT_EQ(people, 500);
+  for (const Obstacle& obstacle : plaza.obstacles) {
+    EXPECT_TRUE(is_closed(obstacle.mesh)) << obstacle.name;
+    EXPECT_GT(signed_volume_m3(obstacle.mesh), 0) << obstacle.name;
+  }
+}
+
+TEST_F(SceneFile, ContentHashSeesWhatIsSaidAndNotWhereItLies) {
+  const std::string tri = "4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n4\n0 2 1\n0 1 3\n1 2 3\n2 0 3\n";
+  const std::string text =
+      kGround + kGroup + "obstacles:\n  - {kind: mesh, file: a.tri, position_m: [9, 5]}\n";
+  write("a.tri", tri);
+  const uint64_t hash = load("name: n\n" + text).content_hash;
+  fs::create_directories(folder_ / "elsewhere");
+  write("elsewhere/a.tri", tri);
+  write("elsewhere/t.yaml", "# moved\nname: n\n\n" + text);
+  EXPECT_EQ(load_scene((folder_ / "elsewhere" / "t.yaml").string()).content_hash, hash);
+  EXPECT_EQ(load("name: n\nduration_s: 99\ndescription: other\n" + text).content_hash, hash);
+  EXPECT_NE(load("name: n\nseed: 2\n" + text).content_hash, hash);
+  EXPECT_NE(load("name: n\nstep_s: 1/30\n" + text).content_hash, hash);
+  write("a.tri", "4\n0 0 0\n1 0 0\n0 1 0\n0 0 2\n4\n0 2 1\n0 1 3\n1 2 3\n2 0 3\n");
+  EXPECT_NE(load("name: n\n" + text).content_hash, hash);
+}
+
+TEST(ScaleTo, KeepsProportionsToThePerson) {
+  for (const int total : {1, 3, 7, 101, 999, 5000}) {
+    Scene scene;
+    scene.ground = {{0, 0}, {1000, 1000}};
+    for (const int count : {10, 20, 70, 0, 33}) {
+      Group group;
+      group.count = count;
+      group.spawn = scene.ground;
+      scene.groups.push_back(group);
+    }
+    const Scene before = scene;
+    std::vector<std::string> notes;
+    scale_to(scene, total, notes);
+    int sum = 0;
+    for (size_t i = 0; i < scene.groups.size(); ++i) {
+      const double share = before.groups[i].count * total / 133.0;
+      EXPECT_LT(std::abs(scene.groups[i].count - share), 1) << "group " << i << " of " << total;
+      sum += scene.groups[i].count;
+    }
+    EXPECT_EQ(sum, total);
+    EXPECT_TRUE(notes.empty()) << "there was room for " << total;
+  }
+}
+
+TEST(ScaleTo, CrowdedPlansGrowAndSaySo) {
+  Scene scene = load_scene("corridor");
+  const Scene before = scene;
+  std::vector<std::string> notes;
+  scale_to(scene, 4000, notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], testing::HasSubstr("4000 people need more room"));
+  const double factor = scene.ground.size_m().x() / before.ground.size_m().x();
+  EXPECT_GT(factor, 1.5);
+  EXPECT_LE(4000 / scene.ground.area_m2(), 1.0 + 1e-9) << "more than one person per m2";
+  // The walls still bound the corridor from end to end and are as thin and high as before.
+  EXPECT_NEAR(scene.obstacles[0].size_m.x(), factor * before.obstacles[0].size_m.x(), 1e-9);
+  EXPECT_EQ(scene.obstacles[0].size_m.y(), before.obstacles[0].size_m.y());
+  EXPECT_EQ(scene.obstacles[0].size_m.z(), before.obstacles[0].size_m.z());
+  EXPECT_EQ(scene.obstacles[2].size_m, before.obstacles[2].size_m) << "a column grew";
+  EXPECT_NE(scene.content_hash, before.content_hash);
+}
+
+TEST(ScaleTo, RefusesWhatIdsCannotHold) {
+  Scene scene = load_scene("corridor");
+  std::vector<std::string> notes;
+  EXPECT_THROW(scale_to(scene, 0, notes), InputError);
+  EXPECT_THROW(scale_to(scene, static_cast<int>(kMaxBodies), notes), InputError);
+}
+
+}  // namespace
+}  // namespace throng
