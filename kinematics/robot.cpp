@@ -49,7 +49,8 @@ std::string with_plain_values(std::string text, const std::vector<XmlElement>& e
                               const char* scanned) {
   for (const XmlElement& element : elements)
     for (const auto& [name, value] : element.attributes) {
-      const size_t open = text.find_first_of("\"'", static_cast<size_t>(name.data() - scanned));
+      const size_t open =
+          text.find_first_of("\"'", static_cast<size_t>(name.data() + name.size() - scanned));
       const size_t close = text.find(text[open], open + 1);
       for (size_t i = open; i < close; ++i)
         if (text[i] == '\n' || text[i] == '\r' || text[i] == '\t') text[i] = ' ';

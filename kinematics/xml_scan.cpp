@@ -11,7 +11,9 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-bool ends_name(char c) { return is_space(c) || c == '>' || c == '/' || c == '=' || c == '<'; }
+bool ends_name(char c) {
+  return is_space(c) || std::string_view(">/=<\"'").find(c) != std::string_view::npos;
+}
 
 void append_utf8(std::string& out, uint32_t code) {
   const auto push = [&](uint32_t byte) { out.push_back(static_cast<char>(byte)); };

@@ -251,6 +251,8 @@ INSTANTIATE_TEST_SUITE_P(
                "robot.urdf:1: expected </robot> to close this tag, found the end of the file"},
         Defect{"cut_in_a_tag", "<robot name=\"r\">\n<link na", "robot.urdf:2"},
         Defect{"cut_in_a_value", "<robot name=\"r", "a closing quote for 'name'"},
+        Defect{"quote_in_an_attributes_name", "<robot name=\"r\" a\"b=\"c\"/>",
+               "robot.urdf:1: expected '=' after the attribute 'a'"},
         Defect{"cut_in_a_comment", "<robot name=\"r\"><!-- ", "'-->' to end what '<!--' begins"},
         Defect{"two_robots", "<robot name=\"r\"><link name=\"a\"/></robot><robot/>",
                "one outermost element"},
