@@ -8,9 +8,8 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "culling/kernels_boxes-inl.h"
 #include "culling/kernels_ordop-inl.h"
-// Uses the lane types of the file above.
-#include "culling/kernels_broad-inl.h"
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();

@@ -1,10 +1,10 @@
-// Sphere runs and box masks with Highway, compiled once a target: spheres, or parts, as lanes.
-// Included by kernels_simd.cpp only, after kernels_ordop-inl.h.
-#if defined(THRONG_CULLING_KERNELS_BROAD_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef THRONG_CULLING_KERNELS_BROAD_INL_H_
-#undef THRONG_CULLING_KERNELS_BROAD_INL_H_
+// Spheres and boxes with Highway, compiled once a target: spheres, bodies of one type, or the parts
+// of a body as lanes. Included by kernels_simd.cpp only.
+#if defined(THRONG_CULLING_KERNELS_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef THRONG_CULLING_KERNELS_BOXES_INL_H_
+#undef THRONG_CULLING_KERNELS_BOXES_INL_H_
 #else
-#define THRONG_CULLING_KERNELS_BROAD_INL_H_
+#define THRONG_CULLING_KERNELS_BOXES_INL_H_
 #endif
 
 #include <hwy/highway.h>
@@ -12,19 +12,12 @@
 #include <bit>
 
 #include "culling/kernels.h"
+#include "culling/kernels_bound-inl.h"
 
 #if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// The lanes of a mask as bits of an integer.
-HWY_INLINE uint32_t bits_of(M mask) {
-  const Lanes d;
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  return static_cast<uint32_t>(bytes[0]) | (static_cast<uint32_t>(bytes[1]) << 8);
-}
 
 HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end,
                                SlotPair* out) {
@@ -45,6 +38,74 @@ HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, 
       out[found++] = {i, j + static_cast<uint32_t>(std::countr_zero(hits))};
   }
   return found;
+}
+
+/// Stores rows of four parts, a body a lane, at `offset` of each body's block.
+HWY_INLINE void store_parts(const V (&by_part)[4], float* const* blocks, size_t offset,
+                            size_t bodies) {
+  V by_body[4];
+  transpose4(by_part, by_body);
+  const Lanes d;
+  const hn::CappedTag<float, 4> quad;
+  HWY_ALIGN float rows[4][kLanes];
+  for (size_t i = 0; i < 4; ++i) hn::Store(by_body[i], d, rows[i]);
+  for (size_t lane = 0; lane < bodies; ++lane)
+    hn::Store(hn::Load(quad, &rows[lane % 4][lane / 4 * 4]), quad, blocks[lane] + offset);
+}
+
+HWY_NOINLINE void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses,
+                             const float* scales, const float* margins, size_t bodies,
+                             float* const* blocks) {
+  const Lanes d;
+  const size_t padded = padded_parts(parts);
+  const V nothing_low = hn::Set(d, kEmptyLow), nothing_high = hn::Set(d, kEmptyHigh);
+  for (size_t first = 0; first < bodies; first += kLanes) {
+    const size_t in_use = HWY_MIN(kLanes, bodies - first);
+    HWY_ALIGN float scale_of[kLanes], margin_of[kLanes];
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const size_t body = first + HWY_MIN(lane, in_use - 1);
+      scale_of[lane] = scales[body];
+      margin_of[lane] = margins[body];
+    }
+    const V scale = hn::Load(d, scale_of), margin = hn::Load(d, margin_of);
+    V body_low[3] = {nothing_low, nothing_low, nothing_low};
+    V body_high[3] = {nothing_high, nothing_high, nothing_high};
+    for (size_t quad = 0; quad < padded; quad += 4) {
+      V low[3][4], high[3][4];
+      for (size_t p = 0; p < 4; ++p) {
+        const size_t part = quad + p;
+        if (part >= parts) {
+          for (size_t axis = 0; axis < 3; ++axis)
+            low[axis][p] = nothing_low, high[axis][p] = nothing_high;
+          continue;
+        }
+        const Poses pose = load_poses([&](size_t lane) {
+          return &poses[(first + HWY_MIN(lane, in_use - 1)) * parts + part];
+        });
+        const V3 origin = centre_of(tables[part], pose, scale);
+        const V middle[3] = {origin.x, origin.y, origin.z};
+        const V3 direction[3] = {{pose.column[0].x, pose.column[1].x, pose.column[2].x},
+                                 {pose.column[0].y, pose.column[1].y, pose.column[2].y},
+                                 {pose.column[0].z, pose.column[1].z, pose.column[2].z}};
+        for (size_t axis = 0; axis < 3; ++axis) {
+          const Interval extent = scaled(bound<26>(tables[part], direction[axis]), scale);
+          const V centre = hn::Add(middle[axis], extent.centre);
+          const V half = hn::Add(extent.half, margin);
+          low[axis][p] = hn::Sub(centre, half);
+          high[axis][p] = hn::Add(centre, half);
+          body_low[axis] = hn::Min(body_low[axis], low[axis][p]);
+          body_high[axis] = hn::Max(body_high[axis], high[axis][p]);
+        }
+      }
+      for (size_t axis = 0; axis < 3; ++axis) {
+        store_parts(low[axis], blocks + first, kBoxLanes + axis * padded + quad, in_use);
+        store_parts(high[axis], blocks + first, kBoxLanes + (axis + 3) * padded + quad, in_use);
+      }
+    }
+    const V zero = hn::Zero(d);
+    store_parts({body_low[0], body_low[1], body_low[2], zero}, blocks + first, 0, in_use);
+    store_parts({body_high[0], body_high[1], body_high[2], zero}, blocks + first, 4, in_use);
+  }
 }
 
 /// Low and high corner of a box, the same in every lane.
