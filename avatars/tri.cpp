@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -17,8 +18,8 @@ namespace {
 
 /// A body scan of five million points is about 250 MB of text; beyond that a part is no part.
 constexpr uintmax_t kMaxTriBytes = uintmax_t{512} << 20;
-/// A shortest vertex line is "0 0 0\n", a shortest triangle line "0 1 2\n": a count that promises
-/// more lines than the file has room for is refused before memory is taken.
+/// A shortest vertex line is "0 0 0\n", a shortest triangle line "0 1 2\n": memory is reserved for
+/// no more lines than the file has room for, whatever its counts say.
 constexpr size_t kMinLineBytes = 6;
 /// The earth is 6.4e6 m in radius: larger coordinates are a lost decimal point, and their products
 /// would leave the range of a float.
@@ -128,6 +129,8 @@ class Lines {
     --words_.count;
   }
   size_t bytes_left() const { return text_.size() - at_; }
+  /// Lines that the rest can hold; the last may lack its line end.
+  size_t room() const { return (bytes_left() + 1) / kMinLineBytes; }
 
   [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
     throw InputError(at_line(file_, number_), expected, found);
@@ -161,16 +164,15 @@ size_t count_of(const Lines& lines, std::string_view word, const char* what, lon
   if (!count) lines.fail(expected, quoted(word));
   if (*count < least)
     lines.fail(fmt::format("{} to be at least {}", expected, least), std::to_string(*count));
-  // Mesh indices are 32 bits, and every line takes its bytes; the last may lack its line end.
-  const size_t room = (lines.bytes_left() + 1) / kMinLineBytes;
-  if (static_cast<unsigned long long>(*count) > room)
-    lines.fail(fmt::format("{} to fit into the file (at most {} more)", expected, room),
+  // More lines than bytes is a wrong number; a few lines too many is a short file, told at its end.
+  if (static_cast<unsigned long long>(*count) > lines.bytes_left())
+    lines.fail(fmt::format("{} to fit into the file ({} bytes left)", expected, lines.bytes_left()),
                std::to_string(*count));
   return static_cast<size_t>(*count);
 }
 
 void read_vertices(Lines& lines, size_t count, Mesh& mesh) {
-  mesh.vertices.reserve(count);
+  mesh.vertices.reserve(std::min(count, lines.room()));
   for (size_t i = 0; i < count; ++i) {
     if (!lines.next())
       lines.fail_at_end(fmt::format("3 coordinates (vertex {} of {})", i + 1, count));
@@ -194,7 +196,7 @@ void read_triangles(Lines& lines, size_t count, TriFile& file) {
   const auto vertices = static_cast<long long>(file.mesh.vertices.size());
   bool zero_seen = false;
   bool end_seen = false;
-  file.mesh.triangles.reserve(count);
+  file.mesh.triangles.reserve(std::min(count, lines.room()));
   for (size_t i = 0; i < count; ++i) {
     if (!lines.next())
       lines.fail_at_end(fmt::format("3 vertex indices (triangle {} of {})", i + 1, count));

@@ -89,7 +89,7 @@ TEST(Raster, FacesTurnedAwayAndThingsBehindTheEyeAreNotDrawn) {
   Mesh away = triangle_at(1);
   std::swap(away.triangles[0][1], away.triangles[0][2]);
   const Mesh behind = triangle_at(-1);
-  for (const Mesh* mesh : {&away, &behind}) {
+  for (const Mesh* mesh : std::initializer_list<const Mesh*>{&away, &behind}) {
     RenderItem item;
     item.mesh = mesh;
     const Image image = seen({&item, 1}, 16);
