@@ -23,7 +23,7 @@ constexpr double kToeOut = 6 * kDegree;
 constexpr double kArmsOut = 1 * kDegree;
 // No knee locks: at less than this, a millimetre of pelvis is worth several degrees of knee.
 constexpr double kStraightestKnee = 2 * kDegree;
-// Height of the lowest sole point halfway through the swing, in leg lengths; 2.5 cm for an adult.
+// Height of the lowest sole point at its highest in the swing, in leg lengths; 2.5 cm for an adult.
 constexpr double kClearance = 0.029;
 // Walking feet land nearer to the line of travel than the hips are apart (step width about 0.1 m).
 constexpr double kStepWidthShare = 0.62;
@@ -49,8 +49,8 @@ struct Walker::Step {
            roll * Vector2d(std::cos(heading_rad), std::sin(heading_rad));
   }
 
-  // It leaves with the rolling foot's speed and lands with a part of it: at all of it the foot
-  // would reach 5 cm too far first.
+  // Cubic. The foot leaves with the rolling foot's speed and lands with a part of it: at all of it
+  // the foot would reach 5 cm too far first.
   Vector2d swing(double t) const {
     constexpr double kDt = 1e-5, kLandingShare = 0.35;
     const double span = 1 - stance, u = (t - stance) / span, v = 1 - u;

@@ -221,7 +221,7 @@ TEST(Gait, TheSphereHoldsEveryVertexAndIsNoLargerThanItMust) {
   EXPECT_EQ(centre.x(), 0);
   EXPECT_EQ(centre.y(), 0);
   float farthest = 0;
-  for (uint32_t i = 0; i < 3000; ++i) {
+  for (uint32_t i = 0; i < 1500; ++i) {
     const float phase = random_float(2 * i, 0, 1), speed = random_float(2 * i + 1, 0, 2.4f);
     const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
     for (size_t part = 0; part < poses.size(); ++part) {
