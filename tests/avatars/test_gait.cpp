@@ -237,7 +237,7 @@ TEST(Gait, TheSphereHoldsEveryVertexAndIsNoLargerThanItMust) {
 
 TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
   const std::shared_ptr<const Model> cart =
-      load_model(std::filesystem::path(__FILE__).parent_path() / "fixtures" / "gait_cart.urdf");
+      load_model(std::filesystem::path(THRONG_GAIT_FIXTURES) / "gait_cart.urdf");
   const Gait gait(*cart);
   ASSERT_EQ(gait.column_count(), 2);
   EXPECT_EQ(gait.stride_length_m(0, 1), 1);
