@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,18 @@ INSTANTIATE_TEST_SUITE_P(
                                                   "ELF\0\0\1\2",
                                                   8)}),
     [](const auto& each) { return each.param.name; });
+
+TEST(Info, EveryFixtureOfTheReaderIsDescribed) {
+  const ScratchFolder folder;
+  const std::filesystem::path fixtures = THRONG_SOURCE_DIR "/tests/avatars/fixtures/tri";
+  int described = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(fixtures)) {
+    const Outcome outcome = shell("throng info '" + entry.path().string() + "'", folder);
+    EXPECT_EQ(outcome.exit_code, 0) << entry.path().filename() << ": " << outcome.err;
+    ++described;
+  }
+  EXPECT_GE(described, 8);
+}
 
 TEST(Info, FolderIsNoMesh) {
   const ScratchFolder folder;
