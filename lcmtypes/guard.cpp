@@ -255,7 +255,12 @@ std::string decode(std::span<const uint8_t> bytes, counters_t& out) {
 }
 
 std::string decode(std::span<const uint8_t> bytes, end_t& out) {
-  return decode_message(Channel::kEnd, bytes, out);
+  std::string defect = decode_message(Channel::kEnd, bytes, out);
+  if (!defect.empty()) return defect;
+  for (const auto* totals : {&out.messages, &out.bytes})
+    for (const int64_t total : *totals)
+      if (total < 0 || total > kMaxNumber) return fmt::format("a total of {}", total);
+  return "";
 }
 
 std::string decode(std::span<const uint8_t> bytes, parts_t& out) {

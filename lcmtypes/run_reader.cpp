@@ -40,6 +40,17 @@ void RunReader::count(Channel channel, const MessageHeader& header, size_t bytes
   }
 }
 
+void RunReader::count_tails() {
+  for (size_t i = 0; i < end_->channels.size(); ++i) {
+    const std::optional<Channel> channel = channel_of(end_->channels[i]);
+    if (!channel) continue;
+    Tally& tally = tallies_[static_cast<size_t>(*channel)];
+    if (tally.next_seq < 0 || end_->messages[i] <= tally.next_seq) continue;
+    tally.missing += end_->messages[i] - tally.next_seq;
+    tally.next_seq = end_->messages[i];
+  }
+}
+
 RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
   ++refused_;
   refusal_ = std::string(channel) + ": " + std::move(why);
@@ -101,6 +112,7 @@ RunReader::Update RunReader::dispatch(Channel channel, std::span<const uint8_t> 
       break;
     case Channel::kEnd:
       end_ = decoded<end_t>(bytes, defect);
+      if (defect.empty()) count_tails();
       update = Update::kEnd;
       break;
     case Channel::kParts:

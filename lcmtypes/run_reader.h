@@ -74,7 +74,8 @@ class RunReader {
   struct Tally {
     int64_t messages = 0;
     int64_t bytes = 0;
-    int64_t missing = 0;  ///< holes in seq since the first message received
+    /// Holes in seq since the first message, and after the last one once end() is known.
+    int64_t missing = 0;
     int64_t next_seq = -1;
     int64_t last_frame = -1;
     int64_t incomplete = 0;  ///< sets of chunks that a newer one overtook
@@ -88,6 +89,7 @@ class RunReader {
   Update refuse(std::string_view channel, std::string why);
   bool follows(Channel channel, const MessageHeader& header);
   void count(Channel channel, const MessageHeader& header, size_t bytes);
+  void count_tails();
   Update dispatch(Channel channel, std::span<const uint8_t> bytes);
   std::string take_run(const run_t& piece, Update& update);
   std::string take_states(const states_t& states, Update& update);

@@ -168,7 +168,9 @@ std::vector<uint8_t> bytes_of(const std::filesystem::path& file) {
 }
 
 void write_bytes(const std::filesystem::path& file, std::span<const uint8_t> bytes) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  // ext4 writes a file that was emptied and filled again to the disk at once: make a new one.
+  std::filesystem::remove(file);
+  std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));
 }
