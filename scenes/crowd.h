@@ -70,6 +70,7 @@ class Crowd {
   double relax_disc(uint32_t id);
   void move(uint32_t id);
   void turn(uint32_t id);
+  double stalled_s_of(uint32_t id) const;
   void measure();
 
   const Ways& ways_;

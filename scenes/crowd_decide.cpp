@@ -90,6 +90,15 @@ Eigen::Vector2d Crowd::wanted_mps(uint32_t id) {
     direction = targets_m_[id] - position;
     if (direction.squaredNorm() > 0) direction.normalize();
   }
+  const double stalled_s = stalled_s_of(id);
+  if (stalled_s > tuning::kStuck_s) {
+    const auto second = static_cast<uint64_t>(std::floor(stalled_s));
+    const RandomKey key{options_.seed, id, static_cast<uint64_t>(anchor_steps_[id]) + second,
+                        Purpose::kSymmetryBreaking};
+    const double side = random_uniform(key, -tuning::kSidestep, tuning::kSidestep, 2);
+    direction += side * Eigen::Vector2d(-direction.y(), direction.x());
+    if (direction.squaredNorm() > 0) direction.normalize();
+  }
   const double share = period_s_ / (tuning::kRelaxation_s + period_s_);
   intents_mps_[id] += share * (free_speeds_mps_[id] * direction - intents_mps_[id]);
   const RandomKey key{options_.seed, id, static_cast<uint64_t>(steps_), Purpose::kSymmetryBreaking};
@@ -123,6 +132,8 @@ void Crowd::add_walls(uint32_t id, Plan& plan) {
 }
 
 void Crowd::add_people(uint32_t id, Plan& plan) const {
+  const bool is_stuck = stalled_s_of(id) > tuning::kStuck_s;
+  const double horizon_s = is_stuck ? tuning::kStuckHorizon_s : tuning::kHorizon_s;
   for (uint32_t k = 0; k < neighbour_counts_[id]; ++k) {
     const uint32_t other = neighbours_[id * kMaxNeighbours + k].id;
     Encounter encounter;
@@ -132,7 +143,7 @@ void Crowd::add_people(uint32_t id, Plan& plan) const {
     encounter.own_velocity_mps = old_velocities_mps_[id];
     encounter.other_velocity_mps = old_velocities_mps_[other];
     encounter.radius_m = radii_m_[id] + radii_m_[other];
-    encounter.horizon_s = tuning::kHorizon_s;
+    encounter.horizon_s = horizon_s;
     encounter.step_s = period_s_;
     plan.planes[plan.count++] = avoid(encounter);
   }
@@ -180,6 +191,10 @@ double Crowd::relax_disc(uint32_t id) {
   return deepest_m;
 }
 
+double Crowd::stalled_s_of(uint32_t id) const {
+  return options_.step_s * static_cast<double>(steps_ - anchor_steps_[id]);
+}
+
 void Crowd::measure() {
   counters_.deepest_overlap_m = largest([this](uint32_t id) {
     double deepest_m = 0;
@@ -194,7 +209,7 @@ void Crowd::measure() {
       anchors_m_[id] = positions_m_[id];
       anchor_steps_[id] = steps_;
     }
-    return options_.step_s * static_cast<double>(steps_ - anchor_steps_[id]);
+    return stalled_s_of(id);
   });
 }
 

@@ -32,6 +32,12 @@ inline constexpr double kMaxTurn_radps = 3.0;
 inline constexpr double kTurnSpeed_mps = 0.2;
 /// The body follows the mean velocity of about this time, so that it does not shake in a throng.
 inline constexpr double kTurnSmoothing_s = 0.5;
+/// Whoever made no progress for so long tries another way past, each time for about a second.
+inline constexpr double kStuck_s = 1.5;
+/// The horizon of somebody stuck: one who looks less far ahead takes gaps that others leave.
+inline constexpr double kStuckHorizon_s = 0.5;
+/// How far to a side such a try goes, at most, as a multiple of the way ahead.
+inline constexpr double kSidestep = 2.0;
 /// A target counts as reached within this; after so long in the goal's area, anyhow.
 inline constexpr double kArrival_m = 0.7;
 inline constexpr double kPatience_s = 3.0;

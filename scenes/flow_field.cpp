@@ -145,7 +145,9 @@ void FlowField::lead_out_of_walls() {
       if (known[cell] || grid_->is_free(cell)) continue;
       known[cell] = 1;
       const Eigen::Vector2d out = grid_->centre_m(front[i]) - grid_->centre_m(cell);
-      direction_[cell] = out.normalized().cast<float>();
+      // Mostly along the way of the cell outside: straight out would be turned back at once.
+      const Eigen::Vector2f way = direction_[front[i]] + 0.5f * out.normalized().cast<float>();
+      direction_[cell] = way.normalized();
       front.push_back(cell);
     }
   }
