@@ -74,6 +74,7 @@ Gait::Gait(const Model& model) : column_count_(model.kinematics.column_count()) 
   const GaitSphere sphere = sphere_around(posable, *table_);
   sphere_centre_m_.z() = static_cast<float>(sphere.centre_z_m);
   sphere_radius_m_ = static_cast<float>(sphere.radius_m);
+  upright_radius_m_ = static_cast<float>(sphere.upright_radius_m);
 }
 
 Gait::~Gait() = default;

@@ -36,12 +36,15 @@ class Gait {
   /// error.
   Eigen::Vector3f sphere_centre_m() const { return sphere_centre_m_; }
   float sphere_radius_m() const { return sphere_radius_m_; }
+  /// Radius of the cylinder around the root's z axis that bounds the same (metres, unscaled).
+  float upright_radius_m() const { return upright_radius_m_; }
 
  private:
   struct Table;
   int column_count_ = 0;
   Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
   float sphere_radius_m_ = 0;
+  float upright_radius_m_ = 0;
   std::unique_ptr<Table> table_;
 };
 

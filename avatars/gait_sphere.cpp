@@ -212,12 +212,12 @@ std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table
   return extents;
 }
 
-}  // namespace
-
-GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
-  GaitSphere sphere{std::nearbyint(centre_height(model, table) / kGrain) * kGrain, 0};
-  const Vector3d centre(0, 0, sphere.centre_z_m);
-  const std::vector<Extent> extents = extents_of(model, table);
+// The largest distance of any vertex in any posture; distance(point) grows by at most the length
+// that the point moves.
+template <typename Distance>
+double farthest_m(const PosableModel& model, const GaitTable& table,
+                  const std::vector<Extent>& extents, const Distance& distance) {
+  double farthest = 0;
   std::vector<Isometry3d> links;
   for (int step = speed_steps(table) - 1; step >= 0; --step)
     for (int phase = 0; phase < table.phases; ++phase) {
@@ -225,20 +225,27 @@ GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
       for (const Extent& extent : extents) {
         const Isometry3d& pose = links[extent.link];
         const auto beyond = [&](const Cluster& cluster) {
-          return (pose * cluster.middle - centre).norm() + cluster.radius + extent.stray >
-                 sphere.radius_m;
+          return distance(pose * cluster.middle) + cluster.radius + extent.stray > farthest;
         };
         if (!beyond(extent.whole)) continue;
         for (const Cluster& piece : extent.pieces) {
           if (!beyond(piece)) continue;
           for (const Vector3d& vertex : piece.vertices)
-            sphere.radius_m =
-                std::max(sphere.radius_m, (pose * vertex - centre).norm() + extent.stray);
+            farthest = std::max(farthest, distance(pose * vertex) + extent.stray);
         }
       }
     }
-  sphere.radius_m = std::ceil((sphere.radius_m + kFloatMargin) / kGrain) * kGrain;
-  return sphere;
+  return std::ceil((farthest + kFloatMargin) / kGrain) * kGrain;
+}
+
+}  // namespace
+
+GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
+  const Vector3d centre(0, 0, std::nearbyint(centre_height(model, table) / kGrain) * kGrain);
+  const std::vector<Extent> extents = extents_of(model, table);
+  return {centre.z(),
+          farthest_m(model, table, extents, [&](const Vector3d& p) { return (p - centre).norm(); }),
+          farthest_m(model, table, extents, [](const Vector3d& p) { return p.head<2>().norm(); })};
 }
 
 }  // namespace throng

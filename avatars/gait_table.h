@@ -38,6 +38,7 @@ struct GaitTable {
 struct GaitSphere {
   double centre_z_m = 0;
   double radius_m = 0;
+  double upright_radius_m = 0;  ///< of the cylinder around the root's z axis
 };
 
 /// Holds every vertex of every part in every posture between the nodes; centred on the root's z

@@ -23,8 +23,8 @@ Crowd::Crowd(std::shared_ptr<const Model> model, const CrowdShape& shape)
     };
     const double heading = draw(Purpose::kSpawnHeading, 0, 2 * std::numbers::pi);
     RootPose root;
-    root.position_m = {(i % side + draw(Purpose::kSpawnPosition, -0.5, 0.5, 0)) * spacing_m,
-                       (i / side + draw(Purpose::kSpawnPosition, -0.5, 0.5, 1)) * spacing_m, 0};
+    root.position_m = {(i % side + draw(Purpose::kSpawnPosition, -0.25, 0.25, 0)) * spacing_m,
+                       (i / side + draw(Purpose::kSpawnPosition, -0.25, 0.25, 1)) * spacing_m, 0};
     root.world_from_root = Eigen::AngleAxisf(static_cast<float>(heading), Eigen::Vector3f::UnitZ());
     ids_.push_back(static_cast<uint32_t>(i));
     types_.push_back(0);
@@ -49,7 +49,9 @@ std::shared_ptr<const BodyType> Crowd::body_type() const {
   std::vector<PartShape> parts;
   for (const Part& part : model_->parts) parts.push_back({part.mesh.vertices, part.mesh.triangles});
   return std::make_shared<BodyType>(
-      std::move(parts), RootSphere{gait_.sphere_centre_m(), gait_.sphere_radius_m()}, false);
+      std::move(parts),
+      RootSphere{gait_.sphere_centre_m(), gait_.sphere_radius_m(), gait_.upright_radius_m()},
+      false);
 }
 
 void Crowd::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,10 +19,13 @@ struct PartShape {
   std::vector<Eigen::Vector3i> triangles;
 };
 
-/// A sphere fixed in the root frame that encloses every part in every posture the body can take.
+/// A sphere fixed in the root frame that encloses every part in every posture the body can take;
+/// and, where somebody knows it, a cylinder around the root's z axis that does so too: people are
+/// tall, so it tells more of them apart. It counts while the root stands upright.
 struct RootSphere {
   Eigen::Vector3f centre_m = Eigen::Vector3f::Zero();
   float radius_m = 0;
+  float upright_radius_m = std::numeric_limits<float>::infinity();
 };
 
 class BodyType {

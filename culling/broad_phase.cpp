@@ -1,6 +1,7 @@
 #include "culling/broad_phase.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "culling/stopwatch.h"
 
@@ -10,6 +11,13 @@ namespace {
 constexpr size_t kPlaceBlock = 1024;  // bodies a task
 constexpr size_t kMostLarge = 1024;   // large bodies are asked one by one
 constexpr float kLargeRatio = 2;      // times the mean sphere of what moves
+
+/// Radius of the upright cylinder around the sphere's centre that holds an unscaled body.
+float upright_radius_m(const BodyType& type, const RootPose& root) {
+  const bool upright = root.world_from_root.x() == 0 && root.world_from_root.y() == 0;
+  if (!upright) return std::numeric_limits<float>::infinity();
+  return type.sphere().upright_radius_m + type.sphere().centre_m.head<2>().norm();
+}
 
 }  // namespace
 
@@ -24,8 +32,9 @@ void BroadPhase::run(const BodiesView& bodies, const PoseSource& source, Slots& 
   Stopwatch watch;
   place_spheres(bodies);
   split_by_size(bodies);
-  searcher_.build(kind_, {bodies.ids.size(), x_.data(), y_.data(), z_.data(), radius_.data()},
-                  {small_.data(), small_count_});
+  searcher_.build(
+      kind_, {bodies.ids.size(), x_.data(), y_.data(), z_.data(), radius_.data(), upright_.data()},
+      {small_.data(), small_count_});
   slots.begin_frame(bodies.ids.size());
   for (size_t slot = 0; slot < small_count_; ++slot)
     slots.fill(slot, searcher_.body_of_slot(slot), bodies);
@@ -52,7 +61,7 @@ void BroadPhase::run(const BodiesView& bodies, const PoseSource& source, Slots& 
 
 void BroadPhase::place_spheres(const BodiesView& bodies) {
   const size_t n = bodies.ids.size();
-  for (GrowBuffer<float>* column : {&x_, &y_, &z_, &radius_}) column->resize(n);
+  for (GrowBuffer<float>* column : {&x_, &y_, &z_, &radius_, &upright_}) column->resize(n);
   if (n == 0) return;
   // Relative to where one of the bodies is: small numbers, wherever the crowd walks.
   origin_m_ = bodies.roots[n / 2].position_m;
@@ -71,8 +80,10 @@ void BroadPhase::place_spheres(const BodiesView& bodies) {
       y_[i] = centre.y();
       z_[i] = centre.z();
       // Coordinates are rounded when stored and when the search adds and subtracts them.
-      radius_[i] = scale * type.sphere().radius_m + body_margin_m(scale * reach_m(type)) +
-                   0x1p-22f * centre.cwiseAbs().maxCoeff();
+      const float margin =
+          body_margin_m(scale * reach_m(type)) + 0x1p-22f * centre.cwiseAbs().maxCoeff();
+      radius_[i] = scale * type.sphere().radius_m + margin;
+      upright_[i] = std::min(radius_[i], scale * upright_radius_m(type, root) + margin);
     }
   });
 }
@@ -167,7 +178,8 @@ void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen
 
 uint32_t BroadPhase::times_grown() const {
   uint32_t sum = searcher_.times_grown() + x_.times_grown() + y_.times_grown() + z_.times_grown() +
-                 radius_.times_grown() + small_.times_grown() + large_.times_grown();
+                 radius_.times_grown() + upright_.times_grown() + small_.times_grown() +
+                 large_.times_grown();
   for (const Block& block : blocks_) sum += block.pairs.times_grown();
   return sum;
 }

@@ -53,7 +53,7 @@ class BroadPhase {
   Workers& workers_;
   PairSearch kind_;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();  // of the sphere coordinates
-  GrowBuffer<float> x_, y_, z_, radius_;                // by body
+  GrowBuffer<float> x_, y_, z_, radius_, upright_;      // by body
   GrowBuffer<uint32_t> small_, large_;                  // bodies, ascending
   size_t small_count_ = 0, large_count_ = 0;
   PairSearcher searcher_;

@@ -46,6 +46,7 @@ struct SphereRows {
   const float* y;
   const float* z;
   const float* radius;
+  const float* upright;  ///< radius of the upright cylinder, at most the sphere's
 };
 
 struct SlotPair {
@@ -92,8 +93,8 @@ inline uint16_t bucket_of(const BoxFrame& frame, size_t type_a, size_t part_a, s
 }
 
 struct Kernels {
-  /// Tests slot i against slots [begin, end); appends the overlapping pairs to out (which has room
-  /// for end - begin more); returns how many.
+  /// Tests slot i against slots [begin, end), spheres and cylinders; appends the overlapping pairs
+  /// to out (which has room for end - begin more); returns how many.
   size_t (*sphere_run)(const SphereRows& spheres, uint32_t i, uint32_t begin, uint32_t end,
                        SlotPair* out);
 

@@ -23,7 +23,7 @@ HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, 
                                SlotPair* out) {
   const Lanes d;
   const V x = hn::Set(d, s.x[i]), y = hn::Set(d, s.y[i]), z = hn::Set(d, s.z[i]),
-          r = hn::Set(d, s.radius[i]);
+          r = hn::Set(d, s.radius[i]), upright = hn::Set(d, s.upright[i]);
   size_t found = 0;
   for (uint32_t j = begin; j < end; j += static_cast<uint32_t>(kLanes)) {
     // The arrays are padded, so a full load is safe; the mask drops what lies beyond the run.
@@ -31,8 +31,10 @@ HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, 
     const V dy = hn::Sub(hn::LoadU(d, s.y + j), y);
     const V dz = hn::Sub(hn::LoadU(d, s.z + j), z);
     const V reach = hn::Add(hn::LoadU(d, s.radius + j), r);
-    const V distance2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-    uint32_t hits = bits_of(hn::Le(distance2, hn::Mul(reach, reach)));
+    const V around = hn::Add(hn::LoadU(d, s.upright + j), upright);
+    const V flat2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+    const M spheres = hn::Le(hn::Add(flat2, hn::Mul(dz, dz)), hn::Mul(reach, reach));
+    uint32_t hits = bits_of(hn::And(spheres, hn::Le(flat2, hn::Mul(around, around))));
     if (end - j < kLanes) hits &= (1u << (end - j)) - 1;
     for (; hits != 0; hits &= hits - 1)
       out[found++] = {i, j + static_cast<uint32_t>(std::countr_zero(hits))};

@@ -54,7 +54,9 @@ size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end,
   for (uint32_t j = begin; j < end; ++j) {
     const float dx = s.x[j] - s.x[i], dy = s.y[j] - s.y[i], dz = s.z[j] - s.z[i];
     const float reach = s.radius[j] + s.radius[i];
-    if ((dx * dx + dy * dy) + dz * dz <= reach * reach) out[found++] = {i, j};
+    const float around = s.upright[j] + s.upright[i];
+    const float flat2 = dx * dx + dy * dy;
+    if (flat2 + dz * dz <= reach * reach && flat2 <= around * around) out[found++] = {i, j};
   }
   return found;
 }

@@ -43,7 +43,7 @@ void PairSearcher::build(PairSearch kind, const SphereInput& spheres,
   slot_count_ = small.size();
   const size_t padded = slot_count_ + 16;  // a full register may be loaded at the last slot
   body_.resize(slot_count_);
-  for (GrowBuffer<float>* column : {&x_, &y_, &z_, &radius_}) column->resize(padded);
+  for (GrowBuffer<float>* column : {&x_, &y_, &z_, &radius_, &upright_}) column->resize(padded);
   if (slot_count_ == 0) {
     columns_ = rows_ = 1;
     start_.resize(2);
@@ -64,15 +64,16 @@ void PairSearcher::build(PairSearch kind, const SphereInput& spheres,
     y_[slot] = spheres.y[body];
     z_[slot] = spheres.z[body];
     radius_[slot] = spheres.radius[body];
+    upright_[slot] = spheres.upright[body];
   }
   for (size_t slot = slot_count_; slot < padded; ++slot)
-    x_[slot] = y_[slot] = z_[slot] = radius_[slot] = 0;
+    x_[slot] = y_[slot] = z_[slot] = radius_[slot] = upright_[slot] = 0;
 }
 
 void PairSearcher::choose_cells(const SphereInput& spheres, std::span<const uint32_t> small) {
   float radius = 0;
-  for (const uint32_t body : small) radius = std::max(radius, spheres.radius[body]);
-  // Two spheres that touch lie at most one cell apart; the slack covers the rounding of
+  for (const uint32_t body : small) radius = std::max(radius, spheres.upright[body]);
+  // Two bodies that may touch lie at most one cell apart; the slack covers the rounding of
   // column_of().
   float cell = std::max(2 * radius * 1.004f, 1e-6f);
   const double most_cells = 4.0 * static_cast<double>(small.size()) + 1024;
@@ -119,7 +120,7 @@ void PairSearcher::sort_by_cell(const SphereInput& spheres, std::span<const uint
 
 void PairSearcher::sort_by_low_x(const SphereInput& spheres, std::span<const uint32_t> small) {
   std::copy(small.begin(), small.end(), body_.data());
-  const auto low = [&](uint32_t body) { return spheres.x[body] - spheres.radius[body]; };
+  const auto low = [&](uint32_t body) { return spheres.x[body] - spheres.upright[body]; };
   std::sort(body_.data(), body_.data() + slot_count_,
             [&](uint32_t a, uint32_t b) { return std::pair(low(a), a) < std::pair(low(b), b); });
   low_x_.resize(slot_count_);
@@ -128,7 +129,7 @@ void PairSearcher::sort_by_low_x(const SphereInput& spheres, std::span<const uin
 
 uint64_t PairSearcher::search_block(const Kernels& kernels, size_t block, GrowBuffer<SlotPair>& out,
                                     size_t& found) const {
-  const SphereRows rows{x_.data(), y_.data(), z_.data(), radius_.data()};
+  const SphereRows rows{x_.data(), y_.data(), z_.data(), radius_.data(), upright_.data()};
   const uint32_t end_slot = static_cast<uint32_t>(slot_count_);
   uint64_t tests = 0;
   found = 0;
@@ -145,7 +146,7 @@ uint64_t PairSearcher::search_block(const Kernels& kernels, size_t block, GrowBu
       run(slot, slot + 1, end_slot);
     } else if (kind_ == PairSearch::kSweep) {
       // The float margin in the radii covers the rounding of both sums.
-      const float high = x_[slot] + radius_[slot];
+      const float high = x_[slot] + upright_[slot];
       const float* end =
           std::upper_bound(low_x_.data() + slot + 1, low_x_.data() + slot_count_, high);
       run(slot, slot + 1, static_cast<uint32_t>(end - low_x_.data()));
@@ -164,7 +165,8 @@ uint64_t PairSearcher::search_block(const Kernels& kernels, size_t block, GrowBu
 
 uint32_t PairSearcher::times_grown() const {
   return body_.times_grown() + x_.times_grown() + y_.times_grown() + z_.times_grown() +
-         radius_.times_grown() + low_x_.times_grown() + cell_.times_grown() + start_.times_grown();
+         radius_.times_grown() + upright_.times_grown() + low_x_.times_grown() +
+         cell_.times_grown() + start_.times_grown();
 }
 
 }  // namespace throng

@@ -19,7 +19,8 @@ struct SphereInput {
   const float* x = nullptr;
   const float* y = nullptr;
   const float* z = nullptr;
-  const float* radius = nullptr;  ///< inflated by the float margin
+  const float* radius = nullptr;   ///< inflated by the float margin
+  const float* upright = nullptr;  ///< radius of the upright cylinder, inflated too, at most radius
 };
 
 /// Sorts small bodies into slots and lists the overlapping pairs of slots, in blocks.
@@ -68,8 +69,8 @@ class PairSearcher {
   PairSearch kind_ = PairSearch::kGrid;
   size_t slot_count_ = 0;
   GrowBuffer<uint32_t> body_;
-  GrowBuffer<float> x_, y_, z_, radius_;
-  GrowBuffer<float> low_x_;  // kSweep: x - radius, ascending
+  GrowBuffer<float> x_, y_, z_, radius_, upright_;
+  GrowBuffer<float> low_x_;  // kSweep: x - upright, ascending
   GrowBuffer<uint32_t> cell_, start_;
   float origin_x_ = 0, origin_y_ = 0, per_metre_ = 1;
   int columns_ = 1, rows_ = 1;

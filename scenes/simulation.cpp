@@ -47,7 +47,7 @@ std::shared_ptr<const BodyType> person_type(const Model& model, const Gait& gait
   std::vector<PartShape> shapes;
   for (const Part& part : model.parts) shapes.push_back({part.mesh.vertices, part.mesh.triangles});
   return std::make_shared<BodyType>(
-      std::move(shapes), 
+      std::move(shapes),
       RootSphere{gait.sphere_centre_m(), gait.sphere_radius_m(), gait.upright_radius_m()}, false);
 }
 

@@ -215,23 +215,29 @@ TEST(Gait, ABatchGivesTheBitsOfSingleCalls) {
         << "avatar " << i << ", seed " << kSeed;
 }
 
-TEST(Gait, TheSphereHoldsEveryVertexAndIsNoLargerThanItMust) {
+TEST(Gait, TheSphereAndTheCylinderHoldEveryVertexAndAreNoLargerThanTheyMust) {
   const Walking& walking = Walking::adult();
   const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
   EXPECT_EQ(centre.x(), 0);
   EXPECT_EQ(centre.y(), 0);
-  float farthest = 0;
+  float farthest = 0, widest = 0;
   for (uint32_t i = 0; i < 1500; ++i) {
     const float phase = random_float(2 * i, 0, 1), speed = random_float(2 * i + 1, 0, 2.4f);
     const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
     for (size_t part = 0; part < poses.size(); ++part) {
       const Eigen::Isometry3f pose = to_isometry(poses[part]).cast<float>();
-      for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices)
-        farthest = std::max(farthest, (pose * vertex - centre).norm());
+      for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
+        const Eigen::Vector3f placed = pose * vertex;
+        farthest = std::max(farthest, (placed - centre).norm());
+        widest = std::max(widest, placed.head<2>().norm());
+      }
     }
     ASSERT_LE(farthest, walking.gait.sphere_radius_m())
         << "phase " << phase << ", " << speed << " m/s, seed " << kSeed;
+    ASSERT_LE(widest, walking.gait.upright_radius_m())
+        << "phase " << phase << ", " << speed << " m/s, seed " << kSeed;
   }
+  EXPECT_LT(walking.gait.upright_radius_m() - widest, 0.015f) << "widest vertex " << widest;
   EXPECT_LT(walking.gait.sphere_radius_m() - farthest, 0.015f) << "farthest vertex " << farthest;
 }
 

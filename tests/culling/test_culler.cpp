@@ -68,7 +68,9 @@ TEST(Culler, NeverMissesATouchingPair) {
       SCOPED_TRACE(::testing::Message() << place.name << ", seed " << seed);
       const RandomWorld world(seed, place.extent_m == 0 ? 12 : 60, place.extent_m, place.centre_m);
       const std::vector<PairKey> truth = touching_by_brute_force(world);
-      if (place.extent_m < 10) ASSERT_GT(truth.size(), 20u);
+      if (place.extent_m < 10) {
+        ASSERT_GT(truth.size(), 20u);
+      }
       for (const VolumeKind volume : kAllVolumes) {
         const std::vector<PairKey> found = pairs_of(world, {.part_volume = volume}, 1);
         size_t missed = 0;
