@@ -117,6 +117,8 @@ void Culler::State::refine() {
       stage.add(shared, broad.block(block));
     stage.finish(shared, task.keys, task.count);
   });
+  for (PartStage& stage : stages)
+    for (const PartStage& other : stages) stage.reserve_like(other);
 }
 
 /// Keys by body a with a counting sort, then each body's few by comparison.

@@ -30,6 +30,10 @@ class GrowBuffer {
   void resize(size_t count) { reserve(count, 0); }
   /// Room for `count` elements, the first `kept` of them kept.
   void grow(size_t count, size_t kept) { reserve(count, kept); }
+  /// As much room as another buffer has, contents undefined.
+  void match(const GrowBuffer& other) {
+    if (other.capacity_ > capacity_) allocate(other.capacity_, 0);
+  }
 
   T* data() { return data_; }
   const T* data() const { return data_; }
@@ -44,7 +48,9 @@ class GrowBuffer {
   void reserve(size_t count, size_t kept) {
     if (count <= capacity_) return;
     // A quarter in reserve: crowds get denser a little at a time.
-    const size_t capacity = count + count / 4 + 16;
+    allocate(count + count / 4 + 16, kept);
+  }
+  void allocate(size_t capacity, size_t kept) {
     T* data = static_cast<T*>(::operator new(capacity * sizeof(T), kAlignment));
     if (kept > 0) std::memcpy(static_cast<void*>(data), data_, kept * sizeof(T));
     release(data_);

@@ -244,6 +244,14 @@ void PartStage::decide_by_triangles(const PartStageFrame& frame) {
   counters_.primitive_tests += primitive.node_tests + primitive.triangle_tests;
 }
 
+void PartStage::reserve_like(const PartStage& other) {
+  pairs_.match(other.pairs_);
+  candidates_.match(other.candidates_);
+  bucket_start_.match(other.bucket_start_);
+  order_.match(other.order_);
+  overlaps_.match(other.overlaps_);
+}
+
 uint32_t PartStage::times_grown() const {
   return pairs_.times_grown() + candidates_.times_grown() + bucket_start_.times_grown() +
          order_.times_grown() + overlaps_.times_grown();

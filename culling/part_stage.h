@@ -49,6 +49,8 @@ class PartStage {
 
   const PartStageCounters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
+  /// Makes room for what another worker's task needed: any worker may get that task next time.
+  void reserve_like(const PartStage& other);
   uint32_t times_grown() const;
 
  private:

@@ -37,8 +37,9 @@ TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
   for (uint64_t seed = 1; seed <= 5; ++seed)
     frames.emplace_back(seed, 400, 6, Eigen::Vector3d::Zero());
   for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute}) {
-    for (const bool exact : {false, true}) {
-      Workers workers(1);
+    for (const int threads : {1, 3}) {
+      const bool exact = search == PairSearch::kGrid;
+      Workers workers(threads);
       // The frames differ in poses only, so one set of types serves them all.
       Culler culler(frames[0].types, {.exact = exact, .pair_search = search}, workers);
       for (int warm_up = 0; warm_up < 2; ++warm_up)
@@ -51,7 +52,7 @@ TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
         grown += culler.counters().allocations_grown;
       }
       EXPECT_EQ(allocations - before, 0u)
-          << "search " << static_cast<int>(search) << ", exact " << exact;
+          << "search " << static_cast<int>(search) << ", " << threads << " threads";
       EXPECT_EQ(grown, 0u);
     }
   }
