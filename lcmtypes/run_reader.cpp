@@ -8,13 +8,16 @@ namespace throng {
 
 bool RunReader::follows(Channel channel, const MessageHeader& header) {
   if (!is_free_ && header.run_id == run_id_ && header.instance == instance_) return true;
-  const bool begins = channel == Channel::kRun && header.frame == 0 && header.utime_us == 0;
+  // The description's first round; later ones have a higher seq.
+  const bool begins = channel == Channel::kRun && header.seq < header.chunk_count;
   if (!is_free_ && !begins && !end_) {
     ++foreign_;
     return false;
   }
-  *this = [this, &header] {
+  *this = [this, &header, begins] {
     RunReader fresh;
+    if (begins)
+      for (Tally& tally : fresh.tallies_) tally.next_seq = 0;  // nothing was missed before
     fresh.run_id_ = header.run_id;
     fresh.instance_ = header.instance;
     fresh.is_free_ = false;

@@ -74,7 +74,8 @@ class RunReader {
   struct Tally {
     int64_t messages = 0;
     int64_t bytes = 0;
-    /// Holes in seq since the first message, and after the last one once end() is known.
+    /// Holes in seq: from 0 where the run was heard from its beginning, otherwise from the first
+    /// message; behind the last message once end() is known.
     int64_t missing = 0;
     int64_t next_seq = -1;
     int64_t last_frame = -1;
