@@ -76,14 +76,9 @@ CLI::Validator name_option(std::vector<std::string> names) {
 }
 
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<const CLI::App*> chosen = [&] {
-    std::vector<const CLI::App*> parsed;
-    for (const CLI::App* command : app.get_subcommands({})) parsed.push_back(command);
-    return parsed;
-  }();
   const CLI::App* at = &app;
   std::string where = app.get_name();
-  for (const CLI::App* command : chosen) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (!command->parsed()) continue;
     at = command;
     where += " " + command->get_name();
@@ -95,7 +90,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   for (const std::string& word : app.remaining())
     if (word.starts_with("-") && word.size() > 1) return unknown_option(app, app.get_name(), word);
   if (at == &app && !app.remaining().empty()) {
-    const std::string& word = app.remaining().front();
+    const std::string word = app.remaining().front();  // a copy: remaining() is a temporary
     return fmt::format("{}: unknown command '{}'{}; `{} --help` lists them", where, word,
                        did_you_mean(word, command_names(app)), where);
   }

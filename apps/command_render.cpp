@@ -15,7 +15,7 @@ namespace {
 constexpr int kMaxPixels = 8192;
 
 constexpr const char* kFooter = R"(
-Parts that touch are red. Without --eye and --target the picture shows the whole crowd.
+Body parts that touch are red. Without --eye and --target the picture shows the whole crowd.
 
 Examples:
   throng render out/plaza.lcmlog --frame 300 --out plaza.png

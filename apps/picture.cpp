@@ -67,17 +67,15 @@ void add_people(RecordedFrame& frame, const std::set<BodyPart>& in_touch,
   }
 }
 
-void add_obstacles(RecordedFrame& frame, const std::set<BodyPart>& in_touch,
-                   std::deque<Mesh>& meshes, std::vector<RenderItem>& items) {
-  auto id = static_cast<uint32_t>(frame.crowd().roots.size());
+/// Obstacles keep their colour: one hand on a wall would paint the whole wall.
+void add_obstacles(RecordedFrame& frame, std::deque<Mesh>& meshes, std::vector<RenderItem>& items) {
   for (const obstacle_t& obstacle : frame.run().run()->obstacles) {
     Eigen::Isometry3f pose = Eigen::Isometry3f::Identity();
     pose.rotate(
         Eigen::AngleAxisf(static_cast<float>(obstacle.heading_rad), Eigen::Vector3f::UnitZ()));
     pose.pretranslate(Eigen::Map<const Eigen::Vector3d>(obstacle.centre_m).cast<float>());
     meshes.push_back(to_mesh(obstacle.mesh));
-    items.push_back({&meshes.back(), pose, 1, in_touch.contains({id, 0}) ? kTouching : kObstacle});
-    ++id;
+    items.push_back({&meshes.back(), pose, 1, kObstacle});
   }
 }
 
@@ -108,7 +106,7 @@ Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
   std::vector<RenderItem> items;
   std::deque<Mesh> meshes;  // items point into it: a deque does not move what it has
   add_people(frame, in_touch, items);
-  add_obstacles(frame, in_touch, meshes, items);
+  add_obstacles(frame, meshes, items);
   RenderOptions render_options;
   render_options.width = options.width;
   render_options.height = options.height;
