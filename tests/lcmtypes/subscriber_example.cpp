@@ -5,7 +5,7 @@
 
 static void on_events(const lcm::ReceiveBuffer*, const std::string&, const throng::events_t* m,
                       void*) {
-  for (int i = 0; i < m->count; ++i)
+  for (size_t i = 0; i < m->a.size(); ++i)
     std::printf("%.3f s: part %d of %d %s part %d of %d\n", static_cast<double>(m->utime) * 1e-6,
                 m->part_a[i], m->a[i], m->kind[i] == 0 ? "touches" : "leaves", m->part_b[i],
                 m->b[i]);
