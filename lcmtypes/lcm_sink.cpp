@@ -1,8 +1,13 @@
 #include "lcmtypes/lcm_sink.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <thread>
@@ -17,12 +22,34 @@ constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
 // A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
 constexpr std::chrono::milliseconds kDescriptionPause{1};
 
+/// False if the kernel knows no way to the URL's multicast group. liblcm finds out as well, and
+/// prints ten lines of its own.
+bool has_route(const std::string& url) {
+  constexpr std::string_view kScheme = "udpm://";
+  if (!url.starts_with(kScheme)) return true;
+  const size_t end = url.find_first_of(":?", kScheme.size());
+  std::string group = url.substr(kScheme.size(), end - kScheme.size());
+  if (group.empty()) group = "239.255.76.67";  // what liblcm uses
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(7667);  // any: connecting a UDP socket only looks the route up
+  if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) return true;
+  const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return true;
+  const bool is_reachable =
+      ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
+      errno != ENETUNREACH;
+  ::close(descriptor);
+  return is_reachable;
+}
+
 void to_stderr(const std::string& text) { fmt::print(stderr, "{}\n", text); }
 
 }  // namespace
 
 LcmSink::LcmSink(const LcmOptions& options)
-    : LcmSink(options, std::make_shared<lcm::LCM>(options.url)) {}
+    : LcmSink(options, has_route(options.url) ? std::make_shared<lcm::LCM>(options.url) : nullptr) {
+}
 
 LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
     : options_(options),
@@ -40,7 +67,7 @@ LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
 
 LcmSink::~LcmSink() = default;
 
-bool LcmSink::good() const { return lcm_->good(); }
+bool LcmSink::good() const { return lcm_ && lcm_->good(); }
 
 void LcmSink::begin(const RunInfo& run) {
   if (!good()) return;
