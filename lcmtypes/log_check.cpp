@@ -82,12 +82,16 @@ class Judge {
     number(channel, event, header);
     report_.last_frame = std::max(report_.last_frame, header.frame);
     report_.last_utime_us = std::max(report_.last_utime_us, header.utime_us);
+    const int64_t foreign = reader_.foreign();
     const auto update = reader_.take(event.channel, event.data);
     if (update == RunReader::Update::kRefused)
       problem(fmt::format("byte {}: {}", event.offset, reader_.refusal()));
+    if (reader_.foreign() != foreign)
+      problem(fmt::format("byte {}: {}: of another run ({:016x})", event.offset, event.channel,
+                          static_cast<uint64_t>(header.run_id)));
     if (update == RunReader::Update::kEvents) pair_up(event);
-    if (channel == Channel::kCounters) compare_touching(event);
-    if (channel == Channel::kEnd) compare_totals(event);
+    if (update == RunReader::Update::kCounters) compare_touching(event);
+    if (update == RunReader::Update::kEnd) compare_totals(event);
   }
 
   void number(Channel channel, const LogEvent& event, const MessageHeader& header) {

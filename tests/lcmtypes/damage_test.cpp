@@ -110,6 +110,17 @@ TEST_F(Damage, ReadingGoesOnBehindLostMagicAndSaysWhatIsMissing) {
   EXPECT_EQ(missing, 1);
 }
 
+TEST_F(Damage, AMessageOfAnotherRunIsNamedAndNotCompared) {
+  for (size_t i = 1; i + 1 < offsets_.size(); ++i) {
+    auto bytes = bytes_;
+    const uint64_t channel_bytes = get_big_endian<uint32_t>(bytes.data() + offsets_[i] + 20);
+    bytes[offsets_[i] + kLogHeadBytes + channel_bytes + 16] ^= 1;  // the first byte of run_id
+    const LogReport report = report_of(bytes);
+    EXPECT_THAT(report.problems, testing::Contains(testing::HasSubstr("of another run")))
+        << "event " << i;
+  }
+}
+
 TEST_F(Damage, ATornLogIsRepairedToItsSoundPart) {
   const ScratchFile repaired;
   const size_t size = offsets_[offsets_.size() - 3] + 17;

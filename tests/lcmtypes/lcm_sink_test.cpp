@@ -18,9 +18,13 @@ namespace {
 /// LCM's transport within one process, with a reader on the other end.
 struct Loop {
   Loop() : lcm(std::make_shared<lcm::LCM>("memq://")) {
-    lcm->subscribe("THRONG_.*", &Loop::on_message, this);
+    // Functions, not members: g++ 12's sanitizer mistakes LCM's call through a member pointer.
+    lcm->subscribeFunction("THRONG_.*", &Loop::on_message, this);
   }
-  void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  static void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel, Loop* loop) {
+    loop->take(buffer, channel);
+  }
+  void take(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
     const std::span bytes(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
     EXPECT_LE(bytes.size(), kMaxMessageBytes);
     ++messages;

@@ -10,18 +10,22 @@
 namespace {
 
 struct Listener {
-  void on_events(const lcm::ReceiveBuffer*, const std::string&, const throng::events_t* message) {
-    for (const uint8_t kind : message->kind) ++(kind == 0 ? begins : ends);
-  }
-  void on_end(const lcm::ReceiveBuffer*, const std::string&, const throng::end_t* message) {
-    is_over = true;
-    said_begins = message->begins;
-    said_ends = message->ends;
-  }
   long begins = 0, ends = 0;
   int64_t said_begins = 0, said_ends = 0;
   bool is_over = false;
 };
+
+void on_events(const lcm::ReceiveBuffer*, const std::string&, const throng::events_t* message,
+               Listener* listener) {
+  for (const uint8_t kind : message->kind) ++(kind == 0 ? listener->begins : listener->ends);
+}
+
+void on_end(const lcm::ReceiveBuffer*, const std::string&, const throng::end_t* message,
+            Listener* listener) {
+  listener->is_over = true;
+  listener->said_begins = message->begins;
+  listener->said_ends = message->ends;
+}
 
 }  // namespace
 
@@ -30,8 +34,8 @@ int main(int argc, char** argv) {
   lcm::LCM lcm(argv[1]);
   if (!lcm.good()) return std::fprintf(stderr, "LCM cannot use %s\n", argv[1]), 3;
   Listener listener;
-  lcm.subscribe("THRONG_EVENTS", &Listener::on_events, &listener)->setQueueCapacity(0);
-  lcm.subscribe("THRONG_END", &Listener::on_end, &listener);
+  lcm.subscribeFunction("THRONG_EVENTS", on_events, &listener)->setQueueCapacity(0);
+  lcm.subscribeFunction("THRONG_END", on_end, &listener);
   std::printf("listening\n");
   std::fflush(stdout);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(50);
