@@ -25,7 +25,7 @@ const std::map<std::string, Names> kMayInclude = {
     {"scenes", {"kinematics", "culling", "avatars"}},
     {"lcmtypes", {"kinematics", "culling", "avatars", "scenes"}},
     {"viewer", {"kinematics", "culling", "avatars", "scenes", "lcmtypes"}},
-    {"bench", {"kinematics", "culling", "avatars", "scenes", "lcmtypes"}},
+    {"bench", {"kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer"}},
     {"apps", {"kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer", "bench"}},
 };
 
