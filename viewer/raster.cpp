@@ -143,6 +143,10 @@ void fill_clipped(const Canvas& canvas, const View& view, const std::array<Corne
   }
 }
 
+/// Cosine of the angle between a face and the surface around its corner from which an edge is
+/// sharp.
+constexpr float kSharpEdge = 0.77F;  // 40 degrees
+
 /// Normals at the vertices, weighted by the area of the triangles around them.
 void vertex_normals(const std::vector<Eigen::Vector3f>& points, const Mesh& mesh,
                     std::vector<Eigen::Vector3f>& normals) {
@@ -196,7 +200,7 @@ class Painter {
       // A closed surface that hides its own back: faces turned away are not drawn.
       const Eigen::Vector3f normal = (world_[b] - world_[a]).cross(world_[c] - world_[a]);
       if (normal.dot(world_[a] - view_.eye) < 0)
-        fill_clipped(canvas_, view_, {camera_[a], camera_[b], camera_[c]},
+        fill_clipped(canvas_, view_, {lit(a, normal), lit(b, normal), lit(c, normal)},
                      [&](size_t at, float inverse_depth, float light) {
                        Sample& sample = canvas_.samples[at];
                        if (inverse_depth <= sample.inverse_depth) return;
@@ -226,6 +230,14 @@ class Painter {
   }
 
  private:
+  /// A corner as its face shows it: at a sharp edge the faces around it do not share their light.
+  Corner lit(size_t vertex, const Eigen::Vector3f& face) const {
+    Corner corner = camera_[vertex];
+    const Eigen::Vector3f& smooth = normals_[vertex];
+    if (face.dot(smooth) < kSharpEdge * face.norm() * smooth.norm()) corner.light = light_on(face);
+    return corner;
+  }
+
   Eigen::Vector3f colour(int x, int y) const {
     const size_t at =
         static_cast<size_t>(y) * static_cast<size_t>(canvas_.width) + static_cast<size_t>(x);
