@@ -62,10 +62,11 @@ BoxWorld::BoxWorld(const BoxWorldOptions& options, std::span<const double> radii
   for (size_t i = 0; i < radii_m.size(); ++i) {
     const double room_m = options.edge_m - 2 * radii_m[i];
     if (!(room_m > options.max_speed_mps * options.step_s))
-      throw InputError("box",
-                       fmt::format("an edge of more than {:.3f} m, so that object {} can move in it",
-                                   2 * radii_m[i] + options.max_speed_mps * options.step_s, i),
-                       fmt::format("{} m", options.edge_m));
+      throw InputError(
+          "box",
+          fmt::format("an edge of more than {:.3f} m, so that object {} can move in it",
+                      2 * radii_m[i] + options.max_speed_mps * options.step_s, i),
+          fmt::format("{} m", options.edge_m));
     low_m_.push_back(low_m().array() + radii_m[i]);
     high_m_.push_back(high_m().array() - radii_m[i]);
     const RandomKey key{options.seed, i, 0, Purpose::kBoxWorld};

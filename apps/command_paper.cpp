@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/machine.h"
+#include "base/errors.h"
+#include "bench/paper/json.h"
+#include "bench/paper/report.h"
+#include "bench/paper/tables.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes Manipulation in Massive Rigid
+Body Simulation, TELKOMNIKA 11(6), 2013. docs/paper.md says which number is which.
+
+Examples:
+  throng paper --json paper.json
+  throng paper --seeds 100 --out out/paper)";
+
+struct PaperCommand {
+  paper::PaperOptions options;
+  std::string out;
+  std::string json;
+};
+
+void write_text(const std::string& file, const std::string& text) {
+  errno = 0;
+  std::ofstream out(file, std::ios::trunc | std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw EnvironmentError(fmt::format("{}: cannot write: {}", file, std::strerror(errno)));
+}
+
+int reproduce_paper(const PaperCommand& command) {
+  // What would fail after a minute of measuring has to fail before.
+  if (!command.json.empty()) write_text(command.json, "");
+  if (!command.out.empty()) paper::require_report(command.out);
+  const auto objects = paper::load_objects();
+  const paper::PaperResult result = paper::run_experiments(
+      objects, command.options, [](const std::string& what) { fmt::print(stderr, "{}\n", what); });
+  for (const paper::Table& table : paper::tables_of(result))
+    fmt::print("{}\n", paper::to_text(table));
+  const std::string cpu = cpu_name();
+  if (!command.json.empty()) write_text(command.json, paper::to_json(result, cpu));
+  if (!command.out.empty()) {
+    paper::write_report(result, objects, cpu, command.out);
+    fmt::print("{0}/report.html and {0}/report.md written\n", command.out);
+  }
+  return kExitFine;
+}
+
+}  // namespace
+
+Command add_paper_command(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("paper", "Every table and figure of the paper, ours beside theirs");
+  app->footer(kFooter);
+  const auto command = std::make_shared<PaperCommand>();
+  command->options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const auto five = CLI::Validator(
+      [](std::string& text) -> std::string {
+        return text.ends_with('0') || text.ends_with('5')
+                   ? ""
+                   : fmt::format("expected a multiple of 5, found '{}'", text);
+      },
+      "");
+  app->add_option("--frames", command->options.frames, "Frames of Part I [500]")
+      ->check(whole_option(10, 10000, "10 to 10000 frames"))
+      ->check(five)
+      ->type_name("N");
+  app->add_option("--seed", command->options.seed, "The first seed [1]")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  app->add_option("--seeds", command->options.seeds, "Average the collisions over N seeds [1]")
+      ->check(whole_option(1, 10000, "1 to 10000 seeds"))
+      ->type_name("N");
+  app->add_option("--threads", command->options.threads,
+                  "For the seeds; what is timed runs on one [all]")
+      ->check(whole_option(1, 256, "1 to 256 threads"))
+      ->type_name("N");
+  app->add_option("--out", command->out, "A folder for report.html and report.md")
+      ->type_name("DIR");
+  app->add_option("--json", command->json, "Write the numbers as JSON")->type_name("FILE");
+  return {app, [command] { return reproduce_paper(*command); }};
+}
+
+}  // namespace throng

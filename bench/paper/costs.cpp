@@ -1,0 +1,181 @@
+#include "bench/paper/costs.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <type_traits>
+
+#include "base/random.h"
+#include "bench/paper/census.h"
+#include "culling/stopwatch.h"
+
+namespace throng::paper {
+namespace {
+
+/// The paper's number of repetitions, for constructions; the exact test's tree is not the paper's
+/// and takes longer than all its volumes together.
+constexpr int kConstructions = 100;
+constexpr int kTreeConstructions = 10;
+/// A measurement ends after this long, but not before kMinRepetitions.
+constexpr double kBudget_ns = 0.15e9;
+constexpr int kMinRepetitions = 7;
+constexpr int kMaxRepetitions = 101;
+
+/// Keeps the compiler from dropping what is only timed.
+void use(const void* value) { asm volatile("" : : "r"(value) : "memory"); }
+
+struct Inputs {
+  struct Pose {
+    uint32_t object;
+    PartPose pose;
+  };
+  struct Pair {
+    uint32_t a, b;  ///< indices into poses
+  };
+  std::vector<Pose> poses;  ///< shuffled
+  std::vector<Pair> pairs;  ///< shuffled
+  float margin_m = 0;
+};
+
+/// Fisher and Yates, with numbers that are the same everywhere.
+template <typename T>
+void shuffle(std::vector<T>& items, uint64_t seed) {
+  const RandomKey key{seed, 0, 1, Purpose::kBoxWorld};
+  for (size_t i = items.size(); i > 1; --i)
+    std::swap(items[i - 1], items[random_bits(key, static_cast<uint32_t>(i)) % i]);
+}
+
+Inputs record(const std::vector<Object>& objects, int frames, uint64_t seed) {
+  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(seed));
+  const auto count = static_cast<uint32_t>(objects.size());
+  Inputs inputs;
+  inputs.margin_m = margin_m(objects, world);
+  const uint32_t poses = count * static_cast<uint32_t>(frames - 1);
+  std::vector<uint32_t> place(poses);  // where a pose goes
+  for (uint32_t i = 0; i < poses; ++i) place[i] = i;
+  shuffle(place, seed);
+  inputs.poses.resize(poses);
+  for (uint32_t first = 0; first < poses; first += count) {
+    world.step();
+    for (uint32_t a = 0; a < count; ++a) {
+      inputs.poses[place[first + a]] = {a, world.pose(a)};
+      for (uint32_t b = a + 1; b < count; ++b)
+        inputs.pairs.push_back({place[first + a], place[first + b]});
+    }
+  }
+  shuffle(inputs.pairs, seed);
+  return inputs;
+}
+
+/// Repeats `body`, which does `count` of something, and gives the cost of one.
+template <typename Body>
+Cost repeat(size_t count, const Body& body) {
+  std::vector<double> samples_ns;
+  double spent_ns = 0;
+  body();  // caches and clocks warm up
+  while (static_cast<int>(samples_ns.size()) < kMaxRepetitions &&
+         (static_cast<int>(samples_ns.size()) < kMinRepetitions || spent_ns < kBudget_ns)) {
+    Stopwatch watch;
+    body();
+    const double ns = watch.lap_ns();
+    spent_ns += ns;
+    samples_ns.push_back(ns / static_cast<double>(count));
+  }
+  return cost_of(std::move(samples_ns));
+}
+
+template <typename Method>
+void measure_construction(const std::vector<Object>& objects, MethodCosts& costs) {
+  std::vector<std::vector<double>> by_object(objects.size());
+  std::vector<double> all;
+  constexpr int kRepetitions =
+      std::is_same_v<Method, Triangles> ? kTreeConstructions : kConstructions;
+  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+    double sum_ns = 0;
+    for (size_t i = 0; i < objects.size(); ++i) {
+      Stopwatch watch;
+      const auto fitted = Method::fit(objects[i]);
+      use(&fitted);
+      by_object[i].push_back(watch.lap_ns());
+      sum_ns += by_object[i].back();
+    }
+    all.push_back(sum_ns);
+  }
+  for (std::vector<double>& samples : by_object)
+    costs.construction.push_back(cost_of(std::move(samples)));
+  costs.construction_all = cost_of(std::move(all));
+}
+
+template <typename Method>
+void measure_motion(const std::vector<Object>& objects, const Inputs& inputs, MethodCosts& costs) {
+  const auto fitted = fit_all<Method>(objects);
+  std::vector<typename Method::Placed> placed;
+  placed.reserve(inputs.poses.size());
+  costs.update = repeat(inputs.poses.size(), [&] {
+    placed.clear();
+    for (const Inputs::Pose& p : inputs.poses)
+      placed.push_back(Method::update(fitted[p.object], objects[p.object], p.pose));
+    use(placed.data());
+  });
+  ExactCounters primitives;
+  uint64_t runs = 0;
+  costs.test = repeat(inputs.pairs.size(), [&] {
+    uint64_t hits = 0;
+    for (const Inputs::Pair& pair : inputs.pairs)
+      hits += Method::test(placed[pair.a], placed[pair.b], inputs.margin_m, primitives);
+    use(&hits);
+    ++runs;
+  });
+  const uint64_t tests = primitives.node_tests + primitives.triangle_tests;
+  if (tests > 0)
+    costs.primitive_ns = costs.test.median_ns * static_cast<double>(inputs.pairs.size() * runs) /
+                         static_cast<double>(tests);
+}
+
+/// Milliseconds of one run: motion, updates, tests.
+template <typename Method>
+double run_ms(const std::vector<Object>& objects, int frames, uint64_t seed) {
+  const auto fitted = fit_all<Method>(objects);
+  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(seed));
+  const float margin = margin_m(objects, world);
+  std::vector<typename Method::Placed> placed;
+  placed.reserve(objects.size());
+  ExactCounters primitives;
+  uint64_t hits = 0;
+  Stopwatch watch;
+  for (int frame = 1; frame < frames; ++frame) {
+    world.step();
+    placed.clear();
+    for (size_t i = 0; i < objects.size(); ++i)
+      placed.push_back(Method::update(fitted[i], objects[i], world.pose(i)));
+    for (size_t a = 0; a < objects.size(); ++a)
+      for (size_t b = a + 1; b < objects.size(); ++b)
+        hits += Method::test(placed[a], placed[b], margin, primitives);
+  }
+  use(&hits);
+  return watch.lap_ns() * 1e-6;
+}
+
+}  // namespace
+
+Cost cost_of(std::vector<double> samples_ns) {
+  if (samples_ns.empty()) return {};
+  std::sort(samples_ns.begin(), samples_ns.end());
+  const size_t last = samples_ns.size() - 1;
+  return {samples_ns[last / 2], samples_ns[last / 10], samples_ns[last - last / 10],
+          static_cast<int>(samples_ns.size())};
+}
+
+std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>& objects,
+                                                       int frames, uint64_t seed) {
+  const Inputs inputs = record(objects, frames, seed);
+  std::array<MethodCosts, kMethods.size()> costs;
+  for_each_method([&](size_t index, auto method) {
+    measure_construction<decltype(method)>(objects, costs[index]);
+    measure_motion<decltype(method)>(objects, inputs, costs[index]);
+    for (size_t i = 0; i < kRunLengths.size(); ++i)
+      costs[index].run_ms[i] = run_ms<decltype(method)>(objects, kRunLengths[i] * frames, seed);
+  });
+  return costs;
+}
+
+}  // namespace throng::paper

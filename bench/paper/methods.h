@@ -1,0 +1,92 @@
+// Every volume of the paper under every update rule, as one type each.
+// One rule: a method says how a volume is built (C_o), updated (C_u) and tested (C_v), and nothing
+// else; what is counted and timed is the same for all.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "bench/paper/parts.h"
+#include "culling/triangle_bvh.h"
+#include "culling/volumes.h"
+
+namespace throng::paper {
+
+/// Updated from the fitted volume: the sphere moves, boxes and or-DOPs turn, k-DOPs bound the turn.
+template <typename V>
+struct Turned {
+  using Fitted = typename V::Fitted;
+  using Placed = typename V::Placed;
+  static Fitted fit(const Object& object) { return V::fit(object.shape.points); }
+  static Placed update(const Fitted& fitted, const Object&, const PartPose& pose) {
+    return V::place(fitted, pose, 1.0f);
+  }
+  static bool test(const Placed& a, const Placed& b, float margin_m, ExactCounters&) {
+    return V::overlaps(a, b, Eigen::Vector3f::Zero(), margin_m);
+  }
+};
+
+/// Updated from the vertices.
+template <typename V>
+struct Refitted : Turned<V> {
+  using typename Turned<V>::Fitted;
+  using typename Turned<V>::Placed;
+  static Placed update(const Fitted&, const Object& object, const PartPose& pose) {
+    return V::refit(object.shape.points, pose, 1.0f);
+  }
+};
+
+/// The truth: triangles against triangles. Its update is its pose, as an or-DOP's.
+struct Triangles {
+  using Fitted = TriangleBvh;
+  struct Placed {
+    const TriangleBvh* surface;
+    PartPose pose;
+  };
+  static Fitted fit(const Object& object) { return {object.shape.points, object.shape.triangles}; }
+  static Placed update(const Fitted& fitted, const Object&, const PartPose& pose) {
+    return {&fitted, pose};
+  }
+  static bool test(const Placed& a, const Placed& b, float, ExactCounters& counters) {
+    return solids_touch(*a.surface, a.pose, 1, *b.surface, b.pose, 1, Eigen::Vector3f::Zero(),
+                        counters);
+  }
+};
+
+/// The rows of every table, the truth last.
+inline constexpr std::array<std::string_view, 14> kMethods = {
+    "sphere",       "aabb",         "aabb_refit",   "obb",     "kdop14",  "kdop18",  "kdop26",
+    "kdop14_refit", "kdop18_refit", "kdop26_refit", "ordop14", "ordop18", "ordop26", "exact"};
+inline constexpr size_t kSphereMethod = 0;
+inline constexpr size_t kOrdop26Method = 12;
+inline constexpr size_t kExactMethod = 13;
+
+/// Calls visit(index, method) for each of kMethods.
+template <typename Visit>
+void for_each_method(const Visit& visit) {
+  visit(0, Turned<Sphere>{});
+  visit(1, Turned<Aabb>{});
+  visit(2, Refitted<Aabb>{});
+  visit(3, Turned<Obb>{});
+  visit(4, Turned<Kdop<14>>{});
+  visit(5, Turned<Kdop<18>>{});
+  visit(6, Turned<Kdop<26>>{});
+  visit(7, Refitted<Kdop<14>>{});
+  visit(8, Refitted<Kdop<18>>{});
+  visit(9, Refitted<Kdop<26>>{});
+  visit(10, Turned<Ordop<14>>{});
+  visit(11, Turned<Ordop<18>>{});
+  visit(12, Turned<Ordop<26>>{});
+  visit(13, Triangles{});
+}
+
+/// The fitted volumes of all objects, for one method.
+template <typename Method>
+std::vector<typename Method::Fitted> fit_all(const std::vector<Object>& objects) {
+  std::vector<typename Method::Fitted> fitted;
+  fitted.reserve(objects.size());
+  for (const Object& object : objects) fitted.push_back(Method::fit(object));
+  return fitted;
+}
+
+}  // namespace throng::paper

@@ -1,0 +1,32 @@
+// The 15 objects of the paper: the adult's body parts, each about the middle of its own sphere.
+// One rule: an object's origin is where its smallest sphere has its centre, so that a spin turns it
+// about its middle and its sphere is updated by its position alone.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "avatars/mesh.h"
+#include "culling/body_type.h"
+#include "scenes/box_world.h"
+
+namespace throng::paper {
+
+struct Object {
+  std::string name;  ///< the part's, "head"
+  PartShape shape;   ///< about the origin
+  Mesh mesh;         ///< the same, for pictures
+  double radius_m;   ///< every point lies within
+};
+
+/// The adult's parts in the order of the paper's Table 1.
+std::vector<Object> load_objects();
+
+/// `count` objects, the parts in turn; every `static_every`-th stands still (0: none does).
+BoxWorld world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
+                  const BoxWorldOptions& options);
+
+/// What tests over these objects in a box must allow for rounding.
+float margin_m(const std::vector<Object>& objects, const BoxWorld& world);
+
+}  // namespace throng::paper

@@ -1,0 +1,83 @@
+// Part II: n objects, and what to do with every pair of them.
+// One rule: a strategy is told apart by which volumes it updates and which pairs it tests; the
+// motion, the volumes and the tests are the same for all.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/simd.h"
+#include "bench/paper/methods.h"
+#include "culling/kernels.h"
+
+namespace throng::paper {
+
+enum class Strategy {
+  kControl,     ///< objects move, nothing is tested
+  kSphere,      ///< spheres, every pair
+  kOrdop,       ///< or-DOPs, every pair
+  kHybridOne,   ///< sphere, then or-DOP, of one object of interest with all others
+  kHybridAll,   ///< both volumes of every object updated; sphere then or-DOP, pair by pair
+  kTwoPass,     ///< spheres of every pair first; or-DOPs of the survivors only (Seq Sp-OrD)
+  kTwoPassGrid  ///< the same, the first pass through a grid: not the paper's
+};
+
+inline constexpr std::array<std::string_view, 7> kStrategies = {
+    "control", "sphere", "ordop", "hybrid_one", "hybrid_all", "two_pass", "two_pass_grid"};
+
+/// N of each kind, summed over the frames.
+struct Work {
+  uint64_t sphere_updates = 0;
+  uint64_t sphere_tests = 0;
+  uint64_t ordop_updates = 0;
+  uint64_t ordop_tests = 0;
+  uint64_t passed = 0;      ///< pairs reported
+  uint64_t primitives = 0;  ///< what the exact test of those pairs would take: N_p
+
+  uint64_t updates() const { return sphere_updates + ordop_updates; }
+  uint64_t tests() const { return sphere_tests + ordop_tests; }
+  bool operator==(const Work&) const = default;
+};
+
+/// Part II's box: as full of objects as Part I's. Every other object stands still.
+BoxWorld part_two_world(const std::vector<Object>& objects, size_t count, uint64_t seed);
+
+class StrategyRun {
+ public:
+  StrategyRun(Strategy strategy, const std::vector<Object>& objects, size_t count, uint64_t seed,
+              SimdTarget simd = SimdTarget::kBest);
+  ~StrategyRun();
+
+  /// Moves the objects by a step, then culls.
+  void frame();
+  /// Of the last frame; ascending a, then b; a < b.
+  std::span<const SlotPair> pairs() const;
+  /// Adds what triangles say about pairs() to work().primitives; returns how many touch.
+  size_t count_primitives();
+  const Work& work() const;
+  const BoxWorld& world() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A strategy over some frames.
+struct StrategyResult {
+  size_t objects = 0;
+  int frames = 0;
+  Work work;
+  double frame_ms = 0;  ///< median over repetitions of the mean frame
+  double fps() const { return frame_ms > 0 ? 1e3 / frame_ms : 0; }
+};
+
+/// Counts in one run and, if that was short, times seven further ones of the same frames, on this
+/// thread.
+StrategyResult measure_strategy(Strategy strategy, const std::vector<Object>& objects, size_t count,
+                                int frames, uint64_t seed);
+
+}  // namespace throng::paper

@@ -1,0 +1,286 @@
+#include "bench/paper/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bench/paper/published.h"
+
+namespace throng::paper {
+namespace {
+
+std::string number(double value) { return fmt::format("{:.4g}", value); }
+std::string plain(uint64_t value) { return fmt::format("{}", value); }
+
+std::string spread(const Cost& cost) {
+  return fmt::format("{:.4g} ({:.4g}..{:.4g})", cost.median_ns, cost.low_ns, cost.high_ns);
+}
+
+std::string printed_collision(const VolumeResult& volume, size_t mark) {
+  const PublishedVolume* published = published_for(volume.name);
+  return published == nullptr ? "-" : std::string(published->collisions[mark]);
+}
+
+Table table_2(const PaperResult& result) {
+  Table table;
+  table.title = "Table 2, Fig. 7: accumulated collisions";
+  table.note = fmt::format(
+      "Overlapping pairs summed over the frames; mean{} of {} seed(s). The paper's number stands "
+      "behind the bar; ? is a digit lost in print. False positives: pairs found that do not touch.",
+      result.options.seeds > 1 ? " +- standard deviation" : "", result.options.seeds);
+  table.head = {"volume"};
+  for (size_t mark = 1; mark <= kMarks; ++mark)
+    table.head.push_back(
+        fmt::format("{}", mark * static_cast<size_t>(result.options.frames) / kMarks));
+  table.head.push_back("false positives");
+  table.head.push_back("missed");
+  for (const VolumeResult& volume : result.volumes) {
+    std::vector<std::string> row = {volume.name};
+    for (size_t mark = 0; mark < kMarks; ++mark) {
+      std::string cell = fmt::format("{:.5g}", volume.collisions[mark]);
+      if (result.options.seeds > 1) cell += fmt::format("+-{:.3g}", volume.deviation[mark]);
+      row.push_back(cell + " | " + printed_collision(volume, mark));
+    }
+    row.push_back(fmt::format("{:.1f} %", 100 * volume.false_positive_rate));
+    row.push_back(plain(volume.missed));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table table_3(const PaperResult& result) {
+  Table table;
+  table.title = "Table 3, Fig. 9: total cost T = N_u C_u + N_v C_v + C_o";
+  table.note =
+      "Nanoseconds: median (10th..90th percentile). N_u counts updates where they happen; 'T, "
+      "paper's "
+      "way' counts two updates a test, as the paper does. The paper's T is read as milliseconds.";
+  table.head = {"volume",      "N_v",    "C_v ns", "N_u",
+                "C_u ns",      "C_o ns", "T ms",   "T ms, paper's way",
+                "paper's T ms"};
+  for (const VolumeResult& volume : result.volumes) {
+    const PublishedVolume* published = published_for(volume.name);
+    table.rows.push_back({volume.name, plain(volume.census.tests), spread(volume.costs.test),
+                          plain(volume.census.updates), spread(volume.costs.update),
+                          spread(volume.costs.construction_all), number(volume.total_ms()),
+                          number(volume.total_paper_way_ms()),
+                          published == nullptr ? "-" : number(published->total_ms)});
+  }
+  return table;
+}
+
+Table formula_check() {
+  Table table;
+  table.title = "The formula on the paper's own numbers";
+  table.note = "N_u C_u + N_v C_v + C_o of Table 3 as printed, against the T printed beside.";
+  table.head = {"volume", "printed ms", "computed ms", "error"};
+  for (const PublishedVolume& row : kPublished)
+    table.rows.push_back({std::string(row.volume), fmt::format("{}", row.total_ms),
+                          fmt::format("{:.4f}", row.computed_ms()),
+                          fmt::format("{:.4f} %", 100 * row.error())});
+  return table;
+}
+
+Table figure_6(const PaperResult& result) {
+  Table table;
+  table.title = "Fig. 6: construction time by object, microseconds";
+  table.note = "Median of 100 repetitions (exact: 10). The paper prints its sums only, as C_o.";
+  table.head = {"object"};
+  std::vector<const VolumeResult*> shown;
+  for (const VolumeResult& volume : result.volumes) {
+    if (volume.name.ends_with("_refit")) continue;  // built alike
+    shown.push_back(&volume);
+    table.head.push_back(volume.name);
+  }
+  for (size_t i = 0; i < result.objects.size(); ++i) {
+    std::vector<std::string> row = {result.objects[i]};
+    for (const VolumeResult* volume : shown)
+      row.push_back(number(volume->costs.construction[i].median_ns * 1e-3));
+    table.rows.push_back(std::move(row));
+  }
+  std::vector<std::string> paper = {"all, paper (ms)"};
+  for (const VolumeResult* volume : shown) {
+    const PublishedVolume* published = published_for(volume->name);
+    paper.push_back(published == nullptr ? "-" : number(published->construction_ms));
+  }
+  table.rows.push_back(std::move(paper));
+  return table;
+}
+
+Table figures_8_to_10(const PaperResult& result) {
+  const int frames = result.options.frames;
+  Table table;
+  table.title = "Fig. 8, 9, 10: frames a second, and longer runs";
+  table.note =
+      "By the clock: motion, updates and tests of 15 objects, no drawing (the paper's frame rates "
+      "have no number in the text). T by the formula. Collisions of the first seed.";
+  table.head = {"volume", "frames/s"};
+  for (const int length : kRunLengths) {
+    table.head.push_back(fmt::format("T ms, {} frames", length * frames));
+    table.head.push_back(fmt::format("clock ms, {}", length * frames));
+  }
+  table.head.push_back(fmt::format("collisions, {}", kRunLengths.back() * frames));
+  for (const VolumeResult& volume : result.volumes) {
+    std::vector<std::string> row = {volume.name,
+                                    fmt::format("{:.0f}", frames * 1e3 / volume.costs.run_ms[0])};
+    for (size_t i = 0; i < kRunLengths.size(); ++i) {
+      row.push_back(number(volume.total_ms(kRunLengths[i])));
+      row.push_back(number(volume.costs.run_ms[i]));
+    }
+    row.push_back(plain(volume.long_collisions.back()));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table figure_3(const PaperResult& result) {
+  Table table;
+  table.title = "Fig. 3: simplicity against accuracy, measured";
+  table.note =
+      "Simplicity: what a frame of 15 updates and 105 tests costs. Accuracy: how many of the pairs "
+      "found touch.";
+  table.head = {"volume", "ns a frame", "touching, of the pairs found"};
+  std::vector<std::pair<double, const VolumeResult*>> order;
+  for (const VolumeResult& volume : result.volumes)
+    order.emplace_back(15 * volume.costs.update.median_ns + 105 * volume.costs.test.median_ns,
+                       &volume);
+  std::sort(order.begin(), order.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [ns, volume] : order)
+    table.rows.push_back({volume->name, fmt::format("{:.0f}", ns),
+                          fmt::format("{:.1f} %", 100 * (1 - volume->false_positive_rate))});
+  return table;
+}
+
+Table part_two(const Scale& scale) {
+  Table table;
+  table.title = fmt::format("Part II, Fig. 13: {} objects", scale.objects);
+  table.note =
+      "One thread. 'counted' weighs updates and tests with Part I's C_u and C_v; N_p C_p is what "
+      "the "
+      "triangles of the reported pairs would cost; all by frame.";
+  table.head = {"strategy", "frames", "frames/s",   "measured ms", "updates",
+                "tests",    "pairs",  "counted ms", "N_p C_p ms",  "C_o ms"};
+  for (const StrategyCost& each : scale.strategies) {
+    const double frames = each.result.frames;
+    const auto by_frame = [&](double total) { return number(total / frames); };
+    const Work& work = each.result.work;
+    table.rows.push_back(
+        {each.name(), fmt::format("{}", each.result.frames), number(each.result.fps()),
+         number(each.result.frame_ms), by_frame(static_cast<double>(work.updates())),
+         by_frame(static_cast<double>(work.tests())), by_frame(static_cast<double>(work.passed)),
+         by_frame(each.culling_ms), by_frame(each.exact_ms), number(each.built_ms)});
+  }
+  return table;
+}
+
+Table claims_table(const PaperResult& result) {
+  Table table;
+  table.title = "Does the paper's order hold?";
+  table.note =
+      "In the mean over the seeds; 'seeds' is the share of them in which it holds by itself.";
+  table.head = {"about", "claim", "left", "right", "seeds", "holds"};
+  for (const Claim& claim : result.claims)
+    table.rows.push_back({claim.about,
+                          fmt::format("{} {} {}", claim.left, claim.relation, claim.right),
+                          number(claim.left_value), number(claim.right_value),
+                          fmt::format("{:.0f} %", 100 * claim.share), claim.holds ? "yes" : "NO"});
+  return table;
+}
+
+Table winners_table(const PaperResult& result) {
+  Table table;
+  table.title = "Crossing points: the cheapest strategy that looks at all pairs";
+  table.note = "Sizes tried: 15, 50, 150, 350, 500, 1000, 2000, 5000, 10000 objects.";
+  table.head = {"measure", "from objects", "cheapest"};
+  for (const Winner& winner : result.winners)
+    table.rows.push_back({winner.measure, fmt::format("{}", winner.objects), winner.strategy});
+  return table;
+}
+
+std::string joined(const std::vector<std::string>& cells, const std::string& before,
+                   const std::string& between, const std::string& after) {
+  std::string line = before;
+  for (size_t i = 0; i < cells.size(); ++i) line += (i == 0 ? "" : between) + cells[i];
+  return line + after;
+}
+
+std::string markdown_cell(std::string cell) {
+  for (size_t at = cell.find('|'); at != std::string::npos; at = cell.find('|', at + 2))
+    cell.replace(at, 1, "\\|");
+  return cell;
+}
+
+}  // namespace
+
+std::vector<Table> tables_of(const PaperResult& result) {
+  std::vector<Table> tables = {table_2(result),  table_3(result),  formula_check(),
+                               figure_6(result), figure_3(result), figures_8_to_10(result)};
+  for (const Scale& scale : result.scales) tables.push_back(part_two(scale));
+  tables.push_back(winners_table(result));
+  tables.push_back(claims_table(result));
+  return tables;
+}
+
+std::string to_text(const Table& table) {
+  std::vector<size_t> widths(table.head.size());
+  const auto widen = [&](const std::vector<std::string>& cells) {
+    for (size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
+  };
+  widen(table.head);
+  for (const auto& row : table.rows) widen(row);
+  std::string text = table.title + "\n";
+  const auto add = [&](const std::vector<std::string>& cells) {
+    for (size_t i = 0; i < cells.size(); ++i)
+      text += i == 0 ? fmt::format("{:<{}}", cells[i], widths[i])
+                     : fmt::format("  {:>{}}", cells[i], widths[i]);
+    text += '\n';
+  };
+  add(table.head);
+  for (const auto& row : table.rows) add(row);
+  return text;
+}
+
+std::string to_markdown(const Table& table) {
+  std::string text = "### " + table.title + "\n\n" + table.note + "\n\n";
+  text += joined(table.head, "| ", " | ", " |\n") + "|";
+  for (size_t i = 0; i < table.head.size(); ++i) text += i == 0 ? "---|" : "---:|";
+  text += '\n';
+  for (std::vector<std::string> row : table.rows) {
+    for (std::string& cell : row) cell = markdown_cell(cell);
+    text += joined(row, "| ", " | ", " |\n");
+  }
+  return text + "\n";
+}
+
+std::string to_html(const Table& table) {
+  std::string text = "<h3>" + html_escaped(table.title) + "</h3>\n<p>" + html_escaped(table.note) +
+                     "</p>\n<table>\n";
+  const auto add = [&](std::vector<std::string> cells, const std::string& tag) {
+    for (std::string& cell : cells) cell = html_escaped(cell);
+    text +=
+        joined(cells, "<tr><" + tag + ">", "</" + tag + "><" + tag + ">", "</" + tag + "></tr>\n");
+  };
+  add(table.head, "th");
+  for (const auto& row : table.rows) add(row, "td");
+  return text + "</table>\n";
+}
+
+std::string html_escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '"')
+      safe += "&quot;";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+}  // namespace throng::paper
