@@ -188,7 +188,7 @@ void Culler::State::sum_counters() {
 
 uint64_t Culler::State::times_grown() const {
   uint64_t sum = slots.times_grown() + broad.times_grown() + sorted.times_grown() +
-                 start_of_body.times_grown();
+                 start_of_body.times_grown() + events.times_grown();
   for (const PartStage& stage : stages) sum += stage.times_grown();
   for (const Task& task : tasks) sum += task.keys.times_grown();
   return sum;

@@ -8,21 +8,25 @@ namespace throng {
 void PairEvents::advance(std::span<const PairKey> pairs) {
   assert(std::is_sorted(pairs.begin(), pairs.end()));
   assert(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end());
-  events_.clear();
+  events_.resize(touching_count_ + pairs.size());  // at the worst, all end and all begin
+  event_count_ = 0;
   persisting_ = 0;
-  auto was = touching_.begin();
+  const PairKey* was = touching_.data();
+  const PairKey* const was_end = was + touching_count_;
   auto is = pairs.begin();
-  while (was != touching_.end() || is != pairs.end()) {
-    if (is == pairs.end() || (was != touching_.end() && *was < *is)) {
-      events_.push_back({*was++, EventKind::kEnd});
-    } else if (was == touching_.end() || *is < *was) {
-      events_.push_back({*is++, EventKind::kBegin});
+  while (was != was_end || is != pairs.end()) {
+    if (is == pairs.end() || (was != was_end && *was < *is)) {
+      events_[event_count_++] = {*was++, EventKind::kEnd};
+    } else if (was == was_end || *is < *was) {
+      events_[event_count_++] = {*is++, EventKind::kBegin};
     } else {
       ++persisting_;
       ++was, ++is;
     }
   }
-  touching_.assign(pairs.begin(), pairs.end());
+  touching_count_ = pairs.size();
+  touching_.resize(touching_count_);
+  std::copy(pairs.begin(), pairs.end(), touching_.data());
 }
 
 }  // namespace throng

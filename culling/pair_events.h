@@ -5,7 +5,8 @@
 #include <compare>
 #include <cstdint>
 #include <span>
-#include <vector>
+
+#include "culling/grow_buffer.h"
 
 namespace throng {
 
@@ -44,15 +45,17 @@ class PairEvents {
   /// `pairs` sorted and unique (asserted).
   void advance(std::span<const PairKey> pairs);
 
-  std::span<const PairEvent> events() const {
-    return events_;
-  }  ///< begins and ends of this frame, sorted
-  std::span<const PairKey> touching() const { return touching_; }
+  /// Begins and ends of this frame, sorted.
+  std::span<const PairEvent> events() const { return {events_.data(), event_count_}; }
+  std::span<const PairKey> touching() const { return {touching_.data(), touching_count_}; }
   uint64_t persisting() const { return persisting_; }  ///< pairs in this frame and in the last
+  uint32_t times_grown() const { return events_.times_grown() + touching_.times_grown(); }
 
  private:
-  std::vector<PairKey> touching_;
-  std::vector<PairEvent> events_;
+  GrowBuffer<PairKey> touching_;
+  GrowBuffer<PairEvent> events_;
+  size_t touching_count_ = 0;
+  size_t event_count_ = 0;
   uint64_t persisting_ = 0;
 };
 
