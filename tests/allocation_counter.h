@@ -1,0 +1,11 @@
+// Counts every operator new of the process; link allocation_counter.cpp into a test that asks.
+// One rule: only the tests that count have it, because it replaces the global operators.
+#pragma once
+
+#include <cstddef>
+
+namespace throng::testing {
+
+size_t allocations_so_far();
+
+}  // namespace throng::testing
