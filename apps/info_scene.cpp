@@ -51,6 +51,7 @@ std::string describe_scene(const std::string& path_or_name) {
   std::string text;
   int people = 0;
   for (const Group& group : scene.groups) people += group.count;
+  if (scene.box) people = scene.box->count;
   fmt::format_to(std::back_inserter(text), "{}: {}\n", scene.name, scene.description);
   fmt::format_to(std::back_inserter(text), "  ground     {}\n", describe(scene.ground));
   fmt::format_to(std::back_inserter(text), "  avatars    {}, {:.2f} per m2 of ground\n", people,
@@ -59,6 +60,16 @@ std::string describe_scene(const std::string& path_or_name) {
                  scene.duration_s, 1 / scene.step_s, scene.seed);
   fmt::format_to(std::back_inserter(text), "  culling    sphere, then {}{}\n",
                  name_of(scene.part_volume), scene.exact ? ", then triangles" : "");
+  if (scene.box) {
+    const PartsBox& box = *scene.box;
+    fmt::format_to(
+        std::back_inserter(text),
+        "  box        {} loose parts of '{}' in a cube of {:g} m; {:g} to {:g} m/s, up to "
+        "{:g} rad/s\n",
+        box.count, box.body->name, box.edge_m, box.min_speed_mps, box.max_speed_mps,
+        box.max_spin_radps);
+    return text;
+  }
   fmt::format_to(std::back_inserter(text), "\nGroups:\n");
   for (const Group& group : scene.groups) add_group(text, group);
   fmt::format_to(std::back_inserter(text), "\nObstacles:{}\n",

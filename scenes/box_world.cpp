@@ -88,6 +88,17 @@ BoxWorld::BoxWorld(const BoxWorldOptions& options, std::span<const double> radii
   }
 }
 
+BoxWorld BoxWorld::of_kinds(const BoxWorldOptions& options, std::span<const double> radii_m,
+                            size_t count, size_t static_every) {
+  std::vector<double> radii(count);
+  std::vector<uint8_t> is_static(count);
+  for (size_t i = 0; i < count; ++i) {
+    radii[i] = radii_m[i % radii_m.size()];
+    is_static[i] = static_every != 0 && i % static_every == static_every - 1;
+  }
+  return BoxWorld(options, radii, is_static);
+}
+
 void BoxWorld::step() {
   for (size_t i = 0; i < positions_m_.size(); ++i) {
     Eigen::Vector3d& position = positions_m_[i];

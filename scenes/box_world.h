@@ -28,6 +28,10 @@ class BoxWorld {
   BoxWorld(const BoxWorldOptions& options, std::span<const double> radii_m,
            std::span<const uint8_t> is_static);
 
+  /// `count` objects whose radii come in turn; every `static_every`-th stands still (0: none does).
+  static BoxWorld of_kinds(const BoxWorldOptions& options, std::span<const double> radii_m,
+                           size_t count, size_t static_every);
+
   /// Advances by step_s. Allocates nothing.
   void step();
 

@@ -23,6 +23,10 @@ constexpr Range kSpeedRange{0.1, 4.0};     // from a shuffle to a run
 constexpr Range kHeightRange{0.5, 2.5};    // the gait's curves hold no further
 constexpr Range kRadiusRange{0.05, 0.35};  // the grids of spawning and ways hold no wider
 constexpr Range kSizeRange{0, 1e4, true};  // 10 km: a wall around the largest scene
+/// A box: float poses are relative to its middle.
+constexpr Range kEdgeRange{0, 1000, true};
+/// Of what flies in a box: speed in m/s, spin in rad/s.
+constexpr Range kFlightRange{0, 100};
 /// Steering turns ten times a second; a longer step would outlive its decisions.
 constexpr Range kStepRange{1e-4, 0.1};
 /// Meshes hold floats: a wall along the edge of a ground of 10 km may stand out by as much.
@@ -52,26 +56,62 @@ class SceneReader {
 
   Scene read() {
     fields_.expect_keys({"name", "description", "seed", "step_s", "duration_s", "ground", "culling",
-                         "groups", "obstacles"});
+                         "groups", "obstacles", "kind", "box"});
     scene_.name = fields_.text_or("name", fs::path(file_).stem().string());
     scene_.description = fields_.text_or("description", "");
     scene_.seed = static_cast<uint64_t>(fields_.integer_or("seed", 0, INT64_MAX, 1));
     scene_.step_s = fields_.number_or("step_s", kStepRange, kDefaultStep_s);
     scene_.duration_s = fields_.number_or("duration_s", {0, 1e7, true}, 10);
-    scene_.ground = read_rectangle(file_, fields_.require("ground"), "ground");
-    if (!(scene_.ground.area_m2() <= kMaxGround_m2))
-      throw InputError(at_line(file_, fields_.require("ground").line),
-                       fmt::format("ground of at most {} m2", kMaxGround_m2),
-                       fmt::format("{}", scene_.ground.area_m2()));
     read_culling();
-    read_obstacles();
-    read_groups();
+    if (is_box())
+      read_box();
+    else
+      read_crowd();
     fields_.done();
     scene_.content_hash = content_hash_of(scene_);
     return std::move(scene_);
   }
 
  private:
+  bool is_box() {
+    const std::string kind = fields_.text_or("kind", "crowd");
+    const std::vector<std::string> kinds = {"box", "crowd"};
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+      throw InputError(fields_.where(fields_.require("kind")), "kind: crowd or box",
+                       fmt::format("'{}'{}", kind, did_you_mean(kind, kinds)));
+    return kind == "box";
+  }
+
+  void read_box() {
+    Fields fields(file_, fields_.require("box"), "a box");
+    PartsBox box;
+    box.count = static_cast<int>(fields.integer_or("count", 1, kMaxBodies, std::nullopt));
+    box.static_every = static_cast<int>(fields.integer_or("static_every", 0, kMaxBodies, 0));
+    box.edge_m = fields.number("edge_m", kEdgeRange);
+    box.min_speed_mps = fields.number_or("min_speed_mps", kFlightRange, box.min_speed_mps);
+    box.max_speed_mps = fields.number_or("max_speed_mps", kFlightRange, box.max_speed_mps);
+    if (box.min_speed_mps > box.max_speed_mps)
+      throw InputError(at_line(file_, fields.line()), "min_speed_mps of at most max_speed_mps",
+                       fmt::format("{} and {}", box.min_speed_mps, box.max_speed_mps));
+    box.max_spin_radps = fields.number_or("max_spin_radps", kFlightRange, box.max_spin_radps);
+    box.model = model_file(fields);
+    box.body = load_model(box.model);
+    fields.done();
+    scene_.ground.max_m = Eigen::Vector2d::Constant(0.5 * box.edge_m);
+    scene_.ground.min_m = -scene_.ground.max_m;
+    scene_.box = std::move(box);
+  }
+
+  void read_crowd() {
+    scene_.ground = read_rectangle(file_, fields_.require("ground"), "ground");
+    if (!(scene_.ground.area_m2() <= kMaxGround_m2))
+      throw InputError(at_line(file_, fields_.require("ground").line),
+                       fmt::format("ground of at most {} m2", kMaxGround_m2),
+                       fmt::format("{}", scene_.ground.area_m2()));
+    read_obstacles();
+    read_groups();
+  }
+
   void read_culling() {
     const YamlNode* node = fields_.find("culling");
     if (node == nullptr) return;
@@ -140,16 +180,16 @@ class SceneReader {
     }
   }
 
-  void read_model(Fields& fields, Group& group) {
+  fs::path model_file(Fields& fields) {
     const YamlNode* node = fields.find("model");
-    if (node == nullptr || node->scalar == "adult") {
-      group.model = adult_urdf();
-    } else {
-      if (node->kind != YamlNode::Kind::kScalar)
-        throw InputError(fields.where(*node), "'adult' or a URDF file for 'model'",
-                         describe(*node));
-      group.model = existing_file(fields, *node, "'adult' or a URDF file");
-    }
+    if (node == nullptr || node->scalar == "adult") return adult_urdf();
+    if (node->kind != YamlNode::Kind::kScalar)
+      throw InputError(fields.where(*node), "'adult' or a URDF file for 'model'", describe(*node));
+    return existing_file(fields, *node, "'adult' or a URDF file");
+  }
+
+  void read_model(Fields& fields, Group& group) {
+    group.model = model_file(fields);
     for (const Group& earlier : scene_.groups)
       if (earlier.model == group.model) group.body = earlier.body;
     if (group.body == nullptr) group.body = load_model(group.model);
@@ -283,6 +323,13 @@ uint64_t content_hash_of(const Scene& scene) {
     add_distribution(group.speed_mps);
     add_distribution(group.height_m);
     hash.add(group.radius_m);
+  }
+  if (scene.box) {
+    const PartsBox& box = *scene.box;
+    hash.add("box").add(static_cast<uint64_t>(box.count)).add(box.edge_m);
+    hash.add(static_cast<uint64_t>(box.static_every)).add(box.max_spin_radps);
+    hash.add(box.min_speed_mps).add(box.max_speed_mps);
+    hash.add(box.body == nullptr ? 0 : box.body->content_hash);
   }
   hash.add(uint64_t{scene.obstacles.size()});
   for (const Obstacle& obstacle : scene.obstacles) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,19 @@ struct Obstacle {
   Mesh mesh;  ///< the solid in the obstacle's own frame, whatever its kind
 };
 
+/// The paper's world instead of a crowd: loose parts of one body, in turn, that fly in a closed
+/// box.
+struct PartsBox {
+  std::filesystem::path model;        ///< whose parts; as in a group
+  std::shared_ptr<const Model> body;  ///< what `model` holds
+  int count = 0;
+  int static_every = 0;  ///< every n-th part stands still; 0: none does
+  double edge_m = 0;
+  double min_speed_mps = 0.5;
+  double max_speed_mps = 1.5;
+  double max_spin_radps = 3;
+};
+
 struct Scene {
   std::string name;
   std::string description;
@@ -70,6 +84,7 @@ struct Scene {
   Rectangle ground;
   std::vector<Group> groups;
   std::vector<Obstacle> obstacles;
+  std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
   uint64_t content_hash =
@@ -93,8 +108,8 @@ std::vector<SceneEntry> bundled_scenes();
 /// Scales the groups in proportion to `total` people (by largest remainders, so that the sum is
 /// exact). Where spawn areas or the ground become too full, the plan grows by one factor about the
 /// middle of the ground: ground, areas, the places of obstacles, and the lengths of those that span
-/// it (walls). Heights stay. Says on `notes` what it changed. Throws InputError if `total` is out
-/// of range.
+/// it (walls). Heights stay. A box of parts keeps its density. Says on `notes` what it changed.
+/// Throws InputError if `total` is out of range.
 void scale_to(Scene& scene, int total, std::vector<std::string>& notes);
 
 }  // namespace throng

@@ -85,6 +85,18 @@ void grow_plan(Scene& scene, double factor) {
   }
 }
 
+/// As full of parts as before.
+void scale_box(Scene& scene, int total, std::vector<std::string>& notes) {
+  PartsBox& box = *scene.box;
+  box.edge_m *= std::cbrt(static_cast<double>(total) / box.count);
+  box.count = total;
+  scene.ground.max_m = Eigen::Vector2d::Constant(0.5 * box.edge_m);
+  scene.ground.min_m = -scene.ground.max_m;
+  notes.push_back(
+      fmt::format("{} parts: the box of '{}' is now {:.2f} m wide", total, scene.name, box.edge_m));
+  scene.content_hash = content_hash_of(scene);
+}
+
 }  // namespace
 
 void scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
@@ -92,6 +104,7 @@ void scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
   if (total < 1 || total > most)
     throw InputError("avatars", fmt::format("1 to {} people in scene '{}'", most, scene.name),
                      fmt::format("{}", total));
+  if (scene.box) return scale_box(scene, total, notes);
   std::vector<int64_t> counts;
   for (const Group& group : scene.groups) counts.push_back(group.count);
   const int64_t before = std::accumulate(counts.begin(), counts.end(), int64_t{0});

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "base/errors.h"
+#include "scenes/box_world.h"
 #include "scenes/hasher.h"
+#include "scenes/loose_parts.h"
 #include "scenes/posing.h"
 #include "scenes/shapes.h"
 #include "scenes/spawn.h"
@@ -76,11 +79,13 @@ uint64_t random_instance() {
 Scene with_bodies(Scene scene) {
   for (Group& group : scene.groups)
     if (group.body == nullptr) group.body = load_model(group.model);
+  if (scene.box && scene.box->body == nullptr) scene.box->body = load_model(scene.box->model);
   scene.content_hash = content_hash_of(scene);
   return scene;
 }
 
 std::vector<std::shared_ptr<const Model>> models_of(const Scene& scene) {
+  if (scene.box) return loose_parts(*scene.box->body);
   std::vector<std::shared_ptr<const Model>> models;
   for (const Group& group : scene.groups) {
     if (group.body->part_count() < 1 || group.body->part_count() > BodyType::kMaxParts)
@@ -93,15 +98,36 @@ std::vector<std::shared_ptr<const Model>> models_of(const Scene& scene) {
   return models;
 }
 
+std::optional<BoxWorld> box_of(const Scene& scene,
+                               std::span<const std::shared_ptr<const Model>> parts) {
+  if (!scene.box) return std::nullopt;
+  const PartsBox& box = *scene.box;
+  std::vector<double> radii_m;
+  for (const std::shared_ptr<const Model>& part : parts) radii_m.push_back(reach_m(*part));
+  BoxWorldOptions options;
+  options.seed = scene.seed;
+  options.edge_m = box.edge_m;
+  options.step_s = scene.step_s;
+  options.min_speed_mps = box.min_speed_mps;
+  options.max_speed_mps = box.max_speed_mps;
+  options.max_spin_radps = box.max_spin_radps;
+  return BoxWorld::of_kinds(options, radii_m, static_cast<size_t>(box.count),
+                            static_cast<size_t>(box.static_every));
+}
+
 }  // namespace
 
 struct Simulation::State {
   State(Scene scene_in, const SimulationOptions& options_in);
 
   void place_bodies();
+  void place_people();
+  void place_parts();
   void describe_run();
   void cut_blocks();
+  void move();
   void update_bodies(bool moved);
+  void update_parts();
   void update_postures();
   void split_times(double steering_ns, double postures_ns);
   void fill_frame();
@@ -119,6 +145,8 @@ struct Simulation::State {
   Ways ways;
   Spawned spawned;
   Crowd crowd;
+  std::optional<BoxWorld> box;  ///< then the crowd is empty
+  size_t avatars;               ///< people, or parts in the box
   BodyStates bodies;
   Posing posing;
   std::vector<uint32_t> ids;
@@ -142,6 +170,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
       ways(scene, workers),
       spawned(spawn(scene, ways)),
       crowd(ways, spawned.people, {scene.seed, scene.step_s}, workers),
+      box(box_of(scene, models)),
+      avatars(box ? box->size() : crowd.size()),
       posing(models, bodies) {
   place_bodies();
   describe_run();
@@ -158,7 +188,15 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   culler = std::make_unique<Culler>(std::move(types), culling, workers);
 }
 
-void Simulation::State::place_bodies() {
+void Simulation::State::place_parts() {
+  for (size_t i = 0; i < box->size(); ++i) {
+    bodies.types.push_back(static_cast<uint16_t>(i % models.size()));
+    bodies.scales.push_back(1);
+    bodies.phases.push_back(0);
+  }
+}
+
+void Simulation::State::place_people() {
   for (const Person& person : spawned.people) {
     const std::shared_ptr<const Model>& body = scene.groups[person.group].body;
     const auto type = std::find(models.begin(), models.end(), body) - models.begin();
@@ -167,8 +205,15 @@ void Simulation::State::place_bodies() {
         static_cast<float>(person.height_m / static_cast<double>(body->height_m)));
     bodies.phases.push_back(static_cast<float>(person.phase));
   }
-  bodies.speeds_mps.resize(spawned.people.size());
-  bodies.roots.resize(spawned.people.size());
+}
+
+void Simulation::State::place_bodies() {
+  if (box)
+    place_parts();
+  else
+    place_people();
+  bodies.speeds_mps.resize(avatars);
+  bodies.roots.resize(avatars);
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     const SinCos turn = sin_cos(scene.obstacles[i].heading_rad);
     bodies.types.push_back(static_cast<uint16_t>(models.size() + i));
@@ -179,22 +224,22 @@ void Simulation::State::place_bodies() {
 }
 
 void Simulation::State::describe_run() {
-  const auto people = static_cast<ptrdiff_t>(crowd.size());
+  const auto count = static_cast<ptrdiff_t>(avatars);
   info.scene = &scene;
   // Threads, SIMD, pair search and outputs stay out: they change no frame.
   info.run_id = Hasher().add("throng run 1").add(scene.content_hash).value();
   info.instance = random_instance();
   info.step_s = scene.step_s;
   info.models = models;
-  info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + people);
-  info.scale_of_avatar.assign(bodies.scales.begin(), bodies.scales.begin() + people);
+  info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + count);
+  info.scale_of_avatar.assign(bodies.scales.begin(), bodies.scales.begin() + count);
   info.part_volume = scene.part_volume;
   info.exact = scene.exact;
 }
 
 void Simulation::State::cut_blocks() {
   posture_offsets.push_back(0);
-  for (uint32_t id = 0; id < crowd.size(); ++id) {
+  for (uint32_t id = 0; id < avatars; ++id) {
     const bool continues = !blocks.empty() && blocks.back().count < kBlock &&
                            bodies.types[blocks.back().first] == bodies.types[id];
     if (!continues) blocks.push_back({id, 0});
@@ -205,7 +250,22 @@ void Simulation::State::cut_blocks() {
   if (options.postures) postures.resize(posture_offsets.back());
 }
 
+void Simulation::State::move() {
+  if (box)
+    box->step();
+  else
+    crowd.step();
+}
+
+void Simulation::State::update_parts() {
+  for (size_t i = 0; i < avatars; ++i) {
+    bodies.roots[i] = {box->positions_m()[i], box->orientations()[i].cast<float>()};
+    bodies.speeds_mps[i] = static_cast<float>(box->velocities_mps()[i].norm());
+  }
+}
+
 void Simulation::State::update_bodies(bool moved) {
+  if (box) return update_parts();
   workers.for_blocks(static_cast<int>(blocks.size()), [&](int index, int) {
     const Block& block = blocks[static_cast<size_t>(index)];
     const Gait& gait = posing.gait(bodies.types[block.first]);
@@ -260,7 +320,7 @@ void Simulation::State::fill_frame() {
   frame.number = frames;
   frame.utime_us =
       static_cast<int64_t>(std::llround(static_cast<double>(frames) * scene.step_s * 1e6));
-  frame.roots = {bodies.roots.data(), crowd.size()};
+  frame.roots = {bodies.roots.data(), avatars};
   frame.speeds_mps = bodies.speeds_mps;
   frame.postures = postures;
   frame.posture_offsets = posture_offsets;
@@ -292,7 +352,7 @@ const Frame& Simulation::step() {
   State& s = *state_;
   const auto start = Clock::now();
   const bool moved = s.frames > 0;
-  if (moved) s.crowd.step();
+  if (moved) s.move();
   s.update_bodies(moved);
   const double steering_ns = nanoseconds_since(start);
   const auto before_postures = Clock::now();

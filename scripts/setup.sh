@@ -10,6 +10,8 @@ packages=(
   libeigen3-dev liburdfdom-dev liburdfdom-headers-dev liborocos-kdl-dev libassimp-dev libfcl-dev
   # scenes, speed, command line, pictures
   libyaml-cpp-dev libtbb-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev
+  # figures of `throng paper --out`
+  gnuplot-nox
   # messages; iproute2 tells whether multicast has a route
   liblcm-dev liblcm-bin libglib2.0-dev iproute2
   # tests

@@ -125,6 +125,7 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
   result.primitive_ns = costs[kExactMethod].primitive_ns;
 
   for (const size_t size : kSizes) {
+    if (size > options.largest) break;
     say(fmt::format("Part II: {} objects", size));
     Scale scale{size, {}};
     for (size_t s = 0; s < kStrategies.size(); ++s)

@@ -16,8 +16,9 @@ namespace throng::paper {
 struct PaperOptions {
   int frames = 500;  ///< of Part I; a multiple of 5
   uint64_t seed = 1;
-  int seeds = 1;    ///< seed, seed + 1, ... for the collisions
-  int threads = 1;  ///< over seeds; nothing that is timed
+  int seeds = 1;            ///< seed, seed + 1, ... for the collisions
+  int threads = 1;          ///< over seeds; nothing that is timed
+  size_t largest = 10'000;  ///< objects of Part II; at least 500
 };
 
 /// A volume under an update rule, in Part I.

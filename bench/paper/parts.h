@@ -1,6 +1,6 @@
-// The 15 objects of the paper: the adult's body parts, each about the middle of its own sphere.
-// One rule: an object's origin is where its smallest sphere has its centre, so that a spin turns it
-// about its middle and its sphere is updated by its position alone.
+// The 15 objects of the paper: the adult's loose parts.
+// One rule: an object's origin is the middle of its smallest sphere, so that the sphere is updated
+// by the position alone.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct Object {
   double radius_m;   ///< every point lies within
 };
 
-/// The adult's parts in the order of the paper's Table 1.
+/// The adult's parts, in the order of its URDF.
 std::vector<Object> load_objects();
 
 /// `count` objects, the parts in turn; every `static_every`-th stands still (0: none does).

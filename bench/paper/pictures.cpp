@@ -60,7 +60,7 @@ Image draw_world(const std::vector<Object>& objects, const BoxWorld& world,
   const auto edge = static_cast<float>(edge_m);
   Camera camera;
   camera.target_m = {0, 0, 0.47F * edge};
-  camera.eye_m = {0.95F * edge, -1.9F * edge, 1.25F * edge};
+  camera.eye_m = {1.05F * edge, -2.1F * edge, 1.35F * edge};
   RenderOptions options;
   options.width = 800;
   options.height = 600;
