@@ -32,7 +32,7 @@ const std::map<std::string, Names> kMayInclude = {
 /// Which folders may see a library's headers, by the first part of the header's path. A folder's
 /// tests may see what the folder may.
 const std::map<std::string, Names> kLibraryOf = {
-    {"kdl", {"kinematics"}},
+    {"kdl", {"kinematics", "bench"}},
     {"urdf_parser", {"kinematics"}},
     {"urdf_model", {"kinematics"}},
     {"urdf_exception", {"kinematics"}},

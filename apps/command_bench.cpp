@@ -1,0 +1,175 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include "apps/command.h"
+#include "apps/machine.h"
+#include "base/errors.h"
+#include "bench/engines.h"
+#include "bench/report.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+Other engines update the boxes of all parts and list overlapping boxes; ours poses people, culls to
+or-DOP 26 pairs and tells begin and end. docs/benchmarks.md says what is unfair in which direction.
+The engines are built in by `cmake --preset bench`.
+
+Examples:
+  throng bench --avatars 20000 --density 4
+  throng bench --avatars 5000 --engines none --threads 2 --json bench.json
+  throng bench --avatars 5000 --age 300 --engines fcl,embree
+  throng bench --avatars 1000 --frames 3 --parts ordop26)";
+
+constexpr std::pair<const char*, PairSearch> kSearches[] = {
+    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
+
+struct BenchCommand {
+  bench::BenchOptions options;
+  std::string engines = "all";
+  std::string simd = "best";
+  std::string pair_search = "grid";
+  std::string json;
+  std::string parts;
+  int aged_frames = 0;
+};
+
+std::vector<std::string> known_engines() {
+  std::vector<std::string> names;
+  for (const bench::EngineKind& kind : bench::engine_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+std::vector<std::string> engines_of(const std::string& list) {
+  const std::vector<std::string> known = known_engines();
+  if (list == "all") return known;
+  if (list == "none") return {};
+  std::vector<std::string> chosen;
+  for (size_t begin = 0; begin <= list.size();) {
+    const size_t end = std::min(list.find(',', begin), list.size());
+    chosen.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  for (const std::string& name : chosen)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InputError("--engines", fmt::format("all, none or some of {}", fmt::join(known, ",")),
+                       fmt::format("'{}'{}", name, did_you_mean(name, known)));
+  return chosen;
+}
+
+void write_text(const std::string& file, const std::string& text) {
+  if (file.empty()) return;
+  errno = 0;
+  std::ofstream out(file, std::ios::trunc | std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw EnvironmentError(fmt::format("{}: cannot write: {}", file, std::strerror(errno)));
+}
+
+int measure(BenchCommand& command) {
+  bench::BenchOptions& options = command.options;
+  options.engines = engines_of(command.engines);
+  options.simd = resolved(*simd_target_of(command.simd));
+  for (const auto& [name, search] : kSearches)
+    if (command.pair_search == name) options.pair_search = search;
+  write_text(command.json, "");  // what would fail after minutes has to fail before
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const bench::Progress progress = [terminal](const std::string& what) {
+    if (terminal) fmt::print(stderr, "\r\033[K{}", what);
+  };
+  const auto done = [terminal] {
+    if (terminal) fmt::print(stderr, "\r\033[K");
+  };
+  if (!command.parts.empty()) {
+    const auto result =
+        bench::count_false_positives(options, *volume_of(command.parts), 20, progress);
+    done();
+    fmt::print("{}", bench::to_text(result));
+    write_text(command.json, bench::to_json(result, options));
+    const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
+    return std::any_of(result.volumes.begin(), result.volumes.end(), misses) ? kExitCheckFailed
+                                                                             : kExitFine;
+  }
+  if (command.aged_frames > 0) {
+    const auto result = bench::age(options, command.aged_frames, progress);
+    done();
+    fmt::print("{}", bench::to_text(result));
+    write_text(command.json,
+               bench::to_json(result, options, {cpu_name(), throng::peak_rss_bytes()}));
+    return result.aged_work == result.fresh_work ? kExitFine : kExitCheckFailed;
+  }
+  const bench::BenchResult result = bench::compare(options, progress);
+  done();
+  const bench::MachineLine machine{cpu_name(), throng::peak_rss_bytes()};
+  fmt::print("{}", bench::to_text(result, machine));
+  write_text(command.json, bench::to_json(result, machine));
+  const auto agrees = [](const bench::EngineResult& engine) { return engine.agrees; };
+  return std::all_of(result.engines.begin(), result.engines.end(), agrees) ? kExitFine
+                                                                           : kExitCheckFailed;
+}
+
+void add_options(CLI::App& app, BenchCommand& command) {
+  bench::BenchOptions& options = command.options;
+  app.add_option("--avatars", options.avatars, "People [20000]")
+      ->check(whole_option(2, 1'000'000, "a whole number from 2 to 1000000"))
+      ->type_name("N");
+  app.add_option("--density", options.per_m2, "People per square metre [1]")
+      ->check(number_option(0, 20, true, "a density above 0, at most 20 per m2"))
+      ->type_name("D");
+  app.add_option("--frames", options.frames, "Frames to measure, after 3 of warm-up [20]")
+      ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
+      ->type_name("N");
+  app.add_option("--threads", options.threads, "For us, and for engines that have threads [1]")
+      ->check(whole_option(1, 256, "a whole number from 1 to 256"))
+      ->type_name("N");
+  app.add_option("--engines", command.engines, "all, none, or a list like fcl,embree [all]")
+      ->type_name("LIST");
+  app.add_option("--seed", options.seed, "Of the crowd [1]")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  std::vector<std::string> simds, searches, volumes;
+  for (const SimdTarget target : {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
+                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
+    simds.emplace_back(name_of(target));
+  for (const auto& [name, search] : kSearches) searches.emplace_back(name);
+  for (const VolumeKind kind : kAllVolumes) volumes.emplace_back(name_of(kind));
+  app.add_option("--simd", command.simd, "Force a vector target [best]")
+      ->check(name_option(simds))
+      ->type_name("TARGET");
+  app.add_option("--pair-search", command.pair_search, "grid, sweep or brute [grid]")
+      ->check(name_option(searches))
+      ->type_name("NAME");
+  auto* age = app.add_option("--age", command.aged_frames,
+                             "Compare fresh structures with ones that followed N frames [300]")
+                  ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
+                  ->type_name("N");
+  age->expected(0, 1)->default_str("300");
+  auto* parts = app.add_option("--parts", command.parts,
+                               "False positives of every volume, and part by part of this one "
+                               "[ordop26]")
+                    ->check(name_option(volumes))
+                    ->type_name("VOLUME")
+                    ->excludes(age);
+  parts->expected(0, 1)->default_str("ordop26");
+  app.add_option("--json", command.json, "Write the numbers as JSON")->type_name("FILE");
+}
+
+}  // namespace
+
+Command add_bench_command(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("bench", "This machine against the other engines it was built with");
+  app->footer(kFooter);
+  const auto command = std::make_shared<BenchCommand>();
+  add_options(*app, *command);
+  return {app, [command] { return measure(*command); }};
+}
+
+}  // namespace throng

@@ -1,0 +1,179 @@
+#include "bench/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+
+#include "bench/boxes.h"
+#include "bench/engines.h"
+
+namespace throng::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Times of one stage, frame by frame, with the counts of the last frame.
+struct StageSeries {
+  StageRow row;
+  std::vector<double> ms;
+};
+
+class StageTable {
+ public:
+  void add(const CullingCounters& c, int threads) {
+    next_ = 0;
+    put("spheres over avatars", c.avatar, c.avatar.update_ns + c.avatar.test_ns);
+    put("kinematics", {"", c.posed_bodies, 0, 0, 0, 0}, c.pose_ns);
+    put("avatar boxes", c.body_box, c.body_box.test_ns);
+    put("part boxes", c.box, c.box.update_ns + c.box.test_ns);
+    put("part volumes", c.part, c.part.test_ns);
+    put("sort and events", {"", 0, 0, c.part.passed, 0, 0}, c.events_ns);
+    const double stages = c.avatar.update_ns + c.avatar.test_ns + c.pose_ns + c.body_box.test_ns +
+                          c.box.update_ns + c.box.test_ns + c.part.test_ns;
+    if (threads == 1) put("rest", {}, std::max(0.0, c.wall_ns - c.events_ns - stages));
+  }
+  std::vector<StageRow> rows() const {
+    std::vector<StageRow> out;
+    for (const StageSeries& series : stages_) {
+      out.push_back(series.row);
+      out.back().ms = spread_of(series.ms).median;
+    }
+    return out;
+  }
+
+ private:
+  void put(const char* name, const StageCounters& counters, double ns) {
+    if (next_ == stages_.size()) stages_.emplace_back();
+    StageSeries& series = stages_[next_++];
+    series.row = {
+        name, std::string(counters.volume), counters.updates, counters.tests, counters.passed, 0};
+    series.ms.push_back(ns * 1e-6);
+  }
+  std::vector<StageSeries> stages_;
+  size_t next_ = 0;
+};
+
+struct Contender {
+  std::unique_ptr<Engine> engine;
+  EngineResult result;
+  std::vector<double> ms, ratios, ratios_boxes;
+};
+
+std::vector<Contender> contenders(const BenchOptions& options, std::vector<Skipped>& skipped) {
+  std::vector<Contender> out;
+  for (const EngineKind& kind : engine_kinds()) {
+    const std::string name(kind.name);
+    if (std::find(options.engines.begin(), options.engines.end(), name) == options.engines.end()) {
+      skipped.push_back({name, kind.make ? "not asked for" : std::string(kind.missing)});
+    } else if (kind.make == nullptr) {
+      skipped.push_back({name, std::string(kind.missing)});
+    } else {
+      Contender contender;
+      contender.engine = kind.make(options.threads);
+      contender.result.name = contender.engine->name();
+      contender.result.version = contender.engine->version();
+      contender.result.what = contender.engine->what();
+      out.push_back(std::move(contender));
+    }
+  }
+  return out;
+}
+
+/// One timed frame of one engine; its pairs are judged outside of its time.
+double run_frame(Contender& contender, const BoxList& boxes, bool first,
+                 const std::vector<BoxPair>& reference, std::vector<BoxPair>& found) {
+  const Clock::time_point start = Clock::now();
+  if (first)
+    contender.engine->build(boxes);
+  else
+    contender.engine->update(boxes);
+  contender.engine->pairs(found);
+  const double ms = ms_since(start);
+  std::sort(found.begin(), found.end());
+  contender.result.agrees &= found == reference;
+  contender.result.pairs = found.size();
+  return ms;
+}
+
+}  // namespace
+
+BenchResult compare(const BenchOptions& options, const Progress& progress) {
+  BenchResult out;
+  out.options = options;
+  Crowd crowd(load_model(adult_urdf()),
+              {.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
+  crowd.simd = options.simd;
+  const auto type = crowd.body_type();
+  Workers workers(options.threads);
+  Culler culler({type}, {.pair_search = options.pair_search, .simd = options.simd}, workers);
+  CrowdBoxes crowd_boxes(crowd, type);
+  std::vector<Contender> rivals = contenders(options, out.skipped);
+  StageTable stages;
+  std::vector<double> ours, ours_boxes;
+  std::vector<BoxPair> found;
+  for (int frame = -options.warm_up_frames; frame < options.frames; ++frame) {
+    crowd.advance();
+    const Clock::time_point start = Clock::now();
+    culler.step(crowd.view(), crowd);
+    const double ms = ms_since(start);
+    const CullingCounters& c = culler.counters();
+    const double boxes_ms = ms - (c.part.test_ns / options.threads + c.events_ns) * 1e-6;
+    if (frame >= 0) {
+      ours.push_back(ms);
+      ours_boxes.push_back(boxes_ms);
+      stages.add(c, options.threads);
+    }
+    if (rivals.empty()) continue;
+    const BoxList boxes = crowd_boxes.compute();
+    const std::vector<BoxPair> reference = reference_pairs(boxes);
+    out.reference_pairs = reference.size();
+    for (size_t i = 0; i < rivals.size(); ++i) {
+      // Nobody always runs with the caches that the same neighbour left.
+      Contender& rival =
+          rivals[(i + static_cast<size_t>(frame + options.warm_up_frames)) % rivals.size()];
+      const double rival_ms =
+          run_frame(rival, boxes, frame == -options.warm_up_frames, reference, found);
+      if (frame < 0) continue;
+      rival.ms.push_back(rival_ms);
+      rival.ratios.push_back(rival_ms / ms);
+      rival.ratios_boxes.push_back(rival_ms / boxes_ms);
+    }
+    progress(fmt::format("frame {} of {}", frame + 1, options.frames));
+  }
+  out.throng = {.ms = spread_of(ours),
+                .boxes_ms = spread_of(ours_boxes),
+                .pairs = culler.pairs().size(),
+                .box_pairs = culler.counters().box.passed,
+                .hash = culler.hash(),
+                .simd = std::string(name_of(resolved(options.simd))),
+                .stages = stages.rows()};
+  for (Contender& rival : rivals) {
+    rival.result.ms = spread_of(rival.ms);
+    rival.result.ratio = spread_of(rival.ratios).median;
+    rival.result.ratio_boxes = spread_of(rival.ratios_boxes).median;
+    out.engines.push_back(std::move(rival.result));
+  }
+  return out;
+}
+
+double BenchResult::ratio_fastest() const {
+  const EngineResult* fastest = nullptr;
+  for (const EngineResult& engine : engines)
+    if (engine.agrees && (fastest == nullptr || engine.ms.median < fastest->ms.median))
+      fastest = &engine;
+  return fastest == nullptr ? 0 : fastest->ratio;
+}
+
+double BenchResult::ratio_fcl() const {
+  for (const EngineResult& engine : engines)
+    if (engine.name == "fcl" && engine.agrees) return engine.ratio;
+  return 0;
+}
+
+}  // namespace throng::bench

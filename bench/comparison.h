@@ -1,0 +1,74 @@
+// Throng and the other engines on the same frames.
+// One rule: an engine whose pairs differ from the reference's in any frame gets agrees = false.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/crowd.h"
+#include "bench/spread.h"
+
+namespace throng::bench {
+
+struct BenchOptions {
+  int avatars = 20'000;
+  double per_m2 = 1;
+  int frames = 20;
+  int warm_up_frames = 3;
+  int threads = 1;
+  uint64_t seed = 1;
+  SimdTarget simd = SimdTarget::kBest;
+  PairSearch pair_search = PairSearch::kGrid;
+  std::vector<std::string> engines{};  ///< names of engine_kinds(); empty: ours alone
+};
+
+/// What a stage of our pass counted and took, medians over the frames.
+struct StageRow {
+  std::string stage, volume;
+  uint64_t updates = 0, tests = 0, passed = 0;
+  double ms = 0;  ///< summed over threads
+};
+
+struct ThrongResult {
+  Spread ms;           ///< the whole pass: spheres placed to or-DOP 26 pairs and begin/end events
+  Spread boxes_ms;     ///< the same less or-DOP tests and events: comparable with boxes only
+  uint64_t pairs = 0;  ///< or-DOP pairs of the last frame
+  uint64_t box_pairs = 0;  ///< pairs of our own part boxes in the last frame
+  uint64_t hash = 0;
+  std::string simd;
+  std::vector<StageRow> stages;
+};
+
+struct EngineResult {
+  std::string name{}, version{}, what{};
+  Spread ms;
+  uint64_t pairs = 0;  ///< box pairs of the last frame
+  bool agrees = true;
+  /// Median over frames of its time divided by ours in the same frame.
+  double ratio = 0, ratio_boxes = 0;
+};
+
+struct Skipped {
+  std::string name, reason;
+};
+
+struct BenchResult {
+  BenchOptions options;
+  ThrongResult throng;
+  std::vector<EngineResult> engines;
+  std::vector<Skipped> skipped;
+  uint64_t reference_pairs = 0;  ///< box pairs of the last frame, by the slow reference
+
+  /// Ratio to the engine with the least median that agrees, and to FCL; 0 without one.
+  double ratio_fastest() const;
+  double ratio_fcl() const;
+};
+
+using Progress = std::function<void(const std::string&)>;
+
+/// In each frame ours runs, then each engine, so that noise hits all of them alike.
+BenchResult compare(const BenchOptions& options, const Progress& progress);
+
+}  // namespace throng::bench

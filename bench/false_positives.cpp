@@ -1,0 +1,151 @@
+#include "bench/false_positives.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bench/boxes.h"
+#include "culling/triangle_bvh.h"
+#include "culling/volumes.h"
+
+namespace throng::bench {
+namespace {
+
+/// The volumes of every part of a frame, avatar-major.
+struct Method {
+  std::string name;
+  virtual ~Method() = default;
+  virtual void place(const std::vector<PartPose>& poses, std::span<const float> scales) = 0;
+  virtual bool overlaps(size_t a, size_t b, const Eigen::Vector3f& a_to_b_m,
+                        float margin_m) const = 0;
+};
+
+template <typename V, bool kFromVertices>
+class MethodOf : public Method {
+ public:
+  MethodOf(VolumeKind kind, std::shared_ptr<const BodyType> type) : type_(std::move(type)) {
+    name = std::string(name_of(kind)) + (kFromVertices ? "_vertices" : "");
+    for (const PartShape& part : type_->parts()) fitted_.push_back(V::fit(part.points));
+  }
+  void place(const std::vector<PartPose>& poses, std::span<const float> scales) override {
+    placed_.clear();
+    for (size_t i = 0; i < poses.size(); ++i) {
+      const size_t part = i % fitted_.size();
+      const float scale = scales[i / fitted_.size()];
+      if constexpr (kFromVertices)
+        placed_.push_back(V::refit(type_->parts()[part].points, poses[i], scale));
+      else
+        placed_.push_back(V::place(fitted_[part], poses[i], scale));
+    }
+  }
+  bool overlaps(size_t a, size_t b, const Eigen::Vector3f& a_to_b_m,
+                float margin_m) const override {
+    return V::overlaps(placed_[a], placed_[b], a_to_b_m, margin_m);
+  }
+
+ private:
+  std::shared_ptr<const BodyType> type_;
+  std::vector<typename V::Fitted> fitted_;
+  std::vector<typename V::Placed> placed_;
+};
+
+std::vector<std::unique_ptr<Method>> all_methods(const std::shared_ptr<const BodyType>& type) {
+  std::vector<std::unique_ptr<Method>> out;
+  out.push_back(std::make_unique<MethodOf<Sphere, false>>(VolumeKind::kSphere, type));
+  out.push_back(std::make_unique<MethodOf<Aabb, false>>(VolumeKind::kAabb, type));
+  out.push_back(std::make_unique<MethodOf<Aabb, true>>(VolumeKind::kAabb, type));
+  out.push_back(std::make_unique<MethodOf<Obb, false>>(VolumeKind::kObb, type));
+  out.push_back(std::make_unique<MethodOf<Kdop<14>, false>>(VolumeKind::kKdop14, type));
+  out.push_back(std::make_unique<MethodOf<Kdop<18>, false>>(VolumeKind::kKdop18, type));
+  out.push_back(std::make_unique<MethodOf<Kdop<26>, false>>(VolumeKind::kKdop26, type));
+  out.push_back(std::make_unique<MethodOf<Kdop<14>, true>>(VolumeKind::kKdop14, type));
+  out.push_back(std::make_unique<MethodOf<Kdop<18>, true>>(VolumeKind::kKdop18, type));
+  out.push_back(std::make_unique<MethodOf<Kdop<26>, true>>(VolumeKind::kKdop26, type));
+  out.push_back(std::make_unique<MethodOf<Ordop<14>, false>>(VolumeKind::kOrdop14, type));
+  out.push_back(std::make_unique<MethodOf<Ordop<18>, false>>(VolumeKind::kOrdop18, type));
+  out.push_back(std::make_unique<MethodOf<Ordop<26>, false>>(VolumeKind::kOrdop26, type));
+  return out;
+}
+
+/// Pairs of avatars whose spheres overlap: the two-pass strategy's first pass.
+std::vector<BoxPair> sphere_pairs(const Crowd& crowd, const BodyType& type) {
+  const BodiesView bodies = crowd.view();
+  std::vector<Box> spheres;  // as boxes first, so that the grid of the reference serves
+  const double radius = static_cast<double>(type.sphere().radius_m);
+  for (const RootPose& root : bodies.roots) {
+    const Eigen::Vector3d centre =
+        root.position_m + (root.world_from_root * type.sphere().centre_m).cast<double>();
+    const Eigen::Vector3f low = (centre.array() - radius).cast<float>(),
+                          high = (centre.array() + radius).cast<float>();
+    spheres.push_back({{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}});
+  }
+  std::vector<BoxPair> pairs = reference_pairs({spheres, 1});
+  std::erase_if(pairs, [&](const BoxPair& pair) {
+    const auto centre = [&](uint32_t i) -> Eigen::Vector3f {
+      return Eigen::Vector3f(spheres[i].min_m) + Eigen::Vector3f(spheres[i].max_m);
+    };
+    return (centre(pair.a) - centre(pair.b)).norm() / 2 > 2 * type.sphere().radius_m;
+  });
+  return pairs;
+}
+
+}  // namespace
+
+FalsePositives count_false_positives(const BenchOptions& options, VolumeKind matrix_volume,
+                                     int stride, const Progress& progress) {
+  Crowd crowd(load_model(adult_urdf()),
+              {.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
+  const auto type = crowd.body_type();
+  const size_t parts = type->parts().size();
+  FalsePositives out;
+  for (const Part& part : crowd.model().parts) out.parts.push_back(part.name);
+  out.matrix.resize(parts * parts);
+  out.matrix_volume = name_of(matrix_volume);
+  const std::vector<std::unique_ptr<Method>> methods = all_methods(type);
+  for (const auto& method : methods) out.volumes.push_back({method->name});
+  std::vector<TriangleBvh> surfaces;
+  for (const PartShape& part : type->parts()) surfaces.emplace_back(part.points, part.triangles);
+
+  CrowdBoxes boxes(crowd, type);
+  ExactCounters exact;
+  std::vector<uint8_t> reports(methods.size());
+  for (int frame = 0; frame < options.frames; ++frame) {
+    for (int step = 0; step < stride; ++step) crowd.advance();
+    boxes.compute();
+    const std::vector<PartPose>& poses = boxes.poses();
+    const BodiesView bodies = crowd.view();
+    for (const auto& method : methods) method->place(poses, bodies.scales);
+    for (const BoxPair& pair : sphere_pairs(crowd, *type)) {
+      ++out.avatar_pairs;
+      const Eigen::Vector3f shift =
+          (bodies.roots[pair.b].position_m - bodies.roots[pair.a].position_m).cast<float>();
+      const float margin = rounding_margin_m(shift.norm() + 4 * type->sphere().radius_m +
+                                             2 * type->sphere().centre_m.norm());
+      for (size_t cell = 0; cell < parts * parts; ++cell) {
+        const size_t part_a = cell / parts, part_b = cell % parts;
+        const size_t a = pair.a * parts + part_a, b = pair.b * parts + part_b;
+        ++out.tests;
+        bool any = false;
+        for (size_t i = 0; i < methods.size(); ++i)
+          any |= (reports[i] = methods[i]->overlaps(a, b, shift, margin)) != 0;
+        // The truth is looked for wherever any volume reports, so that one that misses is caught.
+        const bool touching =
+            any && solids_touch(surfaces[part_a], poses[a], bodies.scales[pair.a], surfaces[part_b],
+                                poses[b], bodies.scales[pair.b], shift, exact);
+        out.touching += touching;
+        PartCell& counts = out.matrix[std::min(part_a, part_b) * parts + std::max(part_a, part_b)];
+        ++counts.tests;
+        counts.touching += touching;
+        for (size_t i = 0; i < methods.size(); ++i) {
+          out.volumes[i].reported += reports[i];
+          out.volumes[i].missed += touching && !reports[i];
+          if (methods[i]->name == out.matrix_volume) counts.passed += reports[i];
+        }
+      }
+    }
+    progress(fmt::format("frame {} of {}", frame + 1, options.frames));
+  }
+  return out;
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,39 @@
+// How many pairs of parts each volume reports for one that truly touches.
+// One rule: the truth is exact triangles, over all parts of all avatars whose spheres overlap, with
+// no other volume in between.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/comparison.h"
+
+namespace throng::bench {
+
+struct VolumeReport {
+  std::string name;  ///< as name_of(VolumeKind), "_vertices" appended if refitted to the vertices
+  uint64_t reported = 0;
+  uint64_t missed = 0;  ///< true pairs that it did not report; any is an error
+};
+
+struct PartCell {
+  uint64_t tests = 0, passed = 0, touching = 0;
+};
+
+struct FalsePositives {
+  std::vector<VolumeReport> volumes;
+  uint64_t avatar_pairs = 0, tests = 0, touching = 0;
+  std::vector<std::string> parts;  ///< names
+  /// parts x parts, symmetric pairs counted once, in the upper triangle; for `matrix_volume`.
+  std::vector<PartCell> matrix;
+  std::string matrix_volume;
+
+  const PartCell& cell(size_t a, size_t b) const { return matrix[a * parts.size() + b]; }
+};
+
+/// options.frames frames, one every `stride` steps.
+FalsePositives count_false_positives(const BenchOptions& options, VolumeKind matrix_volume,
+                                     int stride, const Progress& progress);
+
+}  // namespace throng::bench

@@ -1,0 +1,197 @@
+#include "bench/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace throng::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Text = std::back_insert_iterator<std::string>;
+
+double ratio(double a, double b) { return b > 0 ? a / b : 0; }
+
+Json crowd_json(const BenchOptions& options) {
+  return {{"avatars", options.avatars},
+          {"density_per_m2", options.per_m2},
+          {"frames", options.frames},
+          {"threads", options.threads},
+          {"seed", options.seed}};
+}
+
+void put_engine(Text to, const EngineResult& engine) {
+  if (engine.agrees)
+    fmt::format_to(to, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9.2f}{:>9.2f}  {}\n",
+                   engine.name + " " + engine.version, engine.ms.min, engine.ms.median,
+                   engine.ms.p95, engine.pairs, engine.ratio, engine.ratio_boxes, engine.what);
+  else
+    fmt::format_to(to, "  {:<22}no time: its {} pairs are not the reference's\n",
+                   engine.name + " " + engine.version, engine.pairs);
+}
+
+}  // namespace
+
+std::string to_text(const BenchResult& r, const MachineLine& machine) {
+  std::string out;
+  const Text to = std::back_inserter(out);
+  fmt::format_to(to, "{} avatars, {} per m2, {} frames, {} thread{}, {} on {}\n\n",
+                 r.options.avatars, r.options.per_m2, r.options.frames, r.options.threads,
+                 r.options.threads == 1 ? "" : "s", r.throng.simd, machine.cpu);
+  fmt::format_to(to, "  {:<22}{:>9}{:>9}{:>9}{:>11}{:>9}{:>9}\n", "", "min ms", "median", "p95",
+                 "pairs", "/ ours", "/ boxes");
+  const ThrongResult& t = r.throng;
+  const std::string name = "throng ordop26";
+  fmt::format_to(to, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", name, t.ms.min,
+                 t.ms.median, t.ms.p95, t.pairs, "1", "",
+                 "kinematics, boxes, or-DOP 26, sorted pairs, begin/end");
+  fmt::format_to(to, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", "throng boxes",
+                 t.boxes_ms.min, t.boxes_ms.median, t.boxes_ms.p95, t.box_pairs, "", "1",
+                 "the same less or-DOP tests, sorting and events");
+  for (const EngineResult& engine : r.engines) put_engine(to, engine);
+  for (const Skipped& skipped : r.skipped)
+    fmt::format_to(to, "  {:<22}skipped: {}\n", skipped.name, skipped.reason);
+  fmt::format_to(to, "\n  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10}\n", "our stages", "volume",
+                 "updates", "tests", "passed", "ms");
+  for (const StageRow& stage : t.stages)
+    fmt::format_to(to, "  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10.3f}\n", stage.stage, stage.volume,
+                   stage.updates, stage.tests, stage.passed, stage.ms);
+  fmt::format_to(to, "\n  {:.2f} kB of memory an avatar, whole process{}; hash {:016x}\n",
+                 static_cast<double>(machine.peak_rss_bytes) / 1e3 / r.options.avatars,
+                 r.engines.empty() ? "" : " with the engines", t.hash);
+  return out;
+}
+
+std::string to_json(const BenchResult& r, const MachineLine& machine) {
+  Json json = crowd_json(r.options);
+  Json stages = Json::array();
+  for (const StageRow& s : r.throng.stages)
+    stages.push_back({{"stage", s.stage},
+                      {"volume", s.volume},
+                      {"updates", s.updates},
+                      {"tests", s.tests},
+                      {"passed", s.passed},
+                      {"ms", s.ms}});
+  json["throng"] = {{"ms", r.throng.ms.median},
+                    {"ms_min", r.throng.ms.min},
+                    {"ms_p95", r.throng.ms.p95},
+                    {"pairs", r.throng.pairs},
+                    {"simd", r.throng.simd},
+                    {"boxes_ms", r.throng.boxes_ms.median},
+                    {"box_pairs", r.throng.box_pairs},
+                    {"hash", fmt::format("{:016x}", r.throng.hash)},
+                    {"stages", stages}};
+  json["engines"] = Json::array();
+  for (const EngineResult& e : r.engines) {
+    Json row = {{"name", e.name}, {"version", e.version}, {"what", e.what}};
+    row["ms"] = e.agrees ? Json(e.ms.median) : Json(nullptr);
+    row["pairs"] = e.pairs;
+    row["agrees"] = e.agrees;
+    if (e.agrees) {
+      row["ms_min"] = e.ms.min;
+      row["ms_p95"] = e.ms.p95;
+      row["ratio"] = e.ratio;
+      row["ratio_boxes"] = e.ratio_boxes;
+    }
+    json["engines"].push_back(row);
+  }
+  json["skipped"] = Json::array();
+  for (const Skipped& s : r.skipped)
+    json["skipped"].push_back({{"name", s.name}, {"reason", s.reason}});
+  const auto or_null = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
+  json["ratio_fastest"] = or_null(r.ratio_fastest());
+  json["ratio_fcl"] = or_null(r.ratio_fcl());
+  json["peak_rss_bytes"] = machine.peak_rss_bytes;
+  json["cpu"] = machine.cpu;
+  return json.dump(2) + "\n";
+}
+
+std::string to_text(const AgeingResult& r) {
+  std::string out;
+  const Text to = std::back_inserter(out);
+  fmt::format_to(to, "After {} frames of walking, ms a frame\n\n  {:<22}{:>12}{:>12}{:>9}\n",
+                 r.walked_frames, "", "fresh", "aged", "ratio");
+  fmt::format_to(to, "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}  updates and tests: {} fresh, {} aged\n",
+                 "throng ordop26", r.fresh_ms, r.aged_ms, ratio(r.aged_ms, r.fresh_ms),
+                 r.fresh_work, r.aged_work);
+  for (const AgedEngine& e : r.engines) {
+    const std::string name = e.name + " " + e.version;
+    if (e.agrees)
+      fmt::format_to(to, "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}\n", name, e.fresh_ms, e.aged_ms,
+                     ratio(e.aged_ms, e.fresh_ms));
+    else
+      fmt::format_to(to, "  {:<22}no time: its pairs are not the reference's\n", name);
+  }
+  return out;
+}
+
+std::string to_json(const AgeingResult& r, const BenchOptions& options,
+                    const MachineLine& machine) {
+  Json json = crowd_json(options);
+  json["walked_frames"] = r.walked_frames;
+  json["throng"] = {{"fresh_ms", r.fresh_ms},
+                    {"aged_ms", r.aged_ms},
+                    {"fresh_work", r.fresh_work},
+                    {"aged_work", r.aged_work}};
+  json["engines"] = Json::array();
+  for (const AgedEngine& e : r.engines)
+    json["engines"].push_back({{"name", e.name},
+                               {"version", e.version},
+                               {"fresh_ms", e.fresh_ms},
+                               {"aged_ms", e.aged_ms},
+                               {"agrees", e.agrees}});
+  json["cpu"] = machine.cpu;
+  return json.dump(2) + "\n";
+}
+
+std::string to_text(const FalsePositives& r) {
+  std::string out;
+  const Text to = std::back_inserter(out);
+  fmt::format_to(to, "{} pairs of avatars, {} of parts, {} truly touching\n\n", r.avatar_pairs,
+                 r.tests, r.touching);
+  fmt::format_to(to, "  {:<18}{:>12}{:>20}{:>9}\n", "volume", "reported", "reported per true",
+                 "missed");
+  for (const VolumeReport& v : r.volumes)
+    fmt::format_to(to, "  {:<18}{:>12}{:>20.3f}{:>9}\n", v.name, v.reported,
+                   ratio(static_cast<double>(v.reported), static_cast<double>(r.touching)),
+                   v.missed);
+  fmt::format_to(to, "\n{}, part by part: tests / passed / false positives\n\n  {:<16}",
+                 r.matrix_volume, "");
+  for (const std::string& part : r.parts) fmt::format_to(to, "{:>22}", part);
+  for (size_t a = 0; a < r.parts.size(); ++a) {
+    fmt::format_to(to, "\n  {:<16}", r.parts[a]);
+    for (size_t b = 0; b < r.parts.size(); ++b) {
+      const PartCell& cell = r.cell(std::min(a, b), std::max(a, b));
+      fmt::format_to(to, "{:>22}",
+                     fmt::format("{}/{}/{}", cell.tests, cell.passed, cell.passed - cell.touching));
+    }
+  }
+  return out + "\n";
+}
+
+std::string to_json(const FalsePositives& r, const BenchOptions& options) {
+  Json json = crowd_json(options);
+  json["tests"] = r.tests;
+  json["touching"] = r.touching;
+  for (const VolumeReport& v : r.volumes)
+    json["volumes"][v.name] = {
+        {"reported", v.reported},
+        {"per_true", ratio(static_cast<double>(v.reported), static_cast<double>(r.touching))},
+        {"missed", v.missed}};
+  json["matrix_volume"] = r.matrix_volume;
+  json["matrix"] = Json::array();
+  for (size_t a = 0; a < r.parts.size(); ++a)
+    for (size_t b = a; b < r.parts.size(); ++b) {
+      const PartCell& cell = r.cell(a, b);
+      json["matrix"].push_back({{"a", r.parts[a]},
+                                {"b", r.parts[b]},
+                                {"tests", cell.tests},
+                                {"passed", cell.passed},
+                                {"false_positives", cell.passed - cell.touching}});
+    }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace throng::bench

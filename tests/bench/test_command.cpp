@@ -1,0 +1,92 @@
+// `throng bench` as a user meets it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/engines.h"
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
+  const ScratchFolder folder;
+  const Outcome run = shell(
+      "throng bench --avatars 100 --density 4 --frames 2 --engines none --json b.json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("throng ordop26"));
+  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  EXPECT_GT(json["throng"]["ms"].get<double>(), 0);
+  EXPECT_GT(json["throng"]["pairs"].get<int>(), 0);
+  EXPECT_TRUE(json["throng"]["simd"].is_string());
+  EXPECT_TRUE(json["engines"].empty());
+  EXPECT_EQ(json["skipped"].size(), bench::engine_kinds().size());
+  EXPECT_TRUE(json["ratio_fastest"].is_null());
+  EXPECT_TRUE(json["ratio_fcl"].is_null());
+  EXPECT_GT(json["peak_rss_bytes"].get<uint64_t>(), 1'000'000u);
+}
+
+TEST(BenchCommand, EveryEngineIsComparedOrNamedWithTheReason) {
+  const ScratchFolder folder;
+  const Outcome run =
+      shell("throng bench --avatars 60 --density 4 --frames 2 --json b.json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  for (const bench::EngineKind& kind : bench::engine_kinds()) {
+    const auto& rows = kind.make != nullptr ? json["engines"] : json["skipped"];
+    bool named = false;
+    for (const auto& row : rows) {
+      if (row["name"] != std::string(kind.name)) continue;
+      named = true;
+      if (kind.make != nullptr) {
+        EXPECT_TRUE(row["agrees"].get<bool>()) << kind.name;
+        EXPECT_GT(row["ms"].get<double>(), 0) << kind.name;
+        EXPECT_GT(row["pairs"].get<int>(), 0) << kind.name;
+        EXPECT_FALSE(row["version"].get<std::string>().empty()) << kind.name;
+        EXPECT_THAT(row["what"].get<std::string>(), HasSubstr("boxes only"));
+      } else {
+        EXPECT_EQ(row["reason"].get<std::string>(), std::string(kind.missing));
+      }
+    }
+    EXPECT_TRUE(named) << kind.name << " is neither compared nor named as skipped";
+  }
+}
+
+TEST(BenchCommand, AgedAndFreshDoTheSameWork) {
+  const ScratchFolder folder;
+  const Outcome run =
+      shell("throng bench --avatars 100 --frames 2 --engines none --age 30 --json a.json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(read_file(folder / "a.json"));
+  EXPECT_EQ(json["walked_frames"], 30);
+  EXPECT_GT(json["throng"]["aged_work"].get<uint64_t>(), 0u);
+  EXPECT_EQ(json["throng"]["aged_work"], json["throng"]["fresh_work"]);
+}
+
+TEST(BenchCommand, PartsPrintsTheMatrixOfAVolume) {
+  const ScratchFolder folder;
+  const Outcome run =
+      shell("throng bench --avatars 40 --density 4 --frames 1 --parts obb --json p.json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("obb, part by part"));
+  const auto json = nlohmann::json::parse(read_file(folder / "p.json"));
+  EXPECT_EQ(json["matrix"].size(), 15u * 16 / 2);
+  EXPECT_EQ(json["volumes"]["ordop26"]["missed"], 0);
+}
+
+TEST(BenchCommand, RefusesWhatItDoesNotKnow) {
+  const ScratchFolder folder;
+  for (const char* options : {"--engines fcll", "--simd mmx", "--parts cube", "--avatars 1",
+                              "--density 0", "--age 0", "--engines fcl,"}) {
+    const Outcome run = shell(std::string("throng bench ") + options, folder);
+    EXPECT_EQ(run.exit_code, 2) << options << ": " << run.err;
+    EXPECT_EQ(line_count(run.err), 1) << options << ": " << run.err;
+  }
+  EXPECT_THAT(shell("throng bench --engines fcll", folder).err, HasSubstr("did you mean 'fcl'"));
+}
+
+}  // namespace
+}  // namespace throng
