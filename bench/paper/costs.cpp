@@ -11,9 +11,7 @@
 namespace throng::paper {
 namespace {
 
-/// The paper's number of repetitions, for constructions; the exact test's tree is not the paper's
-/// and takes longer than all its volumes together.
-constexpr int kConstructions = 100;
+/// The exact test's tree is not the paper's, and takes longer than all its volumes together.
 constexpr int kTreeConstructions = 10;
 /// A measurement ends after this long, but not before kMinRepetitions.
 constexpr double kBudget_ns = 0.15e9;
@@ -84,12 +82,11 @@ Cost repeat(size_t count, const Body& body) {
 }
 
 template <typename Method>
-void measure_construction(const std::vector<Object>& objects, MethodCosts& costs) {
+void measure_construction(const std::vector<Object>& objects, int repetitions, MethodCosts& costs) {
   std::vector<std::vector<double>> by_object(objects.size());
   std::vector<double> all;
-  constexpr int kRepetitions =
-      std::is_same_v<Method, Triangles> ? kTreeConstructions : kConstructions;
-  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+  if (std::is_same_v<Method, Triangles>) repetitions = std::min(repetitions, kTreeConstructions);
+  for (int repetition = 0; repetition < repetitions; ++repetition) {
     double sum_ns = 0;
     for (size_t i = 0; i < objects.size(); ++i) {
       Stopwatch watch;
@@ -166,11 +163,12 @@ Cost cost_of(std::vector<double> samples_ns) {
 }
 
 std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>& objects,
-                                                       int frames, uint64_t seed) {
+                                                       int frames, uint64_t seed,
+                                                       int constructions) {
   const Inputs inputs = record(objects, frames, seed);
   std::array<MethodCosts, kMethods.size()> costs;
   for_each_method([&](size_t index, auto method) {
-    measure_construction<decltype(method)>(objects, costs[index]);
+    measure_construction<decltype(method)>(objects, constructions, costs[index]);
     measure_motion<decltype(method)>(objects, inputs, costs[index]);
     for (size_t i = 0; i < kRunLengths.size(); ++i)
       costs[index].run_ms[i] = run_ms<decltype(method)>(objects, kRunLengths[i] * frames, seed);

@@ -30,9 +30,10 @@ struct MethodCosts {
   std::array<double, kRunLengths.size()> run_ms{};  ///< whole runs by the clock, construction apart
 };
 
-/// `frames` frames of Part I feed C_u and C_v.
+/// `frames` frames of Part I feed C_u and C_v; each volume is built `constructions` times.
 std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>& objects,
-                                                       int frames, uint64_t seed);
+                                                       int frames, uint64_t seed,
+                                                       int constructions);
 
 /// Of samples in any order.
 Cost cost_of(std::vector<double> samples_ns);

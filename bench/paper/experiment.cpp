@@ -120,7 +120,7 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
     result.volumes[v].long_collisions = longest[v].collisions;
 
   say("Part I: what building, updating and testing cost");
-  const auto costs = measure_costs(objects, options.frames, options.seed);
+  const auto costs = measure_costs(objects, options.frames, options.seed, options.constructions);
   for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].costs = costs[v];
   result.primitive_ns = costs[kExactMethod].primitive_ns;
 

@@ -18,6 +18,7 @@ struct PaperOptions {
   uint64_t seed = 1;
   int seeds = 1;            ///< seed, seed + 1, ... for the collisions
   int threads = 1;          ///< over seeds; nothing that is timed
+  int constructions = 100;  ///< repetitions of what C_o measures, as many as the paper's
   size_t largest = 10'000;  ///< objects of Part II; at least 500
 };
 

@@ -1,0 +1,105 @@
+// The whole experiment in short: what its JSON, tables and figures must hold.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/paper/claims.h"
+#include "bench/paper/json.h"
+#include "bench/paper/tables.h"
+
+namespace throng::paper {
+namespace {
+
+const PaperResult& result() {
+  static const PaperResult run = [] {
+    PaperOptions options;
+    options.frames = 20;
+    options.seeds = 2;
+    options.constructions = 3;
+    options.largest = 500;
+    return run_experiments(load_objects(), options, [](const std::string&) {});
+  }();
+  return run;
+}
+
+TEST(PaperJson, HasEveryKeyForEveryVolume) {
+  const auto json = nlohmann::json::parse(to_json(result(), "a \"cpu\""));
+  for (const std::string name : {"sphere", "aabb", "obb", "kdop14", "kdop18", "kdop26", "ordop14",
+                                 "ordop18", "ordop26", "exact", "aabb_refit", "kdop26_refit"}) {
+    ASSERT_TRUE(json["volumes"].contains(name)) << name;
+    const auto& volume = json["volumes"][name];
+    EXPECT_EQ(volume["collisions"].size(), 5u) << name;
+    EXPECT_EQ(volume["n_v"], 105 * 19) << name;
+    EXPECT_EQ(volume["n_u"], 15 * 19) << name;
+    for (const char* key : {"c_v_ns", "c_u_ns", "c_o_ns", "total_ms"})
+      EXPECT_GT(volume[key].get<double>(), 0) << name << "." << key;
+    EXPECT_GE(volume["false_positive_rate"].get<double>(), 0) << name;
+    EXPECT_LE(volume["false_positive_rate"].get<double>(), 1) << name;
+  }
+  EXPECT_EQ(json["volumes"]["exact"]["false_positive_rate"], 0);
+  for (const char* name : {"control", "sphere", "ordop", "hybrid_one", "hybrid_all", "two_pass"})
+    for (const char* key : {"fps", "tests", "updates", "total_ms"})
+      EXPECT_TRUE(json["strategies"][name].contains(key)) << name << "." << key;
+  ASSERT_EQ(json["paper_totals"].size(), 5u);
+  for (const auto& row : json["paper_totals"]) {
+    EXPECT_LT(row["error"].get<double>(), 0.002) << row["volume"];
+    EXPECT_TRUE(row.contains("printed") && row.contains("computed"));
+  }
+}
+
+TEST(PaperResult, TotalsAreTheFormula) {
+  for (const VolumeResult& volume : result().volumes) {
+    const MethodCosts& costs = volume.costs;
+    const double construction_ms = costs.construction_all.median_ns * 1e-6;
+    const double expected = 15 * 19 * costs.update.median_ns * 1e-6 +
+                            105 * 19 * costs.test.median_ns * 1e-6 + construction_ms;
+    EXPECT_NEAR(volume.total_ms(), expected, 1e-9 * expected) << volume.name;
+    // Twice the frames are 39 tested ones, not 38.
+    EXPECT_NEAR((volume.total_ms(2) - construction_ms) / (expected - construction_ms), 39.0 / 19,
+                1e-6)
+        << volume.name;
+  }
+}
+
+TEST(PaperResult, TablesAreAsWideAsTheirHeads) {
+  const std::vector<Table> tables = tables_of(result());
+  EXPECT_GT(tables.size(), 8u);
+  for (const Table& table : tables) {
+    EXPECT_FALSE(table.rows.empty()) << table.title;
+    for (const auto& row : table.rows) EXPECT_EQ(row.size(), table.head.size()) << table.title;
+  }
+}
+
+TEST(PaperResult, BarsInMarkdownCellsAndTagsInHtmlAreEscaped) {
+  const Table table{"a < b", "note", {"x", "y"}, {{"1 | 2", "<b>"}}};
+  EXPECT_NE(to_markdown(table).find("| 1 \\| 2 | <b> |"), std::string::npos) << to_markdown(table);
+  EXPECT_NE(to_html(table).find("<td>&lt;b&gt;</td>"), std::string::npos) << to_html(table);
+}
+
+TEST(Winners, AreNamedWhereTheyChange) {
+  std::vector<Scale> scales;
+  for (const size_t size : {size_t{10}, size_t{20}, size_t{30}}) {
+    Scale scale{size, {}};
+    for (size_t s = 0; s < kStrategies.size(); ++s) {
+      StrategyCost cost;
+      cost.strategy = static_cast<Strategy>(s);
+      cost.result.frames = 1;
+      cost.result.frame_ms = 100;
+      cost.culling_ms = 100;
+      scale.strategies.push_back(cost);
+    }
+    // Control and the one object of interest answer another question: never winners.
+    scale.strategies[0].culling_ms = 1;
+    scale.strategies[3].culling_ms = 1;
+    scale.strategies[size < 30 ? 1 : 5].culling_ms = 50;
+    scales.push_back(scale);
+  }
+  std::vector<std::pair<size_t, std::string>> counted;
+  for (const Winner& winner : find_winners(scales))
+    if (winner.measure == "culling, counted") counted.emplace_back(winner.objects, winner.strategy);
+  const std::vector<std::pair<size_t, std::string>> expected = {{10, "sphere"}, {30, "two_pass"}};
+  EXPECT_EQ(counted, expected);
+}
+
+}  // namespace
+}  // namespace throng::paper
