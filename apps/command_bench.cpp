@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 
@@ -37,6 +38,7 @@ struct BenchCommand {
   std::string simd = "best";
   std::string pair_search = "grid";
   std::string json;
+  std::string csv;
   std::string parts;
   int aged_frames = 0;
 };
@@ -64,10 +66,11 @@ std::vector<std::string> engines_of(const std::string& list) {
   return chosen;
 }
 
-void write_text(const std::string& file, const std::string& text) {
+void write_text(const std::string& file, const std::string& text,
+                std::ios::openmode mode = std::ios::trunc) {
   if (file.empty()) return;
   errno = 0;
-  std::ofstream out(file, std::ios::trunc | std::ios::binary);
+  std::ofstream out(file, mode | std::ios::binary);
   out << text;
   out.close();
   if (!out) throw EnvironmentError(fmt::format("{}: cannot write: {}", file, std::strerror(errno)));
@@ -80,6 +83,8 @@ int measure(BenchCommand& command) {
   for (const auto& [name, search] : kSearches)
     if (command.pair_search == name) options.pair_search = search;
   write_text(command.json, "");  // what would fail after minutes has to fail before
+  if (!command.csv.empty() && !std::filesystem::exists(command.csv))
+    write_text(command.csv, bench::csv_header());
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const bench::Progress progress = [terminal](const std::string& what) {
     if (terminal) fmt::print(stderr, "\r\033[K{}", what);
@@ -110,6 +115,7 @@ int measure(BenchCommand& command) {
   const bench::MachineLine machine{cpu_name(), throng::peak_rss_bytes()};
   fmt::print("{}", bench::to_text(result, machine));
   write_text(command.json, bench::to_json(result, machine));
+  write_text(command.csv, bench::to_csv(result), std::ios::app);
   const auto agrees = [](const bench::EngineResult& engine) { return engine.agrees; };
   return std::all_of(result.engines.begin(), result.engines.end(), agrees) ? kExitFine
                                                                            : kExitCheckFailed;
@@ -159,6 +165,8 @@ void add_options(CLI::App& app, BenchCommand& command) {
                     ->excludes(age);
   parts->expected(0, 1)->default_str("ordop26");
   app.add_option("--json", command.json, "Write the numbers as JSON")->type_name("FILE");
+  app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
+      ->type_name("FILE");
 }
 
 }  // namespace

@@ -108,6 +108,26 @@ std::string to_json(const BenchResult& r, const MachineLine& machine) {
   return json.dump(2) + "\n";
 }
 
+std::string csv_header() {
+  return "avatars,per_m2,threads,frames,simd,engine,version,ms_min,ms_median,ms_p95,pairs,ratio\n";
+}
+
+std::string to_csv(const BenchResult& r) {
+  std::string out;
+  const auto put = [&](const std::string& name, const std::string& version, const Spread& ms,
+                       uint64_t pairs, double times_ours) {
+    fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f}\n",
+                   r.options.avatars, r.options.per_m2, r.options.threads, r.options.frames,
+                   r.throng.simd, name, version, ms.min, ms.median, ms.p95, pairs, times_ours);
+  };
+  const ThrongResult& t = r.throng;
+  put("throng", "ordop26", t.ms, t.pairs, 1);
+  put("throng_boxes", "boxes", t.boxes_ms, t.box_pairs, ratio(t.boxes_ms.median, t.ms.median));
+  for (const EngineResult& e : r.engines)
+    if (e.agrees) put(e.name, e.version, e.ms, e.pairs, e.ratio);
+  return out;
+}
+
 std::string to_text(const AgeingResult& r) {
   std::string out;
   const Text to = std::back_inserter(out);

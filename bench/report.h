@@ -20,6 +20,10 @@ struct MachineLine {
 std::string to_text(const BenchResult& result, const MachineLine& machine);
 std::string to_json(const BenchResult& result, const MachineLine& machine);
 
+/// One row an engine that agrees, and two of ours; the header names the units.
+std::string csv_header();
+std::string to_csv(const BenchResult& result);
+
 std::string to_text(const AgeingResult& result);
 std::string to_json(const AgeingResult& result, const BenchOptions& options,
                     const MachineLine& machine);

@@ -55,6 +55,15 @@ TEST(BenchCommand, EveryEngineIsComparedOrNamedWithTheReason) {
   }
 }
 
+TEST(BenchCommand, CsvGrowsByTheRowsOfEachRun) {
+  const ScratchFolder folder;
+  const std::string line = "throng bench --avatars 50 --frames 1 --engines none --csv b.csv";
+  ASSERT_EQ(shell(line + "\n" + line, folder).exit_code, 0);
+  const std::string csv = read_file(folder / "b.csv");
+  EXPECT_EQ(line_count(csv), 1 + 2 * 2) << csv;
+  EXPECT_TRUE(csv.starts_with("avatars,per_m2,threads,")) << csv;
+}
+
 TEST(BenchCommand, AgedAndFreshDoTheSameWork) {
   const ScratchFolder folder;
   const Outcome run =
