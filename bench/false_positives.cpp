@@ -108,6 +108,10 @@ FalsePositives count_false_positives(const BenchOptions& options, VolumeKind mat
 
   CrowdBoxes boxes(crowd, type);
   ExactCounters exact;
+  // Last, the whole pipeline: cylinders, avatar boxes and part boxes before or-DOP 26.
+  out.volumes.push_back({"pipeline"});
+  Workers workers(1);
+  Culler culler({type}, {}, workers);
   std::vector<uint8_t> reports(methods.size());
   for (int frame = 0; frame < options.frames; ++frame) {
     for (int step = 0; step < stride; ++step) crowd.advance();
@@ -115,6 +119,8 @@ FalsePositives count_false_positives(const BenchOptions& options, VolumeKind mat
     const std::vector<PartPose>& poses = boxes.poses();
     const BodiesView bodies = crowd.view();
     for (const auto& method : methods) method->place(poses, bodies.scales);
+    culler.step(bodies, crowd);
+    out.volumes.back().reported += culler.pairs().size();
     for (const BoxPair& pair : sphere_pairs(crowd, *type)) {
       ++out.avatar_pairs;
       const Eigen::Vector3f shift =
@@ -133,6 +139,10 @@ FalsePositives count_false_positives(const BenchOptions& options, VolumeKind mat
             any && solids_touch(surfaces[part_a], poses[a], bodies.scales[pair.a], surfaces[part_b],
                                 poses[b], bodies.scales[pair.b], shift, exact);
         out.touching += touching;
+        const PairKey key(bodies.ids[pair.a], bodies.ids[pair.b], static_cast<uint32_t>(part_a),
+                          static_cast<uint32_t>(part_b));
+        out.volumes.back().missed +=
+            touching && !std::binary_search(culler.pairs().begin(), culler.pairs().end(), key);
         PartCell& counts = out.matrix[std::min(part_a, part_b) * parts + std::max(part_a, part_b)];
         ++counts.tests;
         counts.touching += touching;

@@ -11,8 +11,9 @@
 
 namespace throng::bench {
 
+/// A volume alone, or "pipeline": all that a Culler does before or-DOP 26.
 struct VolumeReport {
-  std::string name;  ///< as name_of(VolumeKind), "_vertices" appended if refitted to the vertices
+  std::string name;  ///< as name_of(VolumeKind), "_vertices" appended if refitted to them
   uint64_t reported = 0;
   uint64_t missed = 0;  ///< true pairs that it did not report; any is an error
 };
