@@ -64,7 +64,7 @@ void compare(Census& census, const std::vector<uint8_t>& found, const std::vecto
 BoxWorldOptions part_one_box(uint64_t seed) {
   BoxWorldOptions options;
   options.seed = seed;
-  options.edge_m = 2.385;
+  options.edge_m = 2.41;
   return options;
 }
 

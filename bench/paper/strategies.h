@@ -71,12 +71,11 @@ struct StrategyResult {
   size_t objects = 0;
   int frames = 0;
   Work work;
-  double frame_ms = 0;  ///< median over repetitions of the mean frame
+  double frame_ms = 0;  ///< the mean frame of the fastest run: others only ever add time
   double fps() const { return frame_ms > 0 ? 1e3 / frame_ms : 0; }
 };
 
-/// Counts in one run and, if that was short, times seven further ones of the same frames, on this
-/// thread.
+/// Counts in one run and, if that was short, times further ones of the same frames, on this thread.
 StrategyResult measure_strategy(Strategy strategy, const std::vector<Object>& objects, size_t count,
                                 int frames, uint64_t seed);
 
