@@ -45,7 +45,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"hwy", {"base", "kinematics", "culling"}},
     {"png.h", {"viewer"}},
     {"CLI", {"apps"}},
-    {"nlohmann", {"apps", "bench", "tests"}},
+    {"nlohmann", {"apps", "bench", "paper"}},
 };
 
 std::string first_part(const std::string& path) { return path.substr(0, path.find('/')); }
