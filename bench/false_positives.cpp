@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "bench/boxes.h"
 #include "culling/triangle_bvh.h"
@@ -89,6 +90,54 @@ std::vector<BoxPair> sphere_pairs(const Crowd& crowd, const BodyType& type) {
   return pairs;
 }
 
+/// What a pair of avatars is judged with, and where the counts go. The pipeline's row is the last.
+struct Census {
+  const std::vector<std::unique_ptr<Method>>& methods;
+  const std::vector<TriangleBvh>& surfaces;
+  FalsePositives& out;
+  ExactCounters exact{};
+
+  /// Every part of `a` against every part of `b`.
+  void judge(const BodiesView& bodies, const BodyType& type, const std::vector<PartPose>& poses,
+             std::span<const PairKey> reported, const BoxPair& pair) {
+    const size_t parts = surfaces.size();
+    const Eigen::Vector3f shift =
+        (bodies.roots[pair.b].position_m - bodies.roots[pair.a].position_m).cast<float>();
+    const float margin = rounding_margin_m(shift.norm() + 4 * type.sphere().radius_m +
+                                           2 * type.sphere().centre_m.norm());
+    ++out.avatar_pairs;
+    for (size_t cell = 0; cell < parts * parts; ++cell) {
+      const size_t part_a = cell / parts, part_b = cell % parts;
+      const size_t a = pair.a * parts + part_a, b = pair.b * parts + part_b;
+      std::array<bool, 16> says{};
+      bool any = false;
+      for (size_t i = 0; i < methods.size(); ++i)
+        any |= says[i] = methods[i]->overlaps(a, b, shift, margin);
+      says[methods.size()] =
+          std::binary_search(reported.begin(), reported.end(),
+                             PairKey(bodies.ids[pair.a], bodies.ids[pair.b],
+                                     static_cast<uint32_t>(part_a), static_cast<uint32_t>(part_b)));
+      // The truth is looked for wherever any volume reports, so that one that misses is caught.
+      const bool touching =
+          any && solids_touch(surfaces[part_a], poses[a], bodies.scales[pair.a], surfaces[part_b],
+                              poses[b], bodies.scales[pair.b], shift, exact);
+      count(std::min(part_a, part_b) * parts + std::max(part_a, part_b), says, touching);
+    }
+  }
+
+  void count(size_t cell, const std::array<bool, 16>& says, bool touching) {
+    ++out.tests;
+    out.touching += touching;
+    ++out.matrix[cell].tests;
+    out.matrix[cell].touching += touching;
+    for (size_t i = 0; i < out.volumes.size(); ++i) {
+      out.volumes[i].reported += says[i];
+      out.volumes[i].missed += touching && !says[i];
+      if (out.volumes[i].name == out.matrix_volume) out.matrix[cell].passed += says[i];
+    }
+  }
+};
+
 }  // namespace
 
 FalsePositives count_false_positives(const BenchOptions& options, VolumeKind matrix_volume,
@@ -96,63 +145,27 @@ FalsePositives count_false_positives(const BenchOptions& options, VolumeKind mat
   Crowd crowd(load_model(adult_urdf()),
               {.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
   const auto type = crowd.body_type();
-  const size_t parts = type->parts().size();
   FalsePositives out;
   for (const Part& part : crowd.model().parts) out.parts.push_back(part.name);
-  out.matrix.resize(parts * parts);
+  out.matrix.resize(out.parts.size() * out.parts.size());
   out.matrix_volume = name_of(matrix_volume);
   const std::vector<std::unique_ptr<Method>> methods = all_methods(type);
   for (const auto& method : methods) out.volumes.push_back({method->name});
+  out.volumes.push_back({"pipeline"});  // cylinders, avatar boxes and part boxes before or-DOP 26
   std::vector<TriangleBvh> surfaces;
   for (const PartShape& part : type->parts()) surfaces.emplace_back(part.points, part.triangles);
 
-  CrowdBoxes boxes(crowd, type);
-  ExactCounters exact;
-  // Last, the whole pipeline: cylinders, avatar boxes and part boxes before or-DOP 26.
-  out.volumes.push_back({"pipeline"});
   Workers workers(1);
   Culler culler({type}, {}, workers);
-  std::vector<uint8_t> reports(methods.size());
+  CrowdBoxes boxes(crowd, type);
+  Census census{methods, surfaces, out};
   for (int frame = 0; frame < options.frames; ++frame) {
     for (int step = 0; step < stride; ++step) crowd.advance();
     boxes.compute();
-    const std::vector<PartPose>& poses = boxes.poses();
-    const BodiesView bodies = crowd.view();
-    for (const auto& method : methods) method->place(poses, bodies.scales);
-    culler.step(bodies, crowd);
-    out.volumes.back().reported += culler.pairs().size();
-    for (const BoxPair& pair : sphere_pairs(crowd, *type)) {
-      ++out.avatar_pairs;
-      const Eigen::Vector3f shift =
-          (bodies.roots[pair.b].position_m - bodies.roots[pair.a].position_m).cast<float>();
-      const float margin = rounding_margin_m(shift.norm() + 4 * type->sphere().radius_m +
-                                             2 * type->sphere().centre_m.norm());
-      for (size_t cell = 0; cell < parts * parts; ++cell) {
-        const size_t part_a = cell / parts, part_b = cell % parts;
-        const size_t a = pair.a * parts + part_a, b = pair.b * parts + part_b;
-        ++out.tests;
-        bool any = false;
-        for (size_t i = 0; i < methods.size(); ++i)
-          any |= (reports[i] = methods[i]->overlaps(a, b, shift, margin)) != 0;
-        // The truth is looked for wherever any volume reports, so that one that misses is caught.
-        const bool touching =
-            any && solids_touch(surfaces[part_a], poses[a], bodies.scales[pair.a], surfaces[part_b],
-                                poses[b], bodies.scales[pair.b], shift, exact);
-        out.touching += touching;
-        const PairKey key(bodies.ids[pair.a], bodies.ids[pair.b], static_cast<uint32_t>(part_a),
-                          static_cast<uint32_t>(part_b));
-        out.volumes.back().missed +=
-            touching && !std::binary_search(culler.pairs().begin(), culler.pairs().end(), key);
-        PartCell& counts = out.matrix[std::min(part_a, part_b) * parts + std::max(part_a, part_b)];
-        ++counts.tests;
-        counts.touching += touching;
-        for (size_t i = 0; i < methods.size(); ++i) {
-          out.volumes[i].reported += reports[i];
-          out.volumes[i].missed += touching && !reports[i];
-          if (methods[i]->name == out.matrix_volume) counts.passed += reports[i];
-        }
-      }
-    }
+    for (const auto& method : methods) method->place(boxes.poses(), crowd.view().scales);
+    culler.step(crowd.view(), crowd);
+    for (const BoxPair& pair : sphere_pairs(crowd, *type))
+      census.judge(crowd.view(), *type, boxes.poses(), culler.pairs(), pair);
     progress(fmt::format("frame {} of {}", frame + 1, options.frames));
   }
   return out;
