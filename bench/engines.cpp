@@ -23,7 +23,8 @@ std::unique_ptr<Engine> make_ode(int threads);
 namespace {
 
 #ifdef THRONG_BENCH
-constexpr std::string_view kMissing = "its package was not found: scripts/setup.sh bench";
+[[maybe_unused]] constexpr std::string_view kMissing =
+    "its package was not found: scripts/setup.sh bench";
 #else
 constexpr std::string_view kMissing = "not built in: cmake --preset bench";
 #endif

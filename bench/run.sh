@@ -49,7 +49,7 @@ if [ -z "${NO_AGEING:-}" ]; then
   done
 fi
 if [ -x build/bench/throng_micro ]; then
-  build/bench/throng_micro --benchmark_format=csv >"$out/micro.csv"
+  build/bench/throng_micro --benchmark_format=json >"$out/micro.json"
 fi
 if command -v gnuplot >/dev/null; then
   gnuplot -e "results='$out/results.csv'; figure='$out/comparison.svg'; cpu='${model:-unknown}'" \

@@ -58,8 +58,8 @@ TEST_F(BenchCrowd, BoxesAreTightAroundThePlacedVertices) {
       high = high.cwiseMax(placed);
     }
     for (int axis = 0; axis < 3; ++axis) {
-      ASSERT_NEAR(double{list.boxes[i].min_m[axis]}, low[axis], 1e-5) << "box " << i;
-      ASSERT_NEAR(double{list.boxes[i].max_m[axis]}, high[axis], 1e-5) << "box " << i;
+      ASSERT_NEAR(static_cast<double>(list.boxes[i].min_m[axis]), low[axis], 1e-5) << "box " << i;
+      ASSERT_NEAR(static_cast<double>(list.boxes[i].max_m[axis]), high[axis], 1e-5) << "box " << i;
     }
   }
 }
