@@ -14,8 +14,8 @@ namespace throng {
 /// end in '\n'.
 std::string describe_model(const Model& model);
 
-/// Reads and describes a URDF even where meshes are missing: says which, at the end. `complete` tells
-/// whether a scene could use the model. Throws InputError for a bad URDF.
+/// Reads and describes a URDF even where meshes are missing: says which, at the end. `complete`
+/// tells whether a scene could use the model. Throws InputError for a bad URDF.
 std::string describe_urdf(const std::filesystem::path& file, bool& complete);
 
 /// Dialect, counts, bounding box, closedness, volume.

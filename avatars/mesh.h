@@ -3,14 +3,14 @@
 #pragma once
 
 #include <Eigen/Core>
-
 #include <vector>
 
 namespace throng {
 
 struct Mesh {
-  std::vector<Eigen::Vector3f> vertices;   ///< metres
-  std::vector<Eigen::Vector3i> triangles;  ///< counter-clockwise seen from outside; empty: a point cloud
+  std::vector<Eigen::Vector3f> vertices;  ///< metres
+  std::vector<Eigen::Vector3i>
+      triangles;  ///< counter-clockwise seen from outside; empty: a point cloud
 
   bool is_point_cloud() const { return triangles.empty(); }
 };

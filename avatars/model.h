@@ -21,27 +21,29 @@ struct Part {
 };
 
 struct Model {
-  std::string name;         ///< the URDF's robot name
+  std::string name;  ///< the URDF's robot name
   Robot robot;
   std::vector<Part> parts;  ///< in link order; links without geometry carry no part
   FlatModel kinematics;     ///< output i is the pose of parts[i]
   float height_m = 0;       ///< top above the root's ground plane in the zero posture
-  uint64_t content_hash = 0;  ///< of the URDF text and every mesh: names the model in a run's identity
+  uint64_t content_hash =
+      0;  ///< of the URDF text and every mesh: names the model in a run's identity
 
   int part_count() const { return static_cast<int>(parts.size()); }
 };
 
-/// Reads a URDF and every mesh it names. Collision geometry is preferred, visual is used where a link
-/// has no collision geometry. Throws InputError.
+/// Reads a URDF and every mesh it names. Collision geometry is preferred, visual is used where a
+/// link has no collision geometry. Throws InputError.
 std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file);
 
-/// The same for looking at a model whose meshes are not all at hand: links whose shapes cannot be read
-/// carry no part, and `unreadable` gets a line for each. Throws InputError for a bad URDF.
+/// The same for looking at a model whose meshes are not all at hand: links whose shapes cannot be
+/// read carry no part, and `unreadable` gets a line for each. Throws InputError for a bad URDF.
 std::shared_ptr<const Model> load_readable_model(const std::filesystem::path& urdf_file,
                                                  std::vector<std::string>& unreadable);
 
-/// Where the bundled models, scenes and pages lie: $THRONG_DATA, else the folders beside the binary's
-/// install prefix, else the source tree it was built from. Throws EnvironmentError if none exists.
+/// Where the bundled models, scenes and pages lie: $THRONG_DATA, else the folders beside the
+/// binary's install prefix, else the source tree it was built from. Throws EnvironmentError if none
+/// exists.
 std::filesystem::path data_directory();
 
 /// The bundled adult: avatars/models/adult/adult.urdf.

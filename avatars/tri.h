@@ -12,7 +12,7 @@ namespace throng {
 
 /// Which of the forms a .tri file was written in; `throng info` prints it.
 struct TriDialect {
-  bool keyword = false;         ///< starts with TRI
+  bool keyword = false;  ///< starts with TRI
   bool counts_on_one_line = false;
   bool one_based = false;
   bool comments = false;

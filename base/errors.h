@@ -1,5 +1,6 @@
 // The errors that end a command, each with the exit code that the user sees.
-// One rule: an error says where, what was expected, what was found, and the way out if there is one.
+// One rule: an error says where, what was expected, what was found, and the way out if there is
+// one.
 #pragma once
 
 #include <span>

@@ -12,7 +12,8 @@ namespace throng {
 
 struct Workers::Arena {
   explicit Arena(int threads)
-      // oneTBB starts no more threads than cores unless told; a determinism test wants eight on two.
+      // oneTBB starts no more threads than cores unless told; a determinism test wants eight on
+      // two.
       : limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)),
         arena(threads) {}
   tbb::global_control limit;

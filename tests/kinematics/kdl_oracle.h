@@ -29,7 +29,8 @@ class KdlOracle {
   }
 
   Eigen::Isometry3d root_from(const std::string& link) {
-    if (joints_.rows() == 0) return Eigen::Isometry3d::Identity();  // KDL reads joint 0 all the same
+    if (joints_.rows() == 0)
+      return Eigen::Isometry3d::Identity();  // KDL reads joint 0 all the same
     KDL::Frame frame;
     if (solver_.JntToCart(joints_, frame, link) < 0) throw std::logic_error("KDL knows no " + link);
     Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
