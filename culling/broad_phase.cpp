@@ -140,6 +140,8 @@ void BroadPhase::search_large(Slots& slots) {
   Block& block = blocks_[block_count_ - 1];
   block.count = 0;
   block.tests = 0;
+  widest_m_ = 0;
+  for (size_t i = 0; i < small_count_; ++i) widest_m_ = std::max(widest_m_, radius_[small_[i]]);
   for (size_t slot = small_count_; slot < slots.count(); ++slot) {
     const float* box = slots.box_of(slot);
     const Eigen::Vector3f root = (slots[slot].root() - origin_m_).cast<float>();
@@ -160,8 +162,6 @@ void BroadPhase::search_large(Slots& slots) {
 /// The box of a large body against the spheres around it.
 void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                             Slots& slots, Block& block) {
-  float widest = 0;
-  for (size_t i = 0; i < small_count_; ++i) widest = std::max(widest, radius_[small_[i]]);
   const auto visit = [&](uint32_t first, uint32_t end) {
     block.tests += end - first;
     for (uint32_t other = first; other < end; ++other) {
@@ -173,7 +173,8 @@ void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen
       add(block, slot, other, slots);
     }
   };
-  searcher_.around(low.x() - widest, low.y() - widest, high.x() + widest, high.y() + widest, visit);
+  searcher_.around(low.x() - widest_m_, low.y() - widest_m_, high.x() + widest_m_,
+                   high.y() + widest_m_, visit);
 }
 
 uint32_t BroadPhase::times_grown() const {

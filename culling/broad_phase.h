@@ -56,6 +56,7 @@ class BroadPhase {
   GrowBuffer<float> x_, y_, z_, radius_, upright_;      // by body
   GrowBuffer<uint32_t> small_, large_;                  // bodies, ascending
   size_t small_count_ = 0, large_count_ = 0;
+  float widest_m_ = 0;  // the largest sphere among the small bodies
   PairSearcher searcher_;
   std::vector<Block> blocks_;  // of the pair search; the last holds the pairs with large bodies
   size_t block_count_ = 0;
