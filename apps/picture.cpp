@@ -22,9 +22,9 @@ const std::array<Eigen::Vector3f, 6> kClothes = {
     Eigen::Vector3f(0.55F, 0.58F, 0.66F), Eigen::Vector3f(0.42F, 0.50F, 0.58F)};
 constexpr float kPersonHeight_m = 1.7F;
 
-std::set<BodyPart> parts_in_touch(const std::set<PairKey>& pairs) {
+std::set<BodyPart> parts_in_touch(const RunReader::Touching& pairs) {
   std::set<BodyPart> parts;
-  for (const PairKey& pair : pairs) {
+  for (const auto& [pair, level] : pairs) {
     parts.insert({pair.a(), pair.part_a()});
     parts.insert({pair.b(), pair.part_b()});
   }
@@ -54,12 +54,14 @@ void add_people(RecordedFrame& frame, const std::set<BodyPart>& in_touch,
   const run_description_t& description = *run.run();
   std::vector<PartPose> poses;
   for (size_t avatar = 0; avatar < frame.crowd().roots.size(); ++avatar) {
+    if (frame.crowd().present[avatar] == 0) continue;
     const auto id = static_cast<uint32_t>(avatar);
     const auto model = static_cast<size_t>(description.model_of_avatar[avatar]);
     const std::vector<Part>& parts = run.model(model)->parts;
     run.part_poses(static_cast<int>(avatar), poses);
     for (size_t part = 0; part < parts.size(); ++part) {
-      const bool touches = in_touch.contains({id, static_cast<uint32_t>(part)});
+      const bool touches = in_touch.contains({id, static_cast<uint32_t>(part)}) ||
+                           in_touch.contains({id, kWholeBody});
       items.push_back({&parts[part].mesh, world_from(frame.crowd().roots[avatar], poses[part]),
                        description.scale_of_avatar[avatar],
                        touches ? kTouching : kClothes[avatar % kClothes.size()]});

@@ -4,9 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <set>
 
-#include "culling/pair_events.h"
 #include "lcmtypes/run_reader.h"
 
 namespace throng {
@@ -21,7 +19,7 @@ class RecordedFrame {
 
   RunReader& run() { return run_; }
   const CrowdState& crowd() const { return run_.state(); }
-  const std::set<PairKey>& touching() const { return run_.touching(); }
+  const RunReader::Touching& touching() const { return run_.touching(); }
 
  private:
   RunReader run_;

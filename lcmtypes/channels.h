@@ -22,7 +22,7 @@ std::optional<Channel> channel_of(std::string_view name);
 
 /// What the numbers in the messages mean. Grows when a meaning changes and the field does not;
 /// a changed field changes the fingerprint by itself.
-inline constexpr int32_t kSchema = 1;
+inline constexpr int32_t kSchema = 2;
 
 /// An encoded message, fingerprint included. A UDP datagram holds 65507 bytes with LCM's header and
 /// the channel's name; larger messages become fragments, and liblcm 1.3.1 drops a message whose

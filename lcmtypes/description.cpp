@@ -1,5 +1,7 @@
 #include "lcmtypes/description.h"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <numbers>
 
@@ -154,7 +156,40 @@ run_description_t describe(const RunInfo& run) {
   for (const uint16_t model : run.model_of_avatar)
     out.model_of_avatar.push_back(static_cast<int16_t>(model));
   out.scale_of_avatar = run.scale_of_avatar;
+  for (const uint16_t group : run.group_of_avatar)
+    out.group_of_avatar.push_back(static_cast<int16_t>(group));
+  out.groups = run.groups;
+  out.drive_channels = run.drive_channels;
+  out.group_count = static_cast<int32_t>(out.groups.size());
   return out;
+}
+
+std::string body_name(const run_description_t& run, uint32_t body) {
+  const auto id = static_cast<size_t>(body);
+  if (id < run.group_of_avatar.size())
+    return fmt::format("{} {}", run.groups[static_cast<size_t>(run.group_of_avatar[id])], id);
+  const size_t obstacle = id - run.group_of_avatar.size();
+  return obstacle < run.obstacles.size() ? run.obstacles[obstacle].name
+                                         : fmt::format("body {}", id);
+}
+
+std::string part_name(const run_description_t& run, uint32_t body, uint32_t part) {
+  const auto id = static_cast<size_t>(body);
+  if (part == kWholeBody || id >= run.model_of_avatar.size()) return "";
+  const std::vector<part_t>& parts = run.models[static_cast<size_t>(run.model_of_avatar[id])].parts;
+  return part < parts.size() ? parts[part].name : fmt::format("part {}", part);
+}
+
+bool has_pair(const run_description_t& run, PairKey pair) {
+  const auto has_part = [&run](uint32_t body, uint32_t part) {
+    const auto id = static_cast<size_t>(body);
+    if (id < run.model_of_avatar.size())
+      return part == kWholeBody ||
+             part < run.models[static_cast<size_t>(run.model_of_avatar[id])].parts.size();
+    return id - run.model_of_avatar.size() < run.obstacles.size() &&
+           (part == kWholeBody || part == 0);
+  };
+  return has_part(pair.a(), pair.part_a()) && has_part(pair.b(), pair.part_b());
 }
 
 std::shared_ptr<const Model> to_model(const model_t& described) {

@@ -18,6 +18,13 @@ std::vector<ColumnRange> column_ranges(const Model& model);
 
 run_description_t describe(const RunInfo& run);
 
+/// "<group> <id>" of an avatar, the name of an obstacle. For a description that defect_of() passed.
+std::string body_name(const run_description_t& run, uint32_t body);
+/// "" for a whole body (kWholeBody) and for an obstacle.
+std::string part_name(const run_description_t& run, uint32_t body, uint32_t part);
+/// Whether the run has these bodies and parts.
+bool has_pair(const run_description_t& run, PairKey pair);
+
 /// Why a received description cannot be used, or "" if it is sound: every index in range, every
 /// number finite, joints a tree with unit axes.
 std::string defect_of(const run_description_t& description);

@@ -127,6 +127,9 @@ std::string defect_of(const run_description_t& run) {
   for (const int16_t model : run.model_of_avatar)
     if (!is_in(model, run.models.size()))
       return fmt::format("model {} of {}", model, run.models.size());
+  for (const int16_t group : run.group_of_avatar)
+    if (!is_in(group, run.groups.size()))
+      return fmt::format("group {} of {}", group, run.groups.size());
   for (const float scale : run.scale_of_avatar)
     if (!(scale > 0 && scale <= 1e3f)) return "a scale out of range";
   return "";

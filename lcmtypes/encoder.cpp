@@ -17,15 +17,20 @@ constexpr int64_t kSecond_us = 1'000'000;
 constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
 
 constexpr int kRunBytes = static_cast<int>(kMaxMessageBytes - kHeaderBytes) - 12;
-constexpr size_t kStatesFixed = kHeaderBytes + 4 * 4;
-constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4;
+constexpr size_t kStatesFixed = kHeaderBytes + 5 * 4;
+constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte of who is absent
 constexpr size_t kPartsFixed = kHeaderBytes + 4 * 4;
 constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
-constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
-constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 10;
+constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 12;
+constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
 
 constexpr int chunks_of(size_t items, size_t per_chunk) {
   return static_cast<int>(items / per_chunk + (items % per_chunk != 0));
+}
+
+/// `levels` may be empty: then everything got as far as this run refines.
+uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
+  return levels.empty() ? static_cast<uint8_t>(last) : levels[i];
 }
 
 }  // namespace
@@ -55,6 +60,7 @@ void RunEncoder::send(Channel channel, Message& message, int chunk, int chunk_co
 
 void RunEncoder::begin(const RunInfo& run) {
   run_id_ = static_cast<int64_t>(run.run_id);
+  last_level_ = run.exact ? PairLevel::kExact : PairLevel::kPartVolume;
   instance_ = options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
   totals_ = {};
   clamped_ = 0;
@@ -114,10 +120,10 @@ void RunEncoder::send_description_chunk(int chunk) {
 void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   utime_us_ = frame.utime_us;
   frame_ = frame.number;
-  send_events(frame.events);
+  send_events(frame.events, frame.event_levels);
   if (frame.utime_us / kSecond_us != last_second_) {
     last_second_ = frame.utime_us / kSecond_us;
-    send_touching(frame.pairs);
+    send_touching(frame.pairs, frame.levels);
   }
   if (frame.number % options_.state_every == 0) {
     send_states(run, frame);
@@ -126,7 +132,8 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   send_counters(frame);
 }
 
-void RunEncoder::send_events(std::span<const PairEvent> events) {
+void RunEncoder::send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels) {
+  assert(levels.empty() || levels.size() == events.size());
   const int chunks = chunks_of(events.size(), kEventsPerMessage);
   for (int chunk = 0; chunk < chunks; ++chunk) {
     const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
@@ -138,6 +145,7 @@ void RunEncoder::send_events(std::span<const PairEvent> events) {
     m.part_a.resize(count);
     m.part_b.resize(count);
     m.kind.resize(count);
+    m.level.resize(count);
     for (size_t i = 0; i < count; ++i) {
       const PairEvent& event = events[first + i];
       m.a[i] = static_cast<int32_t>(event.pair.a());
@@ -145,12 +153,14 @@ void RunEncoder::send_events(std::span<const PairEvent> events) {
       m.part_a[i] = static_cast<uint8_t>(event.pair.part_a());
       m.part_b[i] = static_cast<uint8_t>(event.pair.part_b());
       m.kind[i] = static_cast<uint8_t>(event.kind);
+      m.level[i] = level_at(levels, first + i, last_level_);
     }
     send(Channel::kEvents, m, chunk, chunks);
   }
 }
 
-void RunEncoder::send_touching(std::span<const PairKey> pairs) {
+void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels) {
+  assert(levels.empty() || levels.size() == pairs.size());
   // Also when nothing touches: a receiver learns that its set should be empty.
   const int chunks = std::max(1, chunks_of(pairs.size(), kTouchingPerMessage));
   for (int chunk = 0; chunk < chunks; ++chunk) {
@@ -162,12 +172,14 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs) {
     m.b.resize(count);
     m.part_a.resize(count);
     m.part_b.resize(count);
+    m.level.resize(count);
     for (size_t i = 0; i < count; ++i) {
       const PairKey pair = pairs[first + i];
       m.a[i] = static_cast<int32_t>(pair.a());
       m.b[i] = static_cast<int32_t>(pair.b());
       m.part_a[i] = static_cast<uint8_t>(pair.part_a());
       m.part_b[i] = static_cast<uint8_t>(pair.part_b());
+      m.level[i] = level_at(levels, first + i, last_level_);
     }
     send(Channel::kTouching, m, chunk, chunks);
   }
@@ -193,9 +205,17 @@ void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const Avata
   for (auto* column : {&m.root_qw, &m.root_qx, &m.root_qy, &m.root_qz}) column->resize(count);
   m.speed_mps.resize(count);
   m.joint_values.resize(static_cast<size_t>(range.items));
+  const auto first = static_cast<size_t>(range.first);
+  m.present.clear();
+  if (!frame.present.empty()) {
+    const auto present = frame.present.subspan(first, count);
+    if (std::find(present.begin(), present.end(), 0) != present.end())
+      m.present.assign(present.begin(), present.end());
+  }
+  m.present_count = static_cast<int32_t>(m.present.size());
   size_t value = 0;
   for (size_t i = 0; i < count; ++i) {
-    const size_t avatar = static_cast<size_t>(range.first) + i;
+    const size_t avatar = first + i;
     const RootPose& root = frame.roots[avatar];
     m.root_x_100um[i] = quantised_position(root.position_m.x(), m.clamped);
     m.root_y_100um[i] = quantised_position(root.position_m.y(), m.clamped);
@@ -289,7 +309,7 @@ void RunEncoder::send_counters(const Frame& frame) {
 void RunEncoder::end(const RunInfo&, const RunEnd& end) {
   utime_us_ = end.utime_us;
   frame_ = end.frames;
-  send_events(end.events);
+  send_events(end.events, end.event_levels);
   end_.frames = end.frames;
   end_.begins = static_cast<int64_t>(end.begins);
   end_.ends = static_cast<int64_t>(end.ends);

@@ -67,8 +67,8 @@ class RunEncoder {
   };
   template <class Message>
   void send(Channel channel, Message& message, int chunk, int chunk_count);
-  void send_events(std::span<const PairEvent> events);
-  void send_touching(std::span<const PairKey> pairs);
+  void send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels);
+  void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   void send_states(const RunInfo& run, const Frame& frame);
   void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range);
   void send_parts(const RunInfo& run, const Frame& frame);
@@ -86,6 +86,7 @@ class RunEncoder {
   int64_t utime_us_ = 0;
   int64_t frame_ = 0;
   int64_t last_second_ = -1;
+  PairLevel last_level_ = PairLevel::kPartVolume;  // what a pair without a level got to
 
   std::vector<uint8_t> description_;
   std::vector<std::vector<ColumnRange>> ranges_;  // by model

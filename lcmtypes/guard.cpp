@@ -63,18 +63,19 @@ void walk(Cursor& c, const states_t*) {
   c.skip(kMessageHeaderBytes + 4);
   const size_t avatars = c.count(3 * 4 + 4 * 2 + 4);
   c.array(avatars, 3 * 4 + 4 * 2 + 4);
+  c.skip(c.count(1));
   c.array(c.count(2), 2);
   c.skip(4);
 }
 
 void walk(Cursor& c, const events_t*) {
   c.skip(kMessageHeaderBytes);
-  c.array(c.count(11), 11);
+  c.array(c.count(12), 12);
 }
 
 void walk(Cursor& c, const touching_t*) {
   c.skip(kMessageHeaderBytes);
-  c.array(c.count(10), 10);
+  c.array(c.count(11), 11);
 }
 
 void walk(Cursor& c, const counters_t*) { c.skip(kMessageHeaderBytes + (5 * 4 + 5 + 9) * 8); }
@@ -134,7 +135,9 @@ void walk(Cursor& c, const run_description_t*) {
   for (size_t i = 0; i < obstacles && c.ok(); ++i) walk_obstacle(c);
   const size_t models = c.count(5 + 8 + 5 + 3 * 4);
   for (size_t i = 0; i < models && c.ok(); ++i) walk_model(c);
-  c.array(c.count(6), 6);
+  c.array(c.count(8), 8);
+  const size_t groups = c.count(5 + 5);
+  for (size_t i = 0; i < 2 * groups && c.ok(); ++i) c.string();
 }
 
 template <class Message>
@@ -165,6 +168,19 @@ std::string decode_message(Channel channel, std::span<const uint8_t> bytes, Mess
   if (defect.empty()) defect = lengths_of<Message>(bytes);
   if (defect.empty()) defect = decode_walked(bytes, out);
   return defect;
+}
+
+template <class Message>
+std::string defect_of_pairs(const Message& m) {
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    if (m.a[i] < 0 || m.a[i] >= m.b[i] || m.b[i] > static_cast<int32_t>(PairKey::kMaxId))
+      return fmt::format("a pair of bodies {} and {}", m.a[i], m.b[i]);
+    if ((m.part_a[i] == kWholeBody) != (m.part_b[i] == kWholeBody))
+      return fmt::format("a pair of parts {} and {}", m.part_a[i], m.part_b[i]);
+    if (m.level[i] > static_cast<uint8_t>(PairLevel::kExact))
+      return fmt::format("level {}", m.level[i]);
+  }
+  return "";
 }
 
 }  // namespace
@@ -198,9 +214,10 @@ std::string read_header(Channel channel, std::span<const uint8_t> bytes, Message
   const auto next32 = [&at] { return get_big_endian<int32_t>((at += 4) - 4); };
   header.fingerprint = next64();
   if (header.fingerprint != fingerprint_of(channel))
-    return fmt::format("fingerprint {:016x}, this program's {} has {:016x}: another version?",
-                       static_cast<uint64_t>(header.fingerprint), name_of(channel),
-                       static_cast<uint64_t>(fingerprint_of(channel)));
+    return fmt::format(
+        "fingerprint {:016x}, this program's {} has {:016x}: another version of Throng?",
+        static_cast<uint64_t>(header.fingerprint), name_of(channel),
+        static_cast<uint64_t>(fingerprint_of(channel)));
   header.utime_us = next64();
   header.run_id = next64();
   header.instance = next64();
@@ -229,25 +246,24 @@ std::string decode(std::span<const uint8_t> bytes, run_t& out) {
 }
 
 std::string decode(std::span<const uint8_t> bytes, states_t& out) {
-  return decode_message(Channel::kStates, bytes, out);
+  std::string defect = decode_message(Channel::kStates, bytes, out);
+  if (defect.empty() && out.present_count != 0 && out.present_count != out.avatar_count)
+    return fmt::format("presence of {} of {} avatars", out.present_count, out.avatar_count);
+  return defect;
 }
 
 std::string decode(std::span<const uint8_t> bytes, events_t& out) {
   std::string defect = decode_message(Channel::kEvents, bytes, out);
   if (!defect.empty()) return defect;
-  for (size_t i = 0; i < out.kind.size(); ++i)
-    if (out.a[i] < 0 || out.a[i] >= out.b[i] || out.kind[i] > 1)
-      return fmt::format("event {} of bodies {} and {}", out.kind[i], out.a[i], out.b[i]);
-  return "";
+  for (const uint8_t kind : out.kind)
+    if (kind > 1) return fmt::format("event kind {}", kind);
+  return defect_of_pairs(out);
 }
 
 std::string decode(std::span<const uint8_t> bytes, touching_t& out) {
   std::string defect = decode_message(Channel::kTouching, bytes, out);
   if (!defect.empty()) return defect;
-  for (size_t i = 0; i < out.a.size(); ++i)
-    if (out.a[i] < 0 || out.a[i] >= out.b[i])
-      return fmt::format("a pair of bodies {} and {}", out.a[i], out.b[i]);
-  return "";
+  return defect_of_pairs(out);
 }
 
 std::string decode(std::span<const uint8_t> bytes, counters_t& out) {
@@ -272,7 +288,8 @@ std::string decode(std::span<const uint8_t> bytes, run_description_t& out) {
     return fmt::format("{} bytes", bytes.size());
   if (get_big_endian<int64_t>(bytes.data()) != run_description_t::getHash())
     return fmt::format(
-        "fingerprint {:016x}, this program's run description has {:016x}: another version?",
+        "fingerprint {:016x}, this program's run description has {:016x}: another version of "
+        "Throng?",
         get_big_endian<uint64_t>(bytes.data()),
         static_cast<uint64_t>(run_description_t::getHash()));
   std::string defect = lengths_of<run_description_t>(bytes);

@@ -90,7 +90,10 @@ class Judge {
       problem(fmt::format("byte {}: {}: of another run ({:016x})", event.offset, event.channel,
                           static_cast<uint64_t>(header.run_id)));
     if (update == RunReader::Update::kEvents) pair_up(event);
-    if (update == RunReader::Update::kCounters) compare_touching(event);
+    if (update == RunReader::Update::kCounters) {
+      compare_touching(event);
+      compare_present(event);
+    }
     if (update == RunReader::Update::kEnd) compare_totals(event);
   }
 
@@ -120,6 +123,19 @@ class Judge {
     if (said != static_cast<int64_t>(open_.size()))
       problem(fmt::format("byte {}: {} pairs touch by the counters, {} by the events", event.offset,
                           said, open_.size()));
+  }
+
+  /// Who is not there touches nobody.
+  void compare_present(const LogEvent& event) {
+    const CrowdState& crowd = reader_.state();
+    if (crowd.frame != reader_.counters()->frame) return;
+    const auto is_absent = [&crowd](uint32_t body) {
+      return body < crowd.present.size() && crowd.present[body] == 0;
+    };
+    for (const PairKey& pair : open_)
+      if (is_absent(pair.a()) || is_absent(pair.b()))
+        problem(fmt::format("byte {}: pair {}:{} - {}:{} of an avatar that is absent", event.offset,
+                            pair.a(), pair.part_a(), pair.b(), pair.part_b()));
   }
 
   void compare_totals(const LogEvent& event) {
@@ -173,6 +189,11 @@ std::string describe_run(const run_description_t& run) {
                        model.name, model.joint_count, model.column_count, model.part_count,
                        vertices, model.height_m);
   }
+  std::vector<int64_t> members(run.groups.size());
+  for (const int16_t group : run.group_of_avatar) ++members[static_cast<size_t>(group)];
+  for (size_t i = 0; i < run.groups.size(); ++i)
+    out += fmt::format("group {}: {} avatars{}\n", run.groups[i], members[i],
+                       run.drive_channels[i].empty() ? "" : ", driven by " + run.drive_channels[i]);
   out += fmt::format("ground {:.1f} x {:.1f} m, {} obstacles\n",
                      run.ground_max_m[0] - run.ground_min_m[0],
                      run.ground_max_m[1] - run.ground_min_m[1], run.obstacle_count);

@@ -1,5 +1,7 @@
 #include "lcmtypes/run_reader.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/errors.h"
@@ -99,14 +101,12 @@ RunReader::Update RunReader::dispatch(Channel channel, std::span<const uint8_t> 
     }
     case Channel::kEvents: {
       const auto message = decoded<events_t>(bytes, defect);
-      if (!defect.empty()) break;
-      take_events(message);
-      update = Update::kEvents;
+      if (defect.empty()) defect = take_events(message, update);
       break;
     }
     case Channel::kTouching: {
       const auto message = decoded<touching_t>(bytes, defect);
-      if (defect.empty()) take_touching(message, update);
+      if (defect.empty()) defect = take_touching(message, update);
       break;
     }
     case Channel::kCounters:
@@ -160,6 +160,7 @@ std::string RunReader::adopt_description() {
   for (const int16_t model : run_->model_of_avatar)
     posture_offsets_.push_back(posture_offsets_.back() +
                                ranges_[static_cast<size_t>(model)].size());
+  std::erase_if(touching_, [this](const auto& entry) { return !has_pair(*run_, entry.first); });
   return "";
 }
 
@@ -181,6 +182,7 @@ std::string RunReader::take_states(const states_t& m, Update& update) {
     pending_.roots.resize(static_cast<size_t>(avatars));
     pending_.speeds_mps.resize(static_cast<size_t>(avatars));
     pending_.postures.resize(posture_offsets_.back());
+    pending_.present.resize(static_cast<size_t>(avatars));
     pending_chunks_.assign(static_cast<size_t>(m.chunk_count), false);
     pending_avatars_ = 0;
   }
@@ -192,6 +194,7 @@ std::string RunReader::take_states(const states_t& m, Update& update) {
                        position_of(m.root_z_100um[i])};
     root.world_from_root = rotation_of(m.root_qw[i], m.root_qx[i], m.root_qy[i], m.root_qz[i]);
     pending_.speeds_mps[first + i] = m.speed_mps[i];
+    pending_.present[first + i] = m.present.empty() || m.present[i] != 0 ? 1 : 0;
     for (const ColumnRange& range :
          ranges_[static_cast<size_t>(run_->model_of_avatar[first + i])]) {
       pending_.postures[first_value + value] = range.value_of(m.joint_values[value]);
@@ -209,21 +212,49 @@ std::string RunReader::take_states(const states_t& m, Update& update) {
   return "";
 }
 
-void RunReader::take_events(const events_t& m) {
+namespace {
+
+template <class Message>
+PairKey pair_at(const Message& m, size_t i) {
+  return PairKey(static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i],
+                 m.part_b[i]);
+}
+
+/// Whether all pairs are of bodies and parts that the run has; without a description nobody knows.
+template <class Message>
+std::string defect_of_pairs(const Message& m, const run_description_t* run) {
+  for (size_t i = 0; run != nullptr && i < m.a.size(); ++i)
+    if (!has_pair(*run, pair_at(m, i)))
+      return fmt::format("a pair that the run does not have: {}:{} - {}:{}", m.a[i], m.part_a[i],
+                         m.b[i], m.part_b[i]);
+  return "";
+}
+
+}  // namespace
+
+std::string RunReader::take_events(const events_t& m, Update& update) {
+  std::string defect = defect_of_pairs(m, run_.get());
+  if (!defect.empty()) return defect;
   new_events_.clear();
+  new_event_levels_.clear();
   for (size_t i = 0; i < m.a.size(); ++i) {
-    const PairKey pair(static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i],
-                       m.part_b[i]);
+    const PairKey pair = pair_at(m, i);
     const auto kind = static_cast<EventKind>(m.kind[i]);
+    const auto level = static_cast<PairLevel>(m.level[i]);
     new_events_.push_back({pair, kind});
+    new_event_levels_.push_back(level);
     if (kind == EventKind::kBegin)
-      touching_.insert(pair);
+      touching_[pair] = level;
     else
       touching_.erase(pair);
   }
+  update = Update::kEvents;
+  return "";
 }
 
-void RunReader::take_touching(const touching_t& m, Update& update) {
+std::string RunReader::take_touching(const touching_t& m, Update& update) {
+  std::string defect = defect_of_pairs(m, run_.get());
+  if (!defect.empty()) return defect;
   if (m.frame != pending_touching_frame_) {
     if (!pending_touching_chunks_.empty())
       ++tallies_[static_cast<size_t>(Channel::kTouching)].incomplete;
@@ -232,15 +263,15 @@ void RunReader::take_touching(const touching_t& m, Update& update) {
     pending_touching_chunks_.clear();
   }
   for (size_t i = 0; i < m.a.size(); ++i)
-    pending_touching_.emplace(static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]),
-                              m.part_a[i], m.part_b[i]);
+    pending_touching_.emplace(pair_at(m, i), static_cast<PairLevel>(m.level[i]));
   pending_touching_chunks_.insert(m.chunk);
-  if (pending_touching_chunks_.size() < static_cast<size_t>(m.chunk_count)) return;
+  if (pending_touching_chunks_.size() < static_cast<size_t>(m.chunk_count)) return "";
   // Events of a later frame that overtook it would be undone: the next set, a second on, is right.
   if (m.frame >= tally(Channel::kEvents).last_frame) touching_.swap(pending_touching_);
   pending_touching_.clear();
   pending_touching_chunks_.clear();
   update = Update::kTouching;
+  return "";
 }
 
 std::shared_ptr<const Model> RunReader::model(size_t index) {

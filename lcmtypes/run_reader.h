@@ -27,7 +27,8 @@ struct CrowdState {
   int64_t utime_us = 0;
   std::vector<RootPose> roots;
   std::vector<float> speeds_mps;
-  std::vector<float> postures;  ///< rows one after another (see RunReader::posture_offsets)
+  std::vector<float> postures;   ///< rows one after another (see RunReader::posture_offsets)
+  std::vector<uint8_t> present;  ///< one an avatar; 0: not in the scene at this time
 };
 
 class RunReader {
@@ -64,9 +65,12 @@ class RunReader {
   /// Poses of the parts of one avatar in state(); translations relative to its root's position.
   void part_poses(int avatar, std::vector<PartPose>& out);
 
-  const std::set<PairKey>& touching() const { return touching_; }
+  /// What touches, and how far each pair was refined when it began.
+  using Touching = std::map<PairKey, PairLevel>;
+  const Touching& touching() const { return touching_; }
   /// Of the last THRONG_EVENTS message.
   std::span<const PairEvent> new_events() const { return new_events_; }
+  std::span<const PairLevel> new_event_levels() const { return new_event_levels_; }
   const std::optional<counters_t>& counters() const { return counters_; }
   const std::optional<end_t>& end() const { return end_; }
 
@@ -94,8 +98,8 @@ class RunReader {
   Update dispatch(Channel channel, std::span<const uint8_t> bytes);
   std::string take_run(const run_t& piece, Update& update);
   std::string take_states(const states_t& states, Update& update);
-  void take_events(const events_t& events);
-  void take_touching(const touching_t& touching, Update& update);
+  std::string take_events(const events_t& events, Update& update);
+  std::string take_touching(const touching_t& touching, Update& update);
   std::string adopt_description();
 
   int64_t run_id_ = 0;
@@ -120,10 +124,11 @@ class RunReader {
   int32_t pending_avatars_ = 0;
   std::vector<bool> pending_chunks_;
 
-  std::set<PairKey> touching_, pending_touching_;
+  Touching touching_, pending_touching_;
   int64_t pending_touching_frame_ = -1;
   std::set<int32_t> pending_touching_chunks_;
   std::vector<PairEvent> new_events_;
+  std::vector<PairLevel> new_event_levels_;
   std::optional<counters_t> counters_;
   std::optional<end_t> end_;
 };

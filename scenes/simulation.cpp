@@ -233,6 +233,14 @@ void Simulation::State::describe_run() {
   info.models = models;
   info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + count);
   info.scale_of_avatar.assign(bodies.scales.begin(), bodies.scales.begin() + count);
+  if (box) {
+    info.groups = {"part"};
+    info.group_of_avatar.assign(avatars, 0);
+  }
+  for (const Group& group : scene.groups) info.groups.push_back(group.name);
+  for (const Person& person : spawned.people)
+    info.group_of_avatar.push_back(static_cast<uint16_t>(person.group));
+  info.drive_channels.resize(info.groups.size());
   info.part_volume = scene.part_volume;
   info.exact = scene.exact;
 }

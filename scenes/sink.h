@@ -23,6 +23,10 @@ struct RunInfo {
   std::vector<std::shared_ptr<const Model>> models;
   std::vector<uint16_t> model_of_avatar;  ///< index into models; ids are 0 .. avatars-1
   std::vector<float> scale_of_avatar;
+  std::vector<std::string> groups;        ///< names; a person is called "<group> <id>"
+  std::vector<uint16_t> group_of_avatar;  ///< index into groups
+  /// One a group: the LCM channel that moves its avatars, "" where the simulation does.
+  std::vector<std::string> drive_channels;
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
 
@@ -30,6 +34,13 @@ struct RunInfo {
   /// Obstacle i has body id avatar_count() + i.
   uint32_t obstacle_id(int i) const { return static_cast<uint32_t>(avatar_count() + i); }
 };
+
+/// How far a pair was refined: what said last that the two may touch. Without a deadline every pair
+/// gets to the last stage there is.
+enum class PairLevel : uint8_t { kSphere = 0, kBox = 1, kPartVolume = 2, kExact = 3 };
+
+/// The part of both sides of a pair of bodies that was not refined to parts.
+inline constexpr uint32_t kWholeBody = 255;
 
 /// Wall-clock medians and sums of one frame's stages, nanoseconds.
 struct FrameTimes {
@@ -54,6 +65,13 @@ struct Frame {
   std::span<const size_t> posture_offsets;  ///< avatar_count + 1 entries into postures
   std::span<const PairKey> pairs;           ///< all that touch now, sorted
   std::span<const PairEvent> events;        ///< begins and ends of this frame, sorted
+  /// One an avatar, 0 where it is not in the scene at this time; empty: everybody is. Who is absent
+  /// has no pairs and keeps the last root.
+  std::span<const uint8_t> present;
+  /// PairLevel, one a pair; empty: all are fully decided.
+  std::span<const uint8_t> levels;
+  /// One an event, of an end that of the pair's last frame; empty: all are fully decided.
+  std::span<const uint8_t> event_levels;
   uint64_t persisting = 0;
   const CullingCounters* counters = nullptr;
   const FrameTimes* times = nullptr;  ///< of the frame so far; publish_ns is the previous frame's
@@ -62,9 +80,10 @@ struct Frame {
 struct RunEnd {
   int64_t frames = 0;
   int64_t utime_us = 0;
-  std::span<const PairEvent> events;  ///< the ends of what still touched
-  uint64_t begins = 0;                ///< over the whole run
-  uint64_t ends = 0;                  ///< over the whole run, those above included
+  std::span<const PairEvent> events;      ///< the ends of what still touched
+  std::span<const uint8_t> event_levels;  ///< as in Frame
+  uint64_t begins = 0;                    ///< over the whole run
+  uint64_t ends = 0;                      ///< over the whole run, those above included
   uint64_t hash = 0;
 };
 

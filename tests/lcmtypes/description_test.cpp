@@ -27,6 +27,9 @@ TEST(Description, CarriesTheSceneTheModelsAndTheirMeshes) {
   EXPECT_EQ(got.part_volume, "ordop26");
   EXPECT_EQ(got.avatar_count, 7);
   EXPECT_EQ(got.ground_max_m[0], 60);
+  EXPECT_THAT(got.groups, testing::ElementsAre("walkers", "robots"));
+  EXPECT_THAT(got.drive_channels, testing::ElementsAre("", "ROBOT_DRIVE"));
+  EXPECT_THAT(got.group_of_avatar, testing::ElementsAre(0, 0, 1, 0, 0, 1, 0));
   ASSERT_EQ(got.obstacles.size(), 1u);
   EXPECT_EQ(got.obstacles[0].mesh.index_count, 36);
   ASSERT_EQ(got.models.size(), 2u);
@@ -37,6 +40,24 @@ TEST(Description, CarriesTheSceneTheModelsAndTheirMeshes) {
     EXPECT_EQ(got.models[0].parts[i].mesh.coordinates_m.size(), 3 * part.mesh.vertices.size());
     EXPECT_EQ(got.models[0].parts[i].mesh.indices.size(), 3 * part.mesh.triangles.size());
   }
+}
+
+TEST(Description, NamesBodiesAndPartsForPeople) {
+  SyntheticRun run({.avatars = 7});
+  const run_description_t got = sent_and_received(describe(run.info()));
+  EXPECT_EQ(body_name(got, 0), "walkers 0");
+  EXPECT_EQ(body_name(got, 5), "robots 5");
+  EXPECT_EQ(body_name(got, 7), "kiosk");
+  EXPECT_EQ(body_name(got, 8), "body 8");
+  EXPECT_EQ(part_name(got, 0, 1), adult()->parts[1].name);
+  EXPECT_EQ(part_name(got, 0, kWholeBody), "");
+  EXPECT_EQ(part_name(got, 0, 77), "part 77");
+  EXPECT_EQ(part_name(got, 7, 0), "");
+  EXPECT_TRUE(has_pair(got, PairKey(0, 5, 14, 0)));
+  EXPECT_TRUE(has_pair(got, PairKey(0, 7, kWholeBody, kWholeBody)));
+  EXPECT_FALSE(has_pair(got, PairKey(0, 1, 15, 0))) << "an adult has 15 parts";
+  EXPECT_FALSE(has_pair(got, PairKey(0, 7, 0, 1))) << "an obstacle has one";
+  EXPECT_FALSE(has_pair(got, PairKey(0, 8, 0, 0)));
 }
 
 TEST(Description, AModelFromItPosesLikeTheModelItDescribes) {
@@ -98,6 +119,7 @@ TEST(Description, EveryDefectIsRefusedWithAReason) {
       {"coordinate", [](auto& d) { d.obstacles[0].mesh.coordinates_m[0] = std::nanf(""); }},
       {"model 1 of 1", [](auto& d) { d.model_of_avatar[0] = 1; }},
       {"model -1 of 1", [](auto& d) { d.model_of_avatar[0] = -1; }},
+      {"group 2 of 2", [](auto& d) { d.group_of_avatar[3] = 2; }},
       {"scale", [](auto& d) { d.scale_of_avatar[0] = 0; }},
       {"joint kind", [](auto& d) { d.models[0].joints[0].kind = 4; }},
       {"parent link", [](auto& d) { d.models[0].joints[0].parent_link = 1; }},

@@ -46,13 +46,67 @@ TEST(Guard, RefusesEveryMessageThatIsTooShortOrTooLong) {
 TEST(Guard, NamesAForeignFingerprint) {
   for (auto& m : one_of_each()) {
     m.bytes[3] ^= 1;
-    EXPECT_THAT(check_message(m.channel, m.bytes), HasSubstr("another version?"))
+    EXPECT_THAT(check_message(m.channel, m.bytes), HasSubstr("another version of Throng?"))
         << name_of(m.channel);
   }
   const auto messages = one_of_each();
   for (const auto& m : messages)
     for (const Channel other : kAllChannels)
       EXPECT_EQ(check_message(other, m.bytes).empty(), other == m.channel) << name_of(other);
+}
+
+TEST(Guard, AnOlderThrongIsRefusedByItsFingerprint) {
+  // What the first version sent on these channels; its counters and end had the same fields.
+  const std::pair<Channel, uint64_t> old[] = {{Channel::kStates, 0x1e02a511ca423d3a},
+                                              {Channel::kEvents, 0x928107e773cf3234},
+                                              {Channel::kTouching, 0x4c39f20edbb38640}};
+  for (const auto& [channel, fingerprint] : old)
+    for (const auto& m : one_of_each()) {
+      if (m.channel != channel) continue;
+      auto bytes = m.bytes;
+      put_big_endian(bytes.data(), fingerprint);
+      EXPECT_THAT(check_message(channel, bytes), HasSubstr("another version of Throng?"));
+    }
+  for (const auto& m : one_of_each()) {
+    auto bytes = m.bytes;
+    put_big_endian(bytes.data() + 56, int32_t{1});
+    EXPECT_EQ(check_message(m.channel, bytes), "schema 1, this program reads 2");
+  }
+}
+
+TEST(Guard, RefusesPairsAndPresenceThatCannotBe) {
+  SyntheticRun run({.avatars = 12, .seed = 3, .pairs = 12, .comings = true});
+  const auto defect_of_encoded = [](const auto& message) {
+    std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    auto out = message;
+    return decode(bytes, out);
+  };
+  for (const auto& m : messages_of(run, 1)) {
+    if (m.channel == Channel::kEvents) {
+      events_t sound;
+      ASSERT_EQ(decode(m.bytes, sound), "");
+      const auto with = [&](auto change) {
+        events_t damaged = sound;
+        change(damaged);
+        return defect_of_encoded(damaged);
+      };
+      EXPECT_THAT(with([](auto& e) { e.b[0] = e.a[0]; }), HasSubstr("a pair of bodies"));
+      EXPECT_THAT(with([](auto& e) { e.b[0] = 1 << 24; }), HasSubstr("a pair of bodies"));
+      EXPECT_THAT(with([](auto& e) { e.part_a[0] = 255; }), HasSubstr("a pair of parts 255 and"));
+      EXPECT_EQ(with([](auto& e) { e.part_a[0] = e.part_b[0] = 255; }), "") << "whole bodies";
+      EXPECT_EQ(with([](auto& e) { e.level[0] = 4; }), "level 4");
+      EXPECT_EQ(with([](auto& e) { e.kind[0] = 2; }), "event kind 2");
+    }
+    if (m.channel == Channel::kStates) {
+      states_t states;
+      ASSERT_EQ(decode(m.bytes, states), "");
+      ASSERT_EQ(states.present_count, 12);
+      states.present.pop_back();
+      --states.present_count;
+      EXPECT_EQ(defect_of_encoded(states), "presence of 11 of 12 avatars");
+    }
+  }
 }
 
 TEST(Guard, HostileCountsNeitherThrowNorAllocate) {
@@ -115,7 +169,7 @@ TEST(Guard, RefusesImpossibleHeaders) {
     EXPECT_THAT(with(48, int32_t{-1}), HasSubstr("chunk -1"));
     EXPECT_THAT(with(52, int32_t{0}), HasSubstr("of 0"));
     EXPECT_THAT(with(52, INT32_MAX), HasSubstr("chunk"));
-    EXPECT_THAT(with(56, int32_t{2}), HasSubstr("schema 2"));
+    EXPECT_THAT(with(56, kSchema + 1), HasSubstr("schema 3"));
   }
 }
 

@@ -105,14 +105,51 @@ TEST(Log, AFinishedRunChecksClean) {
   EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kStates)].messages, 130);
 }
 
+TEST(Log, ARunWithADeadlineAndPeopleWhoComeAndGoChecksClean) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3, .pairs = 300, .comings = true, .deadline = true});
+  LogSink sink(file.path());
+  run.play(sink, 130);
+  const LogReport report = check_log(file.path());
+  EXPECT_THAT(report.problems, testing::IsEmpty());
+  EXPECT_TRUE(report.finished);
+  EXPECT_EQ(report.begins, run.begins());
+}
+
+TEST(Log, APairOfSomebodyWhoIsAbsentIsAProblem) {
+  struct Everybody : Sink {  // says that avatar 0 has left, and keeps its pairs
+    explicit Everybody(LogSink& to) : log(to) {}
+    void begin(const RunInfo& run) override { log.begin(run); }
+    void frame(const RunInfo& run, const Frame& frame) override {
+      std::vector<uint8_t> present(frame.roots.size(), 1);
+      present[0] = 0;
+      Frame changed = frame;
+      changed.present = present;
+      log.frame(run, changed);
+    }
+    void end(const RunInfo& run, const RunEnd& end) override { log.end(run, end); }
+    LogSink& log;
+  };
+  const ScratchFile file;
+  SyntheticRun run({.avatars = 5, .seed = 3, .pairs = 60});
+  LogSink sink(file.path());
+  Everybody everybody(sink);
+  run.play(everybody, 3);
+  const LogReport report = check_log(file.path());
+  EXPECT_FALSE(report.is_sound());
+  EXPECT_THAT(report.problems, testing::Each(testing::HasSubstr("of an avatar that is absent")));
+}
+
 TEST(Log, IsDescribedForPeople) {
   const ScratchFile file;
   SyntheticRun run({.seed = 3});
   LogSink sink(file.path());
   run.play(sink, 61);
   const std::string text = describe_log(file.path());
-  for (const char* expected : {"scene synthetic, seed 3, 20 avatars", "model adult", "model rover",
-                               "1 obstacles", "THRONG_STATES", "finished"})
+  for (const char* expected :
+       {"scene synthetic, seed 3, 20 avatars", "model adult", "model rover", "1 obstacles",
+        "group walkers: 14 avatars", "group robots: 6 avatars, driven by ROBOT_DRIVE",
+        "THRONG_STATES", "finished"})
     EXPECT_THAT(text, testing::HasSubstr(expected));
   EXPECT_THAT(text, testing::HasSubstr(std::to_string(run.begins()) + " begins"));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("problem")));

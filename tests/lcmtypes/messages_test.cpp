@@ -17,15 +17,15 @@ namespace {
 TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
   const std::map<std::string, std::pair<int64_t, uint64_t>> golden = {
       {"run_t", {run_t::getHash(), 0xc40bb11c8af3eb40}},
-      {"run_description_t", {run_description_t::getHash(), 0xab184bc486bc7d48}},
+      {"run_description_t", {run_description_t::getHash(), 0xe53fcc66d695cb02}},
       {"obstacle_t", {obstacle_t::getHash(), 0xdc90ba3330d0e3c8}},
       {"mesh_t", {mesh_t::getHash(), 0x3a66596cb107c4a8}},
       {"model_t", {model_t::getHash(), 0x8459d7f47a107a2a}},
       {"joint_t", {joint_t::getHash(), 0x9ba21b10d8364e58}},
       {"part_t", {part_t::getHash(), 0xe2123e5fdfbf1b33}},
-      {"states_t", {states_t::getHash(), 0x1e02a511ca423d3a}},
-      {"events_t", {events_t::getHash(), 0x928107e773cf3234}},
-      {"touching_t", {touching_t::getHash(), 0x4c39f20edbb38640}},
+      {"states_t", {states_t::getHash(), 0xcd54b2106e6dbb6c}},
+      {"events_t", {events_t::getHash(), 0xc3c4687c6fb789ed}},
+      {"touching_t", {touching_t::getHash(), 0x9eff8eb7aaa41e9d}},
       {"counters_t", {counters_t::getHash(), 0x5a8873b3b6a931fb}},
       {"end_t", {end_t::getHash(), 0xe798eab369bd5e12}},
       {"parts_t", {parts_t::getHash(), 0x15259622cf3c970a}},
@@ -44,7 +44,11 @@ class MessageSizes : public testing::TestWithParam<Crowd> {};
 
 TEST_P(MessageSizes, NeverExceedOneDatagram) {
   const Crowd crowd = GetParam();
-  SyntheticRun run({.avatars = crowd.avatars, .seed = 7, .pairs = crowd.pairs});
+  SyntheticRun run({.avatars = crowd.avatars,
+                    .seed = 7,
+                    .pairs = crowd.pairs,
+                    .comings = true,
+                    .deadline = true});
   const auto messages = messages_of(run, crowd.frames, {.part_poses = true});
   size_t largest = 0;
   std::map<Channel, int64_t> seq;
@@ -179,6 +183,57 @@ TEST(Messages, EventsArriveInOrderOverAllChunks) {
   }
   const RunEnd end = again.finish();
   EXPECT_TRUE(std::equal(end.events.begin(), end.events.end(), found[2].begin(), found[2].end()));
+}
+
+TEST(Messages, SayHowFarEveryPairWasRefined) {
+  const SyntheticRun::Options options{.avatars = 500, .seed = 5, .pairs = 20'000, .deadline = true};
+  SyntheticRun run(options), again(options);
+  std::vector<uint8_t> event_levels, levels;
+  for (const auto& m : messages_of(run, 1)) {
+    events_t events;
+    touching_t touching;
+    if (m.channel == Channel::kEvents && decode(m.bytes, events).empty() && events.frame == 0)
+      event_levels.insert(event_levels.end(), events.level.begin(), events.level.end());
+    if (m.channel == Channel::kTouching && decode(m.bytes, touching).empty())
+      levels.insert(levels.end(), touching.level.begin(), touching.level.end());
+  }
+  const Frame& sent = again.step();
+  ASSERT_GT(sent.pairs.size(), 10'000u) << "more than one chunk";
+  EXPECT_TRUE(std::equal(sent.levels.begin(), sent.levels.end(), levels.begin(), levels.end()));
+  EXPECT_TRUE(std::equal(sent.event_levels.begin(), sent.event_levels.end(), event_levels.begin(),
+                         event_levels.end()));
+  for (int level = 0; level < 4; ++level)
+    EXPECT_GT(std::count(levels.begin(), levels.end(), level), 1000) << "level " << level;
+}
+
+TEST(Messages, WithoutADeadlineEveryPairGotAsFarAsTheRunRefines) {
+  for (const bool exact : {false, true}) {
+    SyntheticRun run({.pairs = 100});
+    run.set_exact(exact);
+    for (const auto& m : messages_of(run, 2)) {
+      touching_t touching;
+      if (m.channel != Channel::kTouching) continue;
+      ASSERT_EQ(decode(m.bytes, touching), "");
+      EXPECT_GT(touching.count, 20);
+      EXPECT_THAT(touching.level, testing::Each(exact ? 3 : 2));
+    }
+  }
+}
+
+TEST(Messages, PresenceIsSentOnlyWhereSomebodyIsAbsent) {
+  SyntheticRun whole({.avatars = 50}), run({.avatars = 50, .comings = true});
+  const auto presence_in = [](SyntheticRun& from) {
+    for (const auto& m : messages_of(from, 1)) {
+      states_t states;
+      if (m.channel == Channel::kStates && decode(m.bytes, states).empty()) return states.present;
+    }
+    return std::vector<uint8_t>();
+  };
+  EXPECT_THAT(presence_in(whole), testing::IsEmpty());
+  const std::vector<uint8_t> present = presence_in(run);
+  ASSERT_EQ(present.size(), 50u);
+  EXPECT_THAT(present, testing::Contains(0));
+  EXPECT_THAT(present, testing::Contains(1));
 }
 
 TEST(Messages, ThinningStatesKeepsEveryEvent) {

@@ -37,8 +37,9 @@ TEST(RunReader, FollowsARunFromItsFirstMessageToItsLast) {
     }
     if (update == Update::kCounters) {
       const auto& touching = reader.touching();
-      ASSERT_TRUE(
-          std::equal(touching.begin(), touching.end(), frame->pairs.begin(), frame->pairs.end()));
+      ASSERT_TRUE(std::equal(touching.begin(), touching.end(), frame->pairs.begin(),
+                             frame->pairs.end(),
+                             [](const auto& found, PairKey pair) { return found.first == pair; }));
     }
   }
   EXPECT_EQ(frame->number, 49);
@@ -46,6 +47,52 @@ TEST(RunReader, FollowsARunFromItsFirstMessageToItsLast) {
   EXPECT_EQ(reader.end()->frames, 50);
   EXPECT_TRUE(reader.touching().empty()) << "the end ends every pair";
   for (const Channel channel : kAllChannels) EXPECT_EQ(reader.tally(channel).missing, 0);
+}
+
+TEST(RunReader, KnowsWhoIsThereAndHowFarEachPairWasRefined) {
+  const SyntheticRun::Options options{.seed = 4, .comings = true, .deadline = true};
+  SyntheticRun run(options), oracle(options);
+  RunReader reader;
+  const Frame* frame = nullptr;
+  int64_t absent = 0, whole = 0;
+  for (const auto& m : messages_of(run, 50)) {
+    const Update update = take(reader, m);
+    ASSERT_NE(update, Update::kRefused) << reader.refusal();
+    if (update == Update::kState) {
+      frame = &oracle.step();
+      ASSERT_TRUE(std::equal(frame->present.begin(), frame->present.end(),
+                             reader.state().present.begin(), reader.state().present.end()))
+          << "frame " << frame->number;
+      absent += std::count(frame->present.begin(), frame->present.end(), 0);
+    }
+    if (update == Update::kCounters) {
+      ASSERT_EQ(reader.touching().size(), frame->pairs.size());
+      for (size_t i = 0; i < frame->pairs.size(); ++i) {
+        const auto found = reader.touching().find(frame->pairs[i]);
+        ASSERT_NE(found, reader.touching().end());
+        ASSERT_EQ(static_cast<int>(found->second), frame->levels[i]);
+        whole += frame->pairs[i].part_a() == kWholeBody ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(absent, 100);
+  EXPECT_GT(whole, 100);
+}
+
+TEST(RunReader, PairsThatTheRunCannotHaveAreRefused) {
+  RunReader reader;
+  for (const auto& m : run_of(4, 1, 5)) {
+    if (m.channel == Channel::kRun) take(reader, m);
+    if (m.channel != Channel::kEvents) continue;
+    events_t events;
+    ASSERT_EQ(decode(m.bytes, events), "");
+    events.b[0] = 6;  // five avatars and an obstacle have ids 0 to 5
+    std::vector<uint8_t> bytes(static_cast<size_t>(events.getEncodedSize()));
+    events.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    EXPECT_EQ(reader.take("THRONG_EVENTS", bytes), Update::kRefused);
+    EXPECT_NE(reader.refusal().find("that the run does not have"), std::string::npos);
+    EXPECT_TRUE(reader.touching().empty());
+  }
 }
 
 TEST(RunReader, PosesPartsAsTheSimulationDoes) {
@@ -148,8 +195,9 @@ TEST(RunReader, WhoComesLateIsRightAfterTheDescriptionAndTheNextWholeSet) {
   }
   ASSERT_NE(reader.run(), nullptr) << "pieces may come in any order";
   EXPECT_EQ(reader.state().frame, 60);
-  EXPECT_TRUE(
-      std::equal(reader.touching().begin(), reader.touching().end(), pairs.begin(), pairs.end()));
+  EXPECT_TRUE(std::equal(reader.touching().begin(), reader.touching().end(), pairs.begin(),
+                         pairs.end(),
+                         [](const auto& found, PairKey pair) { return found.first == pair; }));
 }
 
 TEST(RunReader, TwoRunsOnOneChannelAreToldApart) {

@@ -51,10 +51,13 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.step_s = 1.0 / 60;
   if (options.crowd != Crowd::kRovers) info_.models.push_back(adult());
   if (options.crowd != Crowd::kAdults) info_.models.push_back(rover());
+  info_.groups = {"walkers", "robots"};
+  info_.drive_channels = {"", "ROBOT_DRIVE"};
   offsets_ = {0};
   for (int i = 0; i < options.avatars; ++i) {
     const bool is_second = options.crowd == Crowd::kMixed && i % 3 == 2;
     info_.model_of_avatar.push_back(is_second ? 1 : 0);
+    info_.group_of_avatar.push_back(is_second ? 1 : 0);
     info_.scale_of_avatar.push_back(0.9f + 0.01f * static_cast<float>(i % 20));
     const Model& model = *info_.models[info_.model_of_avatar.back()];
     offsets_.push_back(offsets_.back() + static_cast<size_t>(model.kinematics.column_count()));
@@ -95,13 +98,51 @@ void SyntheticRun::touch() {
     auto a = static_cast<uint32_t>(random_bits(key, 0) % bodies);
     auto b = static_cast<uint32_t>(random_bits(key, 1) % bodies);
     if (a == b) continue;
-    pairs.emplace_back(std::min(a, b), std::max(a, b),
-                       static_cast<uint32_t>(random_bits(key, 2) % 4),
-                       static_cast<uint32_t>(random_bits(key, 3) % 4));
+    const bool is_there = present_.empty() || ((a >= present_.size() || present_[a] != 0) &&
+                                               (b >= present_.size() || present_[b] != 0));
+    if (!is_there) continue;
+    // The obstacle has one part only.
+    const auto part = [&](uint32_t body, uint32_t k) {
+      return body + 1 == bodies ? 0 : static_cast<uint32_t>(random_bits(key, k) % 4);
+    };
+    const bool is_whole = options_.deadline && random_bits(key, 4) % 3 == 0;
+    const uint32_t first = std::min(a, b), second = std::max(a, b);
+    pairs.emplace_back(first, second, is_whole ? kWholeBody : part(first, 2),
+                       is_whole ? kWholeBody : part(second, 3));
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   pairs_ = std::move(pairs);
+}
+
+void SyntheticRun::come_and_go() {
+  present_.resize(roots_.size());
+  for (size_t i = 0; i < present_.size(); ++i) {
+    const RandomKey key{options_.seed, i, static_cast<uint64_t>(next_frame_) / 20, Purpose::kStyle};
+    present_[i] = random_bits(key, 0) % 4 == 0 ? 0 : 1;
+  }
+}
+
+namespace {
+
+/// Of whole bodies 0 or 1, of parts 1 to 3; always the same for a pair.
+uint8_t level_of(PairKey pair) {
+  const auto number = static_cast<uint8_t>(pair.bits() >> 16);
+  return pair.part_a() == kWholeBody ? number % 2 : 1 + number % 3;
+}
+
+std::vector<uint8_t> levels_of(std::span<const PairEvent> events) {
+  std::vector<uint8_t> levels;
+  for (const PairEvent& event : events) levels.push_back(level_of(event.pair));
+  return levels;
+}
+
+}  // namespace
+
+void SyntheticRun::refine() {
+  levels_.clear();
+  for (const PairKey& pair : pairs_) levels_.push_back(level_of(pair));
+  event_levels_ = levels_of(pair_events_.events());
 }
 
 void SyntheticRun::count(std::span<const PairEvent> events) {
@@ -110,8 +151,10 @@ void SyntheticRun::count(std::span<const PairEvent> events) {
 
 const Frame& SyntheticRun::step() {
   pose();
+  if (options_.comings) come_and_go();
   touch();
   pair_events_.advance(pairs_);
+  if (options_.deadline) refine();
   count(pair_events_.events());
   counters_.avatar.updates = roots_.size();
   counters_.avatar.tests = roots_.size() * 7 + static_cast<uint64_t>(next_frame_);
@@ -125,6 +168,9 @@ const Frame& SyntheticRun::step() {
   frame_.posture_offsets = offsets_;
   frame_.pairs = pairs_;
   frame_.events = pair_events_.events();
+  frame_.present = present_;
+  frame_.levels = levels_;
+  frame_.event_levels = event_levels_;
   frame_.persisting = pair_events_.persisting();
   frame_.counters = &counters_;
   frame_.times = &times_;
@@ -135,10 +181,12 @@ const Frame& SyntheticRun::step() {
 RunEnd SyntheticRun::finish() {
   pair_events_.advance({});
   count(pair_events_.events());
+  if (options_.deadline) event_levels_ = levels_of(pair_events_.events());
   RunEnd end;
   end.frames = next_frame_;
   end.utime_us = frame_.utime_us;
   end.events = pair_events_.events();
+  end.event_levels = event_levels_;
   end.begins = static_cast<uint64_t>(begins_);
   end.ends = static_cast<uint64_t>(ends_);
   end.hash = 0xabcdef;

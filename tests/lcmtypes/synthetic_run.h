@@ -19,11 +19,14 @@ class SyntheticRun {
     uint64_t seed = 1;
     int pairs = 40;  ///< that touch at a time, about
     Crowd crowd = Crowd::kMixed;
-    double spread_m = 50;  ///< avatars are within this distance of the origin
+    double spread_m = 50;   ///< avatars are within this distance of the origin
+    bool comings = false;   ///< avatars come and go
+    bool deadline = false;  ///< some pairs are not refined to the end
   };
   explicit SyntheticRun(const Options& options);
 
   const RunInfo& info() const { return info_; }
+  void set_exact(bool exact) { info_.exact = exact; }
   void set_instance(uint64_t instance) { info_.instance = instance; }
   const Frame& step();
   RunEnd finish();
@@ -38,6 +41,8 @@ class SyntheticRun {
  private:
   void pose();
   void touch();
+  void come_and_go();
+  void refine();
   void count(std::span<const PairEvent> events);
 
   Options options_;
@@ -51,6 +56,7 @@ class SyntheticRun {
   std::vector<float> speeds_, postures_;
   std::vector<size_t> offsets_;
   std::vector<PairKey> pairs_;
+  std::vector<uint8_t> present_, levels_, event_levels_;
   int64_t next_frame_ = 0;
   int64_t begins_ = 0, ends_ = 0;
 };

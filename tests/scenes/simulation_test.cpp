@@ -124,6 +124,20 @@ TEST(Simulation, RunIdNamesWhatChangesResultsOnly) {
   EXPECT_NE(id_of(exact, {}), id);
 }
 
+TEST(Simulation, EveryAvatarHasAGroupWithAName) {
+  const Simulation plaza(small_plaza(60, 1), {});
+  const RunInfo& info = plaza.info();
+  ASSERT_EQ(info.group_of_avatar.size(), 60u);
+  ASSERT_EQ(info.groups.size(), plaza.scene().groups.size());
+  EXPECT_EQ(info.drive_channels, std::vector<std::string>(info.groups.size()));
+  std::vector<int> members(info.groups.size());
+  for (const uint16_t group : info.group_of_avatar) ++members.at(group);
+  for (size_t i = 0; i < members.size(); ++i) {
+    EXPECT_EQ(info.groups[i], plaza.scene().groups[i].name);
+    EXPECT_EQ(members[i], plaza.scene().groups[i].count) << info.groups[i];
+  }
+}
+
 TEST(Simulation, RunIdDoesNotDependOnWhereTheSceneLies) {
   const std::filesystem::path bundled = load_scene("plaza").file.parent_path();
   const std::filesystem::path copy =
