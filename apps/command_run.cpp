@@ -9,6 +9,7 @@
 #include "apps/command.h"
 #include "apps/log_guard.h"
 #include "apps/progress.h"
+#include "apps/recorders.h"
 #include "apps/run_report.h"
 #include "apps/stop_signal.h"
 #include "base/errors.h"
@@ -29,6 +30,7 @@ Examples:
   throng run plaza --avatars 5000 --seconds 2 --json result.json
   throng run corridor --exact --lcm off --log corridor.lcmlog
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
+  throng run corridor --lcm off --log off --trajectory corridor.sqlite
 
 The events depend on the scene, --avatars, --seed, --part-volume and --exact; never on --threads, --simd
 or --pair-search. Ctrl-C ends the run with its summary and a sound log.)";
@@ -46,6 +48,7 @@ struct RunOptions {
   std::string lcm{kDefaultLcmUrl};
   std::string log;
   std::string json;
+  RecorderOptions recorders;
 };
 
 constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
@@ -101,6 +104,7 @@ void add_options(CLI::App& app, RunOptions& options) {
   app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
       ->type_name("FILE");
   app.add_option("--json", options.json, "Writes the results for machines")->type_name("FILE");
+  add_recorder_options(app, options.recorders);
 }
 
 SimulationOptions simulation_options(const RunOptions& options) {
@@ -144,14 +148,16 @@ struct Listeners {
   std::unique_ptr<LogSink> log;
   std::unique_ptr<LogGuard> guard;
   std::unique_ptr<LcmSink> lcm;
+  std::unique_ptr<Recorders> recorders;
 
   std::vector<Sink*> sinks() const {
-    std::vector<Sink*> all;
+    std::vector<Sink*> all = recorders->sinks();
     if (guard != nullptr) all.push_back(guard.get());
     if (lcm != nullptr) all.push_back(lcm.get());
     return all;
   }
   bool lost_log() const { return guard != nullptr && guard->failed(); }
+  bool lost_file() const { return lost_log() || recorders->failed(); }
 };
 
 RunSummary run_to_end(Simulation& simulation, const Listeners& listeners) {
@@ -160,7 +166,7 @@ RunSummary run_to_end(Simulation& simulation, const Listeners& listeners) {
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
   return run(simulation, listeners.sinks(), [&](const Frame& frame) {
     progress.show(frame.number + 1);
-    return !StopSignal::requested() && !listeners.lost_log();
+    return !StopSignal::requested() && !listeners.lost_file();
   });
 }
 
@@ -200,6 +206,7 @@ int run_scene(const RunOptions& options) {
     lcm.url = options.lcm;
     listeners.lcm = std::make_unique<LcmSink>(lcm);
   }
+  listeners.recorders = std::make_unique<Recorders>(options.recorders);
 
   Simulation simulation(std::move(scene), simulated);
   for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
@@ -210,10 +217,9 @@ int run_scene(const RunOptions& options) {
       report_of(options, simulated, simulation.scene(), summary, listeners, log);
   fmt::print("{}", format_table(report));
   int exit_code = kExitFine;
-  if (listeners.lost_log()) {
-    fmt::print(stderr, "{}\n", listeners.guard->failure());
-    exit_code = kExitEnvironment;
-  }
+  if (listeners.lost_log()) fmt::print(stderr, "{}\n", listeners.guard->failure());
+  fmt::print(stderr, "{}", listeners.recorders->failures());
+  if (listeners.lost_file()) exit_code = kExitEnvironment;
   if (!options.json.empty()) write_json(report, options.json);
   return exit_code;
 }

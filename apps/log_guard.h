@@ -1,5 +1,6 @@
-// Keeps a run alive when its log cannot be written any more: what was computed is worth its
-// summary. One rule: the first failure is kept and told at the end; after it the log gets nothing.
+// Keeps a run alive when its log, or another file of it, cannot be written any more: what was
+// computed is worth its summary. One rule: the first failure is kept and told at the end; after it
+// the log gets nothing.
 #pragma once
 
 #include <string>

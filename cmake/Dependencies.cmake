@@ -14,3 +14,5 @@ pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET assimp)
 find_package(fcl REQUIRED)
+find_package(SQLite3 REQUIRED)  # trajectories
+find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons

@@ -10,6 +10,8 @@ packages=(
   libeigen3-dev liburdfdom-dev liburdfdom-headers-dev liborocos-kdl-dev libassimp-dev libfcl-dev
   # scenes, speed, command line, pictures
   libyaml-cpp-dev libtbb-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev
+  # trajectories: the file format, and polygons of the walkable area
+  libsqlite3-dev libboost-dev
   # figures of `throng paper --out`
   gnuplot-nox
   # messages; iproute2 tells whether multicast has a route

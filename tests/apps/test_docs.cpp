@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A fenced block. "```sh" is run; "```sh by-hand" is not; "```yaml NAME" is a file that later
+/// A fenced block. "```sh run" is run; "```yaml NAME" and "```python NAME" are files that later
 /// commands of the document use.
 struct Block {
   int line = 0;
@@ -52,7 +52,9 @@ TEST(Documents, CommandsWorkAsShown) {
   for (const fs::path& document : documents()) {
     const ScratchFolder folder;
     for (const Block& block : blocks_of(read_file(document))) {
-      if (block.info.starts_with("yaml ")) write_file(folder / block.info.substr(5), block.text);
+      for (const std::string kind : {"yaml ", "python "})
+        if (block.info.starts_with(kind))
+          write_file(folder / block.info.substr(kind.size()), block.text);
       if (block.info != "sh run") continue;
       ++commands;
       const Outcome outcome = shell(block.text, folder);

@@ -39,6 +39,8 @@ const std::map<std::string, Names> kLibraryOf = {
     {"console_bridge", {"kinematics"}},
     {"assimp", {"avatars"}},
     {"yaml-cpp", {"scenes"}},
+    {"sqlite3.h", {"scenes"}},
+    {"boost", {"scenes"}},
     {"lcm", {"lcmtypes"}},
     {"fcl", {"culling", "bench"}},
     {"tbb", {"base"}},

@@ -1,0 +1,60 @@
+#include "apps/recorders.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "apps/command.h"
+
+namespace throng {
+
+void add_recorder_options(CLI::App& app, RecorderOptions& options) {
+  app.add_option("--trajectory", options.trajectories,
+                 "Positions to FILE.sqlite (as JuPedSim, PedPy) or FILE.csv")
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            return is_trajectory_name(name)
+                       ? std::string()
+                       : fmt::format("expected a name that ends in .sqlite or .csv, found '{}'",
+                                     name);
+          },
+          ""))
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->type_name("FILE");
+  app.add_option("--trajectory-fps", options.trajectory_fps,
+                 fmt::format("Recorded frames a second [{}]", options.trajectory_fps))
+      ->check(number_option(0, 1e4, true, "a number of frames a second above 0"))
+      ->type_name("F");
+}
+
+template <typename Recorder>
+void Recorders::add(std::unique_ptr<Recorder> recorder) {
+  guards_.push_back(std::make_unique<LogGuard>(*recorder));
+  recorders_.push_back(std::move(recorder));
+}
+
+Recorders::Recorders(const RecorderOptions& options) {
+  for (const std::string& file : options.trajectories)
+    add(std::make_unique<TrajectorySink>(TrajectoryOptions{file, options.trajectory_fps}));
+}
+
+std::vector<Sink*> Recorders::sinks() const {
+  std::vector<Sink*> all;
+  for (const auto& guard : guards_) all.push_back(guard.get());
+  return all;
+}
+
+bool Recorders::failed() const {
+  return std::any_of(guards_.begin(), guards_.end(), [](const auto& g) { return g->failed(); });
+}
+
+std::string Recorders::failures() const {
+  std::string text;
+  for (const auto& guard : guards_)
+    if (guard->failed()) text += guard->failure() + "\n";
+  return text;
+}
+
+}  // namespace throng

@@ -1,0 +1,41 @@
+// The files besides the log that a run writes on request: trajectories and contact statistics.
+// One rule: a file that cannot be written ends the run, keeps what it has, and is told; the run's
+// summary is printed all the same.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/log_guard.h"
+#include "scenes/trajectories/trajectory_sink.h"
+
+namespace throng {
+
+struct RecorderOptions {
+  std::vector<std::string> trajectories;
+  double trajectory_fps = 10;
+};
+
+void add_recorder_options(CLI::App& app, RecorderOptions& options);
+
+class Recorders {
+ public:
+  /// Creates the files. Throws InputError or EnvironmentError.
+  explicit Recorders(const RecorderOptions& options);
+
+  std::vector<Sink*> sinks() const;
+  bool failed() const;
+  /// One line a failure.
+  std::string failures() const;
+
+ private:
+  template <typename Recorder>
+  void add(std::unique_ptr<Recorder> recorder);
+
+  std::vector<std::unique_ptr<Sink>> recorders_;
+  std::vector<std::unique_ptr<LogGuard>> guards_;
+};
+
+}  // namespace throng

@@ -1,0 +1,106 @@
+// The walkable area as polygons says the same as the walls that steering obeys.
+#include "scenes/trajectories/walkable_area.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scenes/crowd_world.h"
+
+namespace throng {
+namespace {
+
+using Ring = std::vector<Eigen::Vector2d>;
+
+double signed_area_m2(const Ring& ring) {
+  double doubled = 0;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const Eigen::Vector2d& next = ring[(i + 1) % ring.size()];
+    doubled += ring[i].x() * next.y() - next.x() * ring[i].y();
+  }
+  return 0.5 * doubled;
+}
+
+/// Even-odd rule over one ring.
+bool inside(const Ring& ring, const Eigen::Vector2d& p) {
+  bool is_inside = false;
+  for (size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+    const Eigen::Vector2d &a = ring[i], &b = ring[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+bool inside(const WalkablePolygon& polygon, const Eigen::Vector2d& p) {
+  if (!inside(polygon.outline, p)) return false;
+  for (const Ring& hole : polygon.holes)
+    if (inside(hole, p)) return false;
+  return true;
+}
+
+Scene ground_of(double half_m) {
+  Scene scene;
+  scene.ground = {{-half_m, -half_m}, {half_m, half_m}};
+  return scene;
+}
+
+TEST(WalkableArea, OfAnEmptyGroundIsTheGround) {
+  EXPECT_EQ(walkable_wkt(ground_of(2)),
+            "POLYGON ((-2.0000 -2.0000, 2.0000 -2.0000, 2.0000 2.0000, -2.0000 2.0000, "
+            "-2.0000 -2.0000))");
+}
+
+TEST(WalkableArea, HasAHoleForAnObstacleThatStandsFree) {
+  Scene scene = ground_of(5);
+  scene.obstacles = {box(0, 0, 2, 1)};
+  const auto area = walkable_area(scene);
+  ASSERT_EQ(area.size(), 1u);
+  ASSERT_EQ(area[0].holes.size(), 1u);
+  EXPECT_NEAR(signed_area_m2(area[0].outline), 100, 1e-3);
+  EXPECT_NEAR(signed_area_m2(area[0].holes[0]), -2, 1e-2) << "holes run clockwise";
+}
+
+TEST(WalkableArea, FallsApartWhereAWallCutsTheGround) {
+  Scene scene = ground_of(5);
+  scene.obstacles = {box(2, 0, 0.2, 10)};
+  const auto area = walkable_area(scene);
+  ASSERT_EQ(area.size(), 2u);
+  EXPECT_GT(signed_area_m2(area[0].outline), signed_area_m2(area[1].outline));
+  EXPECT_THAT(walkable_wkt(scene), testing::StartsWith("MULTIPOLYGON ((("));
+}
+
+TEST(WalkableArea, OfACoveredGroundIsEmpty) {
+  Scene scene = ground_of(1);
+  scene.obstacles = {box(0, 0, 4, 4)};
+  EXPECT_EQ(walkable_wkt(scene), "POLYGON EMPTY");
+}
+
+TEST(WalkableArea, BoxesThatTouchInACornerJoin) {
+  Scene scene = ground_of(5);
+  scene.obstacles = {box(-1, -1, 2, 2), box(1, 1, 2, 2)};
+  const auto area = walkable_area(scene);
+  ASSERT_EQ(area.size(), 1u);
+  EXPECT_EQ(area[0].holes.size(), 1u);
+}
+
+TEST(WalkableArea, HoldsThePointsThatPeopleMayStandOn) {
+  const Scene scene = crossing(1, 0);
+  const Walkable walkable(scene);
+  const auto area = walkable_area(scene);
+  ASSERT_EQ(area.size(), 1u);
+  EXPECT_EQ(area[0].holes.size(), 4u);
+  int walkable_points = 0;
+  for (uint32_t i = 0; i < 4000; ++i) {
+    const Eigen::Vector2d point(random_uniform({5, i}, -15, 15, 0),
+                                random_uniform({5, i}, -15, 15, 1));
+    const double clearance_m = walkable.clearance_m(point);
+    if (std::abs(clearance_m) < 1e-3) continue;  // too near an edge to tell
+    walkable_points += clearance_m > 0;
+    EXPECT_EQ(inside(area[0], point), clearance_m > 0) << point.transpose();
+  }
+  EXPECT_GT(walkable_points, 3000);
+}
+
+}  // namespace
+}  // namespace throng
