@@ -1,17 +1,14 @@
 #include "lcmtypes/lcm_sink.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <thread>
 #include <utility>
+
+#include "lcmtypes/lcm_url.h"
 
 namespace throng {
 namespace {
@@ -21,27 +18,6 @@ constexpr std::chrono::milliseconds kEndPause{20};
 constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
 // A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
 constexpr std::chrono::milliseconds kDescriptionPause{1};
-
-/// False if the kernel knows no way to the URL's multicast group. liblcm finds out as well, and
-/// prints ten lines of its own.
-bool has_route(const std::string& url) {
-  constexpr std::string_view kScheme = "udpm://";
-  if (!url.starts_with(kScheme)) return true;
-  const size_t end = url.find_first_of(":?", kScheme.size());
-  std::string group = url.substr(kScheme.size(), end - kScheme.size());
-  if (group.empty()) group = "239.255.76.67";  // what liblcm uses
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(7667);  // any: connecting a UDP socket only looks the route up
-  if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) return true;
-  const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) return true;
-  const bool is_reachable =
-      ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
-      errno != ENETUNREACH;
-  ::close(descriptor);
-  return is_reachable;
-}
 
 void to_stderr(const std::string& text) { fmt::print(stderr, "{}\n", text); }
 
@@ -60,9 +36,9 @@ LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
   if (!options_.warn) options_.warn = to_stderr;
   if (good()) return;
   options_.warn(fmt::format(
-      "LCM cannot use {}: nothing is published, the run goes on. Where multicast has no route: "
-      "'ip route add 224.0.0.0/4 dev lo'; to do without LCM: --lcm off",
-      options_.url));
+      "LCM cannot use {}: nothing is published, the run goes on; {}; to do without LCM: "
+      "--lcm off",
+      options_.url, kMulticastWayOut));
 }
 
 LcmSink::~LcmSink() = default;

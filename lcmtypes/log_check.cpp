@@ -80,7 +80,9 @@ class Judge {
       return;
     }
     number(channel, event, header);
-    report_.last_frame = std::max(report_.last_frame, header.frame);
+    // Behind the last frame come the last ends, under the number of a frame that never was.
+    if (channel == Channel::kCounters)
+      report_.last_frame = std::max(report_.last_frame, header.frame);
     report_.last_utime_us = std::max(report_.last_utime_us, header.utime_us);
     const int64_t foreign = reader_.foreign();
     const auto update = reader_.take(event.channel, event.data);

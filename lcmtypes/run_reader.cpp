@@ -8,20 +8,24 @@
 
 namespace throng {
 
-bool RunReader::follows(Channel channel, const MessageHeader& header) {
-  if (!is_free_ && header.run_id == run_id_ && header.instance == instance_) return true;
+bool RunReader::follows(Channel channel) {
+  if (header_.run_id == run_id() && header_.instance == instance() && has_run_) {
+    is_free_ = false;
+    return true;
+  }
   // The description's first round; later ones have a higher seq.
-  const bool begins = channel == Channel::kRun && header.seq < header.chunk_count;
+  const bool begins = channel == Channel::kRun && header_.seq < header_.chunk_count;
   if (!is_free_ && !begins && !end_) {
     ++foreign_;
     return false;
   }
-  *this = [this, &header, begins] {
+  *this = [this] {
     RunReader fresh;
-    if (begins)
-      for (Tally& tally : fresh.tallies_) tally.next_seq = 0;  // nothing was missed before
-    fresh.run_id_ = header.run_id;
-    fresh.instance_ = header.instance;
+    fresh.tally_.run_id = header_.run_id;
+    fresh.tally_.instance = header_.instance;
+    fresh.header_ = header_;
+    fresh.is_sound_ = true;
+    fresh.has_run_ = true;
     fresh.is_free_ = false;
     fresh.refused_ = refused_;
     fresh.foreign_ = foreign_;
@@ -31,100 +35,66 @@ bool RunReader::follows(Channel channel, const MessageHeader& header) {
   return true;
 }
 
-void RunReader::count(Channel channel, const MessageHeader& header, size_t bytes) {
-  Tally& tally = tallies_[static_cast<size_t>(channel)];
-  ++tally.messages;
-  tally.bytes += static_cast<int64_t>(bytes);
-  tally.last_frame = std::max(tally.last_frame, header.frame);
-  if (tally.next_seq < 0) tally.next_seq = header.seq;
-  if (header.seq >= tally.next_seq) {
-    tally.missing += header.seq - tally.next_seq;
-    tally.next_seq = header.seq + 1;
-  } else if (tally.missing > 0) {
-    --tally.missing;  // it was late, not lost
-  }
-}
-
-void RunReader::count_tails() {
-  for (size_t i = 0; i < end_->channels.size(); ++i) {
-    const std::optional<Channel> channel = channel_of(end_->channels[i]);
-    if (!channel) continue;
-    Tally& tally = tallies_[static_cast<size_t>(*channel)];
-    if (tally.next_seq < 0 || end_->messages[i] <= tally.next_seq) continue;
-    tally.missing += end_->messages[i] - tally.next_seq;
-    tally.next_seq = end_->messages[i];
-  }
-}
-
 RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
   ++refused_;
   refusal_ = std::string(channel) + ": " + std::move(why);
   return Update::kRefused;
 }
 
-RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t> bytes) {
-  const std::optional<Channel> channel = channel_of(name);
-  if (!channel) return Update::kNothing;
-  MessageHeader header;
-  std::string defect = check_message(*channel, bytes);
-  if (defect.empty()) defect = read_header(*channel, bytes, header);
-  if (!defect.empty()) return refuse(name, std::move(defect));
-  if (!follows(*channel, header)) return Update::kNothing;
-  count(*channel, header, bytes.size());
-  return dispatch(*channel, bytes);
-}
-
-namespace {
-
 template <class Message>
-Message decoded(std::span<const uint8_t> bytes, std::string& defect) {
+RunReader::Update RunReader::take(Channel channel, std::span<const uint8_t> bytes) {
   Message message;
-  defect = decode(bytes, message);
-  return message;
-}
-
-}  // namespace
-
-RunReader::Update RunReader::dispatch(Channel channel, std::span<const uint8_t> bytes) {
+  std::string defect = decode(bytes, message);
+  if (!defect.empty()) return refuse(name_of(channel), std::move(defect));
+  is_sound_ = true;
+  if (!follows(channel)) return Update::kNothing;
+  tally_.count(channel, header_, bytes.size());
   Update update = Update::kNothing;
-  std::string defect;
-  switch (channel) {
-    case Channel::kRun: {
-      const auto message = decoded<run_t>(bytes, defect);
-      if (defect.empty()) defect = take_run(message, update);
-      break;
-    }
-    case Channel::kStates: {
-      const auto message = decoded<states_t>(bytes, defect);
-      if (defect.empty()) defect = take_states(message, update);
-      break;
-    }
-    case Channel::kEvents: {
-      const auto message = decoded<events_t>(bytes, defect);
-      if (defect.empty()) defect = take_events(message, update);
-      break;
-    }
-    case Channel::kTouching: {
-      const auto message = decoded<touching_t>(bytes, defect);
-      if (defect.empty()) defect = take_touching(message, update);
-      break;
-    }
-    case Channel::kCounters:
-      counters_ = decoded<counters_t>(bytes, defect);
-      update = Update::kCounters;
-      break;
-    case Channel::kEnd:
-      end_ = decoded<end_t>(bytes, defect);
-      if (defect.empty()) count_tails();
-      update = Update::kEnd;
-      break;
-    case Channel::kParts:
-      break;
-  }
+  defect = use(message, update);
   return defect.empty() ? update : refuse(name_of(channel), std::move(defect));
 }
 
-std::string RunReader::take_run(const run_t& piece, Update& update) {
+RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t> bytes) {
+  is_sound_ = false;
+  const std::optional<Channel> channel = channel_of(name);
+  if (!channel) return Update::kNothing;
+  std::string defect = read_header(*channel, bytes, header_);
+  if (!defect.empty()) return refuse(name, std::move(defect));
+  switch (*channel) {
+    case Channel::kRun:
+      return take<run_t>(*channel, bytes);
+    case Channel::kStates:
+      return take<states_t>(*channel, bytes);
+    case Channel::kEvents:
+      return take<events_t>(*channel, bytes);
+    case Channel::kTouching:
+      return take<touching_t>(*channel, bytes);
+    case Channel::kCounters:
+      return take<counters_t>(*channel, bytes);
+    case Channel::kEnd:
+      return take<end_t>(*channel, bytes);
+    case Channel::kParts:
+      return take<parts_t>(*channel, bytes);
+  }
+  return Update::kNothing;
+}
+
+std::string RunReader::use(counters_t& counters, Update& update) {
+  counters_ = std::move(counters);
+  update = Update::kCounters;
+  return "";
+}
+
+std::string RunReader::use(end_t& end, Update& update) {
+  end_ = std::move(end);
+  tally_.close(*end_);
+  update = Update::kEnd;
+  return "";
+}
+
+std::string RunReader::use(const parts_t&, Update&) { return ""; }
+
+std::string RunReader::use(const run_t& piece, Update& update) {
   if (run_) return "";
   if (piece.total_bytes != total_bytes_) {
     pieces_.clear();
@@ -164,7 +134,7 @@ std::string RunReader::adopt_description() {
   return "";
 }
 
-std::string RunReader::take_states(const states_t& m, Update& update) {
+std::string RunReader::use(const states_t& m, Update& update) {
   if (!run_) return "";
   const auto avatars = static_cast<int64_t>(run_->avatar_count);
   if (m.first_avatar < 0 || m.first_avatar + int64_t{m.avatar_count} > avatars)
@@ -176,7 +146,7 @@ std::string RunReader::take_states(const states_t& m, Update& update) {
     return "joint values that the models do not have";
   if (m.frame < pending_.frame || m.frame <= state_.frame) return "";
   if (m.frame > pending_.frame || pending_chunks_.size() != static_cast<size_t>(m.chunk_count)) {
-    if (pending_avatars_ > 0) ++tallies_[static_cast<size_t>(Channel::kStates)].incomplete;
+    if (pending_avatars_ > 0) ++tally_[Channel::kStates].incomplete;
     pending_.frame = m.frame;
     pending_.utime_us = m.utime;
     pending_.roots.resize(static_cast<size_t>(avatars));
@@ -232,7 +202,7 @@ std::string defect_of_pairs(const Message& m, const run_description_t* run) {
 
 }  // namespace
 
-std::string RunReader::take_events(const events_t& m, Update& update) {
+std::string RunReader::use(const events_t& m, Update& update) {
   std::string defect = defect_of_pairs(m, run_.get());
   if (!defect.empty()) return defect;
   new_events_.clear();
@@ -252,12 +222,11 @@ std::string RunReader::take_events(const events_t& m, Update& update) {
   return "";
 }
 
-std::string RunReader::take_touching(const touching_t& m, Update& update) {
+std::string RunReader::use(const touching_t& m, Update& update) {
   std::string defect = defect_of_pairs(m, run_.get());
   if (!defect.empty()) return defect;
   if (m.frame != pending_touching_frame_) {
-    if (!pending_touching_chunks_.empty())
-      ++tallies_[static_cast<size_t>(Channel::kTouching)].incomplete;
+    if (!pending_touching_chunks_.empty()) ++tally_[Channel::kTouching].incomplete;
     pending_touching_frame_ = m.frame;
     pending_touching_.clear();
     pending_touching_chunks_.clear();

@@ -4,7 +4,6 @@
 // forget(); until then its messages are counted as foreign.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -17,6 +16,7 @@
 
 #include "lcmtypes/description.h"
 #include "lcmtypes/guard.h"
+#include "lcmtypes/tally.h"
 #include "scenes/sink.h"
 
 namespace throng {
@@ -47,14 +47,14 @@ class RunReader {
 
   Update take(std::string_view channel, std::span<const uint8_t> bytes);
 
-  /// Lets whichever run is heard next take over (a receiver calls it after some seconds of
-  /// silence).
+  /// Lets whichever run is heard next take over; if it is the same, that goes on (a receiver calls
+  /// it after some seconds of silence).
   void forget() { is_free_ = true; }
 
   /// Null until the description is complete. States that came before are dropped, not kept.
   const run_description_t* run() const { return run_.get(); }
-  int64_t run_id() const { return run_id_; }
-  int64_t instance() const { return instance_; }
+  int64_t run_id() const { return tally_.run_id; }
+  int64_t instance() const { return tally_.instance; }
   /// A model of run(), ready to be posed; built when first asked for. Throws InputError if the
   /// kinematics refuse it.
   std::shared_ptr<const Model> model(size_t index);
@@ -74,38 +74,34 @@ class RunReader {
   const std::optional<counters_t>& counters() const { return counters_; }
   const std::optional<end_t>& end() const { return end_; }
 
-  /// What was received on a channel of the current run, and what its numbering proves was not.
-  struct Tally {
-    int64_t messages = 0;
-    int64_t bytes = 0;
-    /// Holes in seq: from 0 where the run was heard from its beginning, otherwise from the first
-    /// message; behind the last message once end() is known.
-    int64_t missing = 0;
-    int64_t next_seq = -1;
-    int64_t last_frame = -1;
-    int64_t incomplete = 0;  ///< sets of chunks that a newer one overtook
-  };
-  const Tally& tally(Channel channel) const { return tallies_[static_cast<size_t>(channel)]; }
+  /// What was received of the current run, and what its numbering proves was not.
+  const RunTally& tally() const { return tally_; }
+  const ChannelTally& tally(Channel channel) const { return tally_[channel]; }
+  /// Of the message taken last, whichever run it was of; null if it was damaged or not ours.
+  const MessageHeader* header() const { return is_sound_ ? &header_ : nullptr; }
   int64_t foreign() const { return foreign_; }
   int64_t refused() const { return refused_; }
   const std::string& refusal() const { return refusal_; }  ///< the newest
 
  private:
   Update refuse(std::string_view channel, std::string why);
-  bool follows(Channel channel, const MessageHeader& header);
-  void count(Channel channel, const MessageHeader& header, size_t bytes);
-  void count_tails();
-  Update dispatch(Channel channel, std::span<const uint8_t> bytes);
-  std::string take_run(const run_t& piece, Update& update);
-  std::string take_states(const states_t& states, Update& update);
-  std::string take_events(const events_t& events, Update& update);
-  std::string take_touching(const touching_t& touching, Update& update);
+  bool follows(Channel channel);
+  template <class Message>
+  Update take(Channel channel, std::span<const uint8_t> bytes);
+  std::string use(const run_t& piece, Update& update);
+  std::string use(const states_t& states, Update& update);
+  std::string use(const events_t& events, Update& update);
+  std::string use(const touching_t& touching, Update& update);
+  std::string use(counters_t& counters, Update& update);
+  std::string use(end_t& end, Update& update);
+  std::string use(const parts_t& parts, Update& update);
   std::string adopt_description();
 
-  int64_t run_id_ = 0;
-  int64_t instance_ = 0;
+  RunTally tally_;
+  bool has_run_ = false;  // tally_ is of a run that was heard
   bool is_free_ = true;
-  std::array<Tally, kChannelCount> tallies_{};
+  bool is_sound_ = false;
+  MessageHeader header_;
   int64_t refused_ = 0;
   int64_t foreign_ = 0;
   std::string refusal_;
