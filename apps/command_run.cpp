@@ -186,6 +186,8 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
                   listeners.lcm->dropped()};
   report.log = listeners.log == nullptr ? "off" : log.string();
   report.log_bytes = listeners.log == nullptr ? 0 : listeners.log->bytes();
+  if (const ContactSink* contacts = listeners.recorders->contacts())
+    report.contacts = {options.recorders.contacts, contacts->statistics()->totals()};
   return report;
 }
 
@@ -219,6 +221,10 @@ int run_scene(const RunOptions& options) {
   int exit_code = kExitFine;
   if (listeners.lost_log()) fmt::print(stderr, "{}\n", listeners.guard->failure());
   fmt::print(stderr, "{}", listeners.recorders->failures());
+  if (const ContactSink* contacts = listeners.recorders->contacts();
+      contacts != nullptr && !contacts->drew_figures() && !listeners.lost_file())
+    fmt::print(stderr, "note: no figures in {}: gnuplot is not installed\n",
+               options.recorders.contacts);
   if (listeners.lost_file()) exit_code = kExitEnvironment;
   if (!options.json.empty()) write_json(report, options.json);
   return exit_code;

@@ -27,6 +27,8 @@ void add_recorder_options(CLI::App& app, RecorderOptions& options) {
                  fmt::format("Recorded frames a second [{}]", options.trajectory_fps))
       ->check(number_option(0, 1e4, true, "a number of frames a second above 0"))
       ->type_name("F");
+  app.add_option("--contacts", options.contacts, "Contact statistics: a folder of CSV and figures")
+      ->type_name("DIR");
 }
 
 template <typename Recorder>
@@ -38,6 +40,10 @@ void Recorders::add(std::unique_ptr<Recorder> recorder) {
 Recorders::Recorders(const RecorderOptions& options) {
   for (const std::string& file : options.trajectories)
     add(std::make_unique<TrajectorySink>(TrajectoryOptions{file, options.trajectory_fps}));
+  if (options.contacts.empty()) return;
+  auto contacts = std::make_unique<ContactSink>(options.contacts);
+  contacts_ = contacts.get();
+  add(std::move(contacts));
 }
 
 std::vector<Sink*> Recorders::sinks() const {

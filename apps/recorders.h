@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/log_guard.h"
+#include "scenes/contacts/contact_sink.h"
 #include "scenes/trajectories/trajectory_sink.h"
 
 namespace throng {
@@ -16,6 +17,7 @@ namespace throng {
 struct RecorderOptions {
   std::vector<std::string> trajectories;
   double trajectory_fps = 10;
+  std::string contacts;  ///< a folder, or ""
 };
 
 void add_recorder_options(CLI::App& app, RecorderOptions& options);
@@ -27,6 +29,8 @@ class Recorders {
 
   std::vector<Sink*> sinks() const;
   bool failed() const;
+  /// Null without --contacts.
+  const ContactSink* contacts() const { return contacts_; }
   /// One line a failure.
   std::string failures() const;
 
@@ -35,6 +39,7 @@ class Recorders {
   void add(std::unique_ptr<Recorder> recorder);
 
   std::vector<std::unique_ptr<Sink>> recorders_;
+  const ContactSink* contacts_ = nullptr;
   std::vector<std::unique_ptr<LogGuard>> guards_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -107,6 +108,16 @@ Json to_json(const RunReport& report) {
                  {"bytes", report.lcm.bytes},
                  {"dropped", report.lcm.dropped}};
   json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
+  if (report.contacts) {
+    const ContactTotals& totals = report.contacts->totals;
+    json["contacts"] = {{"folder", report.contacts->folder},
+                        {"people", totals.contacts},
+                        {"obstacles", totals.obstacle_contacts},
+                        {"people_touched", totals.people_touched},
+                        {"per_person_min", totals.per_person_min()},
+                        {"touching_share", totals.touching_s / std::max(1e-9, totals.person_s)},
+                        {"median_s", totals.median_s}};
+  }
   json["peak_rss_bytes"] = peak_rss_bytes();
   json["machine"] = {{"cpu", cpu_name()}, {"simd", report.simd}};
   return json;
@@ -147,6 +158,13 @@ std::string format_table(const RunReport& report) {
            ? "off"
            : fmt::format("{}: {} messages, {}, {} dropped", report.lcm.url, report.lcm.messages,
                          megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
+  if (report.contacts) {
+    const ContactTotals& totals = report.contacts->totals;
+    line("contacts", fmt::format("{}: {} between two people, {:.2f} a person and minute, median "
+                                 "{:.3f} s; {} with obstacles",
+                                 report.contacts->folder, totals.contacts, totals.per_person_min(),
+                                 totals.median_s, totals.obstacle_contacts));
+  }
   line("hash", hash_text(summary.hash));
   return text;
 }

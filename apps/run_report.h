@@ -4,8 +4,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "scenes/contacts/contact_statistics.h"
 #include "scenes/runner.h"
 
 namespace throng {
@@ -27,6 +29,12 @@ struct RunReport {
   Lcm lcm;
   std::string log;  ///< path, or "off"
   uint64_t log_bytes = 0;
+
+  struct Contacts {
+    std::string folder;
+    ContactTotals totals;
+  };
+  std::optional<Contacts> contacts;  ///< with --contacts
 };
 
 /// A table with a row for each stage, then a line each for time, events, log, messages and hash.

@@ -1,8 +1,10 @@
-// `throng run --trajectory` from outside: files that other programs open, and disks that are full.
+// `throng run --trajectory` and `--contacts` from outside: files that other programs open, and
+// disks that are full.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "tests/apps/cli.h"
@@ -41,6 +43,30 @@ TEST(TrajectoryFiles, OtherNamesAreBadInput) {
   const Outcome outcome = shell("throng run corridor --trajectory t.txt", folder);
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr(".sqlite or .csv, found 't.txt'"));
+}
+
+TEST(ContactFiles, SayTheSameAsTheRun) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell(
+      "throng run corridor --seconds 3 --lcm off --log off --contacts c --json r.json", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto contacts = nlohmann::json::parse(read_file(folder / "r.json"))["contacts"];
+  EXPECT_GT(contacts["people"], 0);
+  EXPECT_EQ(line_count(read_file(folder / "c/contacts.csv")), 1 + contacts["people"].get<int>());
+  EXPECT_EQ(line_count(read_file(folder / "c/people.csv")), 1 + 120);
+  EXPECT_EQ(line_count(read_file(folder / "c/parts.csv")), 1 + 15);
+  EXPECT_EQ(line_count(read_file(folder / "c/density.csv")), 1 + 6);
+  for (const char* figure :
+       {"contact_rates", "contact_durations", "contact_parts", "contact_density"})
+    EXPECT_THAT(read_file(folder / ("c/" + std::string(figure) + ".svg")), HasSubstr("</svg>"));
+}
+
+TEST(ContactFiles, AFolderThatCannotBeIsTold) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell("echo >f; throng run corridor --lcm off --log off --contacts f/c", folder);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("f/c"));
 }
 
 /// A limit on file sizes stands in for a full disk.

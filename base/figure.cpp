@@ -1,0 +1,54 @@
+#include "base/figure.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+/// For a gnuplot string in single quotes.
+std::string quoted(std::string text) {
+  for (size_t at = text.find('\''); at != std::string::npos; at = text.find('\'', at + 2))
+    text.insert(at, 1, '\'');
+  return "'" + text + "'";
+}
+
+}  // namespace
+
+bool has_gnuplot() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }
+
+void require_gnuplot() {
+  if (!has_gnuplot())
+    throw EnvironmentError(
+        "gnuplot: expected the program that draws the figures, found none; `bash scripts/setup.sh` "
+        "installs it, and without --out no figure is drawn");
+}
+
+std::string draw(const Figure& figure, const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / (figure.id + ".svg");
+  FILE* gnuplot = popen("gnuplot", "w");
+  if (gnuplot == nullptr)
+    throw EnvironmentError(fmt::format("gnuplot: cannot start: {}", std::strerror(errno)));
+  // An id of its own, so that two figures in one page do not share their markers.
+  fmt::print(gnuplot,
+             "set terminal svg size 900,460 font 'sans-serif,12' background rgb 'white' name '{}'\n"
+             "set output {}\n{}set output\n",
+             figure.id, quoted(file.string()), figure.script);
+  const int status = pclose(gnuplot);
+  std::ifstream in(file, std::ios::binary);
+  std::string svg{std::istreambuf_iterator<char>(in), {}};
+  if (status != 0 || !in || svg.find("</svg>") == std::string::npos)
+    throw EnvironmentError(fmt::format("{}: gnuplot could not draw it", file.string()));
+  return svg;
+}
+
+}  // namespace throng

@@ -1,0 +1,31 @@
+// Figures as SVG, drawn by gnuplot.
+// One rule: a figure is a gnuplot script with its data in it; the same numbers give the same
+// script.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace throng {
+
+struct Figure {
+  std::string id;  ///< "figure_07"; its SVG is ID.svg
+  std::string title;
+  std::string caption;
+  std::string script;  ///< everything but the terminal and the output
+};
+
+/// Colours that people who see few colours tell apart, too (Tol 2021, "bright").
+inline constexpr const char* kFigureColours[] = {"#4477aa", "#ee6677", "#228833",
+                                                 "#ccbb44", "#aa3377", "#66ccee"};
+
+/// Whether figures can be drawn here at all.
+bool has_gnuplot();
+
+/// Throws EnvironmentError, with the way out, if gnuplot is not installed.
+void require_gnuplot();
+
+/// Draws the figure; returns the SVG's text. Throws EnvironmentError if gnuplot fails.
+std::string draw(const Figure& figure, const std::filesystem::path& folder);
+
+}  // namespace throng

@@ -1,0 +1,41 @@
+// Writes a run's contact statistics into a folder: CSV files, and figures where gnuplot is there.
+// One rule: the list of contacts grows with the run; the rest is written at its end.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "base/figure.h"
+#include "scenes/contacts/contact_statistics.h"
+#include "scenes/sink.h"
+
+namespace throng {
+
+class ContactSink final : public Sink {
+ public:
+  /// Creates the folder and contacts.csv in it. Throws EnvironmentError, here and in all calls, if
+  /// something cannot be written.
+  explicit ContactSink(std::filesystem::path folder);
+
+  void begin(const RunInfo& run) override;
+  void frame(const RunInfo& run, const Frame& frame) override;
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+  /// Null before begin().
+  const ContactStatistics* statistics() const { return statistics_.get(); }
+  bool drew_figures() const { return drew_figures_; }
+
+ private:
+  void list_ended();
+
+  std::filesystem::path folder_;
+  std::ofstream contacts_;
+  std::unique_ptr<ContactStatistics> statistics_;
+  bool drew_figures_ = false;
+};
+
+/// How often people touched, how long, with what, and at which density.
+std::vector<Figure> figures_of(const ContactStatistics& statistics);
+
+}  // namespace throng
