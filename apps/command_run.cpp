@@ -213,6 +213,8 @@ int run_scene(const RunOptions& options) {
   Simulation simulation(std::move(scene), simulated);
   for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
   const RunSummary summary = run_to_end(simulation, listeners);
+  for (const Stranding& stranding : summary.strandings)
+    fmt::print(stderr, "note: {}\n", describe(stranding, simulation.scene()));
   if (summary.stopped_early) fmt::print(stderr, "stopped after {} frames\n", summary.frames);
 
   const RunReport report =

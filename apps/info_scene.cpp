@@ -27,9 +27,13 @@ std::string_view kind_name(Obstacle::Kind kind) {
 
 void add_group(std::string& text, const Group& group) {
   fmt::format_to(std::back_inserter(text), "  {}: {} of '{}', {} parts each, {} goals\n",
-                 group.name, group.count, group.body->name, group.body->part_count(),
+                 group.name, group.total(), group.body->name, group.body->part_count(),
                  group.goals.size());
-  fmt::format_to(std::back_inserter(text), "    from     {}\n", describe(group.spawn));
+  if (group.count > 0)
+    fmt::format_to(std::back_inserter(text), "    from     {}\n", describe(group.spawn));
+  for (const Source& source : group.sources)
+    fmt::format_to(std::back_inserter(text), "    source   {} at {:g} per s from {:g} s on, {}\n",
+                   source.count, source.rate_per_s, source.start_s, describe(source.area));
   fmt::format_to(std::back_inserter(text), "    speed    {:g} +- {:g} m/s, {:g} to {:g}\n",
                  group.speed_mps.mean, group.speed_mps.deviation, group.speed_mps.min,
                  group.speed_mps.max);
@@ -50,7 +54,7 @@ std::string describe_scene(const std::string& path_or_name) {
   const Scene scene = load_scene(path_or_name);
   std::string text;
   int people = 0;
-  for (const Group& group : scene.groups) people += group.count;
+  for (const Group& group : scene.groups) people += static_cast<int>(group.total());
   if (scene.box) people = scene.box->count;
   fmt::format_to(std::back_inserter(text), "{}: {}\n", scene.name, scene.description);
   fmt::format_to(std::back_inserter(text), "  ground     {}\n", describe(scene.ground));

@@ -74,6 +74,12 @@ Json to_json(const StageMedians& stage) {
           {"events", stage.events_ms},         {"publish", stage.publish_ms}};
 }
 
+int stranded(const RunSummary& summary) {
+  int people = 0;
+  for (const Stranding& stranding : summary.strandings) people += stranding.people;
+  return people;
+}
+
 Json to_json(const RunReport& report) {
   const RunSummary& summary = report.summary;
   Json json;
@@ -81,6 +87,15 @@ Json to_json(const RunReport& report) {
   json["seed"] = report.seed;
   json["avatars"] = summary.avatars;
   json["unplaced"] = summary.unplaced;
+  json["people"] = {{"entered", summary.traffic.entered},
+                    {"present", summary.traffic.present},
+                    {"left", summary.traffic.left},
+                    {"waiting", summary.traffic.waiting},
+                    {"to_come", summary.traffic.to_come},
+                    {"stranded", stranded(summary)},
+                    {"queuing_peak", summary.queuing_peak},
+                    {"longest_stall_s", summary.longest_stall_s},
+                    {"deepest_overlap_m", summary.deepest_overlap_m}};
   json["parts"] = summary.parts;
   json["frames"] = summary.frames;
   json["stopped_early"] = summary.stopped_early;
@@ -148,6 +163,11 @@ std::string format_table(const RunReport& report) {
        fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} times real time ({} {}, {})",
                    summary.simulated_s, summary.wall_s, summary.realtime_factor, report.threads,
                    report.threads == 1 ? "thread" : "threads", report.simd));
+  const TrafficCounters& traffic = summary.traffic;
+  if (traffic.left + traffic.waiting + traffic.to_come > 0)
+    line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
+                               traffic.entered, traffic.left, traffic.present, traffic.waiting,
+                               traffic.to_come));
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
                              summary.begins, summary.persists, summary.ends, summary.pairs_peak));
   line("log", report.log == "off" ? "off"

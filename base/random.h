@@ -19,6 +19,7 @@ enum class Purpose : uint32_t {
   kBoxWorld = 8,
   kStyle = 9,
   kEmission = 10,
+  kDelay = 11,
 };
 
 /// The names of one stream of numbers.

@@ -11,7 +11,12 @@ namespace throng {
 
 Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOptions& options,
              Workers& workers)
-    : ways_(ways), workers_(workers), options_(options), grid_(ways.walkable().ground()) {
+    : ways_(ways),
+      workers_(workers),
+      options_(options),
+      journeys_(ways, people, options.seed),
+      traffic_(ways, people, options.seed),
+      grid_(ways.walkable().ground()) {
   steps_a_decision_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
   period_s_ = steps_a_decision_ * options.step_s;
@@ -19,29 +24,41 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
   turn_cos_ = largest.cos;
   turn_sin_ = largest.sin;
   for (const Person& person : people) {
-    groups_.push_back(person.group);
     radii_m_.push_back(person.radius_m);
     free_speeds_mps_.push_back(person.free_speed_mps);
     positions_m_.push_back(person.position_m);
     headings_.push_back(person.heading);
-    velocities_mps_.push_back(person.free_speed_mps * person.heading);
   }
   const size_t count = people.size();
+  velocities_mps_.assign(count, Eigen::Vector2d::Zero());
   smooth_velocities_mps_ = old_velocities_mps_ = next_velocities_mps_ = intents_mps_ =
       velocities_mps_;
-  anchors_m_ = expected_m_ = relaxed_m_ = targets_m_ = positions_m_;
+  anchors_m_ = expected_m_ = relaxed_m_ = positions_m_;
   drifts_mps_.assign(count, Eigen::Vector2d::Zero());
   walked_m_.assign(count, 0);
   clearances_m_.assign(count, 0);
-  stops_.assign(count, 0);
-  visits_.assign(count, 0);
-  waits_.assign(count, 0);
   anchor_steps_.assign(count, 0);
+  queued_steps_.assign(count, 0);
+  queuing_.assign(count, 0);
   neighbours_.resize(count * kMaxNeighbours);
   neighbour_counts_.assign(count, 0);
   block_values_.resize(static_cast<size_t>(block_count(count)));
-  grid_.rebuild(positions_m_);
-  for (uint32_t id = 0; id < count; ++id) choose_goal(id);
+  grid_.rebuild(positions_m_, traffic_.present());
+  for (uint32_t id = 0; id < count; ++id)
+    if (journeys_.is_present(id)) start_walking(id, headings_[id]);
+}
+
+/// Whoever is on the way already walks at the free speed.
+void Crowd::start_walking(uint32_t id, const Eigen::Vector2d& heading) {
+  const bool walks = journeys_.doing(id) == Doing::kWalking;
+  headings_[id] = heading;
+  velocities_mps_[id] = smooth_velocities_mps_[id] = old_velocities_mps_[id] =
+      next_velocities_mps_[id] = intents_mps_[id] =
+          walks ? Eigen::Vector2d(free_speeds_mps_[id] * heading) : Eigen::Vector2d::Zero();
+  drifts_mps_[id] = Eigen::Vector2d::Zero();
+  anchors_m_[id] = positions_m_[id];
+  anchor_steps_[id] = steps_;
+  queued_steps_[id] = 0;
 }
 
 void Crowd::step() {

@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "base/workers.h"
+#include "scenes/journeys.h"
 #include "scenes/neighbour_grid.h"
 #include "scenes/orca.h"
 #include "scenes/spawn.h"
+#include "scenes/traffic.h"
 #include "scenes/ways.h"
 
 namespace throng {
@@ -26,7 +28,9 @@ struct SteeringCounters {
   uint64_t decisions = 0;        ///< so far, of all people together
   int sweeps = 0;                ///< of disc relaxation
   double deepest_overlap_m = 0;  ///< of two discs, where people stand now
-  double longest_stall_s = 0;    ///< how long the most stuck person has not moved kStall_m
+  double longest_stall_s = 0;    ///< how long the most stuck walker has not moved kStall_m, the
+                                 ///< time of queuing taken off
+  uint64_t queuing = 0;          ///< people held up by others ahead who go the same way
 };
 
 class Crowd {
@@ -38,7 +42,10 @@ class Crowd {
   /// Advances by step_s. Allocates nothing.
   void step();
 
+  /// Everybody there may ever be; who is in the scene now says present().
   size_t size() const { return positions_m_.size(); }
+  const Journeys& journeys() const { return journeys_; }
+  const Traffic& traffic() const { return traffic_; }
   std::span<const Eigen::Vector2d> positions_m() const { return positions_m_; }
   /// Unit vectors: the way the body faces.
   std::span<const Eigen::Vector2d> headings() const { return headings_; }
@@ -61,8 +68,9 @@ class Crowd {
 
   void decide();
   void decide_for(uint32_t id);
-  void choose_goal(uint32_t id);
-  void follow_goal(uint32_t id);
+  void change_people();
+  void start_walking(uint32_t id, const Eigen::Vector2d& heading);
+  bool is_queuing(uint32_t id) const;
   Eigen::Vector2d wanted_mps(uint32_t id);
   void add_walls(uint32_t id, Plan& plan);
   void add_people(uint32_t id, Plan& plan) const;
@@ -83,7 +91,6 @@ class Crowd {
   int64_t steps_ = 0;
 
   // What never changes, by person.
-  std::vector<uint32_t> groups_;
   std::vector<double> radii_m_;
   std::vector<double> free_speeds_mps_;
 
@@ -101,15 +108,14 @@ class Crowd {
   std::vector<Eigen::Vector2d> intents_mps_;  ///< the wanted velocity, smoothed
   std::vector<double> clearances_m_;
 
-  // Goals, by person.
-  std::vector<uint32_t> stops_;   ///< index into the route
-  std::vector<uint32_t> visits_;  ///< stops reached so far
-  std::vector<uint32_t> waits_;   ///< decisions spent inside the goal
-  std::vector<Eigen::Vector2d> targets_m_;
+  Journeys journeys_;
+  Traffic traffic_;
 
   // Stalls, by person.
   std::vector<Eigen::Vector2d> anchors_m_;
   std::vector<int64_t> anchor_steps_;
+  std::vector<int64_t> queued_steps_;  ///< since the anchor
+  std::vector<uint8_t> queuing_;
 
   NeighbourGrid grid_;
   std::vector<Neighbour> neighbours_;  ///< kMaxNeighbours a person

@@ -31,18 +31,18 @@ struct Crowd::Plan {
 };
 
 void Crowd::decide() {
-  grid_.rebuild(positions_m_);
+  change_people();
+  grid_.rebuild(positions_m_, traffic_.present());
   old_velocities_mps_.swap(next_velocities_mps_);
   for_people([this](uint32_t id) { decide_for(id); });
   relax_discs();
   measure();
-  counters_.decisions += size();
+  counters_.decisions += grid_.order().size();
 }
 
 void Crowd::decide_for(uint32_t id) {
   const std::span<Neighbour> near(neighbours_.data() + id * kMaxNeighbours, kMaxNeighbours);
   neighbour_counts_[id] = static_cast<uint32_t>(grid_.nearest(id, tuning::kReach_m, near));
-  follow_goal(id);
   Plan plan;
   add_walls(id, plan);
   plan.count = plan.walls;
@@ -54,42 +54,21 @@ void Crowd::decide_for(uint32_t id) {
       positions_m_[id] + 0.5 * period_s_ * (old_velocities_mps_[id] + next_velocities_mps_[id]);
 }
 
-void Crowd::choose_goal(uint32_t id) {
-  const Stop& stop = ways_.route(groups_[id])[stops_[id]];
-  // Away from the rim, so that arriving means having entered; a narrow goal has only its middle.
-  const Eigen::Vector2d rim = (0.25 * stop.area.size_m()).cwiseMin(0.3);
-  constexpr uint32_t kTries = 16;
-  for (uint32_t attempt = 0; attempt < kTries; ++attempt) {
-    const RandomKey key{options_.seed, id, visits_[id], Purpose::kGoal};
-    targets_m_[id] = {random_uniform(key, stop.area.min_m.x() + rim.x(),
-                                     stop.area.max_m.x() - rim.x(), 2 * attempt),
-                      random_uniform(key, stop.area.min_m.y() + rim.y(),
-                                     stop.area.max_m.y() - rim.y(), 2 * attempt + 1)};
-    if (stop.field->reaches(targets_m_[id])) return;
+/// Goals are reached, and people come and go, before anybody looks around.
+void Crowd::change_people() {
+  const double now_s = options_.step_s * static_cast<double>(steps_);
+  for_people([&](uint32_t id) { journeys_.follow(id, positions_m_[id], now_s); });
+  if (!traffic_.is_open()) return;
+  traffic_.release(journeys_);
+  traffic_.admit(now_s, journeys_, positions_m_);
+  for (const uint32_t id : traffic_.entered()) {
+    const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
+    start_walking(id, way.squaredNorm() > 0 ? way : headings_[id]);
   }
-}
-
-void Crowd::follow_goal(uint32_t id) {
-  const std::vector<Stop>& route = ways_.route(groups_[id]);
-  if (!route[stops_[id]].area.contains(positions_m_[id])) return;
-  ++waits_[id];
-  const bool arrived = (targets_m_[id] - positions_m_[id]).norm() < tuning::kArrival_m;
-  if (!arrived && waits_[id] * period_s_ < tuning::kPatience_s) return;
-  stops_[id] = static_cast<uint32_t>((stops_[id] + 1) % route.size());
-  ++visits_[id];
-  waits_[id] = 0;
-  choose_goal(id);
 }
 
 Eigen::Vector2d Crowd::wanted_mps(uint32_t id) {
-  const Stop& stop = ways_.route(groups_[id])[stops_[id]];
-  const Eigen::Vector2d& position = positions_m_[id];
-  Eigen::Vector2d direction = Eigen::Vector2d::Zero();
-  if (!stop.area.contains(position)) direction = stop.field->direction(position);
-  if (direction.squaredNorm() == 0) {
-    direction = targets_m_[id] - position;
-    if (direction.squaredNorm() > 0) direction.normalize();
-  }
+  Eigen::Vector2d direction = journeys_.direction(id, positions_m_[id]);
   const double stalled_s = stalled_s_of(id);
   if (stalled_s > tuning::kStuck_s) {
     const auto second = static_cast<uint64_t>(std::floor(stalled_s));
@@ -191,6 +170,25 @@ double Crowd::relax_disc(uint32_t id) {
   return deepest_m;
 }
 
+bool Crowd::is_queuing(uint32_t id) const {
+  if (journeys_.doing(id) != Doing::kWalking) return false;
+  const double slow_mps = tuning::kQueueSpeed * free_speeds_mps_[id];
+  if (velocities_mps_[id].squaredNorm() > slow_mps * slow_mps) return false;
+  const FlowField* field = journeys_.stop(id).field;
+  const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
+  for (uint32_t k = 0; k < neighbour_counts_[id]; ++k) {
+    const Neighbour& near = neighbours_[id * kMaxNeighbours + k];
+    const double reach_m = radii_m_[id] + radii_m_[near.id] + tuning::kQueueGap_m;
+    if (near.square_m2 > reach_m * reach_m) return false;
+    // Ahead within 60 degrees, and with the same way to go.
+    const Eigen::Vector2d offset = positions_m_[near.id] - positions_m_[id];
+    if (journeys_.doing(near.id) == Doing::kWalking && journeys_.stop(near.id).field == field &&
+        way.dot(offset) > 0.5 * offset.norm())
+      return true;
+  }
+  return false;
+}
+
 double Crowd::stalled_s_of(uint32_t id) const {
   return options_.step_s * static_cast<double>(steps_ - anchor_steps_[id]);
 }
@@ -205,12 +203,19 @@ void Crowd::measure() {
     return deepest_m;
   });
   counters_.longest_stall_s = largest([this](uint32_t id) {
-    if ((positions_m_[id] - anchors_m_[id]).norm() >= kStall_m) {
+    const bool stands = journeys_.doing(id) != Doing::kWalking;
+    if (stands || (positions_m_[id] - anchors_m_[id]).norm() >= kStall_m) {
       anchors_m_[id] = positions_m_[id];
       anchor_steps_[id] = steps_;
+      queued_steps_[id] = 0;
     }
-    return stalled_s_of(id);
+    queuing_[id] = is_queuing(id);
+    if (queuing_[id] != 0) queued_steps_[id] += steps_a_decision_;
+    return std::max(
+        0.0, options_.step_s * static_cast<double>(steps_ - anchor_steps_[id] - queued_steps_[id]));
   });
+  counters_.queuing = 0;
+  for (const uint32_t id : grid_.order()) counters_.queuing += queuing_[id];
 }
 
 }  // namespace throng

@@ -42,4 +42,9 @@ inline constexpr double kSidestep = 2.0;
 inline constexpr double kArrival_m = 0.7;
 inline constexpr double kPatience_s = 3.0;
 
+/// Whoever walks slower than this share of the free speed, with somebody of the same way ahead at
+/// this gap or less, queues.
+inline constexpr double kQueueSpeed = 0.4;
+inline constexpr double kQueueGap_m = 0.4;
+
 }  // namespace throng::tuning

@@ -71,24 +71,26 @@ size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {
   return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
 }
 
-FlowField::FlowField(const FlowGrid& grid, const Rectangle& goal)
+FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas)
     : grid_(&grid),
       distance_m_(grid.cell_count(), kFar),
       direction_(grid.cell_count(), Eigen::Vector2f::Zero()) {
-  march(goal);
+  march(areas);
   point_downhill();
   lead_out_of_walls();
 }
 
-void FlowField::march(const Rectangle& goal) {
+void FlowField::march(std::span<const Rectangle> areas) {
   // A queue of (distance, cell): equal distances leave in the order of cells.
   using Entry = std::pair<float, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
     if (!grid_->is_free(cell)) continue;
-    // The cell's distance to the rectangle, so that small goals between cell centres count too.
+    // The cell's distance to a rectangle, so that small goals between cell centres count too.
     const Eigen::Vector2d centre = grid_->centre_m(cell);
-    const double away = (centre - centre.cwiseMax(goal.min_m).cwiseMin(goal.max_m)).norm();
+    double away = 1e300;
+    for (const Rectangle& area : areas)
+      away = std::min(away, (centre - centre.cwiseMax(area.min_m).cwiseMin(area.max_m)).norm());
     if (away > 0.71 * grid_->cell_m()) continue;
     distance_m_[cell] = static_cast<float>(away);
     queue.emplace(distance_m_[cell], cell);

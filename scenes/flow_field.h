@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "scenes/walkable.h"
@@ -33,9 +34,11 @@ class FlowGrid {
 
 class FlowField {
  public:
-  /// Solves |grad distance| = 1 from the goal by fast marching (Sethian 1996). Keeps a reference to
-  /// `grid`.
-  FlowField(const FlowGrid& grid, const Rectangle& goal);
+  /// Solves |grad distance| = 1 from the areas of a goal by fast marching (Sethian 1996): each
+  /// point leads to the area with the shortest way. Keeps a reference to `grid`.
+  FlowField(const FlowGrid& grid, std::span<const Rectangle> areas);
+  FlowField(const FlowGrid& grid, const Rectangle& area)
+      : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
 
   /// Unit direction to walk, blended between cells; zero at the goal and where no way leads to it.
   Eigen::Vector2d direction(const Eigen::Vector2d& point) const;
@@ -45,7 +48,7 @@ class FlowField {
   bool reaches(const Eigen::Vector2d& point) const;
 
  private:
-  void march(const Rectangle& goal);
+  void march(std::span<const Rectangle> areas);
   void point_downhill();
   void lead_out_of_walls();
 

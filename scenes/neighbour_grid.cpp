@@ -31,20 +31,29 @@ size_t NeighbourGrid::cell_of(const Eigen::Vector2d& point) const {
   return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
 }
 
-void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m) {
+void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m,
+                            std::span<const uint8_t> present) {
   const size_t count = positions_m.size();
+  const auto is_in = [&](size_t id) { return present.empty() || present[id] != 0; };
   cells_.resize(count);
-  order_.resize(count);
-  sorted_m_.resize(count);
   positions_m_.assign(positions_m.begin(), positions_m.end());
   std::fill(starts_.begin(), starts_.end(), 0);
+  size_t in = 0;
   for (size_t id = 0; id < count; ++id) {
+    if (!is_in(id)) continue;
     cells_[id] = static_cast<uint32_t>(cell_of(positions_m[id]));
     ++starts_[cells_[id] + 1];
+    ++in;
   }
+  // Room for everybody from the start: who enters later must not make a step allocate.
+  order_.reserve(count);
+  sorted_m_.reserve(count);
+  order_.resize(in);
+  sorted_m_.resize(in);
   for (size_t cell = 1; cell < starts_.size(); ++cell) starts_[cell] += starts_[cell - 1];
   // Filling moves each start to its cell's end, which is the next cell's start: shift back after.
   for (size_t id = 0; id < count; ++id) {
+    if (!is_in(id)) continue;
     const uint32_t slot = starts_[cells_[id]]++;
     order_[slot] = static_cast<uint32_t>(id);
     sorted_m_[slot] = positions_m[id];

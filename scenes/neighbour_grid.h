@@ -22,13 +22,14 @@ class NeighbourGrid {
   /// Points outside the ground are kept in its border cells: nothing is lost, only slower.
   explicit NeighbourGrid(const Rectangle& ground);
 
-  /// Sorts the points into cells; allocates only if there are more than ever before.
-  void rebuild(std::span<const Eigen::Vector2d> positions_m);
+  /// Sorts the points into cells; allocates only if there are more than ever before. Whoever is not
+  /// `present` (one byte a point; empty: everybody is) is left out.
+  void rebuild(std::span<const Eigen::Vector2d> positions_m, std::span<const uint8_t> present = {});
 
   /// The nearest others of point `id` within `reach_m`, at most out.size(); returns how many.
   size_t nearest(uint32_t id, double reach_m, std::span<Neighbour> out) const;
 
-  /// All ids, cell by cell: neighbours in space lie near in memory.
+  /// All ids that are in, cell by cell: neighbours in space lie near in memory.
   std::span<const uint32_t> order() const { return order_; }
 
  private:

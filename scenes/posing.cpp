@@ -64,6 +64,13 @@ void Posing::gather_rows(std::span<const uint32_t> bodies, size_t type,
 void Posing::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
   assert(bodies.size() <= kMaxBatch);
   if (bodies.empty()) return;
+  if (view_.empty()) return poses_of(bodies, out);
+  std::array<uint32_t, kMaxBatch> in_view;
+  for (size_t i = 0; i < bodies.size(); ++i) in_view[i] = view_[bodies[i]];
+  poses_of({in_view.data(), bodies.size()}, out);
+}
+
+void Posing::poses_of(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
   const size_t type = states_.types[bodies.front()];
   if (type >= models_.size()) {  // an obstacle: one part, in the root frame
     for (size_t i = 0; i < bodies.size(); ++i) {

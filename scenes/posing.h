@@ -37,6 +37,10 @@ class Posing : public PoseSource {
   /// Posture rows of consecutive avatars of one model.
   void postures(uint32_t first, uint32_t count, std::span<float> rows) const;
 
+  /// The bodies of the view that poses() is asked about, where not all are in it: poses() is given
+  /// indices into this. Empty: indices are bodies.
+  void use_bodies(std::span<const uint32_t> bodies) { view_ = bodies; }
+
   /// Rows that postures() already computed for this frame, by avatar through `offsets`; poses()
   /// then copies them. Empty: poses() computes what it needs.
   void use_rows(std::span<const float> rows, std::span<const size_t> offsets);
@@ -49,11 +53,13 @@ class Posing : public PoseSource {
   Times take_times();
 
  private:
+  void poses_of(std::span<const uint32_t> bodies, std::span<PartPose> out) const;
   void gather_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const;
 
   std::vector<std::shared_ptr<const Model>> models_;
   std::vector<Gait> gaits_;
   const BodyStates& states_;
+  std::span<const uint32_t> view_;
   std::span<const float> rows_;
   std::span<const size_t> row_offsets_;
   mutable std::atomic<int64_t> gait_ns_{0};

@@ -102,6 +102,7 @@ void add_frame(RunSummary& summary, const Frame& frame, const SteeringCounters& 
   summary.persists += frame.persisting;
   summary.pairs_peak = std::max(summary.pairs_peak, uint64_t{frame.pairs.size()});
   summary.deepest_overlap_m = std::max(summary.deepest_overlap_m, steering.deepest_overlap_m);
+  summary.queuing_peak = std::max(summary.queuing_peak, steering.queuing);
   summary.longest_stall_s = std::max(summary.longest_stall_s, steering.longest_stall_s);
   add_counters(summary.totals, *frame.counters);
 }
@@ -162,6 +163,8 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
   summary.begins = end.begins;
   summary.ends = end.ends;
   summary.hash = end.hash;
+  summary.traffic = simulation.traffic();
+  summary.strandings = simulation.strandings();
   measurements.summarise(summary);
   return summary;
 }

@@ -54,8 +54,11 @@ struct RunSummary {
   uint64_t hash = 0;
   uint64_t run_id = 0;
 
-  double deepest_overlap_m = 0;  ///< of steering discs, over the run
-  double longest_stall_s = 0;    ///< how long anybody stood still, over the run
+  TrafficCounters traffic;            ///< at the end
+  std::vector<Stranding> strandings;  ///< at the end
+  uint64_t queuing_peak = 0;          ///< people queuing at once
+  double deepest_overlap_m = 0;       ///< of steering discs, over the run
+  double longest_stall_s = 0;  ///< how long a walker stood still without queuing, over the run
 };
 
 /// Quantiles of samples by sorting; the median of an even number is the lower one. Zeros if empty.

@@ -11,7 +11,9 @@
 #include "base/errors.h"
 #include "scenes/hasher.h"
 #include "scenes/scene_fields.h"
+#include "scenes/scene_keys.h"
 #include "scenes/scene_limits.h"
+#include "scenes/scene_routes.h"
 #include "scenes/shapes.h"
 
 namespace throng {
@@ -55,8 +57,7 @@ class SceneReader {
   }
 
   Scene read() {
-    fields_.expect_keys({"name", "description", "seed", "step_s", "duration_s", "ground", "culling",
-                         "groups", "obstacles", "kind", "box"});
+    fields_.expect_keys(keys_of("scene"));
     scene_.name = fields_.text_or("name", fs::path(file_).stem().string());
     scene_.description = fields_.text_or("description", "");
     scene_.seed = static_cast<uint64_t>(fields_.integer_or("seed", 0, INT64_MAX, 1));
@@ -84,6 +85,7 @@ class SceneReader {
 
   void read_box() {
     Fields fields(file_, fields_.require("box"), "a box");
+    fields.expect_keys(keys_of("box"));
     PartsBox box;
     box.count = static_cast<int>(fields.integer_or("count", 1, kMaxBodies, std::nullopt));
     box.static_every = static_cast<int>(fields.integer_or("static_every", 0, kMaxBodies, 0));
@@ -116,6 +118,7 @@ class SceneReader {
     const YamlNode* node = fields_.find("culling");
     if (node == nullptr) return;
     Fields culling(file_, *node, "culling");
+    culling.expect_keys(keys_of("culling"));
     if (const YamlNode* volume = culling.find("part_volume")) {
       const auto kind = volume_of(volume->scalar);
       if (!kind) {
@@ -128,17 +131,6 @@ class SceneReader {
     }
     scene_.exact = culling.boolean_or("exact", false);
     culling.done();
-  }
-
-  /// The items of a list-valued key; an absent key is an empty list.
-  std::vector<const YamlNode*> items_of(Fields& fields, const std::string& key, bool required) {
-    std::vector<const YamlNode*> items;
-    const YamlNode* node = required ? &fields.require(key) : fields.find(key);
-    if (node == nullptr) return items;
-    if (node->kind != YamlNode::Kind::kList || (required && node->items.empty()))
-      throw InputError(fields.where(*node), fmt::format("a list for '{}'", key), describe(*node));
-    for (const YamlNode& item : node->items) items.push_back(&item);
-    return items;
   }
 
   std::string unique_name(Fields& fields, const std::string& fallback,
@@ -154,20 +146,16 @@ class SceneReader {
     int64_t bodies = static_cast<int64_t>(scene_.obstacles.size());
     for (const YamlNode* item : items_of(fields_, "groups", true)) {
       Fields fields(file_, *item, "a group");
-      fields.expect_keys(
-          {"name", "model", "count", "spawn", "goals", "speed_mps", "height_m", "radius_m"});
+      fields.expect_keys(keys_of("group"));
       Group group;
       group.name =
           unique_name(fields, fmt::format("group {}", scene_.groups.size() + 1), group_names_);
-      group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, std::nullopt));
+      read_start(fields, group);
       bodies += group.count;
-      if (bodies > kMaxBodies)
-        throw InputError(at_line(file_, item->line),
-                         fmt::format("at most {} people and obstacles", kMaxBodies),
-                         fmt::format("{}", bodies));
-      group.spawn = area_on_ground(fields.require("spawn"), "spawn");
-      for (const YamlNode* goal : items_of(fields, "goals", true))
-        group.goals.push_back(area_on_ground(*goal, "a goal"));
+      require_few(*item, bodies);
+      read_routes(fields, scene_.ground, group);
+      bodies += group.total() - group.count;
+      require_few(*item, bodies);
       if (const YamlNode* node = fields.find("speed_mps"))
         group.speed_mps =
             read_distribution(file_, *node, "speed_mps", group.speed_mps, kSpeedRange);
@@ -178,6 +166,25 @@ class SceneReader {
       fields.done();
       scene_.groups.push_back(std::move(group));
     }
+  }
+
+  void require_few(const YamlNode& node, int64_t bodies) {
+    if (bodies > kMaxBodies)
+      throw InputError(at_line(file_, node.line),
+                       fmt::format("at most {} people and obstacles", kMaxBodies),
+                       fmt::format("{}", bodies));
+  }
+
+  /// Those who are there at the start. A group whose people all come from sources needs none.
+  void read_start(Fields& fields, Group& group) {
+    const bool may_be_none = fields.find("sources") != nullptr;
+    const auto fallback = may_be_none ? std::optional<int64_t>(0) : std::nullopt;
+    group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, fallback));
+    const YamlNode* spawn = fields.find("spawn");
+    if (spawn != nullptr || group.count > 0 || !may_be_none)
+      group.spawn = read_area(file_, fields.require("spawn"), "spawn", scene_.ground);
+    else
+      group.spawn = scene_.ground;
   }
 
   fs::path model_file(Fields& fields) {
@@ -208,15 +215,6 @@ class SceneReader {
     return path;
   }
 
-  Rectangle area_on_ground(const YamlNode& node, const std::string& what) {
-    const Rectangle area = read_rectangle(file_, node, what);
-    if (!scene_.ground.contains(area.min_m) || !scene_.ground.contains(area.max_m))
-      throw InputError(at_line(file_, node.line),
-                       fmt::format("{} within the ground ({})", what, show(scene_.ground)),
-                       show(area));
-    return area;
-  }
-
   void read_obstacles() {
     if (const YamlNode* node = fields_.find("obstacles");
         node != nullptr && static_cast<int64_t>(node->items.size()) > kMaxObstacles)
@@ -225,8 +223,7 @@ class SceneReader {
                        fmt::format("{}", node->items.size()));
     for (const YamlNode* item : items_of(fields_, "obstacles", false)) {
       Fields fields(file_, *item, "an obstacle");
-      fields.expect_keys({"name", "kind", "position_m", "bottom_m", "heading_deg", "size_m",
-                          "diameter_m", "height_m", "file"});
+      fields.expect_keys(keys_of("obstacle"));
       Obstacle obstacle;
       obstacle.name = unique_name(fields, fmt::format("obstacle {}", scene_.obstacles.size() + 1),
                                   obstacle_names_);
@@ -319,7 +316,19 @@ uint64_t content_hash_of(const Scene& scene) {
     hash.add(group.body == nullptr ? 0 : group.body->content_hash);
     add_area(group.spawn);
     hash.add(uint64_t{group.goals.size()});
-    for (const Rectangle& goal : group.goals) add_area(goal);
+    for (const Goal& goal : group.goals) {
+      hash.add(uint64_t{goal.areas.size()});
+      for (const Rectangle& area : goal.areas) add_area(area);
+      hash.add(goal.wait_s).add(uint64_t{goal.pass});
+    }
+    hash.add(static_cast<uint64_t>(group.on_arrival));
+    hash.add(uint64_t{group.sources.size()});
+    for (const Source& source : group.sources) {
+      add_area(source.area);
+      hash.add(static_cast<uint64_t>(source.count)).add(source.rate_per_s).add(source.start_s);
+      hash.add(uint64_t{source.random});
+    }
+    add_distribution(group.delay_s);
     add_distribution(group.speed_mps);
     add_distribution(group.height_m);
     hash.add(group.radius_m);

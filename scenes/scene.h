@@ -20,6 +20,7 @@ struct Rectangle {
   Eigen::Vector2d max_m = Eigen::Vector2d::Zero();
 
   Eigen::Vector2d size_m() const { return max_m - min_m; }
+  Eigen::Vector2d middle_m() const { return 0.5 * (min_m + max_m); }
   double area_m2() const { return size_m().prod(); }
   bool contains(const Eigen::Vector2d& point) const {
     return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
@@ -35,17 +36,56 @@ struct Distribution {
   double max = 0;
 };
 
-/// People of one model who start in one area and walk to goals.
+/// Somewhere to go: into any one of the areas, whichever has the shortest way.
+struct Goal {
+  Goal() = default;
+  Goal(const Rectangle& area) : areas{area} {}
+
+  std::vector<Rectangle> areas;  ///< at least one
+  double wait_s = 0;             ///< how long everybody stands there before going on
+  bool pass = false;  ///< reached on entering it; otherwise people walk to a place inside
+
+  bool contains(const Eigen::Vector2d& point) const {
+    for (const Rectangle& area : areas)
+      if (area.contains(point)) return true;
+    return false;
+  }
+  bool operator==(const Goal&) const = default;
+};
+
+/// What people do who reached their last goal.
+enum class OnArrival : uint8_t { kLoop, kStay, kLeave };
+
+/// Where people of a group enter while the scene runs.
+struct Source {
+  Rectangle area;
+  int count = 0;          ///< in all; each has an id from the start
+  double rate_per_s = 0;  ///< above 0
+  double start_s = 0;     ///< when the first one comes
+  bool random = false;    ///< a Poisson process; otherwise evenly spaced
+};
+
+/// People of one model who start in one area, or enter from sources, and walk to goals.
 struct Group {
   std::string name;
   std::filesystem::path model;  ///< a URDF, absolute; "adult" in the file means the bundled one
-  std::shared_ptr<const Model> body;  ///< what `model` holds; load_scene() fills it
-  int count = 0;
-  Rectangle spawn;
-  std::vector<Rectangle> goals;                   ///< visited in order, then over again
+  std::shared_ptr<const Model> body;              ///< what `model` holds; load_scene() fills it
+  int count = 0;                                  ///< at the start
+  Rectangle spawn;                                ///< where they stand then
+  std::vector<Source> sources;                    ///< of people who enter later
+  std::vector<Goal> goals;                        ///< visited in order
+  OnArrival on_arrival = OnArrival::kLoop;        ///< after the last goal
+  Distribution delay_s{0, 0, 0, 0};               ///< standing still before setting out
   Distribution speed_mps{1.34, 0.26, 0.5, 2.2};   // Weidmann 1993
   Distribution height_m{1.70, 0.09, 1.45, 2.00};  // ANSUR II, men and women mixed
   double radius_m = 0;                            ///< of the steering disc; 0: from the height
+
+  /// Everybody there may ever be.
+  int64_t total() const {
+    int64_t sum = count;
+    for (const Source& source : sources) sum += source.count;
+    return sum;
+  }
 };
 
 /// Something solid that stands still.
@@ -105,11 +145,11 @@ struct SceneEntry {
 };
 std::vector<SceneEntry> bundled_scenes();
 
-/// Scales the groups in proportion to `total` people (by largest remainders, so that the sum is
-/// exact). Where spawn areas or the ground become too full, the plan grows by one factor about the
-/// middle of the ground: ground, areas, the places of obstacles, and the lengths of those that span
-/// it (walls). Heights stay. A box of parts keeps its density. Says on `notes` what it changed.
-/// Throws InputError if `total` is out of range.
+/// Scales groups and sources (and their rates) in proportion to `total` people (by largest
+/// remainders, so that the sum is exact). Where spawn areas or the ground become too full, the plan
+/// grows by one factor about the middle of the ground: ground, areas, the places of obstacles, and
+/// the lengths of those that span it (walls). Heights stay. A box of parts keeps its density. Says
+/// on `notes` what it changed. Throws InputError if `total` is out of range.
 void scale_to(Scene& scene, int total, std::vector<std::string>& notes);
 
 }  // namespace throng

@@ -148,16 +148,22 @@ void Fields::expect_keys(const std::vector<std::string>& keys) const {
 
 void Fields::done() const { expect_keys(known_); }
 
-Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what) {
-  Fields fields(file, node, what);
+Rectangle read_rectangle(Fields& fields, const std::string& what) {
   const Range range{-kMaxCoordinate_m, kMaxCoordinate_m};
   const std::vector<double> min = fields.numbers("min_m", 2, range);
   const std::vector<double> max = fields.numbers("max_m", 2, range);
-  fields.done();
   if (min[0] >= max[0] || min[1] >= max[1])
-    throw InputError(at_line(file, node.line), fmt::format("min_m below max_m in {}", what),
+    throw InputError(at_line(fields.file(), fields.line()),
+                     fmt::format("min_m below max_m in {}", what),
                      fmt::format("[{}, {}] and [{}, {}]", min[0], min[1], max[0], max[1]));
   return {{min[0], min[1]}, {max[0], max[1]}};
+}
+
+Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what) {
+  Fields fields(file, node, what);
+  const Rectangle area = read_rectangle(fields, what);
+  fields.done();
+  return area;
 }
 
 Distribution read_distribution(const std::string& file, const YamlNode& node,

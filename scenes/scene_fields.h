@@ -65,6 +65,9 @@ std::string describe(const YamlNode& node);
 /// {min_m: [x, y], max_m: [x, y]} with min below max, coordinates within kMaxCoordinate_m.
 Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what);
 
+/// The same from a map that has other keys, too.
+Rectangle read_rectangle(Fields& fields, const std::string& what);
+
 /// {mean, deviation, min, max}, each optional, or one number for everybody.
 Distribution read_distribution(const std::string& file, const YamlNode& node,
                                const std::string& what, const Distribution& fallback,

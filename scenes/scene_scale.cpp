@@ -40,17 +40,28 @@ std::vector<int64_t> shares_of(const std::vector<int64_t>& counts, int64_t total
   return shares;
 }
 
+/// The counts of groups and their sources in one order, to be read or given new values.
+std::vector<int*> counts_of(Scene& scene) {
+  std::vector<int*> counts;
+  for (Group& group : scene.groups) {
+    counts.push_back(&group.count);
+    for (Source& source : group.sources) counts.push_back(&source.count);
+  }
+  return counts;
+}
+
 /// How many times too full the fullest area is, at densities that the file itself does not reach.
-double overfull(const Scene& scene, const std::vector<int64_t>& shares, int64_t before,
+/// `starts` are the people of each group who are there at the start.
+double overfull(const Scene& scene, const std::vector<int64_t>& starts, int64_t before,
                 int64_t total) {
   const auto excess = [](double density, double own_density, double limit) {
     return density / std::max(limit, own_density);
   };
   double worst = excess(static_cast<double>(total) / scene.ground.area_m2(),
                         static_cast<double>(before) / scene.ground.area_m2(), kMaxGroundDensity);
-  for (size_t i = 0; i < shares.size(); ++i) {
+  for (size_t i = 0; i < starts.size(); ++i) {
     const double area_m2 = scene.groups[i].spawn.area_m2();
-    worst = std::max(worst, excess(static_cast<double>(shares[i]) / area_m2,
+    worst = std::max(worst, excess(static_cast<double>(starts[i]) / area_m2,
                                    scene.groups[i].count / area_m2, kMaxSpawnDensity));
   }
   return worst;
@@ -77,7 +88,9 @@ void grow_plan(Scene& scene, double factor) {
   grow(scene.ground);
   for (Group& group : scene.groups) {
     grow(group.spawn);
-    for (Rectangle& goal : group.goals) grow(goal);
+    for (Source& source : group.sources) grow(source.area);
+    for (Goal& goal : group.goals)
+      for (Rectangle& area : goal.areas) grow(area);
   }
   for (Obstacle& obstacle : scene.obstacles) {
     obstacle.centre_m.head<2>() = middle + factor * (obstacle.centre_m.head<2>() - middle);
@@ -105,14 +118,20 @@ void scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
     throw InputError("avatars", fmt::format("1 to {} people in scene '{}'", most, scene.name),
                      fmt::format("{}", total));
   if (scene.box) return scale_box(scene, total, notes);
+  const std::vector<int*> numbers = counts_of(scene);
   std::vector<int64_t> counts;
-  for (const Group& group : scene.groups) counts.push_back(group.count);
+  for (const int* number : numbers) counts.push_back(*number);
   const int64_t before = std::accumulate(counts.begin(), counts.end(), int64_t{0});
   if (before == 0)
     throw InputError("avatars", fmt::format("people in scene '{}' to scale", scene.name),
                      "groups of none");
   const std::vector<int64_t> shares = shares_of(counts, total);
-  const double factor = std::sqrt(std::max(1.0, overfull(scene, shares, before, total)));
+  std::vector<int64_t> starts;
+  for (size_t i = 0, number = 0; i < scene.groups.size(); ++i) {
+    starts.push_back(shares[number]);
+    number += 1 + scene.groups[i].sources.size();
+  }
+  const double factor = std::sqrt(std::max(1.0, overfull(scene, starts, before, total)));
   if (factor * factor * scene.ground.area_m2() > kMaxGround_m2)
     throw InputError(
         "avatars", fmt::format("a ground of at most {} m2", kMaxGround_m2),
@@ -124,7 +143,10 @@ void scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
         "{} people need more room: the plan of '{}' grew {:.2f} times, to {:.1f} m x {:.1f} m",
         total, scene.name, factor, size.x(), size.y()));
   }
-  for (size_t i = 0; i < shares.size(); ++i) scene.groups[i].count = static_cast<int>(shares[i]);
+  for (size_t i = 0; i < shares.size(); ++i) *numbers[i] = static_cast<int>(shares[i]);
+  for (Group& group : scene.groups)
+    for (Source& source : group.sources)
+      source.rate_per_s *= static_cast<double>(total) / static_cast<double>(before);
   scene.content_hash = content_hash_of(scene);
 }
 

@@ -129,6 +129,7 @@ struct Simulation::State {
   void update_bodies(bool moved);
   void update_parts();
   void update_postures();
+  BodiesView bodies_there();
   void split_times(double steering_ns, double postures_ns);
   void fill_frame();
 
@@ -150,6 +151,8 @@ struct Simulation::State {
   BodyStates bodies;
   Posing posing;
   std::vector<uint32_t> ids;
+  BodyStates there;  ///< of bodies that are in the scene, where some may be absent
+  std::vector<uint32_t> there_ids;
   std::vector<Block> blocks;
   std::vector<float> postures;
   std::vector<size_t> posture_offsets;
@@ -221,6 +224,11 @@ void Simulation::State::place_bodies() {
     bodies.roots.push_back({scene.obstacles[i].centre_m, turned_to({turn.cos, turn.sin})});
   }
   for (uint32_t id = 0; id < bodies.types.size(); ++id) ids.push_back(id);
+  if (!crowd.traffic().is_open()) return;
+  there_ids.reserve(ids.size());
+  there.types.reserve(ids.size());
+  there.scales.reserve(ids.size());
+  there.roots.reserve(ids.size());
 }
 
 void Simulation::State::describe_run() {
@@ -281,6 +289,8 @@ void Simulation::State::update_bodies(bool moved) {
       const Eigen::Vector2d& position = crowd.positions_m()[id];
       bodies.roots[id].position_m = {position.x(), position.y(), 0};
       bodies.roots[id].world_from_root = turned_to(crowd.headings()[id]);
+      // Whoever has left keeps the last place and posture.
+      if (crowd.journeys().doing(id) == Doing::kGone) continue;
       bodies.speeds_mps[id] = static_cast<float>(crowd.velocities_mps()[id].norm());
       if (!moved) continue;
       const double stride_m =
@@ -301,6 +311,25 @@ void Simulation::State::update_postures() {
     posing.postures(block.first, block.count, {postures.data() + begin, end - begin});
   });
   posing.use_rows(postures, posture_offsets);
+}
+
+/// What culling sees: everybody, or those who are in the scene now and the obstacles.
+BodiesView Simulation::State::bodies_there() {
+  if (!crowd.traffic().is_open()) return {ids, bodies.types, bodies.scales, bodies.roots};
+  const std::span<const uint8_t> present = crowd.traffic().present();
+  there_ids.clear();
+  there.types.clear();
+  there.scales.clear();
+  there.roots.clear();
+  for (uint32_t id = 0; id < ids.size(); ++id) {
+    if (id < avatars && present[id] == 0) continue;
+    there_ids.push_back(id);
+    there.types.push_back(bodies.types[id]);
+    there.scales.push_back(bodies.scales[id]);
+    there.roots.push_back(bodies.roots[id]);
+  }
+  posing.use_bodies(there_ids);
+  return {there_ids, there.types, there.scales, there.roots};
 }
 
 /// Stages of the culling pass overlap over threads: each gets its share of the pass's wall time.
@@ -334,6 +363,7 @@ void Simulation::State::fill_frame() {
   frame.posture_offsets = posture_offsets;
   frame.pairs = culler->pairs();
   frame.events = culler->events();
+  if (crowd.traffic().is_open()) frame.present = crowd.traffic().present();
   frame.persisting = culler->persisting();
   frame.counters = &culler->counters();
   frame.times = &times;
@@ -348,6 +378,10 @@ const RunInfo& Simulation::info() const { return state_->info; }
 const Scene& Simulation::scene() const { return state_->scene; }
 const std::vector<std::string>& Simulation::notes() const { return state_->spawned.notes; }
 const SteeringCounters& Simulation::steering() const { return state_->crowd.counters(); }
+const TrafficCounters& Simulation::traffic() const { return state_->crowd.traffic().counters(); }
+std::vector<Stranding> Simulation::strandings() const {
+  return state_->crowd.journeys().strandings(state_->crowd.positions_m());
+}
 FrameTimes& Simulation::times() { return state_->times; }
 
 int Simulation::unplaced() const {
@@ -366,7 +400,7 @@ const Frame& Simulation::step() {
   const auto before_postures = Clock::now();
   if (s.options.postures) s.update_postures();
   const double postures_ns = nanoseconds_since(before_postures);
-  s.culler->step({s.ids, s.bodies.types, s.bodies.scales, s.bodies.roots}, s.posing);
+  s.culler->step(s.bodies_there(), s.posing);
   s.split_times(steering_ns, postures_ns);
   s.fill_frame();
   ++s.frames;

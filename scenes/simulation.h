@@ -37,6 +37,10 @@ class Simulation {
   int unplaced() const;
   /// Of the latest decision of steering.
   const SteeringCounters& steering() const;
+  /// Who has entered and left so far. All zero in a box of parts.
+  const TrafficCounters& traffic() const;
+  /// Who cannot reach a goal, as of now.
+  std::vector<Stranding> strandings() const;
 
   /// The first call delivers frame 0, people where they start; each later one advances by
   /// scene.step_s. The frame's spans hold until the next step.

@@ -41,11 +41,12 @@ class Places {
     return true;
   }
 
-  void add(const Eigen::Vector2d& point) {
+  void add(const Eigen::Vector2d& point, size_t id) {
     const auto [column, row] = cell_of(point);
     uint32_t& first = first_[index(column, row)];
-    next_.push_back(first);
-    first = static_cast<uint32_t>(next_.size() - 1);
+    next_.resize(id + 1, kNobody);
+    next_[id] = first;
+    first = static_cast<uint32_t>(id);
   }
 
  private:
@@ -66,11 +67,21 @@ class Places {
   std::vector<uint32_t> next_;   ///< by person
 };
 
+void stand_at(const Eigen::Vector2d& point, const Stop& goal, Person& person) {
+  person.position_m = point;
+  Eigen::Vector2d heading = goal.field->direction(point);
+  if (heading.squaredNorm() == 0) heading = goal.area_near(point).middle_m() - point;
+  if (heading.squaredNorm() > 0) person.heading = heading.normalized();
+}
+
 /// Finds a free place in the group's spawn area; `id` names the person asked for, placed or not.
+/// A place without a way to the goal is taken if there is no other: its people are told of, not
+/// left out.
 bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64_t id,
                 const std::vector<Person>& people, const Places& places, Person& person) {
   const Stop& goal = ways.route(person.group).front();
   uint32_t dart = 0;
+  bool has_poor_place = false;
   for (const double gap_m : kGaps_m) {
     for (uint32_t attempt = 0; attempt < kDarts; ++attempt, ++dart) {
       const RandomKey key{scene.seed, id, dart, Purpose::kSpawnPosition};
@@ -78,16 +89,46 @@ bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64
           random_uniform(key, group.spawn.min_m.x(), group.spawn.max_m.x(), 0),
           random_uniform(key, group.spawn.min_m.y(), group.spawn.max_m.y(), 1));
       if (!places.is_free(point, person.radius_m, gap_m, people)) continue;
-      if (ways.walkable().clearance_m(point) < person.radius_m || !goal.field->reaches(point))
-        continue;
-      person.position_m = point;
-      Eigen::Vector2d heading = goal.field->direction(point);
-      if (heading.squaredNorm() == 0) heading = 0.5 * (goal.area.min_m + goal.area.max_m) - point;
-      if (heading.squaredNorm() > 0) person.heading = heading.normalized();
-      return true;
+      if (ways.walkable().clearance_m(point) < person.radius_m) continue;
+      const bool is_good = goal.field->reaches(point);
+      if (!is_good && has_poor_place) continue;
+      stand_at(point, goal, person);
+      if (is_good) return true;
+      has_poor_place = true;
     }
   }
-  return false;
+  return has_poor_place;
+}
+
+Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
+  const Group& group = scene.groups[group_index];
+  Person person;
+  person.group = static_cast<uint32_t>(group_index);
+  person.height_m = draw(group.height_m, scene.seed, id, Purpose::kHeight);
+  person.free_speed_mps = draw(group.speed_mps, scene.seed, id, Purpose::kFreeSpeed);
+  person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
+  person.radius_m = group.radius_m > 0 ? group.radius_m : disc_radius_m(person.height_m);
+  person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
+  return person;
+}
+
+/// Those of one source, with the times at which they come.
+void list_source(const Scene& scene, const Ways& ways, size_t group, const Source& source,
+                 uint32_t entrance, uint64_t first_id, std::vector<Person>& people) {
+  double time_s = source.start_s;
+  for (int i = 0; i < source.count; ++i) {
+    const uint64_t id = first_id + static_cast<uint64_t>(i);
+    Person person = person_of(scene, group, id);
+    // Gaps of a Poisson process are exponential; 1 - u is above 0.
+    const double gap = source.random
+                           ? -std::log1p(-random_uniform({scene.seed, id, 0, Purpose::kEmission}))
+                           : (i == 0 ? 0.0 : 1.0);
+    time_s += gap / source.rate_per_s;
+    person.enters_s = time_s;
+    person.entrance = entrance;
+    stand_at(source.area.middle_m(), ways.route(group).front(), person);
+    people.push_back(person);
+  }
 }
 
 }  // namespace
@@ -110,27 +151,26 @@ Spawned spawn(const Scene& scene, const Ways& ways) {
   Spawned out;
   Places places(scene.ground);
   uint64_t id = 0;
+  uint32_t entrance = 0;
   for (size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     int placed = 0;
     for (int i = 0; i < group.count; ++i, ++id) {
-      Person person;
-      person.group = static_cast<uint32_t>(g);
-      person.height_m = draw(group.height_m, scene.seed, id, Purpose::kHeight);
-      person.free_speed_mps = draw(group.speed_mps, scene.seed, id, Purpose::kFreeSpeed);
-      person.radius_m = group.radius_m > 0 ? group.radius_m : disc_radius_m(person.height_m);
-      person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
+      Person person = person_of(scene, g, id);
       if (!find_place(scene, group, ways, id, out.people, places, person)) continue;
-      places.add(person.position_m);
+      places.add(person.position_m, out.people.size());
       out.people.push_back(person);
       ++placed;
     }
+    for (const Source& source : group.sources) {
+      list_source(scene, ways, g, source, entrance++, id, out.people);
+      id += static_cast<uint64_t>(source.count);
+    }
     out.unplaced.push_back(group.count - placed);
     if (placed < group.count)
-      out.notes.push_back(fmt::format(
-          "group '{}': placed {} of {} people; its spawn area holds no more, or no way leads from "
-          "it to the goal",
-          group.name, placed, group.count));
+      out.notes.push_back(
+          fmt::format("group '{}': placed {} of {} people; its spawn area holds no more",
+                      group.name, placed, group.count));
   }
   return out;
 }

@@ -22,17 +22,25 @@ struct Person {
   double radius_m = 0;                                 ///< of the steering disc
   double height_m = 0;
   double free_speed_mps = 0;
-  double phase = 0;  ///< of the gait cycle, in [0, 1)
+  double phase = 0;    ///< of the gait cycle, in [0, 1)
+  double delay_s = 0;  ///< stands still for so long after entering
+  /// Index into Ways::entrances() of somebody who enters later, at enters_s or as soon as there is
+  /// room after that; until then the place is the middle of that area.
+  uint32_t entrance = kFromTheStart;
+  double enters_s = 0;
+
+  static constexpr uint32_t kFromTheStart = UINT32_MAX;
 };
 
 struct Spawned {
   std::vector<Person> people;  ///< group by group
-  std::vector<int> unplaced;   ///< by group
+  std::vector<int> unplaced;   ///< by group, of those who should stand there at the start
   std::vector<std::string> notes;
 };
 
 /// Throws darts (at first 0.3 m between discs, then closer, at last touching) until a place is free
-/// or patience ends.
+/// or patience ends. Who enters later is listed, not placed: of each group first those who stand
+/// there, then those of its sources, in the order they enter.
 Spawned spawn(const Scene& scene, const Ways& ways);
 
 /// A draw from a distribution: repeated until it lies inside.

@@ -14,8 +14,12 @@ namespace throng {
 
 /// A goal on a route.
 struct Stop {
-  Rectangle area;
+  Goal goal;
   const FlowField* field = nullptr;
+
+  bool contains(const Eigen::Vector2d& point) const { return goal.contains(point); }
+  /// The area of the goal that is nearest as the crow flies.
+  const Rectangle& area_near(const Eigen::Vector2d& point) const;
 };
 
 class Ways {
@@ -27,12 +31,19 @@ class Ways {
   const Walkable& walkable() const { return walkable_; }
   /// The goals of a group, in order; at least one.
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
+  OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
+  /// True if a way leads from a point to a stop, or would but for standing too near an obstacle.
+  bool leads(const Stop& stop, const Eigen::Vector2d& point) const;
+  /// Where people enter: group by group, in each group's order of sources.
+  const std::vector<Rectangle>& entrances() const { return entrances_; }
 
  private:
   Walkable walkable_;
   FlowGrid grid_;
   std::vector<std::unique_ptr<const FlowField>> fields_;
   std::vector<std::vector<Stop>> routes_;  ///< by group
+  std::vector<OnArrival> on_arrival_;      ///< by group
+  std::vector<Rectangle> entrances_;
 };
 
 }  // namespace throng

@@ -25,7 +25,7 @@ inline Group group(int count, const Rectangle& spawn, std::vector<Rectangle> goa
   Group out;
   out.count = count;
   out.spawn = spawn;
-  out.goals = std::move(goals);
+  out.goals.assign(goals.begin(), goals.end());
   return out;
 }
 
