@@ -16,3 +16,10 @@ pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET assimp)
 find_package(fcl REQUIRED)
 find_package(SQLite3 REQUIRED)  # trajectories
 find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
+# Navigation meshes. Debian's package has neither a CMake nor a pkg-config file.
+find_path(RECAST_INCLUDE_DIR Recast.h PATH_SUFFIXES recastnavigation REQUIRED)
+find_library(RECAST_LIBRARY Recast REQUIRED)
+find_library(DETOUR_LIBRARY Detour REQUIRED)
+add_library(recast_detour INTERFACE)
+target_include_directories(recast_detour SYSTEM INTERFACE ${RECAST_INCLUDE_DIR})
+target_link_libraries(recast_detour INTERFACE ${DETOUR_LIBRARY} ${RECAST_LIBRARY})

@@ -8,12 +8,16 @@
 namespace throng {
 namespace {
 
-/// Half a cell from a kerb is enough to walk round it; finer cells only cost memory.
-constexpr double kFinestCell_m = 0.25;
+/// Two cells fit between the margins of a doorway of 0.8 m; finer ones only cost memory.
+constexpr double kFinestCell_m = 0.2;
 /// A field of a million cells takes 12 MB and half a second to march.
 constexpr double kMaxCells = 1 << 20;
-/// The widest disc (0.22 m for 1.70 m, 2.0 m tall) and a hand's breadth.
-constexpr double kBodyMargin_m = 0.3;
+/// A centre passes this near to a wall, in a doorway.
+constexpr double kBodyMargin_m = 0.2;
+/// People would rather keep so far from walls: half the shoulders and a hand's breadth.
+constexpr double kComfort_m = 0.5;
+/// What a metre at a wall counts, in the open.
+constexpr double kSlowest = 2.5;
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// Neighbours in the order left, right, below, above; -1 where the grid ends.
@@ -31,12 +35,12 @@ Neighbours neighbours_of(const FlowGrid& grid, size_t cell) {
 }
 
 /// Distance from the nearer neighbour along each axis: the upwind scheme's quadratic.
-double eikonal(double x, double y, double cell_m) {
+double eikonal(double x, double y, double step_m) {
   const double low = std::min(x, y);
   const double high = std::max(x, y);
-  if (high - low >= cell_m) return low + cell_m;
+  if (high - low >= step_m) return low + step_m;
   const double gap = high - low;
-  return 0.5 * (low + high + std::sqrt(2 * cell_m * cell_m - gap * gap));
+  return 0.5 * (low + high + std::sqrt(2 * step_m * step_m - gap * gap));
 }
 
 }  // namespace
@@ -46,17 +50,20 @@ FlowGrid::FlowGrid(const Walkable& walkable) : origin_m_(walkable.ground().min_m
   cell_m_ = std::max(kFinestCell_m, std::sqrt(size.prod() / kMaxCells));
   columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
-  // A closed wall must stay closed: its blocked strip may not slip between two cell centres.
-  const double margin_m = std::max(kBodyMargin_m, 0.71 * cell_m_);
-  free_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
-  for (size_t cell = 0; cell < free_.size(); ++cell) {
+  const double margin = margin_m(cell_m_);
+  slowness_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  for (size_t cell = 0; cell < slowness_.size(); ++cell) {
     const Eigen::Vector2d centre = centre_m(cell);
     double clearance = Walkable::kReach_m;
     for (const uint32_t footprint : walkable.near(centre))
       clearance = std::min(clearance, walkable.nearest(footprint, centre).distance_m);
-    free_[cell] = clearance >= margin_m && walkable.ground().contains(centre);
+    const double tightness = std::clamp((kComfort_m - clearance) / kComfort_m, 0.0, 1.0);
+    if (clearance >= margin && walkable.ground().contains(centre))
+      slowness_[cell] = static_cast<float>(1 + (kSlowest - 1) * tightness);
   }
 }
+
+double FlowGrid::margin_m(double cell_m) { return std::max(kBodyMargin_m, 0.71 * cell_m); }
 
 Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
   const auto columns = static_cast<size_t>(columns_);
@@ -107,7 +114,8 @@ void FlowField::march(std::span<const Rectangle> areas) {
       const Neighbours around = neighbours_of(*grid_, static_cast<size_t>(next));
       const auto x = static_cast<double>(std::min(value(around.cell[0]), value(around.cell[1])));
       const auto y = static_cast<double>(std::min(value(around.cell[2]), value(around.cell[3])));
-      const auto found = static_cast<float>(eikonal(x, y, grid_->cell_m()));
+      const double step_m = grid_->cell_m() * grid_->slowness(static_cast<size_t>(next));
+      const auto found = static_cast<float>(eikonal(x, y, step_m));
       if (!(found < distance_m_[static_cast<size_t>(next)])) continue;
       distance_m_[static_cast<size_t>(next)] = found;
       queue.emplace(found, static_cast<size_t>(next));

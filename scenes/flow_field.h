@@ -17,33 +17,40 @@ class FlowGrid {
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  size_t cell_count() const { return free_.size(); }
+  size_t cell_count() const { return slowness_.size(); }
   double cell_m() const { return cell_m_; }
-  bool is_free(size_t cell) const { return free_[cell] != 0; }
+  bool is_free(size_t cell) const { return slowness_[cell] > 0; }
+  /// How much longer a metre counts here than in the open: people keep off walls if they can. 0
+  /// where nobody passes.
+  double slowness(size_t cell) const { return static_cast<double>(slowness_[cell]); }
   Eigen::Vector2d centre_m(size_t cell) const;
   size_t cell_at(const Eigen::Vector2d& point) const;
   const Eigen::Vector2d& origin_m() const { return origin_m_; }
+
+  /// How far from a footprint a person's centre may pass, on cells of this size: half the hips, or
+  /// so far that no wall slips between two cell centres.
+  static double margin_m(double cell_m);
 
  private:
   Eigen::Vector2d origin_m_;
   double cell_m_ = 0;
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<uint8_t> free_;
+  std::vector<float> slowness_;
 };
 
 class FlowField {
  public:
-  /// Solves |grad distance| = 1 from the areas of a goal by fast marching (Sethian 1996): each
-  /// point leads to the area with the shortest way. Keeps a reference to `grid`.
+  /// Solves |grad distance| = slowness from the areas of a goal by fast marching (Sethian 1996):
+  /// each point leads to the area with the shortest way. Keeps a reference to `grid`.
   FlowField(const FlowGrid& grid, std::span<const Rectangle> areas);
   FlowField(const FlowGrid& grid, const Rectangle& area)
       : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
 
   /// Unit direction to walk, blended between cells; zero at the goal and where no way leads to it.
   Eigen::Vector2d direction(const Eigen::Vector2d& point) const;
-  /// Walking distance to the goal from the point's cell; infinite if there is no way, or if the
-  /// cell is too near an obstacle.
+  /// Walking distance to the goal from the point's cell, slow metres counted longer; infinite if
+  /// there is no way, or if the cell is too near an obstacle.
   double distance_m(const Eigen::Vector2d& point) const;
   bool reaches(const Eigen::Vector2d& point) const;
 

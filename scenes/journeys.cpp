@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "scenes/crowd_tuning.h"
+#include "scenes/shapes.h"
 
 namespace throng {
 namespace {
@@ -16,6 +17,8 @@ constexpr double kStop_m = 0.25;
 /// Away from the rim, so that arriving means having entered; a narrow goal has only its middle.
 constexpr double kRim_m = 0.3;
 constexpr uint32_t kTries = 16;
+/// What is this near to the end of a way is what ends it.
+constexpr double kInTheWay_m = 1;
 
 }  // namespace
 
@@ -125,19 +128,34 @@ std::vector<Stranding> Journeys::strandings(std::span<const Eigen::Vector2d> pos
     auto known = all.begin();
     while (known != all.end() && (known->group != groups_[id] || known->stop != stops_[id]))
       ++known;
-    if (known == all.end())
-      known = all.insert(all.end(), {groups_[id], stops_[id], 0, positions_m[id]});
+    if (known == all.end()) {
+      const Path path = ways_.nav_mesh().path(positions_m[id], stop(id).goal.areas);
+      const Eigen::Vector2d end = path.corners_m.empty() ? positions_m[id] : path.corners_m.back();
+      known = all.insert(all.end(), {groups_[id], stops_[id], 0, positions_m[id], end});
+    }
     ++known->people;
   }
   return all;
 }
 
 std::string describe(const Stranding& stranding, const Scene& scene) {
+  std::string obstacle;
+  double nearest_m = kInTheWay_m;
+  for (const Obstacle& each : scene.obstacles) {
+    if (!blocks_people(each)) continue;
+    const Walkable alone(scene.ground, {footprint_of(each)});
+    const double away_m = alone.nearest(0, stranding.end_m).distance_m;
+    if (away_m >= nearest_m) continue;
+    nearest_m = away_m;
+    obstacle = fmt::format(" at '{}'", each.name);
+  }
   return fmt::format(
-      "group '{}': {} cannot reach goal {} from ({:.1f}, {:.1f}) m: no way leads there",
+      "group '{}': {} cannot reach goal {} from ({:.1f}, {:.1f}) m; the way ends at ({:.1f}, "
+      "{:.1f}) m{}",
       scene.groups[stranding.group].name,
       stranding.people == 1 ? "1 person" : fmt::format("{} people", stranding.people),
-      stranding.stop + 1, stranding.place_m.x(), stranding.place_m.y());
+      stranding.stop + 1, stranding.place_m.x(), stranding.place_m.y(), stranding.end_m.x(),
+      stranding.end_m.y(), obstacle);
 }
 
 }  // namespace throng

@@ -30,6 +30,7 @@ struct Stranding {
   uint32_t stop = 0;  ///< index into the route
   int people = 0;
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< where one of them stands
+  Eigen::Vector2d end_m = Eigen::Vector2d::Zero();    ///< as near as that one could get
 };
 
 class Journeys {
@@ -58,7 +59,7 @@ class Journeys {
   /// Goals reached so far.
   uint32_t visits(uint32_t id) const { return visits_[id]; }
 
-  /// Everybody who is stranded now, by group and stop.
+  /// Everybody who is stranded now, by group and stop. One caller at a time.
   std::vector<Stranding> strandings(std::span<const Eigen::Vector2d> positions_m) const;
 
  private:
@@ -80,7 +81,7 @@ class Journeys {
   std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
 };
 
-/// A line for the user: who cannot reach what from where.
+/// A line for the user: who cannot reach what from where, and what is in the way.
 std::string describe(const Stranding& stranding, const Scene& scene);
 
 }  // namespace throng

@@ -38,6 +38,13 @@ Walkable::Walkable(const Rectangle& ground,
   build_cells();
 }
 
+std::vector<std::vector<Eigen::Vector2d>> Walkable::footprints() const {
+  std::vector<std::vector<Eigen::Vector2d>> all(edge_starts_.size() - 1);
+  for (uint32_t f = 0; f < all.size(); ++f)
+    for (const Edge& edge : edges_of(f)) all[f].push_back(edge.start);
+  return all;
+}
+
 std::span<const Walkable::Edge> Walkable::edges_of(uint32_t footprint) const {
   return {edges_.data() + edge_starts_[footprint], edges_.data() + edge_starts_[footprint + 1]};
 }

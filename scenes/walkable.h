@@ -31,6 +31,8 @@ class Walkable {
   };
 
   const Rectangle& ground() const { return ground_; }
+  /// Corners of every footprint.
+  std::vector<std::vector<Eigen::Vector2d>> footprints() const;
   /// Indices of all footprints within kReach_m of the point, perhaps some others; ascending.
   std::span<const uint32_t> near(const Eigen::Vector2d& point) const;
   Nearest nearest(uint32_t footprint, const Eigen::Vector2d& point) const;

@@ -1,5 +1,8 @@
-// What people need to know of a scene to find their way: walls, and a flow field for every goal.
-// One rule: immutable after construction, shared by spawning and steering.
+// What people need to know of a scene to find their way: walls, a navigation mesh, and a flow field
+// for every goal. A field answers everybody who has the goal, from anywhere and pushed anywhere, in
+// a few nanoseconds; the mesh answers what a field cannot: which pieces of ground are connected,
+// and along which corners a single way leads. One rule: immutable after construction, shared by
+// spawning and steering.
 #pragma once
 
 #include <memory>
@@ -7,6 +10,7 @@
 
 #include "base/workers.h"
 #include "scenes/flow_field.h"
+#include "scenes/nav_mesh.h"
 #include "scenes/scene.h"
 #include "scenes/walkable.h"
 
@@ -16,6 +20,7 @@ namespace throng {
 struct Stop {
   Goal goal;
   const FlowField* field = nullptr;
+  std::vector<int> pieces;  ///< of the navigation mesh, that the goal lies on
 
   bool contains(const Eigen::Vector2d& point) const { return goal.contains(point); }
   /// The area of the goal that is nearest as the crow flies.
@@ -32,7 +37,9 @@ class Ways {
   /// The goals of a group, in order; at least one.
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
+  const NavMesh& nav_mesh() const { return *nav_mesh_; }
   /// True if a way leads from a point to a stop, or would but for standing too near an obstacle.
+  /// Any thread may ask.
   bool leads(const Stop& stop, const Eigen::Vector2d& point) const;
   /// Where people enter: group by group, in each group's order of sources.
   const std::vector<Rectangle>& entrances() const { return entrances_; }
@@ -40,6 +47,7 @@ class Ways {
  private:
   Walkable walkable_;
   FlowGrid grid_;
+  std::unique_ptr<const NavMesh> nav_mesh_;
   std::vector<std::unique_ptr<const FlowField>> fields_;
   std::vector<std::vector<Stop>> routes_;  ///< by group
   std::vector<OnArrival> on_arrival_;      ///< by group
