@@ -44,15 +44,14 @@ void BroadPhase::run(const BodiesView& bodies, const PoseSource& source, Slots& 
 
   block_count_ = searcher_.block_count() + 1;
   if (blocks_.size() < block_count_) blocks_.resize(block_count_);
-  search_small(slots);
-  counters_.test_ns = watch.lap_ns();
   if (large_count_ > 0) {
     for (size_t i = 0; i < large_count_; ++i) slots.need(small_count_ + i);
     slots.pose_needed(source);
     watch.lap_ns();  // posing has its own counter
   }
+  search_small(slots);
   search_large(slots);
-  counters_.test_ns += watch.lap_ns();
+  counters_.test_ns = watch.lap_ns();
   for (size_t i = 0; i < block_count_; ++i) {
     counters_.tests += blocks_[i].tests;
     counters_.passed += blocks_[i].count;
@@ -143,20 +142,45 @@ void BroadPhase::search_large(Slots& slots) {
   widest_m_ = 0;
   for (size_t i = 0; i < small_count_; ++i) widest_m_ = std::max(widest_m_, radius_[small_[i]]);
   for (size_t slot = small_count_; slot < slots.count(); ++slot) {
-    const float* box = slots.box_of(slot);
-    const Eigen::Vector3f root = (slots[slot].root() - origin_m_).cast<float>();
-    const Eigen::Vector3f low = root + Eigen::Vector3f(box[0], box[1], box[2]);
-    const Eigen::Vector3f high = root + Eigen::Vector3f(box[4], box[5], box[6]);
-    // Rounding of the three sums; the crowd's radii hold their own.
-    const Eigen::Vector3f slack = Eigen::Vector3f::Constant(
-        0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()));
-    meet_crowd(slot, low - slack, high + slack, slots, block);
+    Eigen::Vector3f low, high;
+    box_of(slot, slots, low, high);
+    meet_crowd(slot, low, high, slots, block);
     for (size_t other = slot + 1; other < slots.count(); ++other) {
       if (slots.is_static(slot) && slots.is_static(other)) continue;
       ++block.tests;
       add(block, slot, other, slots);  // both boxes are known: the next stage decides at once
     }
   }
+}
+
+/// The box of a posed body, as the spheres are placed.
+void BroadPhase::box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low,
+                        Eigen::Vector3f& high) const {
+  const float* box = slots.box_of(slot);
+  const Eigen::Vector3f root = (slots[slot].root() - origin_m_).cast<float>();
+  low = root + Eigen::Vector3f(box[0], box[1], box[2]);
+  high = root + Eigen::Vector3f(box[4], box[5], box[6]);
+  // Rounding of the three sums; the crowd's radii hold their own.
+  const Eigen::Vector3f slack =
+      Eigen::Vector3f::Constant(0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()));
+  low -= slack;
+  high += slack;
+}
+
+float BroadPhase::depth_m(const SlotPair& pair, const Slots& slots) const {
+  const uint32_t a = slots[pair.a].body, b = slots[pair.b].body;
+  const Eigen::Vector3f centre_a(x_[a], y_[a], z_[a]), centre_b(x_[b], y_[b], z_[b]);
+  const bool large_a = pair.a >= small_count_, large_b = pair.b >= small_count_;
+  if (!large_a && !large_b) return radius_[a] + radius_[b] - (centre_a - centre_b).norm();
+  Eigen::Vector3f low, high;
+  box_of(large_a ? pair.a : pair.b, slots, low, high);
+  if (large_a && large_b) {
+    Eigen::Vector3f other_low, other_high;
+    box_of(pair.b, slots, other_low, other_high);
+    return (high.cwiseMin(other_high) - low.cwiseMax(other_low)).minCoeff();
+  }
+  const Eigen::Vector3f& centre = large_a ? centre_b : centre_a;
+  return radius_[large_a ? b : a] - (centre - centre.cwiseMax(low).cwiseMin(high)).norm();
 }
 
 /// The box of a large body against the spheres around it.

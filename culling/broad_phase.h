@@ -30,6 +30,10 @@ class BroadPhase {
     return {blocks_[i].pairs.data(), blocks_[i].count};
   }
 
+  /// How deep two bodies of a listed pair overlap by what listed them: their spheres, or a large
+  /// body's box. Not negative beyond rounding.
+  float depth_m(const SlotPair& pair, const Slots& slots) const;
+
   const StageCounters& counters() const { return counters_; }
   uint32_t times_grown() const;
 
@@ -44,6 +48,7 @@ class BroadPhase {
   void split_by_size(const BodiesView& bodies);
   void search_small(Slots& slots);
   void search_large(Slots& slots);
+  void box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low, Eigen::Vector3f& high) const;
   void meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                   Slots& slots, Block& block);
   void add(Block& block, size_t a, size_t b, Slots& slots);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <numeric>
 #include <utility>
 
 #include "base/errors.h"
 #include "culling/broad_phase.h"
+#include "culling/deadline.h"
 #include "culling/fitted.h"
 #include "culling/part_stage.h"
 #include "culling/slots.h"
@@ -26,7 +28,10 @@ struct Culler::State {
         Workers& pool);
 
   void plan_tasks();
+  PartStageFrame part_stage_frame();
   void refine();
+  void refine_by_urgency(std::chrono::steady_clock::time_point start, const BodiesView& bodies,
+                         const PoseSource& poses);
   void sort_keys(size_t bodies);
   void take_events(const BodiesView& bodies);
   void hash_events();
@@ -58,6 +63,7 @@ struct Culler::State {
   GrowBuffer<uint32_t> start_of_body;
   size_t sorted_count = 0;
   PairEvents events;
+  std::unique_ptr<Deadline> deadline;  // null without one
   CullingCounters counters;
   uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
   uint64_t frame = 0;
@@ -83,6 +89,8 @@ Culler::State::State(std::vector<std::shared_ptr<const BodyType>> body_types,
     while (shape_type.size() < std::min(shapes, size_t{kMaxBucketShapes}))
       shape_type.push_back(static_cast<uint16_t>(type));
   }
+  if (options.deadline_ms || options.deadline_tests)
+    deadline = std::make_unique<Deadline>(options, workers);
 }
 
 /// Groups the blocks of the broad phase into tasks of about kPairsPerTask pairs.
@@ -102,13 +110,17 @@ void Culler::State::plan_tasks() {
   }
 }
 
+PartStageFrame Culler::State::part_stage_frame() {
+  const BoxFrame boxes{slots.boxes(), type_parts.data(), type_first_shape.data(),
+                       static_cast<uint32_t>(shape_type.size())};
+  return {types, shape_type, type_first_shape,    slots.data(), slots.poses(),
+          boxes, &kernels,   options.part_volume, options.exact};
+}
+
 void Culler::State::refine() {
   plan_tasks();
   for (PartStage& stage : stages) stage.clear_counters();
-  const BoxFrame boxes{slots.boxes(), type_parts.data(), type_first_shape.data(),
-                       static_cast<uint32_t>(shape_type.size())};
-  const PartStageFrame shared{types, shape_type, type_first_shape,    slots.data(), slots.poses(),
-                              boxes, &kernels,   options.part_volume, options.exact};
+  const PartStageFrame shared = part_stage_frame();
   workers.for_blocks(static_cast<int>(task_count), [&](int index, int worker) {
     Task& task = tasks[static_cast<size_t>(index)];
     PartStage& stage = stages[static_cast<size_t>(worker)];
@@ -119,6 +131,18 @@ void Culler::State::refine() {
   });
   for (PartStage& stage : stages)
     for (const PartStage& other : stages) stage.reserve_like(other);
+}
+
+/// The narrow phase under a deadline: poses, refines and takes events by itself.
+void Culler::State::refine_by_urgency(std::chrono::steady_clock::time_point start,
+                                      const BodiesView& bodies, const PoseSource& poses) {
+  deadline->refine(start, bodies, poses, broad, slots, part_stage_frame());
+  sum_counters();
+  Stopwatch watch;
+  deadline->take_events(bodies, events);
+  hash_events();
+  counters.events_ns = watch.lap_ns();
+  counters.levels = deadline->reported();
 }
 
 /// Keys by body a with a counting sort, then each body's few by comparison.
@@ -155,10 +179,12 @@ void Culler::State::take_events(const BodiesView& bodies) {
 
 void Culler::State::hash_events() {
   const auto mix = [this](uint64_t word) { hash = (hash ^ word) * 0x100000001b3ull; };
-  for (const PairEvent& event : events.events()) {
+  const std::span<const PairEvent> all = events.events();
+  for (const PairEvent& event : all) {
     mix(frame);
     mix(event.pair.bits());
     mix(static_cast<uint64_t>(event.kind));
+    if (deadline) mix(deadline->event_levels()[static_cast<size_t>(&event - all.data())]);
   }
   ++frame;
 }
@@ -166,6 +192,7 @@ void Culler::State::hash_events() {
 void Culler::State::sum_counters() {
   PartStageCounters parts;
   for (const PartStage& stage : stages) parts.add(stage.counters());
+  if (deadline) parts = deadline->counters();
   const Slots::Counters posed = slots.counters();
   counters.avatar = broad.counters();
   counters.body_box = parts.body_box;
@@ -191,6 +218,7 @@ uint64_t Culler::State::times_grown() const {
                  start_of_body.times_grown() + events.times_grown();
   for (const PartStage& stage : stages) sum += stage.times_grown();
   for (const Task& task : tasks) sum += task.keys.times_grown();
+  if (deadline) sum += deadline->times_grown();
   return sum;
 }
 
@@ -208,26 +236,43 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
          bodies.ids.end());
   assert(bodies.ids.empty() || bodies.ids.back() <= PairKey::kMaxId);
   const uint64_t grown_before = s.times_grown();
+  const auto start = std::chrono::steady_clock::now();
   Stopwatch whole, stage;
   s.broad.run(bodies, poses, s.slots);
-  s.slots.pose_needed(poses);
-  s.refine();
-  s.sum_counters();
-  stage.lap_ns();
-  s.sort_keys(bodies.ids.size());
-  s.take_events(bodies);
-  s.counters.events_ns = stage.lap_ns();
+  if (s.deadline != nullptr) {
+    s.refine_by_urgency(start, bodies, poses);
+  } else {
+    s.slots.pose_needed(poses);
+    s.refine();
+    s.sum_counters();
+    stage.lap_ns();
+    s.sort_keys(bodies.ids.size());
+    s.take_events(bodies);
+    s.counters.events_ns = stage.lap_ns();
+    s.counters.levels = {};
+    s.counters.levels[static_cast<size_t>(s.options.exact ? PairLevel::kExact : PairLevel::kPart)] =
+        s.sorted_count;
+  }
   s.counters.wall_ns = whole.lap_ns();
   s.counters.allocations_grown = s.times_grown() - grown_before;
 }
 
 void Culler::finish() {
-  state_->events.advance({});
+  if (state_->deadline)
+    state_->deadline->finish(state_->events);
+  else
+    state_->events.advance({});
   state_->hash_events();
 }
 
 std::span<const PairKey> Culler::pairs() const { return state_->events.touching(); }
 std::span<const PairEvent> Culler::events() const { return state_->events.events(); }
+std::span<const uint8_t> Culler::levels() const {
+  return state_->deadline ? state_->deadline->levels() : std::span<const uint8_t>();
+}
+std::span<const uint8_t> Culler::event_levels() const {
+  return state_->deadline ? state_->deadline->event_levels() : std::span<const uint8_t>();
+}
 uint64_t Culler::persisting() const { return state_->events.persisting(); }
 const CullingCounters& Culler::counters() const { return state_->counters; }
 uint64_t Culler::hash() const { return state_->hash; }

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "base/workers.h"
 #include "culling/body_type.h"
 #include "culling/pair_events.h"
+#include "culling/pair_level.h"
 #include "culling/volume_kind.h"
 
 namespace throng {
@@ -43,6 +46,10 @@ struct CullerOptions {
   bool exact = false;  ///< decide the surviving pairs by their triangles
   PairSearch pair_search = PairSearch::kGrid;
   SimdTarget simd = SimdTarget::kBest;
+  /// A frame's budget after the pair search: when it is up, what is not refined is reported at the
+  /// level it reached. Both may be given.
+  std::optional<double> deadline_ms{};       ///< of a whole pass, by the clock: not repeatable
+  std::optional<uint64_t> deadline_tests{};  ///< of boxes, part volumes and triangles together
 };
 
 /// One stage's N and time: the paper's N_u, C_u, N_v, C_v (N_p, C_p for triangles).
@@ -62,6 +69,7 @@ struct CullingCounters {
   StageCounters part;      ///< the part volume over surviving parts
   StageCounters exact;     ///< triangles
   uint64_t primitive_tests = 0;  ///< boxes and triangles inside the exact stage: the paper's N_p
+  std::array<uint64_t, kPairLevels> levels{};  ///< pairs reported at each PairLevel
   uint64_t posed_bodies = 0;
   double pose_ns = 0;  ///< time inside PoseSource, summed over threads
   double events_ns = 0;
@@ -84,9 +92,13 @@ class Culler {
 
   std::span<const PairKey> pairs() const;
   std::span<const PairEvent> events() const;
+  /// PairLevel of each of pairs(), and of each of events() (an end: at which it was last reported).
+  /// Empty without a deadline: everything is decided.
+  std::span<const uint8_t> levels() const;
+  std::span<const uint8_t> event_levels() const;
   uint64_t persisting() const;
   const CullingCounters& counters() const;
-  /// Runs over (frame, kind, pair) of every event so far.
+  /// Runs over (frame, kind, pair), with a deadline also the level, of every event so far.
   uint64_t hash() const;
 
  private:

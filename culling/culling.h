@@ -4,4 +4,5 @@
 #include "culling/body_type.h"
 #include "culling/culler.h"
 #include "culling/pair_events.h"
+#include "culling/pair_level.h"
 #include "culling/volume_kind.h"

@@ -98,10 +98,34 @@ void PartStageCounters::add(const PartStageCounters& other) {
   primitive_tests += other.primitive_tests;
 }
 
+uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair) {
+  return uint64_t{frame.boxes.type_parts[pair.type_a]} * frame.boxes.type_parts[pair.type_b];
+}
+
 void PartStage::finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, size_t& count) {
-  Stopwatch watch;
   find_candidates(frame);
-  counters_.box.test_ns += watch.lap_ns();
+  test_parts(frame);
+  if (frame.exact) decide_by_triangles(frame, candidate_count_);
+  count = 0;
+  keys.resize(candidate_count_ + 1);  // one more: a key is written before it is known to count
+  for (size_t i = 0; i < candidate_count_; ++i) {
+    keys[count] = key_of(candidates_[i]);
+    count += overlaps_[i];
+  }
+}
+
+PairKey PartStage::key_of(const Candidate& candidate) const {
+  const BodyPair& pair = pairs_[candidate.pair];
+  return {pair.body_a, pair.body_b, candidate.part_a, candidate.part_b};
+}
+
+void PartStage::keep_pairs(const PartStageFrame& frame, size_t count) {
+  for (size_t i = count; i < pair_count_; ++i) counters_.box.tests -= box_tests(frame, pairs_[i]);
+  pair_count_ = count;
+}
+
+void PartStage::test_parts(const PartStageFrame& frame) {
+  Stopwatch watch;
   overlaps_.resize(candidate_count_);
   switch (frame.volume) {
     case VolumeKind::kOrdop14:
@@ -120,18 +144,6 @@ void PartStage::finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, s
   counters_.part.passed +=
       static_cast<uint64_t>(std::count(overlaps_.data(), overlaps_.data() + candidate_count_, 1));
   counters_.part.test_ns += watch.lap_ns();
-  if (frame.exact) {
-    decide_by_triangles(frame);
-    counters_.exact.test_ns += watch.lap_ns();
-  }
-  count = 0;
-  keys.resize(candidate_count_ + 1);  // one more: a key is written before it is known to count
-  for (size_t i = 0; i < candidate_count_; ++i) {
-    const Candidate& c = candidates_[i];
-    const BodyPair& pair = pairs_[c.pair];
-    keys[count] = PairKey(pair.body_a, pair.body_b, c.part_a, c.part_b);
-    count += overlaps_[i];
-  }
 }
 
 void PartStage::add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
@@ -167,6 +179,7 @@ void PartStage::add(const PartStageFrame& frame, std::span<const SlotPair> pairs
 }
 
 void PartStage::find_candidates(const PartStageFrame& frame) {
+  Stopwatch watch;
   candidate_count_ = 0;
   constexpr size_t kWorstPair = size_t{BodyType::kMaxParts} * BodyType::kMaxParts;
   size_t next = 0;
@@ -180,6 +193,7 @@ void PartStage::find_candidates(const PartStageFrame& frame) {
       candidates_.grow(2 * candidates_.capacity() + kWorstPair, candidate_count_);
   }
   counters_.box.passed += candidate_count_;
+  counters_.box.test_ns += watch.lap_ns();
 }
 
 void PartStage::sort_into_buckets(const PartStageFrame& frame) {
@@ -229,19 +243,26 @@ void PartStage::test_others(const PartStageFrame& frame) {
   counters_.part.updates += 2 * candidate_count_;
 }
 
-void PartStage::decide_by_triangles(const PartStageFrame& frame) {
+size_t PartStage::decide_by_triangles(const PartStageFrame& frame, uint64_t most) {
+  Stopwatch watch;
   ExactCounters primitive;
-  for (size_t i = 0; i < candidate_count_; ++i) {
+  uint64_t tests = 0;
+  size_t i = 0;
+  for (; i < candidate_count_; ++i) {
     if (!overlaps_[i]) continue;
+    if (tests == most) break;
+    ++tests;
     const Candidate& c = candidates_[i];
     const PartPair p = part_pair(frame, pairs_[c.pair], c);
     overlaps_[i] =
         solids_touch(p.a.volumes->surfaces[p.a.part], *p.a.pose, p.a.scale,
                      p.b.volumes->surfaces[p.b.part], *p.b.pose, p.b.scale, p.a_to_b_m, primitive);
-    ++counters_.exact.tests;
     counters_.exact.passed += overlaps_[i];
   }
+  counters_.exact.tests += tests;
   counters_.primitive_tests += primitive.node_tests + primitive.triangle_tests;
+  counters_.exact.test_ns += watch.lap_ns();
+  return i;
 }
 
 void PartStage::reserve_like(const PartStage& other) {

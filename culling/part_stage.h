@@ -38,6 +38,9 @@ struct PartStageCounters {
   void add(const PartStageCounters& other);
 };
 
+/// Tests that the part boxes of two bodies take.
+uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair);
+
 /// The scratch of one worker.
 class PartStage {
  public:
@@ -47,6 +50,23 @@ class PartStage {
   void add(const PartStageFrame& frame, std::span<const SlotPair> pairs);
   void finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, size_t& count);
 
+  /// finish() step by step, for who may have to stop in between: find_candidates(), test_parts(),
+  /// then, where asked, decide_by_triangles().
+  void find_candidates(const PartStageFrame& frame);
+  void test_parts(const PartStageFrame& frame);
+  /// Decides the first `most` candidates that overlap; returns how many candidates are decided.
+  size_t decide_by_triangles(const PartStageFrame& frame, uint64_t most);
+
+  /// Pairs of bodies whose boxes overlap, and pairs of parts whose boxes do, in the order of add().
+  std::span<const BodyPair> pairs() const { return {pairs_.data(), pair_count_}; }
+  std::span<const Candidate> candidates() const { return {candidates_.data(), candidate_count_}; }
+  /// One a candidate, after test_parts().
+  std::span<const uint8_t> overlaps() const { return {overlaps_.data(), candidate_count_}; }
+  PairKey key_of(const Candidate& candidate) const;
+  /// Forgets all but the first: what comes next is done for those only.
+  void keep_pairs(const PartStageFrame& frame, size_t count);
+  void keep_candidates(size_t count) { candidate_count_ = count; }
+
   const PartStageCounters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
   /// Makes room for what another worker's task needed: any worker may get that task next time.
@@ -54,12 +74,10 @@ class PartStage {
   uint32_t times_grown() const;
 
  private:
-  void find_candidates(const PartStageFrame& frame);
   using OrdopKernel = Kernels::OrdopPairs Kernels::*;
   void test_ordops(const PartStageFrame& frame, OrdopKernel kernel);
   void sort_into_buckets(const PartStageFrame& frame);
   void test_others(const PartStageFrame& frame);
-  void decide_by_triangles(const PartStageFrame& frame);
 
   GrowBuffer<BodyPair> pairs_;
   GrowBuffer<Candidate> candidates_;

@@ -31,6 +31,7 @@ void Slots::begin_frame(size_t count) {
   needed_.resize(count);
   std::fill_n(needed_.data(), count, uint8_t{0});
   for (auto& list : to_pose_) list.resize(count);
+  std::fill(to_pose_count_.begin(), to_pose_count_.end(), size_t{0});
   pose_count_ = box_units_ = 0;
   std::fill(by_worker_.begin(), by_worker_.end(), Counters{});
 }
@@ -52,14 +53,15 @@ void Slots::need(size_t slot) {
   std::atomic_ref(needed_[slot]).store(1, std::memory_order_relaxed);
 }
 
-/// Rows for every body to pose, type by type, so that a batch is contiguous.
+void Slots::plan(size_t slot) {
+  if (!needed_[slot] || slots_[slot].pose != kNotPosed) return;
+  needed_[slot] = 0;  // it is planned; a list may name it twice
+  const size_t type = slots_[slot].type;
+  to_pose_[type][to_pose_count_[type]++] = static_cast<uint32_t>(slot);
+}
+
+/// Rows for every planned body, type by type, so that a batch is contiguous.
 void Slots::plan_rows() {
-  std::fill(to_pose_count_.begin(), to_pose_count_.end(), size_t{0});
-  for (size_t slot = 0; slot < count_; ++slot) {
-    if (!needed_[slot] || slots_[slot].pose != kNotPosed) continue;
-    const size_t type = slots_[slot].type;
-    to_pose_[type][to_pose_count_[type]++] = static_cast<uint32_t>(slot);
-  }
   const size_t poses_before = pose_count_, units_before = box_units_;
   for (size_t type = 0; type < types_.size(); ++type) {
     const size_t parts = static_cast<size_t>(types_[type]->part_count());
@@ -76,6 +78,16 @@ void Slots::plan_rows() {
 }
 
 void Slots::pose_needed(const PoseSource& source) {
+  for (size_t slot = 0; slot < count_; ++slot) plan(slot);
+  pose_planned(source);
+}
+
+void Slots::pose_needed_of(std::span<const uint32_t> slots, const PoseSource& source) {
+  for (const uint32_t slot : slots) plan(slot);
+  pose_planned(source);
+}
+
+void Slots::pose_planned(const PoseSource& source) {
   plan_rows();
   constexpr size_t kBatch = PoseSource::kMaxBatch;
   for (size_t type = 0; type < types_.size(); ++type) {
@@ -85,6 +97,7 @@ void Slots::pose_needed(const PoseSource& source) {
           const size_t first = static_cast<size_t>(block) * kBatch;
           pose_batch(list.subspan(first, std::min(kBatch, list.size() - first)), source, worker);
         });
+    to_pose_count_[type] = 0;
   }
 }
 

@@ -49,6 +49,8 @@ class Slots {
   void need(size_t slot);
   /// Poses every needed slot that has no pose yet and makes its boxes.
   void pose_needed(const PoseSource& source);
+  /// The same for those among `slots`, which may hold one twice.
+  void pose_needed_of(std::span<const uint32_t> slots, const PoseSource& source);
 
   const PartPose* poses() const { return poses_.data(); }
   const float* boxes() const { return boxes_.data(); }
@@ -64,6 +66,8 @@ class Slots {
   uint32_t times_grown() const;
 
  private:
+  void plan(size_t slot);
+  void pose_planned(const PoseSource& source);
   void plan_rows();
   void pose_batch(std::span<const uint32_t> slots, const PoseSource& source, int worker);
 

@@ -132,4 +132,34 @@ class RandomWorld : public PoseSource {
   std::vector<PartPose> all_poses;
 };
 
+/// Some bodies leave, some come back: the views of a world with a changing set of bodies.
+struct Subset {
+  Subset(const RandomWorld& world, uint64_t seed) : world_(world) {
+    for (size_t i = 0; i < world.ids.size(); ++i) {
+      if (random_uniform({.seed = seed, .id = i}) < 0.3) continue;
+      index.push_back(static_cast<uint32_t>(i));
+      ids.push_back(world.ids[i]);
+      types.push_back(world.type_of[i]);
+      scales.push_back(world.scales[i]);
+      roots.push_back(world.roots[i]);
+    }
+  }
+  struct Source : PoseSource {
+    explicit Source(const Subset& s) : subset(s) {}
+    void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override {
+      std::vector<uint32_t> mapped;
+      for (const uint32_t body : bodies) mapped.push_back(subset.index[body]);
+      subset.world_.poses(mapped, out);
+    }
+    const Subset& subset;
+  };
+  BodiesView view() const { return {ids, types, scales, roots}; }
+
+  const RandomWorld& world_;
+  std::vector<uint32_t> index, ids;
+  std::vector<uint16_t> types;
+  std::vector<float> scales;
+  std::vector<RootPose> roots;
+};
+
 }  // namespace throng::testing

@@ -9,28 +9,36 @@
 namespace throng {
 namespace {
 
+void expect_none(const std::vector<testing::RandomWorld>& frames, const CullerOptions& options,
+                 int threads) {
+  Workers workers(threads);
+  // The frames differ in poses only, so one set of types serves them all.
+  Culler culler(frames[0].types, options, workers);
+  for (int warm_up = 0; warm_up < 2; ++warm_up)
+    for (const auto& frame : frames) culler.step(frame.view(), frame);
+  EXPECT_GT(testing::allocations_so_far(), 0u);
+  const size_t before = testing::allocations_so_far();
+  uint64_t grown = 0;
+  for (const auto& frame : frames) {
+    culler.step(frame.view(), frame);
+    grown += culler.counters().allocations_grown;
+  }
+  EXPECT_EQ(testing::allocations_so_far() - before, 0u)
+      << "search " << static_cast<int>(options.pair_search) << ", " << threads << " threads, "
+      << (options.deadline_tests ? "with" : "without") << " a deadline";
+  EXPECT_EQ(grown, 0u);
+}
+
 TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
   std::vector<testing::RandomWorld> frames;
   for (uint64_t seed = 1; seed <= 5; ++seed)
     frames.emplace_back(seed, 400, 6, Eigen::Vector3d::Zero());
   for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute}) {
     for (const int threads : {1, 3}) {
-      const bool exact = search == PairSearch::kGrid;
-      Workers workers(threads);
-      // The frames differ in poses only, so one set of types serves them all.
-      Culler culler(frames[0].types, {.exact = exact, .pair_search = search}, workers);
-      for (int warm_up = 0; warm_up < 2; ++warm_up)
-        for (const auto& frame : frames) culler.step(frame.view(), frame);
-      EXPECT_GT(testing::allocations_so_far(), 0u);
-      const size_t before = testing::allocations_so_far();
-      uint64_t grown = 0;
-      for (const auto& frame : frames) {
-        culler.step(frame.view(), frame);
-        grown += culler.counters().allocations_grown;
-      }
-      EXPECT_EQ(testing::allocations_so_far() - before, 0u)
-          << "search " << static_cast<int>(search) << ", " << threads << " threads";
-      EXPECT_EQ(grown, 0u);
+      CullerOptions options{.exact = search == PairSearch::kGrid, .pair_search = search};
+      expect_none(frames, options, threads);
+      options.deadline_tests = 100'000;
+      expect_none(frames, options, threads);
     }
   }
 }

@@ -7,49 +7,21 @@
 #include <set>
 
 #include "culling/culling.h"
-#include "culling/triangle_bvh.h"
 #include "tests/culling/random_world.h"
+#include "tests/culling/truth.h"
 
 namespace throng {
 namespace {
 
 using testing::RandomWorld;
+using testing::Subset;
+using testing::touching_by_brute_force;
 
 std::vector<PairKey> pairs_of(const RandomWorld& world, const CullerOptions& options, int threads) {
   Workers workers(threads);
   Culler culler(world.types, options, workers);
   culler.step(world.view(), world);
   return {culler.pairs().begin(), culler.pairs().end()};
-}
-
-/// Every pair of parts of different bodies whose solids touch, by trying them all.
-std::vector<PairKey> touching_by_brute_force(const RandomWorld& world) {
-  std::vector<std::vector<TriangleBvh>> surfaces;
-  for (const auto& type : world.types) {
-    surfaces.emplace_back();
-    for (const PartShape& part : type->parts())
-      surfaces.back().emplace_back(part.points, part.triangles);
-  }
-  std::vector<PairKey> out;
-  ExactCounters counters;
-  for (size_t a = 0; a < world.ids.size(); ++a) {
-    for (size_t b = a + 1; b < world.ids.size(); ++b) {
-      if (world.types[world.type_of[a]]->is_static() && world.types[world.type_of[b]]->is_static())
-        continue;
-      const Eigen::Vector3f shift =
-          (world.roots[b].position_m - world.roots[a].position_m).cast<float>();
-      if (shift.norm() > 20) continue;  // farther than the largest two bodies reach
-      const auto& surfaces_a = surfaces[world.type_of[a]];
-      const auto& surfaces_b = surfaces[world.type_of[b]];
-      for (size_t pa = 0; pa < surfaces_a.size(); ++pa)
-        for (size_t pb = 0; pb < surfaces_b.size(); ++pb)
-          if (solids_touch(surfaces_a[pa], world.pose(a, pa), world.scales[a], surfaces_b[pb],
-                           world.pose(b, pb), world.scales[b], shift, counters))
-            out.emplace_back(world.ids[a], world.ids[b], static_cast<uint32_t>(pa),
-                             static_cast<uint32_t>(pb));
-    }
-  }
-  return out;
 }
 
 struct Place {
@@ -131,36 +103,6 @@ TEST(Culler, NeverTestsStaticBodiesAgainstEachOther) {
   for (const PairKey& pair : pairs_of(world, {}, 1))
     EXPECT_FALSE(is_static[pair.a()] && is_static[pair.b()]);
 }
-
-/// Some bodies leave, some come back: the views of a world with a changing set of bodies.
-struct Subset {
-  Subset(const RandomWorld& world, uint64_t seed) : world_(world) {
-    for (size_t i = 0; i < world.ids.size(); ++i) {
-      if (random_uniform({.seed = seed, .id = i}) < 0.3) continue;
-      index.push_back(static_cast<uint32_t>(i));
-      ids.push_back(world.ids[i]);
-      types.push_back(world.type_of[i]);
-      scales.push_back(world.scales[i]);
-      roots.push_back(world.roots[i]);
-    }
-  }
-  struct Source : PoseSource {
-    explicit Source(const Subset& s) : subset(s) {}
-    void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override {
-      std::vector<uint32_t> mapped;
-      for (const uint32_t body : bodies) mapped.push_back(subset.index[body]);
-      subset.world_.poses(mapped, out);
-    }
-    const Subset& subset;
-  };
-  BodiesView view() const { return {ids, types, scales, roots}; }
-
-  const RandomWorld& world_;
-  std::vector<uint32_t> index, ids;
-  std::vector<uint16_t> types;
-  std::vector<float> scales;
-  std::vector<RootPose> roots;
-};
 
 TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
   const RandomWorld world(31, 200, 4, Eigen::Vector3d::Zero());
