@@ -33,6 +33,10 @@ int check(const CheckOptions& options) {
              report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
   fmt::print("  events     {} begin, {} end, {} open\n", report.begins, report.ends,
              report.open_pairs);
+  const auto& levels = report.begins_by_level;
+  if (levels[0] + levels[1] > 0 || (levels[2] > 0 && levels[3] > 0))
+    fmt::print("  levels     begun by spheres {}, boxes {}, part volumes {}, triangles {}\n",
+               levels[0], levels[1], levels[2], levels[3]);
   fmt::print("  frames     {}, {:.2f} s\n", report.last_frame + 1,
              static_cast<double>(report.last_utime_us) * 1e-6);
   for (const std::string& problem : report.problems) fmt::print("  problem    {}\n", problem);

@@ -29,11 +29,13 @@ Examples:
   throng run plaza
   throng run plaza --avatars 5000 --seconds 2 --json result.json
   throng run corridor --exact --lcm off --log corridor.lcmlog
+  throng run plaza --avatars 20000 --seconds 1 --deadline-ms 5 --log off
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
 
-The events depend on the scene, --avatars, --seed, --part-volume and --exact; never on --threads, --simd
-or --pair-search. Ctrl-C ends the run with its summary and a sound log.)";
+The events depend on the scene, --avatars, --seed, --part-volume, --exact and the deadlines; never on
+--threads, --simd or --pair-search. Under a deadline pairs that touched in the last frame are refined
+first, then those whose spheres overlap deepest; the rest is reported as far as it came. Ctrl-C ends the run with its summary and a sound log.)";
 
 struct RunOptions {
   std::string scene;
@@ -43,6 +45,8 @@ struct RunOptions {
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::string part_volume;
   bool exact = false;
+  std::optional<double> deadline_ms;
+  std::optional<uint64_t> deadline_tests;
   std::string simd = "best";
   std::string pair_search = "grid";
   std::string lcm{kDefaultLcmUrl};
@@ -93,6 +97,13 @@ void add_options(CLI::App& app, RunOptions& options) {
       ->check(name_option(volume_names()))
       ->type_name("VOLUME");
   app.add_flag("--exact", options.exact, "Triangles decide what touches");
+  app.add_option("--deadline-ms", options.deadline_ms, "Time for culling a frame, by the clock")
+      ->check(number_option(0, 1e6, false, "a number of milliseconds from 0"))
+      ->type_name("D");
+  app.add_option("--deadline-tests", options.deadline_tests,
+                 "Tests of boxes, part volumes and triangles a frame")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
   app.add_option("--simd", options.simd, "best, scalar, sse4, avx2 or avx512")
       ->check(name_option(simd_names()))
       ->type_name("TARGET");
@@ -111,6 +122,8 @@ SimulationOptions simulation_options(const RunOptions& options) {
   SimulationOptions out;
   out.threads = options.threads;
   out.simd = resolved(simd_target_of(options.simd).value());
+  out.deadline_ms = options.deadline_ms;
+  out.deadline_tests = options.deadline_tests;
   for (const auto& [name, search] : kPairSearches)
     if (options.pair_search == name) out.pair_search = search;
   return out;
@@ -179,6 +192,8 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
   report.step_s = scene.step_s;
   report.threads = options.threads;
   report.simd = name_of(simulated.simd);
+  report.deadline_ms = options.deadline_ms;
+  report.deadline_tests = options.deadline_tests;
   report.summary = summary;
   report.lcm.url = "off";
   if (listeners.lcm != nullptr)

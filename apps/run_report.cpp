@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -80,6 +81,36 @@ int stranded(const RunSummary& summary) {
   return people;
 }
 
+/// What the levels of pairs are called.
+constexpr std::array<const char*, kPairLevels> kLevels = {"sphere", "box", "part_volume", "exact"};
+
+Json deadline_json(const RunReport& report) {
+  Json json;
+  if (report.deadline_ms) json["ms"] = *report.deadline_ms;
+  if (report.deadline_tests) json["tests"] = *report.deadline_tests;
+  json["frames_cut"] = report.summary.frames_cut;
+  for (size_t level = 0; level < kPairLevels; ++level)
+    json["pairs"][kLevels[level]] = report.summary.totals.levels[level];
+  return json;
+}
+
+std::string deadline_text(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  std::string text = "at most ";
+  if (report.deadline_ms) text += fmt::format("{} ms", *report.deadline_ms);
+  if (report.deadline_ms && report.deadline_tests) text += " and ";
+  if (report.deadline_tests) text += fmt::format("{} tests", *report.deadline_tests);
+  text += fmt::format(" a frame: {} of {} frames cut; pairs reported by", summary.frames_cut,
+                      summary.frames);
+  const std::array<std::string_view, kPairLevels> by = {"spheres", "boxes",
+                                                        summary.totals.part.volume, "triangles"};
+  for (size_t level = 0; level < kPairLevels; ++level)
+    if (summary.totals.levels[level] > 0)
+      text += fmt::format(" {} {},", by[level], summary.totals.levels[level]);
+  if (text.back() == ',') text.pop_back();
+  return text;
+}
+
 Json to_json(const RunReport& report) {
   const RunSummary& summary = report.summary;
   Json json;
@@ -116,6 +147,7 @@ Json to_json(const RunReport& report) {
   json["events"] = {
       {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
   json["pairs_peak"] = summary.pairs_peak;
+  if (report.deadline_ms || report.deadline_tests) json["deadline"] = deadline_json(report);
   json["hash"] = hash_text(summary.hash);
   json["run_id"] = hash_text(summary.run_id);
   json["lcm"] = {{"url", report.lcm.url},
@@ -170,6 +202,7 @@ std::string format_table(const RunReport& report) {
                                traffic.to_come));
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
                              summary.begins, summary.persists, summary.ends, summary.pairs_peak));
+  if (report.deadline_ms || report.deadline_tests) line("deadline", deadline_text(report));
   line("log", report.log == "off" ? "off"
                                   : fmt::format("{}, {}", report.log,
                                                 megabytes(static_cast<double>(report.log_bytes))));

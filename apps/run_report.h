@@ -18,6 +18,8 @@ struct RunReport {
   double step_s = 0;
   int threads = 1;
   std::string simd;
+  std::optional<double> deadline_ms;
+  std::optional<uint64_t> deadline_tests;
   RunSummary summary;
 
   struct Lcm {

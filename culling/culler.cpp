@@ -250,7 +250,8 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
     s.take_events(bodies);
     s.counters.events_ns = stage.lap_ns();
     s.counters.levels = {};
-    s.counters.levels[static_cast<size_t>(s.options.exact ? PairLevel::kExact : PairLevel::kPart)] =
+    s.counters
+        .levels[static_cast<size_t>(s.options.exact ? PairLevel::kExact : PairLevel::kPartVolume)] =
         s.sorted_count;
   }
   s.counters.wall_ns = whole.lap_ns();

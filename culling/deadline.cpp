@@ -67,7 +67,8 @@ void Deadline::refine(Clock::time_point start, const BodiesView& bodies, const P
 
 /// Pairs that were decided to touch, not those that nobody had time for.
 void Deadline::find_touched() {
-  const auto last = static_cast<uint8_t>(options_.exact ? PairLevel::kExact : PairLevel::kPart);
+  const auto last =
+      static_cast<uint8_t>(options_.exact ? PairLevel::kExact : PairLevel::kPartVolume);
   touched_.resize(now_.count);
   touched_count_ = 0;
   for (size_t i = 0; i < now_.count; ++i)
@@ -192,11 +193,11 @@ void Deadline::cut_triangles(size_t tasks) {
 }
 
 void Deadline::report(const PartStage& stage, size_t decided) {
-  const PairLevel last = options_.exact ? PairLevel::kExact : PairLevel::kPart;
+  const PairLevel last = options_.exact ? PairLevel::kExact : PairLevel::kPartVolume;
   const auto candidates = stage.candidates();
   const auto overlaps = stage.overlaps();
   for (size_t i = 0; i < candidates.size(); ++i)
-    if (overlaps[i]) add(stage.key_of(candidates[i]), i < decided ? last : PairLevel::kPart);
+    if (overlaps[i]) add(stage.key_of(candidates[i]), i < decided ? last : PairLevel::kPartVolume);
 }
 
 /// By body a with a counting sort, then each body's few by comparison; then from body indices to

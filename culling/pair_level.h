@@ -7,12 +7,13 @@
 
 namespace throng {
 
-/// What the pair was last found to overlap by.
+/// What said last that the two may touch. Without a deadline every pair gets to the last stage
+/// there is.
 enum class PairLevel : uint8_t {
-  kSphere = 0,  ///< the spheres of the two bodies
-  kBox = 1,     ///< boxes: of the bodies in their poses, or of the parts
-  kPart = 2,    ///< the part volume
-  kExact = 3    ///< triangles
+  kSphere = 0,      ///< the spheres of the two bodies
+  kBox = 1,         ///< boxes: of the bodies in their poses, or of the parts
+  kPartVolume = 2,  ///< the part volume
+  kExact = 3        ///< triangles
 };
 inline constexpr size_t kPairLevels = 4;
 

@@ -109,9 +109,16 @@ class Judge {
   }
 
   void pair_up(const LogEvent& event) {
-    for (const PairEvent& e : reader_.new_events()) {
+    for (size_t i = 0; i < reader_.new_events().size(); ++i) {
+      const PairEvent& e = reader_.new_events()[i];
+      const PairLevel level = reader_.new_event_levels()[i];
       const bool is_begin = e.kind == EventKind::kBegin;
       ++(is_begin ? report_.begins : report_.ends);
+      if (is_begin) ++report_.begins_by_level[static_cast<size_t>(level)];
+      const bool whole = e.pair.part_a() == kWholeBody;
+      if (whole ? level > PairLevel::kBox : level == PairLevel::kSphere)
+        problem(fmt::format("byte {}: pair {}:{} - {}:{} at level {}", event.offset, e.pair.a(),
+                            e.pair.part_a(), e.pair.b(), e.pair.part_b(), static_cast<int>(level)));
       const bool fits = is_begin ? open_.insert(e.pair).second : open_.erase(e.pair) == 1;
       if (fits) continue;
       problem(fmt::format("byte {}: pair {}:{} - {}:{} {}", event.offset, e.pair.a(),

@@ -35,6 +35,7 @@ struct LogReport {
 
   int64_t begins = 0;
   int64_t ends = 0;
+  std::array<int64_t, kPairLevels> begins_by_level{};
   int64_t open_pairs = 0;  ///< begun and not ended when the log stops
   int64_t last_frame = -1;
   int64_t last_utime_us = 0;

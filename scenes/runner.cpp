@@ -91,6 +91,7 @@ void add_counters(CullingCounters& total, const CullingCounters& frame) {
   add_stage(total.part, frame.part);
   add_stage(total.exact, frame.exact);
   total.primitive_tests += frame.primitive_tests;
+  for (size_t level = 0; level < kPairLevels; ++level) total.levels[level] += frame.levels[level];
   total.posed_bodies += frame.posed_bodies;
   total.pose_ns += frame.pose_ns;
   total.events_ns += frame.events_ns;
@@ -98,8 +99,12 @@ void add_counters(CullingCounters& total, const CullingCounters& frame) {
   total.allocations_grown += frame.allocations_grown;
 }
 
-void add_frame(RunSummary& summary, const Frame& frame, const SteeringCounters& steering) {
+void add_frame(RunSummary& summary, const Frame& frame, bool exact,
+               const SteeringCounters& steering) {
   summary.persists += frame.persisting;
+  const auto last = static_cast<uint8_t>(exact ? PairLevel::kExact : PairLevel::kPartVolume);
+  const auto undecided = [last](uint8_t level) { return level < last; };
+  summary.frames_cut += std::any_of(frame.levels.begin(), frame.levels.end(), undecided);
   summary.pairs_peak = std::max(summary.pairs_peak, uint64_t{frame.pairs.size()});
   summary.deepest_overlap_m = std::max(summary.deepest_overlap_m, steering.deepest_overlap_m);
   summary.queuing_peak = std::max(summary.queuing_peak, steering.queuing);
@@ -151,7 +156,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
     times.publish_ns = nanoseconds_since(publish_start);
     times.frame_ns = nanoseconds_since(frame_start);
     measurements.add(times, *frame.counters);
-    add_frame(summary, frame, simulation.steering());
+    add_frame(summary, frame, info.exact, simulation.steering());
     ++summary.frames;
     summary.stopped_early = keep_going && !keep_going(frame) && summary.frames < frames;
   }

@@ -51,6 +51,7 @@ struct RunSummary {
   uint64_t persists = 0;
   uint64_t ends = 0;  ///< those of the last moment included
   uint64_t pairs_peak = 0;
+  int64_t frames_cut = 0;  ///< in which a deadline left pairs undecided
   uint64_t hash = 0;
   uint64_t run_id = 0;
 

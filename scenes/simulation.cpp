@@ -188,6 +188,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   culling.exact = scene.exact;
   culling.pair_search = options.pair_search;
   culling.simd = options.simd;
+  culling.deadline_ms = options.deadline_ms;
+  culling.deadline_tests = options.deadline_tests;
   culler = std::make_unique<Culler>(std::move(types), culling, workers);
 }
 
@@ -235,7 +237,11 @@ void Simulation::State::describe_run() {
   const auto count = static_cast<ptrdiff_t>(avatars);
   info.scene = &scene;
   // Threads, SIMD, pair search and outputs stay out: they change no frame.
-  info.run_id = Hasher().add("throng run 1").add(scene.content_hash).value();
+  Hasher name;
+  name.add("throng run 1").add(scene.content_hash);
+  if (options.deadline_ms) name.add("deadline, ms").add(*options.deadline_ms);
+  if (options.deadline_tests) name.add("deadline, tests").add(*options.deadline_tests);
+  info.run_id = name.value();
   info.instance = random_instance();
   info.step_s = scene.step_s;
   info.models = models;
@@ -364,6 +370,8 @@ void Simulation::State::fill_frame() {
   frame.pairs = culler->pairs();
   frame.events = culler->events();
   if (crowd.traffic().is_open()) frame.present = crowd.traffic().present();
+  frame.levels = culler->levels();
+  frame.event_levels = culler->event_levels();
   frame.persisting = culler->persisting();
   frame.counters = &culler->counters();
   frame.times = &times;
@@ -417,6 +425,7 @@ RunEnd Simulation::finish() {
   end.frames = s.frames;
   end.utime_us = s.frame.utime_us;
   end.events = s.culler->events();
+  end.event_levels = s.culler->event_levels();
   end.begins = s.begins;
   end.ends = s.ends;
   end.hash = s.culler->hash();

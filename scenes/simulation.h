@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct SimulationOptions {
   int threads = 1;
   PairSearch pair_search = PairSearch::kGrid;
   SimdTarget simd = SimdTarget::kBest;
+  /// A frame's budget; see CullerOptions. Both change the events: the clock's not repeatably.
+  std::optional<double> deadline_ms{};
+  std::optional<uint64_t> deadline_tests{};
   /// Fill Frame::postures. Off, only avatars in a surviving pair get joint angles at all: a run
   /// that nobody draws or logs does not pay for the rest. Never changes the events.
   bool postures = true;

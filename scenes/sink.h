@@ -35,13 +35,6 @@ struct RunInfo {
   uint32_t obstacle_id(int i) const { return static_cast<uint32_t>(avatar_count() + i); }
 };
 
-/// How far a pair was refined: what said last that the two may touch. Without a deadline every pair
-/// gets to the last stage there is.
-enum class PairLevel : uint8_t { kSphere = 0, kBox = 1, kPartVolume = 2, kExact = 3 };
-
-/// The part of both sides of a pair of bodies that was not refined to parts.
-inline constexpr uint32_t kWholeBody = 255;
-
 /// Wall-clock medians and sums of one frame's stages, nanoseconds.
 struct FrameTimes {
   double steering_ns = 0;

@@ -95,7 +95,7 @@ TEST(Deadline, LeavesNothingUndecidedWhenThereIsTimeForAll) {
           CullerOptions{.exact = exact, .deadline_ms = 1e6, .deadline_tests = 1u << 30}}) {
       const Answer found = one_frame(world, options, 2);
       EXPECT_TRUE(found.pairs == plain.pairs);
-      const auto last = static_cast<uint8_t>(exact ? PairLevel::kExact : PairLevel::kPart);
+      const auto last = static_cast<uint8_t>(exact ? PairLevel::kExact : PairLevel::kPartVolume);
       EXPECT_EQ(found.levels, std::vector<uint8_t>(found.pairs.size(), last));
       EXPECT_EQ(tests_of(found.counters), tests_of(plain.counters));
       EXPECT_EQ(found.counters.levels, plain.counters.levels);
@@ -215,7 +215,7 @@ TEST(Deadline, RefinesTheDeepestOverlapsFirst) {
     double shallowest_decided = 1e9, deepest_left = -1e9;
     for (size_t i = 0; i < found.pairs.size(); ++i) {
       const double depth = world.depth_m(found.pairs[i]);
-      if (found.levels[i] == static_cast<uint8_t>(PairLevel::kPart))
+      if (found.levels[i] == static_cast<uint8_t>(PairLevel::kPartVolume))
         shallowest_decided = std::min(shallowest_decided, depth);
       if (found.levels[i] == static_cast<uint8_t>(PairLevel::kSphere))
         deepest_left = std::max(deepest_left, depth);
@@ -240,7 +240,7 @@ TEST(Deadline, RefinesWhatTouchedBeforeFirst) {
       const size_t before = decided.size();
       decided.clear();
       for (size_t i = 0; i < culler.pairs().size(); ++i)
-        if (culler.levels()[i] == static_cast<uint8_t>(PairLevel::kPart))
+        if (culler.levels()[i] == static_cast<uint8_t>(PairLevel::kPartVolume))
           decided.push_back(culler.pairs()[i]);
       EXPECT_GE(decided.size(), before) << "frame " << frame;
       EXPECT_GT(decided.size(), 0u);
