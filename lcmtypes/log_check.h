@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "culling/pair_level.h"
 #include "lcmtypes/channels.h"
 
 namespace throng {
