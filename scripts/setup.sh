@@ -11,7 +11,9 @@ packages=(
   # scenes, speed, command line, pictures
   libyaml-cpp-dev libtbb-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev
   # trajectories: the file format, and polygons of the walkable area
-  libsqlite3-dev libboost-dev librecast-dev
+  libsqlite3-dev libboost-dev
+  # navigation meshes
+  librecast-dev
   # figures of `throng paper --out`
   gnuplot-nox
   # messages; iproute2 tells whether multicast has a route
