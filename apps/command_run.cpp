@@ -33,9 +33,10 @@ Examples:
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
 
-The events depend on the scene, --avatars, --seed, --part-volume, --exact and the deadlines; never on
---threads, --simd or --pair-search. Under a deadline pairs that touched in the last frame are refined
-first, then those whose spheres overlap deepest; the rest is reported as far as it came. Ctrl-C ends the run with its summary and a sound log.)";
+The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact and the
+deadlines; never on --threads, --simd or --pair-search. Under a deadline pairs that touched in the
+last frame are refined first, then those whose spheres overlap deepest; the rest is reported as far as
+it came. Ctrl-C ends the run with its summary and a sound log.)";
 
 struct RunOptions {
   std::string scene;
@@ -44,6 +45,7 @@ struct RunOptions {
   std::optional<uint64_t> seed;
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::string part_volume;
+  std::string steering;
   bool exact = false;
   std::optional<double> deadline_ms;
   std::optional<uint64_t> deadline_tests;
@@ -96,6 +98,9 @@ void add_options(CLI::App& app, RunOptions& options) {
   app.add_option("--part-volume", options.part_volume, "What encloses a body part")
       ->check(name_option(volume_names()))
       ->type_name("VOLUME");
+  app.add_option("--steering", options.steering, "orca or speed; instead of the scene's model")
+      ->check(name_option({"orca", "speed"}))
+      ->type_name("MODEL");
   app.add_flag("--exact", options.exact, "Triangles decide what touches");
   app.add_option("--deadline-ms", options.deadline_ms, "Time for culling a frame, by the clock")
       ->check(number_option(0, 1e6, false, "a number of milliseconds from 0"))
@@ -135,6 +140,7 @@ Scene scene_for(const RunOptions& options) {
   if (options.seed) scene.seed = *options.seed;
   if (!options.part_volume.empty()) scene.part_volume = volume_of(options.part_volume).value();
   if (options.exact) scene.exact = true;
+  if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
   if (options.avatars) {
     std::vector<std::string> notes;
     scale_to(scene, *options.avatars, notes);
@@ -194,6 +200,7 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
   report.simd = name_of(simulated.simd);
   report.deadline_ms = options.deadline_ms;
   report.deadline_tests = options.deadline_tests;
+  report.steering = scene.steering;
   report.summary = summary;
   report.lcm.url = "off";
   if (listeners.lcm != nullptr)

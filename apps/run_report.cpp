@@ -144,6 +144,14 @@ Json to_json(const RunReport& report) {
                     {"part_box", to_json(summary.totals.box)},
                     {"part", to_json(summary.totals.part)},
                     {"exact", to_json(summary.totals.exact)}};
+  json["steering"] = {
+      {"model", name_of(report.steering.model)},
+      {"density_speed", report.steering.density_speed},
+      {"longest_stall_s", summary.longest_stall_s},
+      {"deepest_overlap_m", summary.deepest_overlap_m},
+      {"mean_heading_rate_radps", summary.steering.mean_heading_rate_radps()},
+      {"sweeps",
+       {{"mean", summary.steering.mean_sweeps()}, {"max", summary.steering.most_sweeps}}}};
   json["events"] = {
       {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
   json["pairs_peak"] = summary.pairs_peak;
@@ -203,6 +211,13 @@ std::string format_table(const RunReport& report) {
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
                              summary.begins, summary.persists, summary.ends, summary.pairs_peak));
   if (report.deadline_ms || report.deadline_tests) line("deadline", deadline_text(report));
+  if (summary.steering.rounds > 0)
+    line("walking",
+         fmt::format("longest stall {:.1f} s, deepest overlap {:.1f} cm ({:.1f} sweeps, at most "
+                     "{}), headings turn {:.2f} rad/s",
+                     summary.longest_stall_s, 100 * summary.deepest_overlap_m,
+                     summary.steering.mean_sweeps(), summary.steering.most_sweeps,
+                     summary.steering.mean_heading_rate_radps()));
   line("log", report.log == "off" ? "off"
                                   : fmt::format("{}, {}", report.log,
                                                 megabytes(static_cast<double>(report.log_bytes))));

@@ -20,6 +20,7 @@ struct RunReport {
   std::string simd;
   std::optional<double> deadline_ms;
   std::optional<uint64_t> deadline_tests;
+  SteeringRule steering;
   RunSummary summary;
 
   struct Lcm {

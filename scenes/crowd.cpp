@@ -14,9 +14,10 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
     : ways_(ways),
       workers_(workers),
       options_(options),
+      model_(make_steering_model(options.steering.model, options.simd)),
       journeys_(ways, people, options.seed),
       traffic_(ways, people, options.seed),
-      grid_(ways.walkable().ground()) {
+      grid_(ways.walkable().ground(), people.size(), options.simd) {
   steps_a_decision_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
   period_s_ = steps_a_decision_ * options.step_s;
@@ -28,20 +29,28 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
     free_speeds_mps_.push_back(person.free_speed_mps);
     positions_m_.push_back(person.position_m);
     headings_.push_back(person.heading);
+    widest_m_ = std::max(widest_m_, static_cast<float>(person.radius_m));
+    fastest_mps_ = std::max(fastest_mps_, person.free_speed_mps);
   }
   const size_t count = people.size();
   velocities_mps_.assign(count, Eigen::Vector2d::Zero());
   smooth_velocities_mps_ = old_velocities_mps_ = next_velocities_mps_ = intents_mps_ =
       velocities_mps_;
-  anchors_m_ = expected_m_ = relaxed_m_ = positions_m_;
+  anchors_m_ = positions_m_;
   drifts_mps_.assign(count, Eigen::Vector2d::Zero());
   walked_m_.assign(count, 0);
   clearances_m_.assign(count, 0);
   anchor_steps_.assign(count, 0);
   queued_steps_.assign(count, 0);
   queuing_.assign(count, 0);
-  neighbours_.resize(count * kMaxNeighbours);
-  neighbour_counts_.assign(count, 0);
+  slots_.resize(count);
+  walls_.resize(static_cast<size_t>(workers.threads()));
+  for (Walls& walls : walls_) {
+    walls.x.reserve(kPeopleABlock * kMostWalls);
+    walls.y.reserve(kPeopleABlock * kMostWalls);
+    walls.clearance_m.reserve(kPeopleABlock * kMostWalls);
+    walls.starts.reserve(kPeopleABlock + 1);
+  }
   block_values_.resize(static_cast<size_t>(block_count(count)));
   grid_.rebuild(positions_m_, traffic_.present());
   for (uint32_t id = 0; id < count; ++id)
@@ -61,13 +70,29 @@ void Crowd::start_walking(uint32_t id, const Eigen::Vector2d& heading) {
   queued_steps_[id] = 0;
 }
 
+void Crowd::Slots::resize(size_t count) {
+  for (std::vector<float>* each :
+       {&vx_mps, &vy_mps, &radius_m, &wanted_x_mps, &wanted_y_mps, &max_speed_mps, &horizon_s,
+        &urge, &next_x_mps, &next_y_mps, &expected_x_m, &expected_y_m, &swept_x_m, &swept_y_m})
+    each->resize(count);
+  neighbours.resize(count * kMaxNeighbours);
+  neighbour_counts.resize(count);
+  close_counts.resize(count);
+}
+
 void Crowd::step() {
   if (size() == 0) return;
   if (steps_ % steps_a_decision_ == 0) decide();
-  for_people([this](uint32_t id) {
-    move(id);
-    turn(id);
+  const std::span<const double> turned = by_block([this](size_t begin, size_t end) {
+    double turned_rad = 0;
+    for (size_t slot = begin; slot < end; ++slot) {
+      move(grid_.order()[slot]);
+      turned_rad += turn(grid_.order()[slot]);
+    }
+    return turned_rad;
   });
+  for (const double each : turned) counters_.turned_rad += each;
+  counters_.walked_s += options_.step_s * static_cast<double>(grid_.order().size());
   ++steps_;
 }
 
@@ -88,22 +113,23 @@ void Crowd::move(uint32_t id) {
   positions_m_[id] = to;
 }
 
-void Crowd::turn(uint32_t id) {
+double Crowd::turn(uint32_t id) {
   Eigen::Vector2d& smooth = smooth_velocities_mps_[id];
   smooth += options_.step_s / (tuning::kTurnSmoothing_s + options_.step_s) *
             (velocities_mps_[id] - smooth);
   const double speed = smooth.norm();
-  if (speed < tuning::kTurnSpeed_mps) return;
+  if (speed < tuning::kTurnSpeed_mps) return 0;
   const Eigen::Vector2d to = smooth / speed;
   const Eigen::Vector2d from = headings_[id];
   if (from.dot(to) >= turn_cos_) {
     headings_[id] = to;
-    return;
+    return (to - from).norm();  // less than a thousandth below the angle
   }
   const double side = from.x() * to.y() - from.y() * to.x() >= 0 ? turn_sin_ : -turn_sin_;
   const Eigen::Vector2d turned(turn_cos_ * from.x() - side * from.y(),
                                side * from.x() + turn_cos_ * from.y());
   headings_[id] = turned.normalized();
+  return tuning::kMaxTurn_radps * options_.step_s;
 }
 
 }  // namespace throng

@@ -1,18 +1,19 @@
-// People who walk: ORCA ten times a second, smooth motion at every step in between.
+// People who walk: a steering model ten times a second, smooth motion at every step in between.
 // One rule: each pass reads the old state and writes the new, so that the same crowd walks the same
 // way for any number of threads.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "base/workers.h"
 #include "scenes/journeys.h"
 #include "scenes/neighbour_grid.h"
-#include "scenes/orca.h"
 #include "scenes/spawn.h"
+#include "scenes/steering.h"
 #include "scenes/traffic.h"
 #include "scenes/ways.h"
 
@@ -21,16 +22,30 @@ namespace throng {
 struct CrowdOptions {
   uint64_t seed = 1;
   double step_s = 1.0 / 60.0;
+  SteeringRule steering;
+  SimdTarget simd = SimdTarget::kBest;
 };
 
-/// What steering went through in its latest decision.
+/// What steering went through.
 struct SteeringCounters {
-  uint64_t decisions = 0;        ///< so far, of all people together
+  // In the latest decision.
   int sweeps = 0;                ///< of disc relaxation
   double deepest_overlap_m = 0;  ///< of two discs, where people stand now
   double longest_stall_s = 0;    ///< how long the most stuck walker has not moved kStall_m, the
                                  ///< time of queuing taken off
   uint64_t queuing = 0;          ///< people held up by others ahead who go the same way
+  // So far.
+  uint64_t rounds = 0;     ///< decisions of everybody
+  uint64_t decisions = 0;  ///< of all people together
+  uint64_t all_sweeps = 0;
+  int most_sweeps = 0;
+  double turned_rad = 0;  ///< of all headings, to either side
+  double walked_s = 0;    ///< of all people together
+
+  double mean_sweeps() const {
+    return rounds == 0 ? 0 : static_cast<double>(all_sweeps) / static_cast<double>(rounds);
+  }
+  double mean_heading_rate_radps() const { return walked_s > 0 ? turned_rad / walked_s : 0; }
 };
 
 class Crowd {
@@ -42,7 +57,10 @@ class Crowd {
   /// Advances by step_s. Allocates nothing.
   void step();
 
-  /// Everybody there may ever be; who is in the scene now says present().
+  /// One decision of everybody, without moving: what step() does ten times a second.
+  void decide();
+
+  /// Everybody there may ever be; who is in the scene now says traffic().present().
   size_t size() const { return positions_m_.size(); }
   const Journeys& journeys() const { return journeys_; }
   const Traffic& traffic() const { return traffic_; }
@@ -54,36 +72,63 @@ class Crowd {
   std::span<const double> walked_m() const { return walked_m_; }
   const SteeringCounters& counters() const { return counters_; }
 
-  static constexpr size_t kMaxNeighbours = 10;
+  static constexpr size_t kMaxNeighbours = NeighbourGrid::kMost;
   /// Whoever has moved less than this is making no progress.
   static constexpr double kStall_m = 0.3;
 
  private:
-  struct Plan;  // the planes of one person's decision
+  /// What a decision knows of a person, in the order of cells.
+  struct Slots {
+    std::vector<float> vx_mps, vy_mps, radius_m, wanted_x_mps, wanted_y_mps, max_speed_mps,
+        horizon_s, urge;
+    std::vector<float> next_x_mps, next_y_mps;
+    std::vector<uint32_t> neighbours;
+    std::vector<uint8_t> neighbour_counts;
+    std::vector<uint8_t> close_counts;  ///< of the neighbours, who may overlap; they come first
+    // Where people will stand after the period, from the middle of the ground; before and after a
+    // sweep.
+    std::vector<float> expected_x_m, expected_y_m, swept_x_m, swept_y_m;
+    void resize(size_t count);
+  };
+
+  /// The walls of one block, one a worker.
+  struct Walls {
+    std::vector<float> x, y, clearance_m;
+    std::vector<uint32_t> starts;
+  };
 
   template <typename Body>
-  void for_people(const Body& body);  // body(id), in blocks, neighbours in space together
+  void for_slots(const Body& body);  // body(begin, end, worker)
   template <typename Body>
-  double largest(const Body& body);  // of body(id) over all people
+  std::span<const double> by_block(const Body& body);  // body(begin, end) of all blocks
+  template <typename Body>
+  double largest(const Body& body);
 
-  void decide();
-  void decide_for(uint32_t id);
+  // Each for the people of a block.
+  double wish(size_t begin, size_t end);
+  void choose(size_t begin, size_t end, Walls& walls);
+  double find_close(size_t begin, size_t end);
+  double sweep(size_t begin, size_t end);
+  void set_drift(size_t begin, size_t end);
+
   void change_people();
   void start_walking(uint32_t id, const Eigen::Vector2d& heading);
-  bool is_queuing(uint32_t id) const;
+  bool is_queuing(size_t slot) const;
   Eigen::Vector2d wanted_mps(uint32_t id);
-  void add_walls(uint32_t id, Plan& plan);
-  void add_people(uint32_t id, Plan& plan) const;
+  void find_walls(uint32_t id, Walls& walls);
+  SteeringView view() const;
+  void limit_to_density(const SteeringView& people, size_t slot);
   void relax_discs();
-  double relax_disc(uint32_t id);
+  double relax_disc(size_t slot);
   void move(uint32_t id);
-  void turn(uint32_t id);
+  double turn(uint32_t id);  ///< by how much, in radians
   double stalled_s_of(uint32_t id) const;
-  void measure();
+  double watch_progress(size_t slot);
 
   const Ways& ways_;
   Workers& workers_;
   CrowdOptions options_;
+  std::unique_ptr<const SteeringModel> model_;
   int steps_a_decision_ = 6;
   double period_s_ = 0.1;
   double turn_cos_ = 1;  ///< the largest turn in a step
@@ -93,6 +138,8 @@ class Crowd {
   // What never changes, by person.
   std::vector<double> radii_m_;
   std::vector<double> free_speeds_mps_;
+  float widest_m_ = 0;      ///< of all radii
+  double fastest_mps_ = 0;  ///< of all free speeds
 
   // What moves, by person.
   std::vector<Eigen::Vector2d> positions_m_;
@@ -118,10 +165,8 @@ class Crowd {
   std::vector<uint8_t> queuing_;
 
   NeighbourGrid grid_;
-  std::vector<Neighbour> neighbours_;  ///< kMaxNeighbours a person
-  std::vector<uint32_t> neighbour_counts_;
-  std::vector<Eigen::Vector2d> expected_m_;  ///< where people will stand after the period
-  std::vector<Eigen::Vector2d> relaxed_m_;
+  Slots slots_;
+  std::vector<Walls> walls_;          ///< one a worker
   std::vector<double> block_values_;  ///< one a block, reduced in order
   SteeringCounters counters_;
 };

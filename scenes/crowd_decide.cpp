@@ -1,63 +1,39 @@
-// How people decide where to go next: goals, walls, others, and what is left of overlaps.
+// How people decide where to go next: who is near, walls, and the steering model's choice.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "base/random.h"
+#include "scenes/collision_free_speed.h"
 #include "scenes/crowd.h"
 #include "scenes/crowd_blocks.h"
 #include "scenes/crowd_tuning.h"
 
 namespace throng {
 
-/// Walls first, they are hard; then people.
-struct Crowd::Plan {
-  static constexpr size_t kMaxWalls = 24;
-  std::array<HalfPlane, kMaxWalls + kMaxNeighbours> planes;
-  size_t walls = 0;
-  size_t count = 0;
-
-  /// Keeps the tightest walls if there are more than room.
-  void add_wall(const HalfPlane& wall) {
-    if (walls < kMaxWalls) {
-      planes[walls++] = wall;
-      return;
-    }
-    const auto loosest =
-        std::min_element(planes.begin(), planes.begin() + kMaxWalls,
-                         [](const auto& a, const auto& b) { return a.offset_mps < b.offset_mps; });
-    if (loosest->offset_mps < wall.offset_mps) *loosest = wall;
-  }
-};
-
 void Crowd::decide() {
   change_people();
   grid_.rebuild(positions_m_, traffic_.present());
   old_velocities_mps_.swap(next_velocities_mps_);
-  for_people([this](uint32_t id) { decide_for(id); });
+  counters_.longest_stall_s =
+      largest([this](size_t begin, size_t end) { return wish(begin, end); });
+  counters_.queuing = 0;
+  for (const uint32_t id : grid_.order()) counters_.queuing += queuing_[id];
+  for_slots([this](size_t begin, size_t end, int worker) {
+    choose(begin, end, walls_[static_cast<size_t>(worker)]);
+  });
   relax_discs();
-  measure();
+  ++counters_.rounds;
   counters_.decisions += grid_.order().size();
-}
-
-void Crowd::decide_for(uint32_t id) {
-  const std::span<Neighbour> near(neighbours_.data() + id * kMaxNeighbours, kMaxNeighbours);
-  neighbour_counts_[id] = static_cast<uint32_t>(grid_.nearest(id, tuning::kReach_m, near));
-  Plan plan;
-  add_walls(id, plan);
-  plan.count = plan.walls;
-  add_people(id, plan);
-  next_velocities_mps_[id] =
-      choose_velocity({plan.planes.data(), plan.count}, static_cast<int>(plan.walls),
-                      wanted_mps(id), tuning::kHaste * free_speeds_mps_[id]);
-  expected_m_[id] =
-      positions_m_[id] + 0.5 * period_s_ * (old_velocities_mps_[id] + next_velocities_mps_[id]);
 }
 
 /// Goals are reached, and people come and go, before anybody looks around.
 void Crowd::change_people() {
   const double now_s = options_.step_s * static_cast<double>(steps_);
-  for_people([&](uint32_t id) { journeys_.follow(id, positions_m_[id], now_s); });
+  for_slots([&](size_t begin, size_t end, int) {
+    for (size_t slot = begin; slot < end; ++slot) {
+      const uint32_t id = grid_.order()[slot];
+      journeys_.follow(id, positions_m_[id], now_s);
+    }
+  });
   if (!traffic_.is_open()) return;
   traffic_.release(journeys_);
   traffic_.admit(now_s, journeys_, positions_m_);
@@ -67,35 +43,123 @@ void Crowd::change_people() {
   }
 }
 
-Eigen::Vector2d Crowd::wanted_mps(uint32_t id) {
-  Eigen::Vector2d direction = journeys_.direction(id, positions_m_[id]);
-  const double stalled_s = stalled_s_of(id);
-  if (stalled_s > tuning::kStuck_s) {
-    const auto second = static_cast<uint64_t>(std::floor(stalled_s));
-    const RandomKey key{options_.seed, id, static_cast<uint64_t>(anchor_steps_[id]) + second,
-                        Purpose::kSymmetryBreaking};
-    const double side = random_uniform(key, -tuning::kSidestep, tuning::kSidestep, 2);
-    direction += side * Eigen::Vector2d(-direction.y(), direction.x());
-    if (direction.squaredNorm() > 0) direction.normalize();
+/// Returns the longest stall.
+double Crowd::wish(size_t begin, size_t end) {
+  grid_.nearest(begin, end, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
+                slots_.neighbour_counts.data());
+  double longest_s = 0;
+  for (size_t slot = begin; slot < end; ++slot) {
+    const uint32_t id = grid_.order()[slot];
+    longest_s = std::max(longest_s, watch_progress(slot));
+    const Eigen::Vector2f wanted = wanted_mps(id).cast<float>();
+    Eigen::Vector2f velocity = old_velocities_mps_[id].cast<float>();
+    const double stalled_s = stalled_s_of(id);
+    const double stuck = std::clamp(
+        (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0);
+    const auto urge = static_cast<float>(stuck);
+    // Who is stuck shows where to, so that others can make way.
+    velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
+    slots_.vx_mps[slot] = velocity.x();
+    slots_.vy_mps[slot] = velocity.y();
+    slots_.radius_m[slot] = static_cast<float>(radii_m_[id]);
+    slots_.wanted_x_mps[slot] = wanted.x();
+    slots_.wanted_y_mps[slot] = wanted.y();
+    slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * free_speeds_mps_[id]);
+    slots_.horizon_s[slot] = static_cast<float>(
+        stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s : tuning::kHorizon_s);
+    slots_.urge[slot] = urge;
   }
-  const double share = period_s_ / (tuning::kRelaxation_s + period_s_);
-  intents_mps_[id] += share * (free_speeds_mps_[id] * direction - intents_mps_[id]);
-  const RandomKey key{options_.seed, id, static_cast<uint64_t>(steps_), Purpose::kSymmetryBreaking};
-  const double size = tuning::kPerturbation_mps;
-  return intents_mps_[id] +
-         Eigen::Vector2d(random_uniform(key, -size, size, 0), random_uniform(key, -size, size, 1));
+  return longest_s;
 }
 
-void Crowd::add_walls(uint32_t id, Plan& plan) {
+SteeringView Crowd::view() const {
+  SteeringView view;
+  view.x_m = grid_.x().data();
+  view.y_m = grid_.y().data();
+  view.vx_mps = slots_.vx_mps.data();
+  view.vy_mps = slots_.vy_mps.data();
+  view.radius_m = slots_.radius_m.data();
+  view.wanted_x_mps = slots_.wanted_x_mps.data();
+  view.wanted_y_mps = slots_.wanted_y_mps.data();
+  view.max_speed_mps = slots_.max_speed_mps.data();
+  view.horizon_s = slots_.horizon_s.data();
+  view.urge = slots_.urge.data();
+  view.neighbours = slots_.neighbours.data();
+  view.neighbour_counts = slots_.neighbour_counts.data();
+  view.period_s = static_cast<float>(period_s_);
+  view.wall_horizon_s = static_cast<float>(tuning::kWallHorizon_s);
+  return view;
+}
+
+void Crowd::choose(size_t begin, size_t end, Walls& walls) {
+  walls.x.clear();
+  walls.y.clear();
+  walls.clearance_m.clear();
+  walls.starts.assign(1, 0);
+  for (size_t slot = begin; slot < end; ++slot) {
+    find_walls(grid_.order()[slot], walls);
+    walls.starts.push_back(static_cast<uint32_t>(walls.x.size()));
+  }
+  SteeringView people = view();
+  people.wall_x = walls.x.data();
+  people.wall_y = walls.y.data();
+  people.wall_clearance_m = walls.clearance_m.data();
+  people.wall_starts = walls.starts.data();
+  people.first_slot = begin;
+  if (options_.steering.density_speed)
+    for (size_t slot = begin; slot < end; ++slot) limit_to_density(people, slot);
+  model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());
+  const float half_period_s = 0.5f * people.period_s;
+  for (size_t slot = begin; slot < end; ++slot) {
+    const uint32_t id = grid_.order()[slot];
+    const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
+    next_velocities_mps_[id] = {static_cast<double>(x), static_cast<double>(y)};
+    // Of who is stuck by what is shown: relaxation then makes room there.
+    slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (slots_.vx_mps[slot] + x);
+    slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (slots_.vy_mps[slot] + y);
+  }
+}
+
+/// Slows the wish, never the way out of another's path.
+void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
+  float& x = slots_.wanted_x_mps[slot];
+  float& y = slots_.wanted_y_mps[slot];
+  const float wanted = std::sqrt(x * x + y * y);
+  if (!(wanted > 0)) return;
+  const double free_mps = free_speeds_mps_[grid_.order()[slot]];
+  const float density = density_ahead(people, slot, x / wanted, y / wanted);
+  const float limit = static_cast<float>(free_mps) * weidmann_share(density);
+  if (wanted <= limit) return;
+  x *= limit / wanted;
+  y *= limit / wanted;
+}
+
+void Crowd::find_walls(uint32_t id, Walls& walls) {
   const Walkable& walkable = ways_.walkable();
   const Eigen::Vector2d& position = positions_m_[id];
   const double radius_m = radii_m_[id];
   const double reach_m = radius_m + tuning::kHaste * free_speeds_mps_[id] * tuning::kWallHorizon_s;
+  const size_t first = walls.x.size();
   double clearance_m = Walkable::kReach_m;
   const auto add = [&](const Eigen::Vector2d& normal, double distance_m) {
     clearance_m = std::min(clearance_m, distance_m);
-    if (distance_m < reach_m)
-      plan.add_wall(keep_off(normal, distance_m - radius_m, tuning::kWallHorizon_s));
+    if (distance_m >= reach_m) return;
+    const auto left_m = static_cast<float>(distance_m - radius_m);
+    size_t place = walls.x.size();
+    if (place - first == kMostWalls) {  // the nearest stay
+      place = static_cast<size_t>(
+          std::max_element(walls.clearance_m.begin() + static_cast<ptrdiff_t>(first),
+                           walls.clearance_m.end()) -
+          walls.clearance_m.begin());
+      if (walls.clearance_m[place] <= left_m) return;
+    } else {
+      walls.x.push_back(0);
+      walls.y.push_back(0);
+      walls.clearance_m.push_back(0);
+    }
+    walls.x[place] = static_cast<float>(normal.x());
+    walls.y[place] = static_cast<float>(normal.y());
+    walls.clearance_m[place] = left_m;
   };
   const Eigen::Vector2d low = position - walkable.ground().min_m;
   const Eigen::Vector2d high = walkable.ground().max_m - position;
@@ -110,112 +174,43 @@ void Crowd::add_walls(uint32_t id, Plan& plan) {
   clearances_m_[id] = clearance_m;
 }
 
-void Crowd::add_people(uint32_t id, Plan& plan) const {
-  const bool is_stuck = stalled_s_of(id) > tuning::kStuck_s;
-  const double horizon_s = is_stuck ? tuning::kStuckHorizon_s : tuning::kHorizon_s;
-  for (uint32_t k = 0; k < neighbour_counts_[id]; ++k) {
-    const uint32_t other = neighbours_[id * kMaxNeighbours + k].id;
-    Encounter encounter;
-    encounter.offset_m = positions_m_[other] - positions_m_[id];
-    // Two in one place part along x, each to its own side.
-    if (encounter.offset_m.squaredNorm() == 0) encounter.offset_m.x() = id < other ? 1e-6 : -1e-6;
-    encounter.own_velocity_mps = old_velocities_mps_[id];
-    encounter.other_velocity_mps = old_velocities_mps_[other];
-    encounter.radius_m = radii_m_[id] + radii_m_[other];
-    encounter.horizon_s = horizon_s;
-    encounter.step_s = period_s_;
-    plan.planes[plan.count++] = avoid(encounter);
-  }
+double Crowd::stalled_s_of(uint32_t id) const {
+  return options_.step_s * static_cast<double>(steps_ - anchor_steps_[id]);
 }
 
-void Crowd::relax_discs() {
-  counters_.sweeps = 0;
-  double deepest_m = tuning::kSlop_m;
-  while (deepest_m >= tuning::kSlop_m && counters_.sweeps < tuning::kSweeps) {
-    deepest_m = largest([this](uint32_t id) { return relax_disc(id); });
-    expected_m_.swap(relaxed_m_);
-    ++counters_.sweeps;
+/// How long somebody has been stuck, the time of queuing taken off.
+double Crowd::watch_progress(size_t slot) {
+  const uint32_t id = grid_.order()[slot];
+  const bool stands = journeys_.doing(id) != Doing::kWalking;
+  if (stands || (positions_m_[id] - anchors_m_[id]).squaredNorm() >= kStall_m * kStall_m) {
+    anchors_m_[id] = positions_m_[id];
+    anchor_steps_[id] = steps_;
+    queued_steps_[id] = 0;
   }
-  // The correction is spread over the period, so that nobody jumps.
-  for_people([this](uint32_t id) {
-    const Eigen::Vector2d way = expected_m_[id] - positions_m_[id];
-    const Eigen::Vector2d mean = 0.5 * (old_velocities_mps_[id] + next_velocities_mps_[id]);
-    const Eigen::Vector2d drift = way / period_s_ - mean;
-    const double length = drift.norm();
-    drifts_mps_[id] =
-        length > tuning::kMaxDrift_mps ? drift * (tuning::kMaxDrift_mps / length) : drift;
-  });
+  queuing_[id] = is_queuing(slot);
+  if (queuing_[id] != 0) queued_steps_[id] += steps_a_decision_;
+  return std::max(
+      0.0, options_.step_s * static_cast<double>(steps_ - anchor_steps_[id] - queued_steps_[id]));
 }
 
-double Crowd::relax_disc(uint32_t id) {
-  const Eigen::Vector2d position = expected_m_[id];
-  Eigen::Vector2d push = Eigen::Vector2d::Zero();
-  double deepest_m = 0;
-  for (uint32_t k = 0; k < neighbour_counts_[id]; ++k) {
-    const uint32_t other = neighbours_[id * kMaxNeighbours + k].id;
-    const Eigen::Vector2d offset = position - expected_m_[other];
-    const double radius_m = radii_m_[id] + radii_m_[other];
-    const double square = offset.squaredNorm();
-    if (square >= radius_m * radius_m) continue;
-    const double distance_m = std::sqrt(square);
-    const Eigen::Vector2d away = distance_m > 0 ? Eigen::Vector2d(offset / distance_m)
-                                                : Eigen::Vector2d(id < other ? -1.0 : 1.0, 0.0);
-    push += 0.5 * (radius_m - distance_m) * away;
-    deepest_m = std::max(deepest_m, radius_m - distance_m);
-  }
-  Eigen::Vector2d to = position + push;
-  if (deepest_m > 0 && clearances_m_[id] < 2 * radii_m_[id] + 1)
-    to = ways_.walkable().slide(positions_m_[id], to, tuning::kWallGap_m);
-  relaxed_m_[id] = to;
-  return deepest_m;
-}
-
-bool Crowd::is_queuing(uint32_t id) const {
+bool Crowd::is_queuing(size_t slot) const {
+  const uint32_t id = grid_.order()[slot];
   if (journeys_.doing(id) != Doing::kWalking) return false;
   const double slow_mps = tuning::kQueueSpeed * free_speeds_mps_[id];
   if (velocities_mps_[id].squaredNorm() > slow_mps * slow_mps) return false;
   const FlowField* field = journeys_.stop(id).field;
   const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
-  for (uint32_t k = 0; k < neighbour_counts_[id]; ++k) {
-    const Neighbour& near = neighbours_[id * kMaxNeighbours + k];
-    const double reach_m = radii_m_[id] + radii_m_[near.id] + tuning::kQueueGap_m;
-    if (near.square_m2 > reach_m * reach_m) return false;
+  for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
+    const uint32_t other = grid_.order()[slots_.neighbours[kMaxNeighbours * slot + k]];
+    const Eigen::Vector2d offset = positions_m_[other] - positions_m_[id];
+    const double reach_m = radii_m_[id] + radii_m_[other] + tuning::kQueueGap_m;
+    if (offset.squaredNorm() > reach_m * reach_m) return false;
     // Ahead within 60 degrees, and with the same way to go.
-    const Eigen::Vector2d offset = positions_m_[near.id] - positions_m_[id];
-    if (journeys_.doing(near.id) == Doing::kWalking && journeys_.stop(near.id).field == field &&
+    if (journeys_.doing(other) == Doing::kWalking && journeys_.stop(other).field == field &&
         way.dot(offset) > 0.5 * offset.norm())
       return true;
   }
   return false;
-}
-
-double Crowd::stalled_s_of(uint32_t id) const {
-  return options_.step_s * static_cast<double>(steps_ - anchor_steps_[id]);
-}
-
-void Crowd::measure() {
-  counters_.deepest_overlap_m = largest([this](uint32_t id) {
-    double deepest_m = 0;
-    for (uint32_t k = 0; k < neighbour_counts_[id]; ++k) {
-      const Neighbour& near = neighbours_[id * kMaxNeighbours + k];
-      deepest_m = std::max(deepest_m, radii_m_[id] + radii_m_[near.id] - std::sqrt(near.square_m2));
-    }
-    return deepest_m;
-  });
-  counters_.longest_stall_s = largest([this](uint32_t id) {
-    const bool stands = journeys_.doing(id) != Doing::kWalking;
-    if (stands || (positions_m_[id] - anchors_m_[id]).norm() >= kStall_m) {
-      anchors_m_[id] = positions_m_[id];
-      anchor_steps_[id] = steps_;
-      queued_steps_[id] = 0;
-    }
-    queuing_[id] = is_queuing(id);
-    if (queuing_[id] != 0) queued_steps_[id] += steps_a_decision_;
-    return std::max(
-        0.0, options_.step_s * static_cast<double>(steps_ - anchor_steps_[id] - queued_steps_[id]));
-  });
-  counters_.queuing = 0;
-  for (const uint32_t id : grid_.order()) counters_.queuing += queuing_[id];
 }
 
 }  // namespace throng

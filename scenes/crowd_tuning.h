@@ -19,12 +19,16 @@ inline constexpr double kHaste = 1.2;
 inline constexpr double kRelaxation_s = 0.5;
 /// Breaks the symmetry of people who meet exactly head on.
 inline constexpr double kPerturbation_mps = 1e-3;
-/// Sweeps of disc relaxation a decision, at most.
-inline constexpr int kSweeps = 4;
+/// Sweeps of disc relaxation a decision, at most, and the share of an overlap that each of two
+/// people gives way in one.
+inline constexpr int kSweeps = 40;
+inline constexpr double kSweepShare = 0.5;
 /// Overlaps below this are left alone.
-inline constexpr double kSlop_m = 0.002;
+inline constexpr double kSlop_m = 0.005;
+/// Sweeps look at those who are this near to touching: no push goes farther.
+inline constexpr double kSweepMargin_m = 0.12;
 /// The fastest that relaxation moves anybody: a push, not a jump.
-inline constexpr double kMaxDrift_mps = 0.5;
+inline constexpr double kMaxDrift_mps = 1.0;
 /// Centres stay this far from walls whatever happens; steering itself keeps a disc's radius.
 inline constexpr double kWallGap_m = 0.1;
 /// The fastest the body turns, and how fast it must move to turn at all.
@@ -34,6 +38,11 @@ inline constexpr double kTurnSpeed_mps = 0.2;
 inline constexpr double kTurnSmoothing_s = 0.5;
 /// Whoever made no progress for so long tries another way past, each time for about a second.
 inline constexpr double kStuck_s = 1.5;
+/// Others begin to make way for who has been stuck so long, and do all the way after so long.
+inline constexpr double kUrgeFrom_s = 0.5;
+inline constexpr double kUrgeTo_s = 3.5;
+/// How far the velocity that such a one shows to others goes over to the one wanted.
+inline constexpr double kShownIntent = 0.85;
 /// The horizon of somebody stuck: one who looks less far ahead takes gaps that others leave.
 inline constexpr double kStuckHorizon_s = 0.5;
 /// How far to a side such a try goes, at most, as a multiple of the way ahead.

@@ -160,6 +160,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
     ++summary.frames;
     summary.stopped_early = keep_going && !keep_going(frame) && summary.frames < frames;
   }
+  summary.steering = simulation.steering();
   const RunEnd end = simulation.finish();
   for (Sink* sink : sinks) sink->end(info, end);
   summary.wall_s = nanoseconds_since(start) * 1e-9;

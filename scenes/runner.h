@@ -60,6 +60,7 @@ struct RunSummary {
   uint64_t queuing_peak = 0;          ///< people queuing at once
   double deepest_overlap_m = 0;       ///< of steering discs, over the run
   double longest_stall_s = 0;  ///< how long a walker stood still without queuing, over the run
+  SteeringCounters steering;   ///< at the end
 };
 
 /// Quantiles of samples by sorting; the median of an even number is the lower one. Zeros if empty.

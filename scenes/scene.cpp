@@ -64,6 +64,7 @@ class SceneReader {
     scene_.step_s = fields_.number_or("step_s", kStepRange, kDefaultStep_s);
     scene_.duration_s = fields_.number_or("duration_s", {0, 1e7, true}, 10);
     read_culling();
+    read_steering();
     if (is_box())
       read_box();
     else
@@ -131,6 +132,26 @@ class SceneReader {
     }
     scene_.exact = culling.boolean_or("exact", false);
     culling.done();
+  }
+
+  void read_steering() {
+    const YamlNode* node = fields_.find("steering");
+    if (node == nullptr) return;
+    Fields steering(file_, *node, "steering");
+    steering.expect_keys(keys_of("steering"));
+    if (const YamlNode* model = steering.find("model")) {
+      const auto kind = steering_kind_of(model->scalar);
+      if (!kind) {
+        std::vector<std::string> names;
+        for (const SteeringKind each : kAllSteeringKinds) names.emplace_back(name_of(each));
+        throw InputError(steering.where(*model),
+                         fmt::format("a steering model ({})", list_of(names)),
+                         describe(*model) + did_you_mean(model->scalar, names));
+      }
+      scene_.steering.model = *kind;
+    }
+    scene_.steering.density_speed = steering.boolean_or("density_speed", false);
+    steering.done();
   }
 
   std::string unique_name(Fields& fields, const std::string& fallback,
@@ -309,6 +330,7 @@ uint64_t content_hash_of(const Scene& scene) {
   };
   hash.add(scene.name).add(scene.seed).add(scene.step_s);
   hash.add(name_of(scene.part_volume)).add(uint64_t{scene.exact});
+  hash.add(name_of(scene.steering.model)).add(uint64_t{scene.steering.density_speed});
   add_area(scene.ground);
   hash.add(uint64_t{scene.groups.size()});
   for (const Group& group : scene.groups) {

@@ -12,6 +12,7 @@
 
 #include "avatars/model.h"
 #include "culling/culler.h"
+#include "scenes/steering_rule.h"
 
 namespace throng {
 
@@ -125,6 +126,7 @@ struct Scene {
   std::vector<Group> groups;
   std::vector<Obstacle> obstacles;
   std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
+  SteeringRule steering;
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
   uint64_t content_hash =

@@ -8,8 +8,9 @@ const std::vector<std::pair<std::string_view, std::vector<std::string>>>& scene_
   static const std::vector<std::pair<std::string_view, std::vector<std::string>>> keys = {
       {"scene",
        {"name", "description", "seed", "step_s", "duration_s", "ground", "groups", "obstacles",
-        "culling", "kind", "box"}},
+        "culling", "steering", "kind", "box"}},
       {"culling", {"part_volume", "exact"}},
+      {"steering", {"model", "density_speed"}},
       {"group",
        {"name", "count", "spawn", "sources", "goals", "on_arrival", "delay_s", "model", "speed_mps",
         "height_m", "radius_m"}},

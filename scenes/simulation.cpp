@@ -172,7 +172,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
       models(models_of(scene)),
       ways(scene, workers),
       spawned(spawn(scene, ways)),
-      crowd(ways, spawned.people, {scene.seed, scene.step_s}, workers),
+      crowd(ways, spawned.people, {scene.seed, scene.step_s, scene.steering, options.simd},
+            workers),
       box(box_of(scene, models)),
       avatars(box ? box->size() : crowd.size()),
       posing(models, bodies) {

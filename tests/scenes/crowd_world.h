@@ -31,12 +31,12 @@ inline Group group(int count, const Rectangle& spawn, std::vector<Rectangle> goa
 
 /// A crowd and everything it refers to.
 struct World {
-  World(Scene scene_in, int threads)
+  World(Scene scene_in, int threads, SimdTarget simd = SimdTarget::kBest)
       : scene(std::move(scene_in)),
         workers(threads),
         ways(scene, workers),
         spawned(spawn(scene, ways)),
-        crowd(ways, spawned.people, {scene.seed, scene.step_s}, workers) {}
+        crowd(ways, spawned.people, {scene.seed, scene.step_s, scene.steering, simd}, workers) {}
 
   Scene scene;
   Workers workers;

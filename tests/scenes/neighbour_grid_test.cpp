@@ -11,18 +11,19 @@
 namespace throng {
 namespace {
 
-std::vector<Neighbour> brute_force(std::span<const Eigen::Vector2d> points, uint32_t id,
-                                   double reach_m, size_t count) {
-  std::vector<Neighbour> all;
-  for (uint32_t other = 0; other < points.size(); ++other) {
-    const double square = (points[other] - points[id]).squaredNorm();
-    if (other != id && square <= reach_m * reach_m) all.push_back({square, other});
+/// The nearest slots by (distance, slot), from looking at everybody.
+std::vector<uint32_t> brute_force(const NeighbourGrid& grid, uint32_t own, float reach_m) {
+  std::vector<std::pair<float, uint32_t>> all;
+  for (uint32_t slot = 0; slot < grid.order().size(); ++slot) {
+    const float dx = grid.x()[slot] - grid.x()[own], dy = grid.y()[slot] - grid.y()[own];
+    const float square = dx * dx + dy * dy;
+    if (slot != own && square <= reach_m * reach_m) all.emplace_back(square, slot);
   }
-  std::sort(all.begin(), all.end(), [](const Neighbour& a, const Neighbour& b) {
-    return a.square_m2 != b.square_m2 ? a.square_m2 < b.square_m2 : a.id < b.id;
-  });
-  all.resize(std::min(all.size(), count));
-  return all;
+  std::sort(all.begin(), all.end());
+  std::vector<uint32_t> slots;
+  for (const auto& [square, slot] : all)
+    if (slots.size() < NeighbourGrid::kMost) slots.push_back(slot);
+  return slots;
 }
 
 /// Random points, some exactly on a lattice (equal distances), some outside the ground.
@@ -38,28 +39,45 @@ std::vector<Eigen::Vector2d> scatter(uint64_t seed, size_t count, const Rectangl
   return points;
 }
 
-TEST(NeighbourGrid, FindsWhatLookingAtEverybodyFinds) {
-  for (uint64_t seed = 1; seed <= 40; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Rectangle ground{{-4, 2}, {-4 + static_cast<double>(seed), 2 + 12.3}};
-    const std::vector<Eigen::Vector2d> points = scatter(seed, 30 * seed % 400 + 2, ground);
-    NeighbourGrid grid(ground);
-    grid.rebuild(points);
-    for (const double reach_m : {0.7, 2.0, 5.0}) {
-      for (uint32_t id = 0; id < points.size(); ++id) {
-        std::array<Neighbour, 10> out;
-        const size_t found = grid.nearest(id, reach_m, out);
-        const std::vector<Neighbour> expected = brute_force(points, id, reach_m, out.size());
-        ASSERT_EQ(found, expected.size()) << "id " << id << " reach " << reach_m << " m";
-        for (size_t k = 0; k < found; ++k) ASSERT_EQ(out[k].id, expected[k].id) << "rank " << k;
+TEST(NeighbourGrid, FindsWhatLookingAtEverybodyFindsOnEveryTarget) {
+  for (const SimdTarget target : simd_targets_of_this_machine()) {
+    for (uint64_t seed = 1; seed <= 40; ++seed) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << name_of(target));
+      const Rectangle ground{{-4, 2}, {-4 + static_cast<double>(seed), 2 + 12.3}};
+      const std::vector<Eigen::Vector2d> points = scatter(seed, 30 * seed % 400 + 2, ground);
+      // Cells for as many people as there are, for few, and for many: wide and narrow ones.
+      for (const size_t expected_people : {points.size(), size_t{3}, size_t{5000}}) {
+        NeighbourGrid grid(ground, expected_people, target);
+        grid.rebuild(points);
+        std::vector<uint32_t> found(points.size() * NeighbourGrid::kMost);
+        std::vector<uint8_t> counts(points.size());
+        for (const float reach_m : {0.7f, 2.0f, 5.0f}) {
+          grid.nearest(0, points.size(), reach_m, found.data(), counts.data());
+          for (uint32_t slot = 0; slot < points.size(); ++slot) {
+            const auto first = found.begin() + static_cast<ptrdiff_t>(NeighbourGrid::kMost * slot);
+            const std::vector<uint32_t> slots(first, first + counts[slot]);
+            ASSERT_EQ(slots, brute_force(grid, slot, reach_m))
+                << "slot " << slot << " reach " << reach_m << " m";
+          }
+        }
       }
     }
   }
 }
 
+TEST(NeighbourGrid, WhoIsAbsentHasNoSlot) {
+  const Rectangle ground{{0, 0}, {30, 20}};
+  NeighbourGrid grid(ground, 300);
+  std::vector<uint8_t> present(300);
+  for (size_t id = 0; id < present.size(); ++id) present[id] = id % 3 == 0 ? 0 : 1;
+  grid.rebuild(scatter(7, present.size(), ground), present);
+  EXPECT_EQ(grid.order().size(), 200u);
+  for (const uint32_t id : grid.order()) EXPECT_NE(id % 3, 0u);
+}
+
 TEST(NeighbourGrid, OrderHoldsEverybodyOnce) {
   const Rectangle ground{{0, 0}, {30, 20}};
-  NeighbourGrid grid(ground);
+  NeighbourGrid grid(ground, 500);
   for (const uint64_t seed : {3u, 4u}) {  // the second rebuild starts from used arrays
     grid.rebuild(scatter(seed, 500, ground));
     std::vector<uint32_t> ids(grid.order().begin(), grid.order().end());

@@ -13,25 +13,27 @@
 namespace throng {
 namespace {
 
-constexpr double kMaxSpeed_mps = 1.6;
+constexpr float kMaxSpeed_mps = 1.6f;
+/// What single precision and kTiny_mps leave.
+constexpr float kRounding_mps = 3e-5f;
 constexpr int kRings = 120;
 constexpr int kSpokes = 240;
 /// No velocity of the disc is farther from a sample than this.
-constexpr double kSpacing_mps = 0.5 * (kMaxSpeed_mps / kRings + 6.3 * kMaxSpeed_mps / kSpokes);
+constexpr float kSpacing_mps = 0.5f * (kMaxSpeed_mps / kRings + 6.3f * kMaxSpeed_mps / kSpokes);
 
-double uniform(uint64_t seed, uint64_t id, double low, double high) {
-  return random_uniform({seed, id, 0, Purpose::kBoxWorld}, low, high);
+float uniform(uint64_t seed, uint64_t id, double low, double high) {
+  return static_cast<float>(random_uniform({seed, id, 0, Purpose::kBoxWorld}, low, high));
 }
 
-Eigen::Vector2d polar(double length, double angle_rad) {
-  const SinCos turn = sin_cos(angle_rad);
-  return {length * turn.cos, length * turn.sin};
+Eigen::Vector2f polar(float length, float angle_rad) {
+  const SinCos turn = sin_cos(static_cast<double>(angle_rad));
+  return {length * static_cast<float>(turn.cos), length * static_cast<float>(turn.sin)};
 }
 
 struct Case {
   std::vector<HalfPlane> planes;
   int hard = 0;
-  Eigen::Vector2d wanted_mps;
+  Eigen::Vector2f wanted_mps;
 };
 
 Case random_case(uint64_t seed, double tightest_mps, double loosest_mps) {
@@ -50,8 +52,8 @@ Case random_case(uint64_t seed, double tightest_mps, double loosest_mps) {
   return c;
 }
 
-double worst(std::span<const HalfPlane> planes, const Eigen::Vector2d& v) {
-  double value = 0;
+float worst(std::span<const HalfPlane> planes, const Eigen::Vector2f& v) {
+  float value = 0;
   for (const HalfPlane& plane : planes) value = std::max(value, plane.violation_mps(v));
   return value;
 }
@@ -60,8 +62,8 @@ double worst(std::span<const HalfPlane> planes, const Eigen::Vector2d& v) {
 /// violation of soft planes among those that meet the hard ones.
 struct Sampled {
   bool feasible = false;
-  double nearest_mps = 1e9;
-  double least_violation_mps = 1e9;
+  float nearest_mps = 1e9f;
+  float least_violation_mps = 1e9f;
 };
 
 Sampled sample(const Case& c) {
@@ -70,9 +72,10 @@ Sampled sample(const Case& c) {
   const auto hard = static_cast<size_t>(c.hard);
   for (int ring = 0; ring <= kRings; ++ring) {
     for (int spoke = 0; spoke < (ring == 0 ? 1 : kSpokes); ++spoke) {
-      const Eigen::Vector2d v = polar(kMaxSpeed_mps * ring / kRings, 6.283185307 * spoke / kSpokes);
+      const Eigen::Vector2f v = polar(kMaxSpeed_mps * static_cast<float>(ring) / kRings,
+                                      6.2831853f * static_cast<float>(spoke) / kSpokes);
       if (worst(planes.first(hard), v) > 0) continue;
-      const double soft = worst(planes.subspan(hard), v);
+      const float soft = worst(planes.subspan(hard), v);
       out.least_violation_mps = std::min(out.least_violation_mps, soft);
       if (soft > 0) continue;
       out.feasible = true;
@@ -90,12 +93,12 @@ TEST(Orca, ChosenVelocityIsTheNearestFeasibleOne) {
     const Sampled oracle = sample(c);
     if (!oracle.feasible) continue;
     ++feasible;
-    const Eigen::Vector2d v = choose_velocity(c.planes, c.hard, c.wanted_mps, kMaxSpeed_mps);
-    EXPECT_LE(worst(c.planes, v), 1e-8);
-    EXPECT_LE(v.norm(), kMaxSpeed_mps + 1e-9);
-    const double found_mps = (v - c.wanted_mps).norm();
+    const Eigen::Vector2f v = choose_velocity(c.planes, c.hard, c.wanted_mps, kMaxSpeed_mps);
+    EXPECT_LE(worst(c.planes, v), kRounding_mps);
+    EXPECT_LE(v.norm(), kMaxSpeed_mps + kRounding_mps);
+    const float found_mps = (v - c.wanted_mps).norm();
     // No sample may be nearer; and where the feasible set is not a sliver, samples come near.
-    EXPECT_LE(found_mps, oracle.nearest_mps + 1e-9)
+    EXPECT_LE(found_mps, oracle.nearest_mps + kRounding_mps)
         << "a sample is nearer by " << found_mps - oracle.nearest_mps << " m/s";
   }
   EXPECT_GT(feasible, 150) << "the cases no longer exercise the feasible branch";
@@ -109,13 +112,13 @@ TEST(Orca, InfeasiblePlanesAreViolatedAsLittleAsPossible) {
     const Sampled oracle = sample(c);
     if (oracle.feasible || oracle.least_violation_mps < kSpacing_mps) continue;
     ++infeasible;
-    const Eigen::Vector2d v = choose_velocity(c.planes, c.hard, c.wanted_mps, kMaxSpeed_mps);
+    const Eigen::Vector2f v = choose_velocity(c.planes, c.hard, c.wanted_mps, kMaxSpeed_mps);
     const std::span<const HalfPlane> planes(c.planes);
     const auto hard = static_cast<size_t>(c.hard);
-    EXPECT_LE(worst(planes.first(hard), v), 1e-8) << "a wall was given up";
-    EXPECT_LE(v.norm(), kMaxSpeed_mps + 1e-9);
-    const double found_mps = worst(planes.subspan(hard), v);
-    EXPECT_LE(found_mps, oracle.least_violation_mps + 1e-7)
+    EXPECT_LE(worst(planes.first(hard), v), kRounding_mps) << "a wall was given up";
+    EXPECT_LE(v.norm(), kMaxSpeed_mps + kRounding_mps);
+    const float found_mps = worst(planes.subspan(hard), v);
+    EXPECT_LE(found_mps, oracle.least_violation_mps + kRounding_mps)
         << "a sample violates less by " << found_mps - oracle.least_violation_mps << " m/s";
     EXPECT_GE(found_mps, oracle.least_violation_mps - kSpacing_mps);
   }
@@ -130,27 +133,27 @@ TEST(Orca, TwoWhoBothObeyDoNotCollideWithinTheHorizon) {
     a.offset_m = polar(uniform(seed, 0, 0.5, 4), uniform(seed, 1, -3.14, 3.14));
     a.own_velocity_mps = polar(uniform(seed, 2, 0, 1.5), uniform(seed, 3, -3.14, 3.14));
     a.other_velocity_mps = polar(uniform(seed, 4, 0, 1.5), uniform(seed, 5, -3.14, 3.14));
-    a.radius_m = 0.44;
+    a.radius_m = 0.44f;
     Encounter b = a;
     b.offset_m = -a.offset_m;
     std::swap(b.own_velocity_mps, b.other_velocity_mps);
-    const auto obey = [](const Encounter& e) -> Eigen::Vector2d {
+    const auto obey = [](const Encounter& e) -> Eigen::Vector2f {
       const HalfPlane plane = avoid(e);
-      const double violation = plane.violation_mps(e.own_velocity_mps);
-      return violation > 0 ? Eigen::Vector2d(e.own_velocity_mps + violation * plane.normal)
+      const float violation = plane.violation_mps(e.own_velocity_mps);
+      return violation > 0 ? Eigen::Vector2f(e.own_velocity_mps + violation * plane.normal)
                            : e.own_velocity_mps;
     };
-    const auto closest_m = [&](const Eigen::Vector2d& velocity) {
-      double closest = 1e9;
+    const auto closest_m = [&](const Eigen::Vector2f& velocity) {
+      float closest = 1e9f;
       for (int i = 0; i <= 400; ++i) {
-        const double t = a.horizon_s * i / 400;
+        const float t = a.horizon_s * static_cast<float>(i) / 400;
         closest = std::min(closest, (a.offset_m - t * velocity).norm());
       }
       return closest;
     };
     collisions_if_ignored += closest_m(a.own_velocity_mps - a.other_velocity_mps) < a.radius_m;
-    const double closest = closest_m(obey(a) - obey(b));
-    EXPECT_GE(closest, a.radius_m - 1e-9)
+    const float closest = closest_m(obey(a) - obey(b));
+    EXPECT_GE(closest, a.radius_m - 1e-4f)
         << "seed " << seed << ": closer by " << a.radius_m - closest << " m";
   }
   EXPECT_GT(collisions_if_ignored, 100) << "too few cases would have collided at all";
@@ -158,20 +161,20 @@ TEST(Orca, TwoWhoBothObeyDoNotCollideWithinTheHorizon) {
 
 TEST(Orca, OverlappingDiscsPartWithinAStep) {
   Encounter e;
-  e.offset_m = {0.3, 0};
-  e.own_velocity_mps = e.other_velocity_mps = Eigen::Vector2d::Zero();
-  e.radius_m = 0.44;
-  e.step_s = 0.1;
+  e.offset_m = {0.3f, 0};
+  e.own_velocity_mps = e.other_velocity_mps = Eigen::Vector2f::Zero();
+  e.radius_m = 0.44f;
+  e.step_s = 0.1f;
   const HalfPlane plane = avoid(e);
-  EXPECT_NEAR(plane.normal.x(), -1, 1e-12);
+  EXPECT_NEAR(plane.normal.x(), -1, 1e-6);
   // Half of the 0.14 m that are missing, in 0.1 s.
-  EXPECT_NEAR(plane.offset_mps, 0.7, 1e-12);
+  EXPECT_NEAR(plane.offset_mps, 0.7, 1e-5);
 }
 
 TEST(Orca, StandingStillMeetsEveryWall) {
-  for (const double clearance_m : {-0.2, 0.0, 0.1, 2.0}) {
-    const HalfPlane wall = keep_off(Eigen::Vector2d::UnitY(), clearance_m, 0.5);
-    EXPECT_LE(wall.violation_mps(Eigen::Vector2d::Zero()), 0)
+  for (const float clearance_m : {-0.2f, 0.0f, 0.1f, 2.0f}) {
+    const HalfPlane wall = keep_off(Eigen::Vector2f::UnitY(), clearance_m, 0.5f);
+    EXPECT_LE(wall.violation_mps(Eigen::Vector2f::Zero()), 0)
         << "clearance " << clearance_m << " m";
   }
 }

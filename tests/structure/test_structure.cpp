@@ -48,7 +48,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"lcm", {"lcmtypes"}},
     {"fcl", {"culling", "bench"}},
     {"tbb", {"base"}},
-    {"hwy", {"base", "kinematics", "culling"}},
+    {"hwy", {"base", "kinematics", "culling", "scenes"}},
     {"png.h", {"viewer"}},
     {"CLI", {"apps"}},
     {"nlohmann", {"apps", "bench", "paper"}},

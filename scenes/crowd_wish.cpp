@@ -1,0 +1,32 @@
+// What people want: the way of their journey at their free speed, taken up smoothly.
+#include <cmath>
+
+#include "base/random.h"
+#include "scenes/crowd.h"
+#include "scenes/crowd_tuning.h"
+
+namespace throng {
+
+Eigen::Vector2d Crowd::wanted_mps(uint32_t id) {
+  Eigen::Vector2d direction = journeys_.direction(id, positions_m_[id]);
+  const double stalled_s = stalled_s_of(id);
+  if (stalled_s > tuning::kStuck_s) {
+    const auto second = static_cast<uint64_t>(std::floor(stalled_s));
+    const RandomKey key{options_.seed, id, static_cast<uint64_t>(anchor_steps_[id]) + second,
+                        Purpose::kSymmetryBreaking};
+    const double side = random_uniform(key, -tuning::kSidestep, tuning::kSidestep, 2);
+    direction += side * Eigen::Vector2d(-direction.y(), direction.x());
+    if (direction.squaredNorm() > 0) direction.normalize();
+  }
+  const double share = period_s_ / (tuning::kRelaxation_s + period_s_);
+  intents_mps_[id] += share * (free_speeds_mps_[id] * direction - intents_mps_[id]);
+  const RandomKey key{options_.seed, id, static_cast<uint64_t>(steps_), Purpose::kSymmetryBreaking};
+  // One draw for both axes: half of its bits are plenty.
+  const uint64_t bits = random_bits(key);
+  const auto shake = [](uint64_t half) {
+    return tuning::kPerturbation_mps * (static_cast<double>(half) * 0x1.0p-31 - 1);
+  };
+  return intents_mps_[id] + Eigen::Vector2d(shake(bits & 0xffffffff), shake(bits >> 32));
+}
+
+}  // namespace throng
