@@ -3,7 +3,9 @@
 #include <iterator>
 
 #include "apps/info.h"
+#include "scenes/nav_mesh.h"
 #include "scenes/scene.h"
+#include "scenes/walkable.h"
 
 namespace throng {
 namespace {
@@ -25,7 +27,26 @@ std::string_view kind_name(Obstacle::Kind kind) {
   return "";
 }
 
-void add_group(std::string& text, const Group& group) {
+/// The legs of the first way that a group walks, from the middle of where it starts.
+void add_way(std::string& text, const Group& group, const NavMesh& mesh) {
+  Eigen::Vector2d from =
+      group.count > 0 ? group.spawn.middle_m() : group.sources.front().area.middle_m();
+  text += "    way      ";
+  for (size_t i = 0; i < group.goals.size(); ++i) {
+    const Path path = mesh.path(from, group.goals[i].areas);
+    if (i > 0) text += ", ";
+    if (path.arrives)
+      fmt::format_to(std::back_inserter(text), "{:.1f} m to goal {}", path.length_m(), i + 1);
+    else
+      fmt::format_to(std::back_inserter(text), "none to goal {}", i + 1);
+    if (path.corners_m.size() > 2)
+      fmt::format_to(std::back_inserter(text), " by {} corners", path.corners_m.size() - 2);
+    if (!path.corners_m.empty()) from = path.corners_m.back();
+  }
+  text += '\n';
+}
+
+void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   fmt::format_to(std::back_inserter(text), "  {}: {} of '{}', {} parts each, {} goals\n",
                  group.name, group.total(), group.body->name, group.body->part_count(),
                  group.goals.size());
@@ -34,6 +55,7 @@ void add_group(std::string& text, const Group& group) {
   for (const Source& source : group.sources)
     fmt::format_to(std::back_inserter(text), "    source   {} at {:g} per s from {:g} s on, {}\n",
                    source.count, source.rate_per_s, source.start_s, describe(source.area));
+  add_way(text, group, mesh);
   fmt::format_to(std::back_inserter(text), "    speed    {:g} +- {:g} m/s, {:g} to {:g}\n",
                  group.speed_mps.mean, group.speed_mps.deviation, group.speed_mps.min,
                  group.speed_mps.max);
@@ -74,8 +96,12 @@ std::string describe_scene(const std::string& path_or_name) {
         box.max_spin_radps);
     return text;
   }
+  const NavMesh mesh(scene.ground, Walkable(scene).footprints());
+  fmt::format_to(std::back_inserter(text),
+                 "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
+                 mesh.polygon_count(), mesh.voxel_m());
   fmt::format_to(std::back_inserter(text), "\nGroups:\n");
-  for (const Group& group : scene.groups) add_group(text, group);
+  for (const Group& group : scene.groups) add_group(text, group, mesh);
   fmt::format_to(std::back_inserter(text), "\nObstacles:{}\n",
                  scene.obstacles.empty() ? " none" : "");
   for (const Obstacle& obstacle : scene.obstacles) add_obstacle(text, obstacle);

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -94,6 +95,14 @@ TEST(SceneSchema, EveryMapOfItIsReadByTheReader) {
   std::set<std::string> read;
   for (const auto& [map, keys] : scene_keys()) read.insert(std::string(map));
   EXPECT_EQ(maps, read);
+}
+
+TEST(SceneSchema, EveryKeyIsDocumented) {
+  const std::string text = text_of(fs::path(THRONG_SOURCE_DIR) / "docs" / "scenes.md");
+  for (const auto& [map, keys] : scene_keys())
+    for (const std::string& key : keys)
+      EXPECT_TRUE(std::regex_search(text, std::regex("`[^`\n]*\\b" + key + "\\b[^`\n]*`")))
+          << "docs/scenes.md does not name `" << key << "` of a " << map;
 }
 
 TEST(SceneSchema, BundledScenesAreValid) {
