@@ -26,6 +26,7 @@ Command add_run_command(CLI::App& parent);
 Command add_scenes_command(CLI::App& parent);
 Command add_info_command(CLI::App& parent);
 Command add_check_command(CLI::App& parent);
+Command add_monitor_command(CLI::App& parent);
 Command add_render_command(CLI::App& parent);
 Command add_paper_command(CLI::App& parent);
 Command add_bench_command(CLI::App& parent);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "apps/command.h"
 #include "apps/log_guard.h"
+#include "apps/pacer.h"
 #include "apps/progress.h"
 #include "apps/recorders.h"
 #include "apps/run_report.h"
@@ -31,12 +33,13 @@ Examples:
   throng run corridor --exact --lcm off --log corridor.lcmlog
   throng run plaza --avatars 20000 --seconds 1 --deadline-ms 5 --log off
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
+  throng run plaza --pace 1                          as fast as life, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
 
 The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact and the
-deadlines; never on --threads, --simd or --pair-search. Under a deadline pairs that touched in the
-last frame are refined first, then those whose spheres overlap deepest; the rest is reported as far as
-it came. Ctrl-C ends the run with its summary and a sound log.)";
+deadlines; never on --threads, --simd, --pair-search or --pace. Under a deadline pairs that touched in
+the last frame are refined first, then those whose spheres overlap deepest; the rest is reported as far
+as it came. Ctrl-C ends the run with its summary and a sound log.)";
 
 struct RunOptions {
   std::string scene;
@@ -51,6 +54,7 @@ struct RunOptions {
   std::optional<uint64_t> deadline_tests;
   std::string simd = "best";
   std::string pair_search = "grid";
+  double pace = 0;
   std::string lcm{kDefaultLcmUrl};
   std::string log;
   std::string json;
@@ -115,6 +119,9 @@ void add_options(CLI::App& app, RunOptions& options) {
   app.add_option("--pair-search", options.pair_search, "grid, sweep or brute")
       ->check(name_option(pair_search_names()))
       ->type_name("NAME");
+  app.add_option("--pace", options.pace, "Simulated seconds a second; 1 is real time [unpaced]")
+      ->check(number_option(0, 1e6, true, "a number above 0; 1 is real time"))
+      ->type_name("X");
   app.add_option("--lcm", options.lcm, fmt::format("Where to publish, or off [{}]", options.lcm))
       ->type_name("URL");
   app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
@@ -179,12 +186,14 @@ struct Listeners {
   bool lost_file() const { return lost_log() || recorders->failed(); }
 };
 
-RunSummary run_to_end(Simulation& simulation, const Listeners& listeners) {
+RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer) {
   const StopSignal stop;
   ProgressBar progress(simulation.scene().name,
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
   return run(simulation, listeners.sinks(), [&](const Frame& frame) {
     progress.show(frame.number + 1);
+    const double next_s = static_cast<double>(frame.number + 1) * simulation.info().step_s;
+    pacer.wait_for(std::llround(next_s * 1e6), StopSignal::requested);
     return !StopSignal::requested() && !listeners.lost_file();
   });
 }
@@ -234,13 +243,14 @@ int run_scene(const RunOptions& options) {
 
   Simulation simulation(std::move(scene), simulated);
   for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
-  const RunSummary summary = run_to_end(simulation, listeners);
+  Pacer pacer(options.pace);
+  const RunSummary summary = run_to_end(simulation, listeners, pacer);
   for (const Stranding& stranding : summary.strandings)
     fmt::print(stderr, "note: {}\n", describe(stranding, simulation.scene()));
   if (summary.stopped_early) fmt::print(stderr, "stopped after {} frames\n", summary.frames);
 
-  const RunReport report =
-      report_of(options, simulated, simulation.scene(), summary, listeners, log);
+  RunReport report = report_of(options, simulated, simulation.scene(), summary, listeners, log);
+  report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
   fmt::print("{}", format_table(report));
   int exit_code = kExitFine;
   if (listeners.lost_log()) fmt::print(stderr, "{}\n", listeners.guard->failure());

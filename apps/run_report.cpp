@@ -134,6 +134,11 @@ Json to_json(const RunReport& report) {
   json["threads"] = report.threads;
   json["wall_s"] = summary.wall_s;
   json["realtime_factor"] = summary.realtime_factor;
+  if (report.pace.factor > 0)
+    json["pace"] = {{"factor", report.pace.factor},
+                    {"late_frames", report.pace.late_frames},
+                    {"worst_ms", report.pace.worst_s * 1e3},
+                    {"behind_ms", report.pace.behind_s * 1e3}};
   json["frame_ms"] = {{"median", summary.frame_ms.median},
                       {"p95", summary.frame_ms.p95},
                       {"max", summary.frame_ms.max}};
@@ -208,6 +213,11 @@ std::string format_table(const RunReport& report) {
     line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
                                traffic.entered, traffic.left, traffic.present, traffic.waiting,
                                traffic.to_come));
+  if (report.pace.factor > 0)
+    line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
+                             "{:.0f} ms, {:.0f} ms behind at the end",
+                             report.pace.factor, report.pace.late_frames, summary.frames,
+                             report.pace.worst_s * 1e3, report.pace.behind_s * 1e3));
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
                              summary.begins, summary.persists, summary.ends, summary.pairs_peak));
   if (report.deadline_ms || report.deadline_tests) line("deadline", deadline_text(report));

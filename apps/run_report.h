@@ -30,6 +30,13 @@ struct RunReport {
     int64_t dropped = 0;
   };
   Lcm lcm;
+  struct Pace {
+    double factor = 0;  ///< simulated seconds a second that were asked for; 0: unpaced
+    int64_t late_frames = 0;
+    double worst_s = 0;
+    double behind_s = 0;  ///< at the end
+  };
+  Pace pace;
   std::string log;  ///< path, or "off"
   uint64_t log_bytes = 0;
 

@@ -164,10 +164,31 @@ run_description_t describe(const RunInfo& run) {
   return out;
 }
 
+std::string printable(std::string_view name) {
+  constexpr size_t kLongest = 64;
+  std::string out;
+  for (size_t at = 0; at < name.size() && out.size() < kLongest;) {
+    const auto byte = [&](size_t i) { return static_cast<uint8_t>(name[i]); };
+    size_t length = 1;
+    bool is_fine = byte(at) >= 0x20 && byte(at) < 0x7f;
+    if (byte(at) >= 0xc2 && byte(at) < 0xf5) {
+      length = byte(at) < 0xe0 ? 2 : byte(at) < 0xf0 ? 3 : 4;
+      is_fine = at + length <= name.size();
+      for (size_t i = at + 1; is_fine && i < at + length; ++i) is_fine = (byte(i) & 0xc0) == 0x80;
+      if (is_fine && byte(at) == 0xc2 && byte(at + 1) < 0xa0) is_fine = false;  // C1 controls
+      if (!is_fine) length = 1;
+    }
+    out += is_fine ? name.substr(at, length) : "?";
+    at += length;
+  }
+  return out;
+}
+
 std::string body_name(const run_description_t& run, uint32_t body) {
   const auto id = static_cast<size_t>(body);
   if (id < run.group_of_avatar.size())
-    return fmt::format("{} {}", run.groups[static_cast<size_t>(run.group_of_avatar[id])], id);
+    return fmt::format("{} {}", printable(run.groups[static_cast<size_t>(run.group_of_avatar[id])]),
+                       id);
   const size_t obstacle = id - run.group_of_avatar.size();
   return obstacle < run.obstacles.size() ? run.obstacles[obstacle].name
                                          : fmt::format("body {}", id);
@@ -177,7 +198,7 @@ std::string part_name(const run_description_t& run, uint32_t body, uint32_t part
   const auto id = static_cast<size_t>(body);
   if (part == kWholeBody || id >= run.model_of_avatar.size()) return "";
   const std::vector<part_t>& parts = run.models[static_cast<size_t>(run.model_of_avatar[id])].parts;
-  return part < parts.size() ? parts[part].name : fmt::format("part {}", part);
+  return part < parts.size() ? printable(parts[part].name) : fmt::format("part {}", part);
 }
 
 bool has_pair(const run_description_t& run, PairKey pair) {

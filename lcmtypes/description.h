@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lcmtypes/channels.h"
@@ -18,9 +19,14 @@ std::vector<ColumnRange> column_ranges(const Model& model);
 
 run_description_t describe(const RunInfo& run);
 
-/// "<group> <id>" of an avatar, the name of an obstacle. For a description that defect_of() passed.
+/// A name that came over the wire, fit for a terminal: what could command one (control characters,
+/// bytes that are no UTF-8) becomes '?', and after 64 bytes it is cut.
+std::string printable(std::string_view name);
+
+/// "<group> <id>" of an avatar, the name of an obstacle; printable. For a description that
+/// defect_of() passed.
 std::string body_name(const run_description_t& run, uint32_t body);
-/// "" for a whole body (kWholeBody) and for an obstacle.
+/// Printable. "" for a whole body (kWholeBody) and for an obstacle.
 std::string part_name(const run_description_t& run, uint32_t body, uint32_t part);
 /// Whether the run has these bodies and parts.
 bool has_pair(const run_description_t& run, PairKey pair);

@@ -188,21 +188,23 @@ class Judge {
 };
 
 std::string describe_run(const run_description_t& run) {
-  std::string out = fmt::format("scene {}, seed {}, {} avatars, step {:.6g} s, parts by {}{}\n",
-                                run.scene, run.seed, run.avatar_count, run.step_s, run.part_volume,
-                                run.exact ? ", decided by triangles" : "");
+  std::string out =
+      fmt::format("scene {}, seed {}, {} avatars, step {:.6g} s, parts by {}{}\n",
+                  printable(run.scene), run.seed, run.avatar_count, run.step_s,
+                  printable(run.part_volume), run.exact ? ", decided by triangles" : "");
   for (const model_t& model : run.models) {
     size_t vertices = 0;
     for (const part_t& part : model.parts) vertices += part.mesh.coordinates_m.size() / 3;
     out += fmt::format("model {}: {} joints ({} move), {} parts, {} vertices, {:.2f} m\n",
-                       model.name, model.joint_count, model.column_count, model.part_count,
-                       vertices, model.height_m);
+                       printable(model.name), model.joint_count, model.column_count,
+                       model.part_count, vertices, model.height_m);
   }
   std::vector<int64_t> members(run.groups.size());
   for (const int16_t group : run.group_of_avatar) ++members[static_cast<size_t>(group)];
   for (size_t i = 0; i < run.groups.size(); ++i)
-    out += fmt::format("group {}: {} avatars{}\n", run.groups[i], members[i],
-                       run.drive_channels[i].empty() ? "" : ", driven by " + run.drive_channels[i]);
+    out += fmt::format(
+        "group {}: {} avatars{}\n", printable(run.groups[i]), members[i],
+        run.drive_channels[i].empty() ? "" : ", driven by " + printable(run.drive_channels[i]));
   out += fmt::format("ground {:.1f} x {:.1f} m, {} obstacles\n",
                      run.ground_max_m[0] - run.ground_min_m[0],
                      run.ground_max_m[1] - run.ground_min_m[1], run.obstacle_count);

@@ -184,6 +184,9 @@ std::string RunReader::use(const states_t& m, Update& update) {
 
 namespace {
 
+/// A hundred thousand people shoulder to shoulder have a million; who says more lies.
+constexpr size_t kMaxTouching = size_t{1} << 22;
+
 template <class Message>
 PairKey pair_at(const Message& m, size_t i) {
   return PairKey(static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i],
@@ -192,7 +195,9 @@ PairKey pair_at(const Message& m, size_t i) {
 
 /// Whether all pairs are of bodies and parts that the run has; without a description nobody knows.
 template <class Message>
-std::string defect_of_pairs(const Message& m, const run_description_t* run) {
+std::string defect_of_pairs(const Message& m, const run_description_t* run, size_t touching) {
+  if (touching + m.a.size() > kMaxTouching)
+    return fmt::format("more than {} pairs that touch", kMaxTouching);
   for (size_t i = 0; run != nullptr && i < m.a.size(); ++i)
     if (!has_pair(*run, pair_at(m, i)))
       return fmt::format("a pair that the run does not have: {}:{} - {}:{}", m.a[i], m.part_a[i],
@@ -203,7 +208,7 @@ std::string defect_of_pairs(const Message& m, const run_description_t* run) {
 }  // namespace
 
 std::string RunReader::use(const events_t& m, Update& update) {
-  std::string defect = defect_of_pairs(m, run_.get());
+  std::string defect = defect_of_pairs(m, run_.get(), touching_.size());
   if (!defect.empty()) return defect;
   new_events_.clear();
   new_event_levels_.clear();
@@ -223,7 +228,7 @@ std::string RunReader::use(const events_t& m, Update& update) {
 }
 
 std::string RunReader::use(const touching_t& m, Update& update) {
-  std::string defect = defect_of_pairs(m, run_.get());
+  std::string defect = defect_of_pairs(m, run_.get(), pending_touching_.size());
   if (!defect.empty()) return defect;
   if (m.frame != pending_touching_frame_) {
     if (!pending_touching_chunks_.empty()) ++tally_[Channel::kTouching].incomplete;

@@ -32,6 +32,25 @@ TEST(Run, SameEventsAndSameLogBytesWithOneAndTwoThreads) {
   EXPECT_TRUE(read_file(folder / "one.lcmlog") == read_file(folder / "two.lcmlog"));
 }
 
+TEST(Run, PaceTiesARunToTheClockAndChangesNothing) {
+  const ScratchFolder folder;
+  const Json free = run("corridor --seconds 0.5 --log free.lcmlog", folder);
+  const Json paced = run("corridor --seconds 0.5 --log paced.lcmlog --pace 0.5", folder);
+  EXPECT_FALSE(free.contains("pace"));
+  EXPECT_EQ(paced["pace"]["factor"], 0.5);
+  EXPECT_GE(paced["wall_s"], 1.0) << "half of real time takes twice as long";
+  EXPECT_EQ(paced["hash"], free["hash"]);
+  EXPECT_TRUE(read_file(folder / "free.lcmlog") == read_file(folder / "paced.lcmlog"));
+}
+
+TEST(Run, AFrameThatIsLateIsTold) {
+  const ScratchFolder folder;
+  const Json paced = run("corridor --seconds 1 --log off --pace 100000", folder);
+  EXPECT_GT(paced["pace"]["late_frames"], 0);
+  EXPECT_GT(paced["pace"]["behind_ms"], 0);
+  EXPECT_GE(paced["pace"]["worst_ms"], paced["pace"]["behind_ms"]);
+}
+
 TEST(Run, SameEventsWithoutSimdAndWithAnyPairSearch) {
   const ScratchFolder folder;
   const std::string base = "plaza --seconds 0.5 --log off";

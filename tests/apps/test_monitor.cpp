@@ -1,0 +1,132 @@
+// `throng monitor` from outside: the figures of a run, live and from its log.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+TEST(Monitor, ShowsALogAsTheRunReportedIt) {
+  const ScratchFolder folder;
+  ASSERT_EQ(
+      shell("throng run corridor --exact --seconds 1 --lcm off --log a.lcmlog --json run.json",
+            folder)
+          .exit_code,
+      0);
+  const Outcome outcome = shell("throng monitor a.lcmlog --json", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json seen = Json::parse(outcome.out);
+  const Json run = Json::parse(read_file(folder / "run.json"));
+  EXPECT_EQ(seen["run"]["scene"], "corridor");
+  EXPECT_EQ(seen["run"]["run_id"], run["run_id"]);
+  EXPECT_EQ(seen["run"]["ended"], true);
+  EXPECT_EQ(seen["frames"], run["frames"]);
+  EXPECT_EQ(seen["events"]["begin"], run["events"]["begin"]);
+  EXPECT_EQ(seen["events"]["end"], run["events"]["end"]);
+  EXPECT_EQ(seen["lost"], 0);
+  const auto frames = run["frames"].get<double>();
+  EXPECT_DOUBLE_EQ(seen["stages"][0]["N_v"].get<double>() * frames,
+                   run["stages"]["avatar"]["tests"].get<double>());
+  EXPECT_DOUBLE_EQ(seen["N_p"].get<double>() * frames,
+                   run["stages"]["exact"]["tests"].get<double>());
+  for (const auto& [name, channel] : seen["channels"].items()) {
+    if (name == "THRONG_END") continue;
+    EXPECT_EQ(channel["messages"], channel["sent"]) << name;
+  }
+}
+
+TEST(Monitor, SpeaksOfPartsAndPeopleByName) {
+  const ScratchFolder folder;
+  ASSERT_EQ(shell("throng run plaza --seconds 1 --lcm off --log a.lcmlog", folder).exit_code, 0);
+  const Outcome outcome = shell("throng monitor a.lcmlog", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* word :
+       {"plaza, seed 1, 500 avatars", "THRONG_STATES", "N_u", "C_u", "N_v", "C_v", "N_p", "C_p",
+        "C_o", "T ", "lost 0", "newest contacts", "torso", "east ", "ordop26"})
+    EXPECT_THAT(outcome.out, HasSubstr(word));
+}
+
+TEST(Monitor, SaysWhenNothingIsHeard) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell("throng monitor --lcm memq:// --once --seconds 0.2", folder);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("memq://: expected a run, heard none"));
+  EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+}
+
+TEST(Monitor, SurvivesTornAndDamagedLogs) {
+  const ScratchFolder folder;
+  ASSERT_EQ(shell("throng run corridor --seconds 0.2 --lcm off --log a.lcmlog", folder).exit_code,
+            0);
+  const std::string whole = read_file(folder / "a.lcmlog");
+  for (size_t cut = 1; cut <= 8; ++cut) {
+    std::string bytes = whole.substr(0, whole.size() * cut / 8 - cut);
+    for (size_t k = 1; k < 30; ++k) bytes[4 + (bytes.size() - 5) * k / 30 + cut] = '\x7f';
+    write_file(folder / "b.lcmlog", bytes);
+    const Outcome outcome = shell("throng monitor b.lcmlog --json", folder);
+    EXPECT_LE(outcome.exit_code, 1) << outcome.err;
+    EXPECT_TRUE(Json::accept(outcome.out)) << outcome.out;
+  }
+}
+
+/// sh around a line so that multicast works in it on any machine, or "" where that is not allowed.
+std::string network() {
+  const ScratchFolder folder;
+  for (const char* flags : {"-n", "-rn"})
+    if (shell(std::string("unshare ") + flags + " true", folder).exit_code == 0)
+      return std::string("unshare ") + flags + " sh -c 'ip link set lo up; " +
+             "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo; . ./script'";
+  return shell("ip route get 239.255.76.67", folder).exit_code == 0 ? ". ./script" : "";
+}
+
+/// What the monitor says of a short live run that it hears with this receive buffer.
+Json watched(const std::string& buffer, const std::string& run) {
+  const std::string in_network = network();
+  if (in_network.empty()) return nullptr;
+  const ScratchFolder folder;
+  const std::string url = "udpm://239.255.76.67:7684?ttl=0&recv_buf_size=" + buffer;
+  write_file(folder / "script", "throng monitor --json --until-end --seconds 60 --lcm \"" + url +
+                                    "\" >seen.json &\n" + "monitor=$!\nsleep 1\nthrong run " + run +
+                                    " --log off --json run.json >/dev/null\nwait $monitor\n");
+  const Outcome outcome = shell(in_network, folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  Json seen = Json::parse(read_file(folder / "seen.json"));
+  seen["run_json"] = Json::parse(read_file(folder / "run.json"));
+  return seen;
+}
+
+TEST(Monitor, LosesNothingOfALiveRunWithTheDefaultUrl) {
+  const Json seen = watched("2097152", "plaza --seconds 3 --pace 1");
+  if (seen.is_null()) GTEST_SKIP() << "no network namespaces here and no multicast route";
+  EXPECT_EQ(seen["run"]["ended"], true);
+  EXPECT_EQ(seen["run"]["from_start"], true);
+  EXPECT_EQ(seen["lost"], 0) << seen.dump(1);
+  EXPECT_EQ(seen["frames"], 180);
+  EXPECT_EQ(seen["events"]["begin"], seen["run_json"]["events"]["begin"]);
+}
+
+TEST(Monitor, LossesThatItReportsAreSentMinusReceived) {
+  // A buffer that holds one datagram: of a burst most are lost.
+  const Json seen = watched("4096", "plaza --avatars 2000 --seconds 3 --pace 1");
+  if (seen.is_null()) GTEST_SKIP() << "no network namespaces here and no multicast route";
+  ASSERT_EQ(seen["run"]["ended"], true);
+  int64_t lost = 0;
+  for (const auto& [name, channel] : seen["channels"].items()) {
+    if (name == "THRONG_END") continue;
+    const int64_t missing = channel["sent"].get<int64_t>() - channel["messages"].get<int64_t>();
+    EXPECT_EQ(channel["missing"].get<int64_t>() + channel["before"].get<int64_t>(), missing)
+        << name;
+    lost += missing;
+  }
+  EXPECT_GT(lost, 0) << "the test needs losses";
+}
+
+}  // namespace
+}  // namespace throng
