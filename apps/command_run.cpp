@@ -15,6 +15,7 @@
 #include "apps/run_report.h"
 #include "apps/stop_signal.h"
 #include "base/errors.h"
+#include "lcmtypes/drive_receiver.h"
 #include "lcmtypes/lcm_sink.h"
 #include "lcmtypes/log_sink.h"
 #include "scenes/runner.h"
@@ -186,7 +187,17 @@ struct Listeners {
   bool lost_file() const { return lost_log() || recorders->failed(); }
 };
 
-RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer) {
+/// What moves the driven groups, if the scene has any and LCM is on.
+std::unique_ptr<DriveReceiver> driver_of(const RunInfo& info, const RunOptions& options) {
+  const auto is_driven = [](const std::string& channel) { return !channel.empty(); };
+  if (std::none_of(info.drive_channels.begin(), info.drive_channels.end(), is_driven)) return {};
+  if (options.lcm != "off") return std::make_unique<DriveReceiver>(info, options.lcm);
+  fmt::print(stderr, "note: with --lcm off nothing drives the driven groups: they stand\n");
+  return {};
+}
+
+RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
+                      DriveReceiver* driver) {
   const StopSignal stop;
   ProgressBar progress(simulation.scene().name,
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
@@ -194,6 +205,7 @@ RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer&
     progress.show(frame.number + 1);
     const double next_s = static_cast<double>(frame.number + 1) * simulation.info().step_s;
     pacer.wait_for(std::llround(next_s * 1e6), StopSignal::requested);
+    if (driver != nullptr) driver->apply(simulation);
     return !StopSignal::requested() && !listeners.lost_file();
   });
 }
@@ -244,12 +256,14 @@ int run_scene(const RunOptions& options) {
   Simulation simulation(std::move(scene), simulated);
   for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
   Pacer pacer(options.pace);
-  const RunSummary summary = run_to_end(simulation, listeners, pacer);
+  const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
+  const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get());
   for (const Stranding& stranding : summary.strandings)
     fmt::print(stderr, "note: {}\n", describe(stranding, simulation.scene()));
   if (summary.stopped_early) fmt::print(stderr, "stopped after {} frames\n", summary.frames);
 
   RunReport report = report_of(options, simulated, simulation.scene(), summary, listeners, log);
+  if (driver != nullptr) report.driven = driver->counts();
   report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
   fmt::print("{}", format_table(report));
   int exit_code = kExitFine;

@@ -134,6 +134,17 @@ Json to_json(const RunReport& report) {
   json["threads"] = report.threads;
   json["wall_s"] = summary.wall_s;
   json["realtime_factor"] = summary.realtime_factor;
+  for (const DriveReceiver::Counts& driven : report.driven)
+    json["driven"].push_back({{"group", driven.group},
+                              {"channel", driven.channel},
+                              {"messages", driven.messages},
+                              {"frames", driven.frames},
+                              {"frames_held", driven.frames_held},
+                              {"missing", driven.missing},
+                              {"late", driven.late},
+                              {"refused", driven.refused},
+                              {"refusal", driven.refusal},
+                              {"clamped", driven.clamped}});
   if (report.pace.factor > 0)
     json["pace"] = {{"factor", report.pace.factor},
                     {"late_frames", report.pace.late_frames},
@@ -213,6 +224,13 @@ std::string format_table(const RunReport& report) {
     line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
                                traffic.entered, traffic.left, traffic.present, traffic.waiting,
                                traffic.to_come));
+  for (const DriveReceiver::Counts& driven : report.driven)
+    line("driven",
+         fmt::format("{} by {}: {} messages, {} missing, {} late, {} refused{}; the last "
+                     "pose held in {} of {} frames; {} values out of range",
+                     driven.group, driven.channel, driven.messages, driven.missing, driven.late,
+                     driven.refused, driven.refusal.empty() ? "" : " (" + driven.refusal + ")",
+                     driven.frames_held, driven.frames, driven.clamped));
   if (report.pace.factor > 0)
     line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
                              "{:.0f} ms, {:.0f} ms behind at the end",

@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "lcmtypes/drive_receiver.h"
 #include "scenes/contacts/contact_statistics.h"
 #include "scenes/runner.h"
 
@@ -37,7 +39,8 @@ struct RunReport {
     double behind_s = 0;  ///< at the end
   };
   Pace pace;
-  std::string log;  ///< path, or "off"
+  std::vector<DriveReceiver::Counts> driven;  ///< one a driven group
+  std::string log;                            ///< path, or "off"
   uint64_t log_bytes = 0;
 
   struct Contacts {

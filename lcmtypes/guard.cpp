@@ -93,6 +93,13 @@ void walk(Cursor& c, const parts_t*) {
   c.skip(4);
 }
 
+void walk(Cursor& c, const drive_t*) {
+  c.skip(8 + 8 + 8 + 4);
+  constexpr size_t kPerAvatar = 4 + 3 * 8 + 4 * 4 + 2 * 4;
+  c.array(c.count(kPerAvatar), kPerAvatar);
+  c.array(c.count(8), 8);
+}
+
 void walk_mesh(Cursor& c) {
   c.array(c.count(4), 4);
   c.array(c.count(4), 4);
@@ -281,6 +288,22 @@ std::string decode(std::span<const uint8_t> bytes, end_t& out) {
 
 std::string decode(std::span<const uint8_t> bytes, parts_t& out) {
   return decode_message(Channel::kParts, bytes, out);
+}
+
+std::string decode(std::span<const uint8_t> bytes, drive_t& out) {
+  if (bytes.size() < 8 || bytes.size() > kMaxMessageBytes)
+    return fmt::format("{} bytes, expected 8 to {}", bytes.size(), kMaxMessageBytes);
+  if (get_big_endian<int64_t>(bytes.data()) != drive_t::getHash())
+    return fmt::format("fingerprint {:016x}, this program's drive_t has {:016x}: another version?",
+                       get_big_endian<uint64_t>(bytes.data()),
+                       static_cast<uint64_t>(drive_t::getHash()));
+  std::string defect = lengths_of<drive_t>(bytes);
+  if (defect.empty()) defect = decode_walked(bytes, out);
+  if (!defect.empty()) return defect;
+  if (out.schema != kSchema)
+    return fmt::format("schema {}, this program reads {}", out.schema, kSchema);
+  if (out.seq < 0 || out.seq > kMaxNumber) return fmt::format("seq {}", out.seq);
+  return "";
 }
 
 std::string decode(std::span<const uint8_t> bytes, run_description_t& out) {

@@ -9,6 +9,7 @@
 
 #include "lcmtypes/channels.h"
 #include "throng/counters_t.hpp"
+#include "throng/drive_t.hpp"
 #include "throng/end_t.hpp"
 #include "throng/events_t.hpp"
 #include "throng/parts_t.hpp"
@@ -51,6 +52,9 @@ std::string decode(std::span<const uint8_t> bytes, parts_t& out);
 
 /// The description that the pieces of THRONG_RUN add up to; checked by defect_of() as well.
 std::string decode(std::span<const uint8_t> bytes, run_description_t& out);
+
+/// What moves a driven group; every list has as many items as it says.
+std::string decode(std::span<const uint8_t> bytes, drive_t& out);
 
 /// Header and lengths of the message that belongs on `channel`; what is wrong, or "".
 std::string check_message(Channel channel, std::span<const uint8_t> bytes);

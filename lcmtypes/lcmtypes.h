@@ -3,6 +3,7 @@
 
 #include "lcmtypes/channels.h"
 #include "lcmtypes/description.h"
+#include "lcmtypes/drive_receiver.h"
 #include "lcmtypes/encoder.h"
 #include "lcmtypes/guard.h"
 #include "lcmtypes/inbox.h"

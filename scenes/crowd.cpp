@@ -96,6 +96,19 @@ void Crowd::step() {
   ++steps_;
 }
 
+void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
+                  const Eigen::Vector2d& velocity_mps) {
+  walked_m_[id] = (position_m - positions_m_[id]).norm();
+  positions_m_[id] = position_m;
+  headings_[id] = heading;
+  velocities_mps_[id] = smooth_velocities_mps_[id] = intents_mps_[id] = velocity_mps;
+  old_velocities_mps_[id] = next_velocities_mps_[id] = velocity_mps;
+  drifts_mps_[id].setZero();
+  // Who is driven is not stuck, however long it stands.
+  anchors_m_[id] = position_m;
+  anchor_steps_[id] = steps_;
+}
+
 void Crowd::move(uint32_t id) {
   const auto part = static_cast<double>(steps_ % steps_a_decision_);
   const Eigen::Vector2d change = next_velocities_mps_[id] - old_velocities_mps_[id];

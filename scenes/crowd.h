@@ -56,6 +56,10 @@ class Crowd {
 
   /// Advances by step_s. Allocates nothing.
   void step();
+  /// Puts somebody where something outside wants them, after the step that steering took; others
+  /// keep clear of the disc as of any other, reckoning with its velocity.
+  void drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
+             const Eigen::Vector2d& velocity_mps);
 
   /// One decision of everybody, without moving: what step() does ten times a second.
   void decide();

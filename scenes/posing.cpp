@@ -36,6 +36,12 @@ void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offse
 
 void Posing::postures(uint32_t first, uint32_t count, std::span<float> rows) const {
   const Gait& gait = gaits_[states_.types[first]];
+  if (is_held(first)) {
+    const auto columns = static_cast<size_t>(gait.column_count());
+    for (size_t i = 0; i < count; ++i)
+      std::copy_n(states_.held_rows[first + i], columns, rows.data() + i * columns);
+    return;
+  }
   gait.postures({states_.phases.data() + first, count}, {states_.speeds_mps.data() + first, count},
                 {states_.scales.data() + first, count}, rows);
 }
@@ -47,6 +53,11 @@ void Posing::gather_rows(std::span<const uint32_t> bodies, size_t type,
     for (size_t i = 0; i < bodies.size(); ++i)
       std::copy_n(rows_.begin() + static_cast<ptrdiff_t>(row_offsets_[bodies[i]]), columns,
                   rows.begin() + static_cast<ptrdiff_t>(i * columns));
+    return;
+  }
+  if (is_held(bodies.front())) {  // all of a type are, or none
+    for (size_t i = 0; i < bodies.size(); ++i)
+      std::copy_n(states_.held_rows[bodies[i]], columns, rows.data() + i * columns);
     return;
   }
   std::array<float, kMaxBatch> phases;

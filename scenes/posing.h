@@ -20,6 +20,9 @@ struct BodyStates {
   std::vector<RootPose> roots;
   std::vector<float> scales;
   // Avatars only.
+  /// The posture row of an avatar that something outside moves, null for others; empty if there are
+  /// none.
+  std::vector<const float*> held_rows;
   std::vector<float> phases;
   std::vector<float> speeds_mps;
 };
@@ -54,6 +57,9 @@ class Posing : public PoseSource {
 
  private:
   void poses_of(std::span<const uint32_t> bodies, std::span<PartPose> out) const;
+  bool is_held(uint32_t body) const {
+    return !states_.held_rows.empty() && states_.held_rows[body] != nullptr;
+  }
   void gather_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const;
 
   std::vector<std::shared_ptr<const Model>> models_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <numbers>
 #include <set>
 
@@ -174,6 +175,7 @@ class SceneReader {
       read_start(fields, group);
       bodies += group.count;
       require_few(*item, bodies);
+      read_driven(fields, group);
       read_routes(fields, scene_.ground, group);
       bodies += group.total() - group.count;
       require_few(*item, bodies);
@@ -184,6 +186,11 @@ class SceneReader {
         group.height_m = read_distribution(file_, *node, "height_m", group.height_m, kHeightRange);
       group.radius_m = fields.number_or("radius_m", kRadiusRange, 0);
       read_model(fields, group);
+      if (!group.driven.empty() && fields.find("height_m") == nullptr) {
+        // What is driven is as large as its model.
+        const auto height_m = static_cast<double>(group.body->height_m);
+        group.height_m = {height_m, 0, height_m, height_m};
+      }
       fields.done();
       scene_.groups.push_back(std::move(group));
     }
@@ -206,6 +213,22 @@ class SceneReader {
       group.spawn = read_area(file_, fields.require("spawn"), "spawn", scene_.ground);
     else
       group.spawn = scene_.ground;
+  }
+
+  void read_driven(Fields& fields, Group& group) {
+    const YamlNode* node = fields.find("driven");
+    if (node == nullptr) return;
+    group.driven = fields.text("driven");
+    const auto is_fine = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+    };
+    // liblcm refuses channels of more than 63 characters.
+    if (group.driven.empty() || group.driven.size() > 63 || group.driven.starts_with("THRONG_") ||
+        !std::all_of(group.driven.begin(), group.driven.end(), is_fine))
+      throw InputError(fields.where(*node),
+                       "an LCM channel of your own for 'driven': 1 to 63 letters, digits or '_', "
+                       "not beginning with THRONG_",
+                       fmt::format("'{}'", group.driven));
   }
 
   fs::path model_file(Fields& fields) {
@@ -354,6 +377,7 @@ uint64_t content_hash_of(const Scene& scene) {
     add_distribution(group.speed_mps);
     add_distribution(group.height_m);
     hash.add(group.radius_m);
+    if (!group.driven.empty()) hash.add("driven").add(group.driven);
   }
   if (scene.box) {
     const PartsBox& box = *scene.box;

@@ -80,6 +80,9 @@ struct Group {
   Distribution speed_mps{1.34, 0.26, 0.5, 2.2};   // Weidmann 1993
   Distribution height_m{1.70, 0.09, 1.45, 2.00};  // ANSUR II, men and women mixed
   double radius_m = 0;                            ///< of the steering disc; 0: from the height
+  /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
+  /// goal, its spawn area, and no sources.
+  std::string driven;
 
   /// Everybody there may ever be.
   int64_t total() const {

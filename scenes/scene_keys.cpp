@@ -13,7 +13,7 @@ const std::vector<std::pair<std::string_view, std::vector<std::string>>>& scene_
       {"steering", {"model", "density_speed"}},
       {"group",
        {"name", "count", "spawn", "sources", "goals", "on_arrival", "delay_s", "model", "speed_mps",
-        "height_m", "radius_m"}},
+        "height_m", "radius_m", "driven"}},
       {"goal", {"min_m", "max_m", "nearest_of", "wait_s", "pass"}},
       {"source", {"area", "count", "rate_per_s", "start_s", "random"}},
       {"obstacle",

@@ -90,6 +90,14 @@ std::vector<const YamlNode*> items_of(Fields& fields, const std::string& key, bo
 }
 
 void read_routes(Fields& fields, const Rectangle& ground, Group& group) {
+  if (!group.driven.empty()) {
+    for (const char* key : {"goals", "on_arrival", "sources", "delay_s"})
+      if (const YamlNode* node = fields.find(key))
+        throw InputError(fields.where(*node), "no goals and no sources for a driven group",
+                         fmt::format("'{}'", key));
+    group.goals.emplace_back().areas.push_back(group.spawn);
+    return;
+  }
   for (const YamlNode* goal : items_of(fields, "goals", true))
     group.goals.push_back(read_goal(fields.file(), *goal, ground));
   group.on_arrival = read_on_arrival(fields);

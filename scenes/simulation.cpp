@@ -10,6 +10,7 @@
 
 #include "base/errors.h"
 #include "scenes/box_world.h"
+#include "scenes/drive.h"
 #include "scenes/hasher.h"
 #include "scenes/loose_parts.h"
 #include "scenes/posing.h"
@@ -46,12 +47,20 @@ Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
   return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
 }
 
-std::shared_ptr<const BodyType> person_type(const Model& model, const Gait& gait) {
+RootSphere gait_sphere(const Gait& gait) {
+  return {gait.sphere_centre_m(), gait.sphere_radius_m(), gait.upright_radius_m()};
+}
+
+/// Holds whatever posture may come.
+RootSphere driven_sphere(const Model& model) {
+  const float reach_m = reach_of(model) + kSphereSlack_m;
+  return {Eigen::Vector3f::Zero(), reach_m, reach_m};
+}
+
+std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere) {
   std::vector<PartShape> shapes;
   for (const Part& part : model.parts) shapes.push_back({part.mesh.vertices, part.mesh.triangles});
-  return std::make_shared<BodyType>(
-      std::move(shapes),
-      RootSphere{gait.sphere_centre_m(), gait.sphere_radius_m(), gait.upright_radius_m()}, false);
+  return std::make_shared<BodyType>(std::move(shapes), sphere, false);
 }
 
 std::shared_ptr<const BodyType> obstacle_type(const Obstacle& obstacle) {
@@ -84,18 +93,29 @@ Scene with_bodies(Scene scene) {
   return scene;
 }
 
-std::vector<std::shared_ptr<const Model>> models_of(const Scene& scene) {
-  if (scene.box) return loose_parts(*scene.box->body);
+/// The kinds of avatars: models, and which of them each group has.
+struct Kinds {
   std::vector<std::shared_ptr<const Model>> models;
+  std::vector<uint16_t> of_group;
+};
+
+Kinds kinds_of(const Scene& scene) {
+  if (scene.box) return {loose_parts(*scene.box->body), {}};
+  Kinds kinds;
+  std::vector<const Model*> walking;  // by kind; null for a driven one, whose bounds are its own
   for (const Group& group : scene.groups) {
     if (group.body->part_count() < 1 || group.body->part_count() > BodyType::kMaxParts)
       throw InputError(group.model.string(),
                        fmt::format("a model of 1 to {} parts", BodyType::kMaxParts),
                        fmt::format("{}", group.body->part_count()));
-    if (std::find(models.begin(), models.end(), group.body) == models.end())
-      models.push_back(group.body);
+    auto kind = walking.end();
+    if (group.driven.empty()) kind = std::find(walking.begin(), walking.end(), group.body.get());
+    kinds.of_group.push_back(static_cast<uint16_t>(kind - walking.begin()));
+    if (kind != walking.end()) continue;
+    walking.push_back(group.driven.empty() ? group.body.get() : nullptr);
+    kinds.models.push_back(group.body);
   }
-  return models;
+  return kinds;
 }
 
 std::optional<BoxWorld> box_of(const Scene& scene,
@@ -123,6 +143,7 @@ struct Simulation::State {
   void place_bodies();
   void place_people();
   void place_parts();
+  void place_driven();
   void describe_run();
   void cut_blocks();
   void move();
@@ -142,7 +163,8 @@ struct Simulation::State {
   SimulationOptions options;
   Scene scene;
   Workers workers;
-  std::vector<std::shared_ptr<const Model>> models;
+  Kinds kinds;
+  const std::vector<std::shared_ptr<const Model>>& models;  ///< of kinds
   Ways ways;
   Spawned spawned;
   Crowd crowd;
@@ -150,6 +172,8 @@ struct Simulation::State {
   size_t avatars;               ///< people, or parts in the box
   BodyStates bodies;
   Posing posing;
+  DrivenAvatars driven;
+  std::vector<bool> is_driven_kind;  ///< by kind
   std::vector<uint32_t> ids;
   BodyStates there;  ///< of bodies that are in the scene, where some may be absent
   std::vector<uint32_t> there_ids;
@@ -169,7 +193,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
     : options(options_in),
       scene(with_bodies(std::move(scene_in))),
       workers(options.threads),
-      models(models_of(scene)),
+      kinds(kinds_of(scene)),
+      models(kinds.models),
       ways(scene, workers),
       spawned(spawn(scene, ways)),
       crowd(ways, spawned.people, {scene.seed, scene.step_s, scene.steering, options.simd},
@@ -180,9 +205,11 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   place_bodies();
   describe_run();
   cut_blocks();
+  place_driven();
   std::vector<std::shared_ptr<const BodyType>> types;
   for (size_t i = 0; i < models.size(); ++i)
-    types.push_back(person_type(*models[i], posing.gait(i)));
+    types.push_back(body_type(
+        *models[i], is_driven_kind[i] ? driven_sphere(*models[i]) : gait_sphere(posing.gait(i))));
   for (const Obstacle& obstacle : scene.obstacles) types.push_back(obstacle_type(obstacle));
   CullerOptions culling;
   culling.part_volume = scene.part_volume;
@@ -205,8 +232,7 @@ void Simulation::State::place_parts() {
 void Simulation::State::place_people() {
   for (const Person& person : spawned.people) {
     const std::shared_ptr<const Model>& body = scene.groups[person.group].body;
-    const auto type = std::find(models.begin(), models.end(), body) - models.begin();
-    bodies.types.push_back(static_cast<uint16_t>(type));
+    bodies.types.push_back(kinds.of_group[person.group]);
     bodies.scales.push_back(
         static_cast<float>(person.height_m / static_cast<double>(body->height_m)));
     bodies.phases.push_back(static_cast<float>(person.phase));
@@ -234,6 +260,29 @@ void Simulation::State::place_bodies() {
   there.roots.reserve(ids.size());
 }
 
+void Simulation::State::place_driven() {
+  is_driven_kind.assign(models.size(), false);
+  if (box) return;
+  for (uint32_t id = 0; id < avatars; ++id) {
+    const Person& person = spawned.people[id];
+    if (scene.groups[person.group].driven.empty()) continue;
+    const Eigen::Vector2d& at = person.position_m;
+    is_driven_kind[bodies.types[id]] = true;
+    driven.add(id, models[bodies.types[id]]->kinematics,
+               {{at.x(), at.y(), 0}, turned_to(person.heading)});
+  }
+  if (driven.empty()) return;
+  bodies.held_rows.assign(avatars, nullptr);
+  driven.hold(bodies.held_rows);
+  driven.lead(crowd);
+  for (const Group& group : scene.groups)
+    if (!group.driven.empty())
+      spawned.notes.push_back(fmt::format(
+          "group '{}' is driven by what comes on LCM channel {}: the events of this run "
+          "depend on that, too",
+          group.name, group.driven));
+}
+
 void Simulation::State::describe_run() {
   const auto count = static_cast<ptrdiff_t>(avatars);
   info.scene = &scene;
@@ -256,6 +305,7 @@ void Simulation::State::describe_run() {
   for (const Person& person : spawned.people)
     info.group_of_avatar.push_back(static_cast<uint16_t>(person.group));
   info.drive_channels.resize(info.groups.size());
+  for (size_t g = 0; g < scene.groups.size(); ++g) info.drive_channels[g] = scene.groups[g].driven;
   info.part_volume = scene.part_volume;
   info.exact = scene.exact;
 }
@@ -278,6 +328,7 @@ void Simulation::State::move() {
     box->step();
   else
     crowd.step();
+  driven.lead(crowd);
 }
 
 void Simulation::State::update_parts() {
@@ -405,6 +456,7 @@ const Frame& Simulation::step() {
   const bool moved = s.frames > 0;
   if (moved) s.move();
   s.update_bodies(moved);
+  s.driven.place(s.bodies.roots);
   const double steering_ns = nanoseconds_since(start);
   const auto before_postures = Clock::now();
   if (s.options.postures) s.update_postures();
@@ -415,6 +467,10 @@ const Frame& Simulation::step() {
   ++s.frames;
   s.times.frame_ns = nanoseconds_since(start);
   return s.frame;
+}
+
+int Simulation::drive(uint32_t avatar, const DrivenPose& pose) {
+  return state_->driven.drive(avatar, pose, state_->scene.ground);
 }
 
 RunEnd Simulation::finish() {

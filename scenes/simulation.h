@@ -9,6 +9,7 @@
 
 #include "base/workers.h"
 #include "scenes/crowd.h"
+#include "scenes/drive.h"
 #include "scenes/scene.h"
 #include "scenes/sink.h"
 
@@ -51,6 +52,13 @@ class Simulation {
   const Frame& step();
   /// Ends every pair that still touches.
   RunEnd finish();
+
+  /// Moves an avatar of a driven group from the next step on; until then, and for as long as
+  /// nothing new comes, it holds its pose. What lies outside the ground or the joints' limits is
+  /// set to the nearest that does not; returns how many numbers were. -1, and nothing happens, if
+  /// the avatar is not driven or the number of joints is not its model's (none leaves them as they
+  /// are).
+  int drive(uint32_t avatar, const DrivenPose& pose);
 
   FrameTimes& times();  ///< the runner adds publish_ns and frame_ns here
 

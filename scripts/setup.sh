@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that Throng builds on, as root or through sudo. Does nothing when
-# all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with.
+# all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh
+# test` what only tests need.
 set -euo pipefail
 
 packages=(
@@ -21,12 +22,15 @@ packages=(
   # tests
   libgtest-dev libgmock-dev
 )
+# The message types for Python and Java, and lcm-spy.
+test_packages=(python3-minimal openjdk-17-jdk-headless liblcm-java libjchart2d-java)
 bench_packages=(libembree-dev libbullet-dev libcgal-dev libode-dev libbenchmark-dev)
 
 case "${1:-}" in
   "") ;;
   bench) packages+=("${bench_packages[@]}") ;;
-  *) echo "scripts/setup.sh: expected no argument or 'bench', found '$1'" >&2; exit 2 ;;
+  test) packages+=("${test_packages[@]}") ;;
+  *) echo "scripts/setup.sh: expected no argument, 'bench' or 'test', found '$1'" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null; then

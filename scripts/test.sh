@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 preset=${1:-release}
-bash scripts/setup.sh
+bash scripts/setup.sh test
 bash scripts/build.sh "$preset"
 
 # Sanitizers are for finding faults: the first one ends the test that has it.

@@ -1,8 +1,10 @@
 #!/bin/sh
-# The C++ example in the documentation is the program that is built and run here, to the letter.
+# An example in the documentation is the program that is built and run here, to the letter: the block
+# that begins with ```LANGUAGE NAME.
 set -eu
-doc=$1 program=$2
-awk '/^```cpp$/ { inside = 1; next } /^```$/ { inside = 0 } inside' "$doc" | diff - "$program" || {
-  echo "$doc and $program differ"
+doc=$1 block=$2 program=$3
+awk -v fence='```'"$block" '$0 == fence { inside = 1; next } /^```$/ { inside = 0 } inside' "$doc" |
+  diff - "$program" || {
+  echo "$doc: the block '$block' and $program differ"
   exit 1
 }
