@@ -34,6 +34,7 @@ struct Gait::Table : GaitTable {
   float highest_root_speed = 0;
   float speed_cells_per_root_speed = 0;
   float strides_per_root_speed = 0;
+  std::vector<RootBox> boxes;  // see boxes_around()
 
   void set_row(int speed, int phase, const std::vector<double>& posture) {
     for (int c = 0; c < columns; ++c)
@@ -46,6 +47,19 @@ struct Gait::Table : GaitTable {
   float root_speed(float speed_mps, float scale) const {
     const float relative = std::max(speed_mps, 0.0f) / (leg_length_m * scale);
     return std::min(std::sqrt(relative), highest_root_speed);
+  }
+
+  // Where a posture lies between the nodes.
+  struct Place {
+    int speed, phase;
+    float u, v;  // shares of the next phase and the next speed
+  };
+  Place place(float phase01, float speed_mps, float scale) const {
+    const float x = phase01 * static_cast<float>(phases);
+    const float y = root_speed(speed_mps, scale) * speed_cells_per_root_speed;
+    const int phase = std::clamp(static_cast<int>(x), 0, phases - 1);
+    const int speed = std::clamp(static_cast<int>(y), 0, speeds - 2);
+    return {speed, phase, x - static_cast<float>(phase), y - static_cast<float>(speed)};
   }
 };
 
@@ -75,6 +89,7 @@ Gait::Gait(const Model& model) : column_count_(model.kinematics.column_count()) 
   sphere_centre_m_.z() = static_cast<float>(sphere.centre_z_m);
   sphere_radius_m_ = static_cast<float>(sphere.radius_m);
   upright_radius_m_ = static_cast<float>(sphere.upright_radius_m);
+  table_->boxes = boxes_around(posable, *table_);
 }
 
 Gait::~Gait() = default;
@@ -100,12 +115,8 @@ void Gait::postures(std::span<const float> phases, std::span<const float> speeds
     return;
   }
   for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += columns) {
-    const float x = phases[avatar] * static_cast<float>(table.phases);
-    const float y =
-        table.root_speed(speeds_mps[avatar], scales[avatar]) * table.speed_cells_per_root_speed;
-    const int phase = std::clamp(static_cast<int>(x), 0, table.phases - 1);
-    const int speed = std::clamp(static_cast<int>(y), 0, table.speeds - 2);
-    const float u = x - static_cast<float>(phase), v = y - static_cast<float>(speed);
+    const auto [speed, phase, u, v] =
+        table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
     const float* a = table.row(speed, phase);
     const float* b = a + table.row_floats;
     const float* c = table.row(speed + 1, phase);
@@ -114,6 +125,26 @@ void Gait::postures(std::span<const float> phases, std::span<const float> speeds
       const float slow = a[i] + u * (b[i] - a[i]);
       const float fast = c[i] + u * (d[i] - c[i]);
       out[i] = slow + v * (fast - slow);
+    }
+  }
+}
+
+void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_mps,
+                  std::span<const float> scales, std::span<RootBox> boxes) const {
+  assert(speeds_mps.size() == phases.size() && scales.size() == phases.size());
+  assert(boxes.size() == phases.size());
+  const Table& table = *table_;
+  for (size_t avatar = 0; avatar < phases.size(); ++avatar) {
+    size_t cell = 0;
+    if (table.leg_length_m != 0) {
+      const Table::Place at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
+      cell = static_cast<size_t>(at.speed) * static_cast<size_t>(table.phases) +
+             static_cast<size_t>(at.phase);
+    }
+    const RootBox& box = table.boxes[cell];
+    for (int axis = 0; axis < 3; ++axis) {
+      boxes[avatar].min_m[axis] = scales[avatar] * box.min_m[axis];
+      boxes[avatar].max_m[axis] = scales[avatar] * box.max_m[axis];
     }
   }
 }

@@ -31,6 +31,11 @@ class Gait {
   void postures(std::span<const float> phases, std::span<const float> speeds_mps,
                 std::span<const float> scales, std::span<float> rows) const;
 
+  /// Writes a box each that holds every part in the posture that postures() gives for the same
+  /// phase, speed and scale; looked up, not computed. No allocation.
+  void bounds(std::span<const float> phases, std::span<const float> speeds_mps,
+              std::span<const float> scales, std::span<RootBox> boxes) const;
+
   /// A sphere in the root frame (metres, unscaled) that bounds every part in every posture the gait
   /// can produce: its centre lies on the root's z axis, the radius includes the interpolation
   /// error.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "avatars/gait_table.h"
+#include "culling/slabs.h"
 
 namespace throng {
 namespace {
@@ -238,7 +239,74 @@ double farthest_m(const PosableModel& model, const GaitTable& table,
   return std::ceil((farthest + kFloatMargin) / kGrain) * kGrain;
 }
 
+// A part's slabs in its link's frame: its box in any pose, without its vertices.
+struct BoundedPart {
+  size_t link;
+  double stray;
+  Slabs slabs;
+
+  Eigen::AlignedBox3d box(const Isometry3d& pose) const {
+    Vector3d middle, half;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Slab extent = slabs.bound<26>(pose.linear().row(axis).transpose().cast<float>());
+      middle[axis] = pose.translation()[axis] + static_cast<double>(extent.centre);
+      half[axis] = static_cast<double>(extent.half) + stray;
+    }
+    return {middle - half, middle + half};
+  }
+};
+
+std::vector<BoundedPart> bounded_parts(const PosableModel& model, const GaitTable& table) {
+  std::vector<BoundedPart> parts;
+  for (const Part& part : model.model().parts)
+    if (!part.mesh.vertices.empty())
+      parts.push_back({static_cast<size_t>(part.link),
+                       stray_between_nodes(Sagitta(model, part), table),
+                       Slabs::around(part.mesh.vertices)});
+  return parts;
+}
+
+RootBox root_box(const Eigen::AlignedBox3d& box) {
+  RootBox out{};
+  if (box.isEmpty()) return out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.min_m[axis] =
+        static_cast<float>(std::floor((box.min()[axis] - kFloatMargin) / kGrain) * kGrain);
+    out.max_m[axis] =
+        static_cast<float>(std::ceil((box.max()[axis] + kFloatMargin) / kGrain) * kGrain);
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<RootBox> boxes_around(const PosableModel& model, const GaitTable& table) {
+  const std::vector<BoundedPart> parts = bounded_parts(model, table);
+  const int speeds = std::max(table.speeds - 1, 1);
+  std::vector<Eigen::AlignedBox3d> cells(static_cast<size_t>(speeds) *
+                                         static_cast<size_t>(table.phases));
+  const auto cell = [&](int speed, int phase) -> Eigen::AlignedBox3d& {
+    return cells[static_cast<size_t>(speed) * static_cast<size_t>(table.phases) +
+                 static_cast<size_t>(phase)];
+  };
+  std::vector<Isometry3d> links;
+  for (int step = 0; step < speed_steps(table); ++step) {
+    // A node belongs to the cells before and behind it.
+    const int fast = step / kSpeedSplit, slow = step % kSpeedSplit == 0 ? fast - 1 : fast;
+    for (int phase = 0; phase <= table.phases; ++phase) {
+      model.pose(columns_at(table, step, phase), links);
+      Eigen::AlignedBox3d node;
+      for (const BoundedPart& part : parts) node.extend(part.box(links[part.link]));
+      for (int s = std::max(slow, 0); s <= std::min(fast, speeds - 1); ++s)
+        for (int p = std::max(phase - 1, 0); p <= std::min(phase, table.phases - 1); ++p)
+          cell(s, p).extend(node);
+    }
+  }
+  std::vector<RootBox> boxes;
+  boxes.reserve(cells.size());
+  for (const Eigen::AlignedBox3d& box : cells) boxes.push_back(root_box(box));
+  return boxes;
+}
 
 GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
   const Vector3d centre(0, 0, std::nearbyint(centre_height(model, table) / kGrain) * kGrain);

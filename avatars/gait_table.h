@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "avatars/gait_pose.h"
+#include "base/pose.h"
 
 namespace throng {
 
@@ -44,5 +45,9 @@ struct GaitSphere {
 /// Holds every vertex of every part in every posture between the nodes; centred on the root's z
 /// axis where the radius is smallest.
 GaitSphere sphere_around(const PosableModel& model, const GaitTable& table);
+
+/// A box in the root frame for each cell between the nodes (speed-major, max(speeds - 1, 1) times
+/// phases): holds every vertex of every part in every posture of that cell.
+std::vector<RootBox> boxes_around(const PosableModel& model, const GaitTable& table);
 
 }  // namespace throng

@@ -21,6 +21,13 @@ struct RootPose {
   Eigen::Quaternionf world_from_root = Eigen::Quaternionf::Identity();
 };
 
+/// A box in a body's root frame, metres, its scale included; unknown unless filled in.
+struct RootBox {
+  float min_m[3] = {1, 1, 1};
+  float max_m[3] = {-1, -1, -1};
+  bool is_known() const { return min_m[0] <= max_m[0]; }
+};
+
 inline PartPose to_part_pose(const Eigen::Isometry3d& pose) {
   PartPose out;
   for (int r = 0; r < 3; ++r)

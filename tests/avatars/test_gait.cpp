@@ -241,6 +241,48 @@ TEST(Gait, TheSphereAndTheCylinderHoldEveryVertexAndAreNoLargerThanTheyMust) {
   EXPECT_LT(walking.gait.sphere_radius_m() - farthest, 0.015f) << "farthest vertex " << farthest;
 }
 
+TEST(Gait, TheBoundsHoldEveryVertexOfTheirPostureAndAreTighterThanTheSphere) {
+  const Walking& walking = Walking::adult();
+  float bounds_area = 0;
+  for (uint32_t i = 0; i < 1500; ++i) {
+    const float phase = random_float(3 * i, 0, 1), speed = random_float(3 * i + 1, 0, 2.4f);
+    const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
+    const float scale = 1;
+    RootBox box;
+    walking.gait.bounds({&phase, 1}, {&speed, 1}, {&scale, 1}, {&box, 1});
+    ASSERT_TRUE(box.is_known());
+    for (size_t part = 0; part < poses.size(); ++part) {
+      const Eigen::Isometry3f pose = to_isometry(poses[part]).cast<float>();
+      for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
+        const Eigen::Vector3f placed = pose * vertex;
+        for (int axis = 0; axis < 3; ++axis) {
+          ASSERT_GE(placed[axis], box.min_m[axis])
+              << walking.model->parts[part].name << ", axis " << axis << ", phase " << phase << ", "
+              << speed << " m/s, seed " << kSeed;
+          ASSERT_LE(placed[axis], box.max_m[axis])
+              << walking.model->parts[part].name << ", axis " << axis << ", phase " << phase << ", "
+              << speed << " m/s, seed " << kSeed;
+        }
+      }
+    }
+    bounds_area += (box.max_m[0] - box.min_m[0]) * (box.max_m[1] - box.min_m[1]) / 1500;
+  }
+  const float upright_m = walking.gait.upright_radius_m();
+  EXPECT_LT(bounds_area, 0.5f * std::numbers::pi_v<float> * upright_m * upright_m);
+}
+
+TEST(Gait, BoundsGrowWithTheBody) {
+  const Walking& walking = Walking::adult();
+  const float phase = 0.3f, speed = 0, small = 0.5f, large = 1;
+  RootBox half, whole;
+  walking.gait.bounds({&phase, 1}, {&speed, 1}, {&small, 1}, {&half, 1});
+  walking.gait.bounds({&phase, 1}, {&speed, 1}, {&large, 1}, {&whole, 1});
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(half.min_m[axis], 0.5f * whole.min_m[axis]);
+    EXPECT_EQ(half.max_m[axis], 0.5f * whole.max_m[axis]);
+  }
+}
+
 TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
   const std::shared_ptr<const Model> cart =
       load_model(std::filesystem::path(THRONG_GAIT_FIXTURES) / "gait_cart.urdf");
