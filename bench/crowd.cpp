@@ -71,4 +71,15 @@ void Crowd::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) con
   forward_kinematics(model_->kinematics, rows, {frames.data(), n}, out, simd);
 }
 
+void Crowd::bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const {
+  std::array<float, kMaxBatch> phases, speeds, scales;
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    phases[i] = phases_[bodies[i]];
+    speeds[i] = speeds_[bodies[i]];
+    scales[i] = scales_[bodies[i]];
+  }
+  const size_t n = bodies.size();
+  gait_.bounds({phases.data(), n}, {speeds.data(), n}, {scales.data(), n}, out);
+}
+
 }  // namespace throng::bench

@@ -31,6 +31,7 @@ class Crowd : public PoseSource {
   /// The one body type, fitted to the model; a fresh one at each call.
   std::shared_ptr<const BodyType> body_type() const;
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
+  void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override;
 
   int count() const { return static_cast<int>(ids_.size()); }
   const Model& model() const { return *model_; }

@@ -16,7 +16,7 @@ BodyType::BodyType(std::vector<PartShape> parts, const RootSphere& sphere, bool 
   assert(!parts_.empty() && parts_.size() <= kMaxParts);
   for (const PartShape& part : parts_) {
     volumes_->slabs.push_back(Slabs::around(part.points));
-    volumes_->ordops.emplace_back(volumes_->slabs.back());
+    volumes_->ordops.emplace_back(part.points);
     volumes_->spheres.push_back(Sphere::fit(part.points));
     volumes_->aabbs.push_back(Aabb::fit(part.points));
     volumes_->obbs.push_back(Obb::fit(part.points));

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
-#include <numeric>
 #include <utility>
 
+#include "base/counting_sort.h"
 #include "base/errors.h"
 #include "culling/broad_phase.h"
 #include "culling/deadline.h"
@@ -17,9 +17,10 @@
 namespace throng {
 namespace {
 
-constexpr size_t kPairsPerTask =
-    8192;                             // sphere pairs a task of the narrow phase: fills the buckets
-constexpr size_t kSortBodies = 4096;  // bodies a task when keys are sorted
+// A task of the narrow phase: enough candidates to fill the registers of most buckets, few enough
+// bodies for their poses and boxes (1.2 kB a person) to stay in a core's cache.
+constexpr size_t kTaskPairs = 3072, kTaskBlocks = 8;
+constexpr size_t kSortBodies = 1024;  // bodies a task when keys are sorted and compared
 
 }  // namespace
 
@@ -28,12 +29,15 @@ struct Culler::State {
         Workers& pool);
 
   void plan_tasks();
-  PartStageFrame part_stage_frame();
-  void refine();
+  PartStageFrame part_stage_frame() const {
+    return {types,    shape_type,          type_first_shape, type_parts,
+            &kernels, options.part_volume, options.exact};
+  }
+  void refine(const PoseSource& source);
   void refine_by_urgency(std::chrono::steady_clock::time_point start, const BodiesView& bodies,
-                         const PoseSource& poses);
-  void sort_keys(size_t bodies);
-  void take_events(const BodiesView& bodies);
+                         const PoseSource& source);
+  void sort_runs(size_t bodies);
+  void write_pairs(const BodiesView& bodies);
   void hash_events();
   void sum_counters();
   uint64_t times_grown() const;
@@ -48,20 +52,26 @@ struct Culler::State {
 
   Slots slots;
   BroadPhase broad;
-  std::vector<PartStage> stages;  // one a worker
+  // One a worker.
+  std::vector<PartStage> stages;
+  std::vector<PosedBodies> posed;
+  Workers alone{1};  // a task poses its bodies by itself
 
-  /// Consecutive blocks of sphere pairs, and the keys that they yield.
+  /// Consecutive blocks of the broad phase, and what they yield.
   struct Task {
     size_t first = 0, end = 0;
-    GrowBuffer<PairKey> keys;
-    size_t count = 0;
+    PartPairs found;
   };
   std::vector<Task> tasks;
   size_t task_count = 0;
 
-  GrowBuffer<PairKey> sorted;
-  GrowBuffer<uint32_t> start_of_body;
-  size_t sorted_count = 0;
+  /// The keys of a pair of bodies; runs lie in the order of body a.
+  struct SortedRun {
+    uint32_t body_b, count;
+    const PairKey* keys;
+  };
+  GrowBuffer<SortedRun> runs;
+  GrowBuffer<uint32_t> start_of_body, keys_of_block;
   PairEvents events;
   std::unique_ptr<Deadline> deadline;  // null without one
   CullingCounters counters;
@@ -75,9 +85,10 @@ Culler::State::State(std::vector<std::shared_ptr<const BodyType>> body_types,
       options(opts),
       workers(pool),
       kernels(kernels_for(opts.simd)),
-      slots(types, kernels, pool),
+      slots(types),
       broad(types, kernels, pool, opts.pair_search),
-      stages(static_cast<size_t>(pool.threads())) {
+      stages(static_cast<size_t>(pool.threads())),
+      posed(static_cast<size_t>(pool.threads())) {
   size_t shapes = 0;
   for (size_t type = 0; type < types.size(); ++type) {
     if (options.exact && !types[type]->has_triangles())
@@ -93,16 +104,15 @@ Culler::State::State(std::vector<std::shared_ptr<const BodyType>> body_types,
     deadline = std::make_unique<Deadline>(options, workers);
 }
 
-/// Groups the blocks of the broad phase into tasks of about kPairsPerTask pairs.
+/// Groups the blocks of the broad phase into tasks. Depends on the frame alone, as results must.
 void Culler::State::plan_tasks() {
   task_count = 0;
-  size_t pairs = kPairsPerTask;
+  size_t pairs = 0;
   for (size_t block = 0; block < broad.block_count(); ++block) {
-    if (pairs >= kPairsPerTask) {
+    if (task_count == 0 || pairs >= kTaskPairs ||
+        block - tasks[task_count - 1].first >= kTaskBlocks) {
       if (tasks.size() == task_count) tasks.emplace_back();
-      tasks[task_count].first = block;
-      tasks[task_count].count = 0;
-      ++task_count;
+      tasks[task_count++].first = block;
       pairs = 0;
     }
     tasks[task_count - 1].end = block + 1;
@@ -110,33 +120,43 @@ void Culler::State::plan_tasks() {
   }
 }
 
-PartStageFrame Culler::State::part_stage_frame() {
-  const BoxFrame boxes{slots.boxes(), type_parts.data(), type_first_shape.data(),
-                       static_cast<uint32_t>(shape_type.size())};
-  return {types, shape_type, type_first_shape,    slots.data(), slots.poses(),
-          boxes, &kernels,   options.part_volume, options.exact};
-}
-
-void Culler::State::refine() {
+void Culler::State::refine(const PoseSource& source) {
   plan_tasks();
   for (PartStage& stage : stages) stage.clear_counters();
+  for (PosedBodies& bodies : posed) {
+    bodies.clear_counters();
+    bodies.prepare(slots.count());
+  }
   const PartStageFrame shared = part_stage_frame();
   workers.for_blocks(static_cast<int>(task_count), [&](int index, int worker) {
     Task& task = tasks[static_cast<size_t>(index)];
     PartStage& stage = stages[static_cast<size_t>(worker)];
-    stage.begin();
+    PosedBodies& bodies = posed[static_cast<size_t>(worker)];
+    for (size_t block = task.first; block < task.end; ++block) {
+      for (const SlotPair& pair : broad.block(block)) {
+        bodies.need(pair.a);
+        bodies.need(pair.b);
+      }
+    }
+    bodies.pose({types, kernels, slots, source}, alone);
+    stage.begin(shared, bodies);
     for (size_t block = task.first; block < task.end; ++block)
       stage.add(shared, broad.block(block));
-    stage.finish(shared, task.keys, task.count);
+    stage.finish(shared, task.found);
+    bodies.clear();
   });
-  for (PartStage& stage : stages)
-    for (const PartStage& other : stages) stage.reserve_like(other);
+  for (size_t i = 0; i < stages.size(); ++i) {
+    for (size_t other = 0; other < stages.size(); ++other) {
+      stages[i].reserve_like(stages[other]);
+      posed[i].reserve_like(posed[other]);
+    }
+  }
 }
 
 /// The narrow phase under a deadline: poses, refines and takes events by itself.
 void Culler::State::refine_by_urgency(std::chrono::steady_clock::time_point start,
-                                      const BodiesView& bodies, const PoseSource& poses) {
-  deadline->refine(start, bodies, poses, broad, slots, part_stage_frame());
+                                      const BodiesView& bodies, const PoseSource& source) {
+  deadline->refine(start, bodies, {types, kernels, slots, source}, broad, part_stage_frame());
   sum_counters();
   Stopwatch watch;
   deadline->take_events(bodies, events);
@@ -145,36 +165,67 @@ void Culler::State::refine_by_urgency(std::chrono::steady_clock::time_point star
   counters.levels = deadline->reported();
 }
 
-/// Keys by body a with a counting sort, then each body's few by comparison.
-void Culler::State::sort_keys(size_t bodies) {
+/// Runs by body a with a counting sort, then each body's few by body b.
+void Culler::State::sort_runs(size_t bodies) {
+  size_t run_count = 0;
+  for (size_t t = 0; t < task_count; ++t) run_count += tasks[t].found.run_count;
+  runs.resize(run_count);
   start_of_body.resize(bodies + 2);
-  std::fill_n(start_of_body.data(), bodies + 2, 0u);
-  sorted_count = 0;
-  for (size_t t = 0; t < task_count; ++t) {
-    sorted_count += tasks[t].count;
-    for (size_t i = 0; i < tasks[t].count; ++i) ++start_of_body[size_t{tasks[t].keys[i].a()} + 2];
-  }
-  std::partial_sum(start_of_body.data(), start_of_body.data() + bodies + 2, start_of_body.data());
-  sorted.resize(sorted_count);
-  for (size_t t = 0; t < task_count; ++t)
-    for (size_t i = 0; i < tasks[t].count; ++i)
-      sorted[start_of_body[size_t{tasks[t].keys[i].a()} + 1]++] = tasks[t].keys[i];
-  workers.for_blocks(
-      static_cast<int>((bodies + kSortBodies - 1) / kSortBodies), [&](int block, int) {
-        const size_t first = static_cast<size_t>(block) * kSortBodies;
-        for (size_t body = first; body < std::min(bodies, first + kSortBodies); ++body)
-          std::sort(sorted.data() + start_of_body[body], sorted.data() + start_of_body[body + 1]);
+  counting_sort(
+      bodies, start_of_body.data(),
+      [&](const auto& visit) {
+        for (size_t t = 0; t < task_count; ++t) {
+          const PartPairs& found = tasks[t].found;
+          for (size_t i = 0; i < found.run_count; ++i)
+            visit(std::pair(&found.runs[i], found.keys.data()));
+        }
+      },
+      [](const auto& run) { return run.first->body_a; },
+      [&](const auto& run, uint32_t at) {
+        runs[at] = {run.first->body_b, run.first->count, run.second + run.first->first};
       });
+  const size_t blocks = (bodies + kSortBodies - 1) / kSortBodies;
+  keys_of_block.resize(blocks + 1);
+  workers.for_blocks(static_cast<int>(blocks), [&](int index, int) {
+    const size_t block = static_cast<size_t>(index);
+    const size_t end = std::min(bodies, (block + 1) * kSortBodies);
+    uint32_t keys = 0;
+    for (size_t body = block * kSortBodies; body < end; ++body) {
+      SortedRun* const first = runs.data() + start_of_body[body];
+      SortedRun* const last = runs.data() + start_of_body[body + 1];
+      std::sort(first, last,
+                [](const SortedRun& x, const SortedRun& y) { return x.body_b < y.body_b; });
+      for (const SortedRun* run = first; run != last; ++run) keys += run->count;
+    }
+    keys_of_block[block + 1] = keys;
+  });
+  keys_of_block[0] = 0;
+  for (size_t block = 0; block < blocks; ++block) keys_of_block[block + 1] += keys_of_block[block];
 }
 
-/// From body indices, which are this frame's, to ids, which last; both ascend together.
-void Culler::State::take_events(const BodiesView& bodies) {
-  for (size_t i = 0; i < sorted_count; ++i) {
-    const PairKey key = sorted[i];
-    sorted[i] = PairKey(bodies.ids[key.a()], bodies.ids[key.b()], key.part_a(), key.part_b());
-  }
-  events.advance({sorted.data(), sorted_count});
-  hash_events();
+/// The keys of all runs, with ids, which last, for body indices, which are this frame's; both
+/// ascend together.
+void Culler::State::write_pairs(const BodiesView& bodies) {
+  const size_t count = bodies.ids.size(), blocks = (count + kSortBodies - 1) / kSortBodies;
+  if (blocks == 0) return events.advance({});
+  events.begin(keys_of_block[blocks], blocks);
+  workers.for_blocks(static_cast<int>(blocks), [&](int index, int) {
+    const size_t block = static_cast<size_t>(index);
+    const size_t first = block * kSortBodies, end = std::min(count, first + kSortBodies);
+    PairKey* out = events.incoming() + keys_of_block[block];
+    for (size_t body = first; body < end; ++body) {
+      for (uint32_t r = start_of_body[body]; r < start_of_body[body + 1]; ++r) {
+        const SortedRun& run = runs[r];
+        const PairKey pair(bodies.ids[body], bodies.ids[run.body_b], 0, 0);
+        for (uint32_t i = 0; i < run.count; ++i) *out++ = run.keys[i].of_bodies(pair);
+      }
+    }
+    // Bodies that have left since the last frame lie between two ids, or beyond the ends.
+    const PairKey low = block == 0 ? PairKey(0, 0, 0, 0) : PairKey(bodies.ids[first], 0, 0, 0);
+    const PairKey high = end == count ? PairKey::beyond_all() : PairKey(bodies.ids[end], 0, 0, 0);
+    events.compare(block, keys_of_block[block], keys_of_block[block + 1], low, high);
+  });
+  events.finish();
 }
 
 void Culler::State::hash_events() {
@@ -191,33 +242,39 @@ void Culler::State::hash_events() {
 
 void Culler::State::sum_counters() {
   PartStageCounters parts;
+  PosedBodies::Counters made;
   for (const PartStage& stage : stages) parts.add(stage.counters());
-  if (deadline) parts = deadline->counters();
-  const Slots::Counters posed = slots.counters();
+  for (const PosedBodies& bodies : posed) made.add(bodies.counters());
+  if (deadline) {
+    parts = deadline->counters();
+    made = deadline->posed();
+  }
   counters.avatar = broad.counters();
   counters.body_box = parts.body_box;
   counters.body_box.volume = "aabb";
-  counters.body_box.updates = posed.bodies;
+  counters.body_box.tests += broad.apart_by_bounds();
+  counters.body_box.updates = made.bodies;
   counters.box = parts.box;
   counters.box.volume = "aabb";
-  counters.box.updates = posed.parts;
-  counters.box.update_ns = posed.box_ns;
+  counters.box.updates = made.parts;
+  counters.box.update_ns = made.box_ns;
   counters.part = parts.part;
   counters.part.volume = name_of(options.part_volume);
-  counters.part.updates += posed.parts;
-  counters.part.update_ns += posed.pose_ns;
+  counters.part.updates += made.parts;
+  counters.part.update_ns += made.pose_ns;
   counters.exact = parts.exact;
   counters.exact.volume = options.exact ? "triangles" : "off";
   counters.primitive_tests = parts.primitive_tests;
-  counters.posed_bodies = posed.bodies;
-  counters.pose_ns = posed.pose_ns;
+  counters.posed_bodies = made.bodies;
+  counters.pose_ns = made.pose_ns;
 }
 
 uint64_t Culler::State::times_grown() const {
-  uint64_t sum = slots.times_grown() + broad.times_grown() + sorted.times_grown() +
-                 start_of_body.times_grown() + events.times_grown();
+  uint64_t sum = slots.times_grown() + broad.times_grown() + runs.times_grown() +
+                 start_of_body.times_grown() + keys_of_block.times_grown() + events.times_grown();
   for (const PartStage& stage : stages) sum += stage.times_grown();
-  for (const Task& task : tasks) sum += task.keys.times_grown();
+  for (const PosedBodies& bodies : posed) sum += bodies.times_grown();
+  for (const Task& task : tasks) sum += task.found.times_grown();
   if (deadline) sum += deadline->times_grown();
   return sum;
 }
@@ -242,17 +299,16 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   if (s.deadline != nullptr) {
     s.refine_by_urgency(start, bodies, poses);
   } else {
-    s.slots.pose_needed(poses);
-    s.refine();
+    s.refine(poses);
     s.sum_counters();
     stage.lap_ns();
-    s.sort_keys(bodies.ids.size());
-    s.take_events(bodies);
+    s.sort_runs(bodies.ids.size());
+    s.write_pairs(bodies);
+    s.hash_events();
     s.counters.events_ns = stage.lap_ns();
+    const PairLevel level = s.options.exact ? PairLevel::kExact : PairLevel::kPartVolume;
     s.counters.levels = {};
-    s.counters
-        .levels[static_cast<size_t>(s.options.exact ? PairLevel::kExact : PairLevel::kPartVolume)] =
-        s.sorted_count;
+    s.counters.levels[static_cast<size_t>(level)] = s.events.touching().size();
   }
   s.counters.wall_ns = whole.lap_ns();
   s.counters.allocations_grown = s.times_grown() - grown_before;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -36,6 +36,13 @@ class PoseSource {
   /// Writes part_count poses for each of `bodies` (indices into the BodiesView, all of one type, at
   /// most kMaxBatch), body-major. Called from several threads at once.
   virtual void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const = 0;
+  /// Writes a box for each of `bodies` (of any type, at most kMaxBatch) that holds every point of
+  /// the body in the pose that poses() would give it now: far cheaper than posing it, far tighter
+  /// than the sphere of all postures. A box left unknown costs nothing but time. Called from
+  /// several threads at once.
+  virtual void bounds(std::span<const uint32_t> /*bodies*/, std::span<RootBox> out) const {
+    std::fill(out.begin(), out.end(), RootBox{});
+  }
   static constexpr int kMaxBatch = 128;
 };
 
@@ -63,11 +70,11 @@ struct StageCounters {
 };
 
 struct CullingCounters {
-  StageCounters avatar;    ///< spheres over bodies
-  StageCounters body_box;  ///< the box of a body in its pose, over pairs whose spheres overlap
-  StageCounters box;       ///< boxes over the parts of pairs whose body boxes overlap
-  StageCounters part;      ///< the part volume over surviving parts
-  StageCounters exact;     ///< triangles
+  StageCounters avatar;          ///< spheres over bodies
+  StageCounters body_box;        ///< what bounds() says of a body, then its box in its pose
+  StageCounters box;             ///< boxes over the parts of pairs whose body boxes overlap
+  StageCounters part;            ///< the part volume over surviving parts
+  StageCounters exact;           ///< triangles
   uint64_t primitive_tests = 0;  ///< boxes and triangles inside the exact stage: the paper's N_p
   std::array<uint64_t, kPairLevels> levels{};  ///< pairs reported at each PairLevel
   uint64_t posed_bodies = 0;

@@ -47,8 +47,10 @@ uint64_t Deadline::worst_tests(const PartStageFrame& shared) const {
   return 1 + parts * parts * (options_.exact ? 3 : 2);
 }
 
-void Deadline::refine(Clock::time_point start, const BodiesView& bodies, const PoseSource& source,
-                      const BroadPhase& broad, Slots& slots, PartStageFrame shared) {
+void Deadline::refine(Clock::time_point start, const BodiesView& bodies,
+                      const PosedBodies::Frame& posing, const BroadPhase& broad,
+                      const PartStageFrame& shared) {
+  const Slots& slots = posing.slots;
   for (PartStage& stage : stages_) stage.clear_counters();
   found_count_ = 0;
   tests_left_ = options_.deadline_tests.value_or(kNoLimit);
@@ -57,7 +59,10 @@ void Deadline::refine(Clock::time_point start, const BodiesView& bodies, const P
                        static_cast<int64_t>(options_.deadline_ms.value_or(0) * 1e6 - events_ns_));
   find_touched();
   queue_.fill(bodies, broad, slots, {touched_.data(), touched_count_}, workers_);
-  Frame frame{source, slots, std::move(shared)};
+  bodies_.clear_counters();
+  bodies_.clear();
+  bodies_.prepare(slots.count());
+  const Frame frame{posing, shared};
   while (!queue_.empty() && tests_left_ > 0 && !time_is_up()) refine_wave(frame, next_wave(slots));
   for (const UrgentPair& pair : queue_.rest()) {
     const uint32_t a = slots[pair.slots.a].body, b = slots[pair.slots.b].body;
@@ -95,7 +100,7 @@ std::span<const UrgentPair> Deadline::next_wave(const Slots& slots) {
   return queue_.peek_sorted(wanted);
 }
 
-void Deadline::refine_wave(Frame& frame, std::span<const UrgentPair> wave) {
+void Deadline::refine_wave(const Frame& frame, std::span<const UrgentPair> wave) {
   Stopwatch watch;
   wave = wave.first(std::min<uint64_t>(wave.size(), tests_left_));
   pose(frame, wave);
@@ -118,16 +123,12 @@ void Deadline::refine_wave(Frame& frame, std::span<const UrgentPair> wave) {
   pair_ns_ = std::max(1.0, watch.lap_ns() / static_cast<double>(std::max<size_t>(1, wave.size())));
 }
 
-void Deadline::pose(Frame& frame, std::span<const UrgentPair> wave) {
-  wave_slots_.resize(2 * wave.size());
-  for (size_t i = 0; i < wave.size(); ++i) {
-    wave_slots_[2 * i] = wave[i].slots.a;
-    wave_slots_[2 * i + 1] = wave[i].slots.b;
+void Deadline::pose(const Frame& frame, std::span<const UrgentPair> wave) {
+  for (const UrgentPair& pair : wave) {
+    bodies_.need(pair.slots.a);
+    bodies_.need(pair.slots.b);
   }
-  frame.slots.pose_needed_of({wave_slots_.data(), 2 * wave.size()}, frame.source);
-  frame.shared.bodies = frame.slots.data();
-  frame.shared.poses = frame.slots.poses();
-  frame.shared.boxes.blocks = frame.slots.boxes();
+  bodies_.pose(frame.posing, workers_);
 }
 
 /// Box against box of every pair of bodies in the wave; returns the number of tasks.
@@ -138,7 +139,7 @@ size_t Deadline::test_bodies(const Frame& frame, std::span<const UrgentPair> wav
   workers_.for_blocks(static_cast<int>(tasks), [&](int index, int) {
     const size_t first = static_cast<size_t>(index) * kTaskPairs;
     PartStage& stage = stages_[static_cast<size_t>(index)];
-    stage.begin();
+    stage.begin(frame.shared, bodies_);
     stage.add(frame.shared,
               {wave_pairs_.data() + first, std::min(kTaskPairs, wave.size() - first)});
   });
@@ -267,7 +268,7 @@ PartStageCounters Deadline::counters() const {
 }
 
 uint64_t Deadline::times_grown() const {
-  uint64_t sum = queue_.times_grown() + wave_pairs_.times_grown() + wave_slots_.times_grown() +
+  uint64_t sum = queue_.times_grown() + wave_pairs_.times_grown() + bodies_.times_grown() +
                  found_.times_grown() + sorted_.times_grown() + start_of_body_.times_grown() +
                  touched_.times_grown() + event_levels_.times_grown();
   for (const Reported* each : {&now_, &was_})

@@ -13,6 +13,7 @@
 
 #include "culling/pair_level.h"
 #include "culling/part_stage.h"
+#include "culling/posed_bodies.h"
 #include "culling/urgency.h"
 
 namespace throng {
@@ -22,10 +23,9 @@ class Deadline {
   Deadline(const CullerOptions& options, Workers& workers);
 
   /// Refines the pairs of `broad` until the budget is up; `start` is when the frame's clock began.
-  /// `shared` holds what tasks read but poses and boxes, which are made on the way.
   void refine(std::chrono::steady_clock::time_point start, const BodiesView& bodies,
-              const PoseSource& source, const BroadPhase& broad, Slots& slots,
-              PartStageFrame shared);
+              const PosedBodies::Frame& posing, const BroadPhase& broad,
+              const PartStageFrame& shared);
   /// Sorts what refine() found and merges it with the last frame's pairs.
   void take_events(const BodiesView& bodies, PairEvents& events);
   /// The run stops: everything ends.
@@ -40,6 +40,7 @@ class Deadline {
   const std::array<uint64_t, kPairLevels>& reported() const { return reported_; }
 
   PartStageCounters counters() const;
+  const PosedBodies::Counters& posed() const { return bodies_.counters(); }
   uint64_t times_grown() const;
 
  private:
@@ -55,17 +56,16 @@ class Deadline {
   };
   /// What a frame refines with.
   struct Frame {
-    const PoseSource& source;
-    Slots& slots;
-    PartStageFrame shared;
+    const PosedBodies::Frame& posing;
+    const PartStageFrame& shared;
   };
 
   using Clock = std::chrono::steady_clock;
 
   void find_touched();
   std::span<const UrgentPair> next_wave(const Slots& slots);
-  void refine_wave(Frame& frame, std::span<const UrgentPair> wave);
-  void pose(Frame& frame, std::span<const UrgentPair> wave);
+  void refine_wave(const Frame& frame, std::span<const UrgentPair> wave);
+  void pose(const Frame& frame, std::span<const UrgentPair> wave);
   size_t test_bodies(const Frame& frame, std::span<const UrgentPair> wave);
   void cut_pairs(const Frame& frame, size_t tasks);
   void cut_candidates(size_t tasks);
@@ -83,8 +83,8 @@ class Deadline {
   std::vector<PartStage> stages_;     // one a task of a wave, whoever runs it
   std::vector<uint64_t> most_exact_;  // by task: triangle tests that it may make
   std::vector<size_t> decided_;       // by task: candidates whose answer is final
+  PosedBodies bodies_;                // posed so far in this frame
   GrowBuffer<SlotPair> wave_pairs_;
-  GrowBuffer<uint32_t> wave_slots_;
 
   // The budget of the frame.
   uint64_t tests_left_ = 0;

@@ -2,6 +2,8 @@
 // One rule: growing forgets the contents unless asked to keep them; growth is counted.
 #pragma once
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +26,7 @@ class GrowBuffer {
     swap(other);
     return *this;
   }
-  ~GrowBuffer() { release(data_); }
+  ~GrowBuffer() { release(); }
 
   /// Room for `count` elements, contents undefined.
   void resize(size_t count) { reserve(count, 0); }
@@ -43,7 +45,9 @@ class GrowBuffer {
   uint32_t times_grown() const { return times_grown_; }
 
  private:
-  static constexpr std::align_val_t kAlignment{64};  // a cache line, and the widest register
+  static constexpr size_t kAlignment = 64;  // a cache line, and the widest register
+  /// From here on in huge pages, where the system has them: a frame walks through all of it.
+  static constexpr size_t kHugePage = size_t{2} << 20;
 
   void reserve(size_t count, size_t kept) {
     if (count <= capacity_) return;
@@ -51,23 +55,29 @@ class GrowBuffer {
     allocate(count + count / 4 + 16, kept);
   }
   void allocate(size_t capacity, size_t kept) {
-    T* data = static_cast<T*>(::operator new(capacity * sizeof(T), kAlignment));
+    const bool huge = capacity * sizeof(T) >= 2 * kHugePage;
+    const std::align_val_t alignment{huge ? kHugePage : kAlignment};
+    T* data = static_cast<T*>(::operator new(capacity * sizeof(T), alignment));
+    if (huge) madvise(data, capacity * sizeof(T) / kHugePage * kHugePage, MADV_HUGEPAGE);
     if (kept > 0) std::memcpy(static_cast<void*>(data), data_, kept * sizeof(T));
-    release(data_);
+    release();
     data_ = data;
+    alignment_ = alignment;
     capacity_ = capacity;
     ++times_grown_;
   }
-  static void release(T* data) {
-    if (data != nullptr) ::operator delete(data, kAlignment);
+  void release() {
+    if (data_ != nullptr) ::operator delete(data_, alignment_);
   }
   void swap(GrowBuffer& other) {
     std::swap(data_, other.data_);
+    std::swap(alignment_, other.alignment_);
     std::swap(capacity_, other.capacity_);
     std::swap(times_grown_, other.times_grown_);
   }
 
   T* data_ = nullptr;
+  std::align_val_t alignment_{kAlignment};
   size_t capacity_ = 0;
   uint32_t times_grown_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/pose.h"
@@ -27,17 +28,33 @@ constexpr size_t box_block_units(size_t parts) { return 1 + 6 * padded_parts(par
 inline constexpr float kEmptyLow = 1e30f;
 inline constexpr float kEmptyHigh = -1e30f;
 
-/// A part's or-DOP laid out for lookup by the sign bits of a direction (bit 0: x negative, ...),
-/// and recentred: its slabs are taken around `origin`, the centre of its box, so that the three
-/// axis slabs have centre zero and drop out of every sum.
+/// A part's or-DOP laid out for lookup by the sign bits of a direction (bit 0: x negative, ...).
+/// Its slabs are those of the points (p - origin) / half_box, around the centre of the part's box
+/// and in units of its half sides: the edge and corner planes then cut a long box where they cut a
+/// cube, which leaves a quarter of the false positives of unscaled directions away. The three axis
+/// slabs have centre zero and drop out of every sum.
 struct alignas(64) OrdopTable {
-  explicit OrdopTable(const Slabs& fitted);
+  /// At least one point.
+  explicit OrdopTable(std::span<const Eigen::Vector3f> points);
   // Sixteen entries, the second eight a copy of the first: one register of any width up to 512
   // bits.
   float corner_half[16], corner_centre[16];
   float edge_half[3][16], edge_centre[3][16];  ///< by the axis that the edge direction leaves out
-  Slabs slabs;                                 ///< recentred
+  Slabs slabs;
   float origin[3];
+  float half_box[3], per_half_box[3];  ///< positive; and their inverses
+  float length[13];                    ///< of the direction as it stands in the part, per metre
+
+  /// How far directions of `own` reach in units of this: half_box[i] / own.half_box[j].
+  struct Ratios {
+    float of[3][3];
+  };
+  Ratios ratios_to(const OrdopTable& own) const {
+    Ratios out{};
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) out.of[i][j] = half_box[i] * own.per_half_box[j];
+    return out;
+  }
 };
 
 /// The spheres of a frame in slot order (sorted by grid cell), radii inflated by the float margin.
@@ -47,6 +64,17 @@ struct SphereRows {
   const float* z;
   const float* radius;
   const float* upright;  ///< radius of the upright cylinder, at most the sphere's
+};
+
+/// A rectangle on the ground for each slot whose upright prism holds the body in its pose, inflated
+/// by the float margin.
+struct RectangleRows {
+  const float* mid_x;
+  const float* mid_y;
+  const float* axis_x;  ///< unit vector along the first side
+  const float* axis_y;
+  const float* half_x;  ///< half the sides
+  const float* half_y;
 };
 
 struct SlotPair {
@@ -63,11 +91,17 @@ struct alignas(16) BodyPair {
   uint16_t type_a, type_b;
 };
 
-/// Two parts whose boxes overlap.
+/// Two parts whose boxes overlap. Candidates of the same two part shapes share a bucket: the lower
+/// shape number first, so (thigh of a, hand of b) and (hand of a, thigh of b) meet there.
 struct Candidate {
-  uint32_t pair;  ///< index into the block's BodyPairs
+  uint32_t pair;  ///< index into the task's BodyPairs
   uint8_t part_a, part_b;
-  uint16_t bucket;  ///< candidates of the same two part shapes share a bucket
+  uint16_t bucket_and_turn;
+
+  static constexpr uint16_t kTurned = 0x8000;
+  uint16_t bucket() const { return bucket_and_turn & (kTurned - 1); }
+  /// The part of body b has the lower shape number.
+  bool is_turned() const { return (bucket_and_turn & kTurned) != 0; }
 };
 
 /// What the box kernel reads of the frame besides the pairs.
@@ -78,25 +112,41 @@ struct BoxFrame {
   uint32_t shapes;                   ///< shapes with a number below this have buckets of their own
 };
 
-/// Candidates of shapes (a, b) go to bucket a * shapes + b; the rest share the last one.
+/// Candidates of shapes a <= b go to bucket a * shapes + b; the rest share the last one, as they
+/// are.
 constexpr uint32_t bucket_count(uint32_t shapes) { return shapes * shapes + 1; }
-/// Keeps every bucket number within 16 bits and the histogram of a block in the cache.
-inline constexpr uint32_t kMaxBucketShapes = 200;
+/// Keeps every bucket number within 15 bits and the histogram of a task in the cache.
+inline constexpr uint32_t kMaxBucketShapes = 180;
+static_assert(bucket_count(kMaxBucketShapes) <= Candidate::kTurned);
 
-inline uint16_t bucket_of(const BoxFrame& frame, size_t type_a, size_t part_a, size_t type_b,
-                          size_t part_b) {
-  const size_t shape_a = frame.type_first_shape[type_a] + part_a;
-  const size_t shape_b = frame.type_first_shape[type_b] + part_b;
-  const bool own = shape_a < frame.shapes && shape_b < frame.shapes;
-  return static_cast<uint16_t>(own ? shape_a * frame.shapes + shape_b
-                                   : bucket_count(frame.shapes) - 1);
-}
+/// Sorts the candidates of one pair of bodies.
+class BucketRule {
+ public:
+  BucketRule(const BoxFrame& frame, size_t type_a, size_t type_b)
+      : shapes_(frame.shapes),
+        first_a_(frame.type_first_shape[type_a]),
+        first_b_(frame.type_first_shape[type_b]) {}
+  uint16_t operator()(uint32_t part_a, uint32_t part_b) const {
+    const uint32_t a = first_a_ + part_a, b = first_b_ + part_b;
+    const uint32_t low = a < b ? a : b, high = a < b ? b : a;
+    if (high >= shapes_) return static_cast<uint16_t>(bucket_count(shapes_) - 1);
+    return static_cast<uint16_t>((low * shapes_ + high) | (b < a ? Candidate::kTurned : 0u));
+  }
+
+ private:
+  uint32_t shapes_, first_a_, first_b_;
+};
 
 struct Kernels {
   /// Tests slot i against slots [begin, end), spheres and cylinders; appends the overlapping pairs
   /// to out (which has room for end - begin more); returns how many.
   size_t (*sphere_run)(const SphereRows& spheres, uint32_t i, uint32_t begin, uint32_t end,
                        SlotPair* out);
+
+  /// The same, and of these hits, whose number is added to *spheres, only those whose rectangles
+  /// overlap too. The order of a pair's slots does not matter.
+  size_t (*body_run)(const SphereRows& spheres, const RectangleRows& rectangles, uint32_t i,
+                     uint32_t begin, uint32_t end, SlotPair* out, uint64_t* spheres_passed);
 
   /// Boxes of `bodies` bodies of one type. poses: body-major, parts a row; scales, margins: one a
   /// body; blocks[i]: where the block of body i starts.
@@ -111,7 +161,7 @@ struct Kernels {
                       Candidate* out, size_t room, size_t* found);
 
   /// or-DOP against or-DOP for candidates of one bucket, order[0 .. count): sets
-  /// overlaps[order[i]].
+  /// overlaps[order[i]]. `a` is the table of part a, or of part b where a candidate is turned.
   using OrdopPairs = void (*)(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
                               const PartPose* poses, const Candidate* candidates,
                               const uint32_t* order, size_t count, uint8_t* overlaps);

@@ -19,25 +19,92 @@ HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// A sphere and cylinder, the same in every lane.
+struct UprightSphere {
+  V x, y, z, radius, upright;
+};
+HWY_INLINE UprightSphere splat(const SphereRows& s, uint32_t i) {
+  const Lanes d;
+  return {hn::Set(d, s.x[i]), hn::Set(d, s.y[i]), hn::Set(d, s.z[i]), hn::Set(d, s.radius[i]),
+          hn::Set(d, s.upright[i])};
+}
+
+/// Which of the slots from j on, end excluded, overlap. The arrays are padded, so a full load is
+/// safe; what lies beyond the end is dropped.
+HWY_INLINE uint32_t sphere_hits(const SphereRows& s, const UprightSphere& own, uint32_t j,
+                                uint32_t end) {
+  const Lanes d;
+  const V dx = hn::Sub(hn::LoadU(d, s.x + j), own.x);
+  const V dy = hn::Sub(hn::LoadU(d, s.y + j), own.y);
+  const V dz = hn::Sub(hn::LoadU(d, s.z + j), own.z);
+  const V reach = hn::Add(hn::LoadU(d, s.radius + j), own.radius);
+  const V around = hn::Add(hn::LoadU(d, s.upright + j), own.upright);
+  const V flat2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+  const M spheres = hn::Le(hn::Add(flat2, hn::Mul(dz, dz)), hn::Mul(reach, reach));
+  const uint32_t hits = bits_of(hn::And(spheres, hn::Le(flat2, hn::Mul(around, around))));
+  return end - j < kLanes ? hits & ((1u << (end - j)) - 1) : hits;
+}
+
+/// A body's rectangle, the same in every lane.
+struct Rectangle {
+  V mid_x, mid_y, axis_x, axis_y, half_x, half_y;
+};
+HWY_INLINE Rectangle splat(const RectangleRows& r, uint32_t i) {
+  const Lanes d;
+  return {hn::Set(d, r.mid_x[i]),  hn::Set(d, r.mid_y[i]),  hn::Set(d, r.axis_x[i]),
+          hn::Set(d, r.axis_y[i]), hn::Set(d, r.half_x[i]), hn::Set(d, r.half_y[i])};
+}
+
+/// Separating axes along the sides of a and of the rectangles from slot j on. Every sum is formed
+/// so that exchanging the two changes a sign at most.
+HWY_INLINE uint32_t rectangle_hits(const RectangleRows& r, const Rectangle& a, uint32_t j) {
+  const Lanes d;
+  const V dx = hn::Sub(hn::LoadU(d, r.mid_x + j), a.mid_x);
+  const V dy = hn::Sub(hn::LoadU(d, r.mid_y + j), a.mid_y);
+  const V bx = hn::LoadU(d, r.axis_x + j), by = hn::LoadU(d, r.axis_y + j);
+  const V half_x = hn::LoadU(d, r.half_x + j), half_y = hn::LoadU(d, r.half_y + j);
+  const V c = hn::Abs(hn::Add(hn::Mul(a.axis_x, bx), hn::Mul(a.axis_y, by)));
+  const V n = hn::Abs(hn::Sub(hn::Mul(a.axis_x, by), hn::Mul(a.axis_y, bx)));
+  const auto within = [&](V along, V own, V first, V second) {
+    return hn::Le(hn::Abs(along), hn::Add(own, hn::Add(first, second)));
+  };
+  const M one = within(hn::Add(hn::Mul(dx, a.axis_x), hn::Mul(dy, a.axis_y)), a.half_x,
+                       hn::Mul(half_x, c), hn::Mul(half_y, n));
+  const M two = within(hn::Sub(hn::Mul(dy, a.axis_x), hn::Mul(dx, a.axis_y)), a.half_y,
+                       hn::Mul(half_x, n), hn::Mul(half_y, c));
+  const M three = within(hn::Add(hn::Mul(dx, bx), hn::Mul(dy, by)), half_x, hn::Mul(a.half_x, c),
+                         hn::Mul(a.half_y, n));
+  const M four = within(hn::Sub(hn::Mul(dy, bx), hn::Mul(dx, by)), half_y, hn::Mul(a.half_x, n),
+                        hn::Mul(a.half_y, c));
+  return bits_of(hn::And(hn::And(one, two), hn::And(three, four)));
+}
+
+HWY_INLINE size_t append(uint32_t i, uint32_t j, uint32_t hits, SlotPair* out) {
+  size_t found = 0;
+  for (; hits != 0; hits &= hits - 1)
+    out[found++] = {i, j + static_cast<uint32_t>(std::countr_zero(hits))};
+  return found;
+}
+
 HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end,
                                SlotPair* out) {
-  const Lanes d;
-  const V x = hn::Set(d, s.x[i]), y = hn::Set(d, s.y[i]), z = hn::Set(d, s.z[i]),
-          r = hn::Set(d, s.radius[i]), upright = hn::Set(d, s.upright[i]);
+  const UprightSphere own = splat(s, i);
+  size_t found = 0;
+  for (uint32_t j = begin; j < end; j += static_cast<uint32_t>(kLanes))
+    found += append(i, j, sphere_hits(s, own, j, end), out + found);
+  return found;
+}
+
+HWY_NOINLINE size_t body_run(const SphereRows& s, const RectangleRows& r, uint32_t i,
+                             uint32_t begin, uint32_t end, SlotPair* out,
+                             uint64_t* spheres_passed) {
+  const UprightSphere own = splat(s, i);
   size_t found = 0;
   for (uint32_t j = begin; j < end; j += static_cast<uint32_t>(kLanes)) {
-    // The arrays are padded, so a full load is safe; the mask drops what lies beyond the run.
-    const V dx = hn::Sub(hn::LoadU(d, s.x + j), x);
-    const V dy = hn::Sub(hn::LoadU(d, s.y + j), y);
-    const V dz = hn::Sub(hn::LoadU(d, s.z + j), z);
-    const V reach = hn::Add(hn::LoadU(d, s.radius + j), r);
-    const V around = hn::Add(hn::LoadU(d, s.upright + j), upright);
-    const V flat2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-    const M spheres = hn::Le(hn::Add(flat2, hn::Mul(dz, dz)), hn::Mul(reach, reach));
-    uint32_t hits = bits_of(hn::And(spheres, hn::Le(flat2, hn::Mul(around, around))));
-    if (end - j < kLanes) hits &= (1u << (end - j)) - 1;
-    for (; hits != 0; hits &= hits - 1)
-      out[found++] = {i, j + static_cast<uint32_t>(std::countr_zero(hits))};
+    const uint32_t hits = sphere_hits(s, own, j, end);
+    if (hits == 0) continue;
+    *spheres_passed += static_cast<uint64_t>(std::popcount(hits));
+    found += append(i, j, hits & rectangle_hits(r, splat(r, i), j), out + found);
   }
   return found;
 }
@@ -84,13 +151,19 @@ HWY_NOINLINE void part_boxes(const OrdopTable* tables, size_t parts, const PartP
         const Poses pose = load_poses([&](size_t lane) {
           return &poses[(first + HWY_MIN(lane, in_use - 1)) * parts + part];
         });
+        const float* half_box = tables[part].half_box;
+        const V half_x = hn::Set(d, half_box[0]), half_y = hn::Set(d, half_box[1]),
+                half_z = hn::Set(d, half_box[2]);
         const V3 origin = centre_of(tables[part], pose, scale);
         const V middle[3] = {origin.x, origin.y, origin.z};
         const V3 direction[3] = {{pose.column[0].x, pose.column[1].x, pose.column[2].x},
                                  {pose.column[0].y, pose.column[1].y, pose.column[2].y},
                                  {pose.column[0].z, pose.column[1].z, pose.column[2].z}};
         for (size_t axis = 0; axis < 3; ++axis) {
-          const Interval extent = scaled(bound<26>(tables[part], direction[axis]), scale);
+          const V3 in_units = {hn::Mul(direction[axis].x, half_x),
+                               hn::Mul(direction[axis].y, half_y),
+                               hn::Mul(direction[axis].z, half_z)};
+          const Interval extent = scaled(bound<26>(tables[part], in_units), scale);
           const V centre = hn::Add(middle[axis], extent.centre);
           const V half = hn::Add(extent.half, margin);
           low[axis][p] = hn::Sub(centre, half);
@@ -115,12 +188,12 @@ struct Box {
   V low[3], high[3];
 };
 
-HWY_INLINE Box splat(const float* low, const float* high, size_t stride) {
+HWY_INLINE Box splat(const float* low, const float* high) {
   const Lanes d;
   Box b;
   for (size_t axis = 0; axis < 3; ++axis) {
-    b.low[axis] = hn::Set(d, low[axis * stride]);
-    b.high[axis] = hn::Set(d, high[axis * stride]);
+    b.low[axis] = hn::Set(d, low[axis]);
+    b.high[axis] = hn::Set(d, high[axis]);
   }
   return b;
 }
@@ -158,6 +231,47 @@ HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift,
   return !apart;
 }
 
+/// The box of part a in b's coordinates.
+HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part, const V (&shift)[3]) {
+  const Lanes d;
+  Box b;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    b.low[axis] = hn::Sub(hn::Set(d, rows[axis * padded + part]), shift[axis]);
+    b.high[axis] = hn::Sub(hn::Set(d, rows[(axis + 3) * padded + part]), shift[axis]);
+  }
+  return b;
+}
+
+HWY_INLINE Candidate candidate(const BucketRule& bucket, uint32_t index, size_t part_a,
+                               size_t part_b) {
+  return {index, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b),
+          bucket(static_cast<uint32_t>(part_a), static_cast<uint32_t>(part_b))};
+}
+
+/// Both bodies have at most kBoxLanes parts. Hits are gathered into words of four rows first: a
+/// loop over the bits of each row would end where no branch predictor expects it.
+HWY_INLINE Candidate* few_parts(const BucketRule& bucket, uint32_t index, const float* rows_a,
+                                const float* rows_b, const Box& overlap_a, const Box& overlap_b,
+                                const V (&shift)[3], Candidate* out) {
+  const uint32_t inside_b = overlapping_parts(rows_b, kBoxLanes, overlap_b);
+  uint32_t inside_a = overlapping_parts(rows_a, kBoxLanes, overlap_a);
+  if (inside_b == 0) return out;
+  uint64_t hits[kBoxLanes / 4] = {};
+  for (; inside_a != 0; inside_a &= inside_a - 1) {
+    const size_t part_a = static_cast<size_t>(std::countr_zero(inside_a));
+    const Box box = part_box(rows_a, kBoxLanes, part_a, shift);
+    const uint64_t row = inside_b & overlapping_parts(rows_b, kBoxLanes, box);
+    hits[part_a / 4] |= row << (part_a % 4 * kBoxLanes);
+  }
+  for (size_t word = 0; word < kBoxLanes / 4; ++word) {
+    for (uint64_t bits = hits[word]; bits != 0; bits &= bits - 1) {
+      const size_t bit = static_cast<size_t>(std::countr_zero(bits));
+      *out++ = candidate(bucket, index, word * 4 + bit / kBoxLanes, bit % kBoxLanes);
+    }
+  }
+  return out;
+}
+
 /// Appends the overlapping parts of one pair; returns the new end.
 HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
                                Candidate* out) {
@@ -173,7 +287,13 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
   const float* rows_a = block_a + kBoxLanes;
   const float* rows_b = block_b + kBoxLanes;
-  const Box overlap_a = splat(in_a.low, in_a.high, 1), overlap_b = splat(in_b.low, in_b.high, 1);
+  const Box overlap_a = splat(in_a.low, in_a.high), overlap_b = splat(in_b.low, in_b.high);
+  const Lanes d;
+  const BucketRule bucket(frame, pair.type_a, pair.type_b);
+  const V shift[3] = {hn::Set(d, pair.shift_m[0]), hn::Set(d, pair.shift_m[1]),
+                      hn::Set(d, pair.shift_m[2])};
+  if (padded_a == kBoxLanes && padded_b == kBoxLanes)
+    return few_parts(bucket, index, rows_a, rows_b, overlap_a, overlap_b, shift, out);
 
   uint32_t inside_b[256 / kBoxLanes];
   uint32_t any_b = 0;
@@ -184,23 +304,14 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   for (size_t group_a = 0; group_a < padded_a; group_a += kBoxLanes) {
     uint32_t inside_a = overlapping_parts(rows_a + group_a, padded_a, overlap_a);
     for (; inside_a != 0; inside_a &= inside_a - 1) {
-      const uint32_t part_a =
-          static_cast<uint32_t>(group_a) + static_cast<uint32_t>(std::countr_zero(inside_a));
-      float low[3], high[3];  // of part a, in b's coordinates
-      for (size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = rows_a[axis * padded_a + part_a] - pair.shift_m[axis];
-        high[axis] = rows_a[(axis + 3) * padded_a + part_a] - pair.shift_m[axis];
-      }
-      const Box box = splat(low, high, 1);
+      const size_t part_a = group_a + static_cast<size_t>(std::countr_zero(inside_a));
+      const Box box = part_box(rows_a, padded_a, part_a, shift);
       for (size_t group_b = 0; group_b < padded_b; group_b += kBoxLanes) {
         uint32_t hits = inside_b[group_b / kBoxLanes];
         if (hits != 0) hits &= overlapping_parts(rows_b + group_b, padded_b, box);
-        for (; hits != 0; hits &= hits - 1) {
-          const uint32_t part_b =
-              static_cast<uint32_t>(group_b) + static_cast<uint32_t>(std::countr_zero(hits));
-          *out++ = {index, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b),
-                    bucket_of(frame, pair.type_a, part_a, pair.type_b, part_b)};
-        }
+        for (; hits != 0; hits &= hits - 1)
+          *out++ = candidate(bucket, index, part_a,
+                             group_b + static_cast<size_t>(std::countr_zero(hits)));
       }
     }
   }

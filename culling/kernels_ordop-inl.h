@@ -7,11 +7,11 @@
 #define THRONG_CULLING_KERNELS_ORDOP_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "culling/kernels.h"
 #include "culling/kernels_bound-inl.h"
-#include "culling/volumes/directions.h"
 
 #if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
@@ -19,143 +19,222 @@ namespace throng::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Separating axes along the directions of one or-DOP ("own") against another ("other"), in units
-/// of own's scale, so that own's slabs are constants.
+/// of own's half sides and scale, so that own's slabs are constants.
 template <int K>
 struct HalfTest {
   const OrdopTable& own;
   const OrdopTable& other;
-  V3 column[3];  ///< own's axes in other's frame, times other's scale over own's
-  V3 offset;     ///< other's centre in own's frame
-  V margin;
+  V3 column[3];  ///< own's axes in other's frame and units
+  V3 offset;     ///< other's centre in own's frame and units
+  V margin;      ///< over own's scale
 
   /// True where direction `index` of own, `d` in other's frame, separates; tau = direction .
   /// offset.
-  HWY_INLINE M separates(size_t index, const V3& d, V tau, V margin_along) const {
+  HWY_INLINE M separates(size_t index, const V3& d, V tau) const {
     const Lanes tag;
     const Interval far = bound<K>(other, d);
     const Slab& near = own.slabs.slab[index];
     V between = hn::Add(tau, far.centre);
     if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
+    const V margin_along = hn::Mul(margin, hn::Set(tag, own.length[index]));
     const V reach = hn::Add(hn::Add(hn::Set(tag, near.half), far.half), margin_along);
     return hn::Gt(hn::Abs(between), reach);
   }
   HWY_INLINE M axes() const {
-    const M x = separates(0, column[0], offset.x, margin);
-    const M y = separates(1, column[1], offset.y, margin);
-    const M z = separates(2, column[2], offset.z, margin);
+    const M x = separates(0, column[0], offset.x);
+    const M y = separates(1, column[1], offset.y);
+    const M z = separates(2, column[2], offset.z);
     return hn::Or(x, hn::Or(y, z));
   }
   HWY_INLINE M edges() const {
     const V3 &x = column[0], &y = column[1], &z = column[2];
-    const V along = hn::Mul(margin, hn::Set(Lanes(), kEdgeLength));
-    M out = separates(3, y + z, hn::Add(offset.y, offset.z), along);
-    out = hn::Or(out, separates(4, y - z, hn::Sub(offset.y, offset.z), along));
-    out = hn::Or(out, separates(5, x + z, hn::Add(offset.x, offset.z), along));
-    out = hn::Or(out, separates(6, x - z, hn::Sub(offset.x, offset.z), along));
-    out = hn::Or(out, separates(7, x + y, hn::Add(offset.x, offset.y), along));
-    return hn::Or(out, separates(8, x - y, hn::Sub(offset.x, offset.y), along));
+    M out = separates(3, y + z, hn::Add(offset.y, offset.z));
+    out = hn::Or(out, separates(4, y - z, hn::Sub(offset.y, offset.z)));
+    out = hn::Or(out, separates(5, x + z, hn::Add(offset.x, offset.z)));
+    out = hn::Or(out, separates(6, x - z, hn::Sub(offset.x, offset.z)));
+    out = hn::Or(out, separates(7, x + y, hn::Add(offset.x, offset.y)));
+    return hn::Or(out, separates(8, x - y, hn::Sub(offset.x, offset.y)));
   }
   HWY_INLINE M corners() const {
-    const V along = hn::Mul(margin, hn::Set(Lanes(), kCornerLength));
     const V3 sum = column[0] + column[1], difference = column[0] - column[1];
     const V3& z = column[2];
     const V plus = hn::Add(offset.x, offset.y), minus = hn::Sub(offset.x, offset.y);
-    M out = separates(9, sum + z, hn::Add(plus, offset.z), along);
-    out = hn::Or(out, separates(10, sum - z, hn::Sub(plus, offset.z), along));
-    out = hn::Or(out, separates(11, difference + z, hn::Add(minus, offset.z), along));
-    return hn::Or(out, separates(12, difference - z, hn::Sub(minus, offset.z), along));
+    M out = separates(9, sum + z, hn::Add(plus, offset.z));
+    out = hn::Or(out, separates(10, sum - z, hn::Sub(plus, offset.z)));
+    out = hn::Or(out, separates(11, difference + z, hn::Add(minus, offset.z)));
+    return hn::Or(out, separates(12, difference - z, hn::Sub(minus, offset.z)));
   }
 };
 
-/// Both halves of the test for a register of candidates of one bucket.
-template <int K>
-struct PairTest {
-  HalfTest<K> from_a, from_b;
+/// Candidates are worked on in chunks: poses are fetched ahead, and those that the box directions
+/// leave undecided are collected, because half of all lanes would otherwise wait for the others.
+inline constexpr size_t kChunk = 128;
 
-  /// The lanes from order[0] on; lanes beyond the last candidate repeat it.
-  PairTest(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs, const PartPose* poses,
-           const Candidate* candidates, const uint32_t* order, size_t in_use)
-      : from_a{a, b, {}, {}, {}}, from_b{b, a, {}, {}, {}} {
-    const BodyPair* pair_of[kLanes];
-    const PartPose* pose_a[kLanes];
-    const PartPose* pose_b[kLanes];
-    for (size_t lane = 0; lane < kLanes; ++lane) {
-      const Candidate& c = candidates[order[HWY_MIN(lane, in_use - 1)]];
-      pair_of[lane] = &pairs[c.pair];
-      pose_a[lane] = &poses[pair_of[lane]->pose_a + c.part_a];
-      pose_b[lane] = &poses[pair_of[lane]->pose_b + c.part_b];
+/// Where the lanes of a chunk find their input: part a of the bucket first, turned or not.
+struct ChunkInput {
+  const BodyPair* pair[kChunk + kLanes];
+  const PartPose* a[kChunk + kLanes];
+  const PartPose* b[kChunk + kLanes];
+  HWY_ALIGN uint32_t turned[kChunk + kLanes];
+
+  /// Lanes beyond the last candidate, up to a full register, repeat it.
+  ChunkInput(const BodyPair* pairs, const PartPose* poses, const Candidate* candidates,
+             const uint32_t* order, size_t count) {
+    for (size_t i = 0; i < count + kLanes - 1; ++i) {
+      const Candidate& c = candidates[order[HWY_MIN(i, count - 1)]];
+      pair[i] = &pairs[c.pair];
+      const PartPose* of[2] = {&poses[pair[i]->pose_a + c.part_a],
+                               &poses[pair[i]->pose_b + c.part_b]};
+      turned[i] = c.is_turned();
+      a[i] = of[turned[i]];
+      b[i] = of[1 - turned[i]];
+      hwy::Prefetch(a[i]->rows[0]);
+      hwy::Prefetch(a[i]->rows[2]);
+      hwy::Prefetch(b[i]->rows[0]);
+      hwy::Prefetch(b[i]->rows[2]);
     }
-    const Poses pa = load_poses([&](size_t lane) { return pose_a[lane]; });
-    const Poses pb = load_poses([&](size_t lane) { return pose_b[lane]; });
+  }
+};
+
+/// One part seen from the other, all that both halves of the test need.
+struct Relative {
+  static constexpr size_t kRows = 19;
+  V axes[3][3];  ///< [i][j]: axis i of b . axis j of a
+  V3 offset_a;   ///< b's centre in a's frame and units
+  V3 offset_b;   ///< a's centre in b's frame and units
+  V margin_a, margin_b;
+  V b_over_a, a_over_b;  ///< scales
+
+  Relative() = default;
+  Relative(const OrdopTable& a, const OrdopTable& b, const ChunkInput& in, size_t first) {
+    const Lanes d;
+    const Poses pa = load_poses([&](size_t lane) { return in.a[first + lane]; });
+    const Poses pb = load_poses([&](size_t lane) { return in.b[first + lane]; });
     V shift[4], scales[4];
-    load_rows([&](size_t lane) { return &pair_of[lane]->shift_m[0]; }, shift);
-    load_rows([&](size_t lane) { return &pair_of[lane]->scale_a; }, scales);
-    const V3 delta = (V3{shift[0], shift[1], shift[2]} + centre_of(b, pb, scales[1])) -
-                     centre_of(a, pa, scales[0]);
-    set_halves(pa, pb, delta, scales[0], scales[1], shift[3]);
+    load_rows([&](size_t lane) { return &in.pair[first + lane]->shift_m[0]; }, shift);
+    load_rows([&](size_t lane) { return &in.pair[first + lane]->scale_a; }, scales);
+    const LaneBits bits;
+    const M turned = hn::RebindMask(d, hn::Ne(hn::Load(bits, in.turned + first), hn::Zero(bits)));
+    const auto towards = [&](V v) { return hn::IfThenElse(turned, hn::Neg(v), v); };
+    const V scale_a = hn::IfThenElse(turned, scales[1], scales[0]);
+    const V scale_b = hn::IfThenElse(turned, scales[0], scales[1]);
+    const V3 delta =
+        (V3{towards(shift[0]), towards(shift[1]), towards(shift[2])} + centre_of(b, pb, scale_b)) -
+        centre_of(a, pa, scale_a);
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) axes[i][j] = dot(pb.column[i], pa.column[j]);
+    const V one = hn::Set(d, 1.0f);
+    const V per_a = hn::Div(one, scale_a), per_b = hn::Div(one, scale_b);
+    b_over_a = hn::Mul(scale_b, per_a);
+    a_over_b = hn::Mul(scale_a, per_b);
+    offset_a = in_units(
+        a,
+        V3{dot(pa.column[0], delta), dot(pa.column[1], delta), dot(pa.column[2], delta)} * per_a);
+    offset_b = in_units(b, V3{hn::Neg(dot(pb.column[0], delta)), hn::Neg(dot(pb.column[1], delta)),
+                              hn::Neg(dot(pb.column[2], delta))} *
+                               per_b);
+    margin_a = hn::Mul(shift[3], per_a);
+    margin_b = hn::Mul(shift[3], per_b);
   }
 
-  /// Lanes that a box direction of either separates: three in four of all that are apart.
-  HWY_INLINE M apart_by_axes() const { return hn::Or(from_a.axes(), from_b.axes()); }
-  HWY_INLINE M apart_by_the_rest() const {
-    if constexpr (K == 14) return hn::Or(from_a.corners(), from_b.corners());
-    const M by_edges = hn::Or(from_a.edges(), from_b.edges());
-    if constexpr (K == 18) return by_edges;
-    if (hn::AllTrue(Lanes(), by_edges)) return by_edges;
-    return hn::Or(by_edges, hn::Or(from_a.corners(), from_b.corners()));
+  /// Calls visit(row number, register) for everything above.
+  template <typename Visit>
+  HWY_INLINE void each_row(const Visit& visit) {
+    for (size_t i = 0; i < 9; ++i) visit(i, axes[i / 3][i % 3]);
+    visit(9, offset_a.x), visit(10, offset_a.y), visit(11, offset_a.z);
+    visit(12, offset_b.x), visit(13, offset_b.y), visit(14, offset_b.z);
+    visit(15, margin_a), visit(16, margin_b), visit(17, b_over_a), visit(18, a_over_b);
+  }
+
+  template <int K>
+  HWY_INLINE HalfTest<K> from_a(const OrdopTable& a, const OrdopTable& b) const {
+    HalfTest<K> half{a, b, {}, offset_a, margin_a};
+    const OrdopTable::Ratios ratio = b.ratios_to(a);
+    for (size_t j = 0; j < 3; ++j)
+      half.column[j] = V3{scaled_axis(axes[0][j], b_over_a, ratio.of[0][j]),
+                          scaled_axis(axes[1][j], b_over_a, ratio.of[1][j]),
+                          scaled_axis(axes[2][j], b_over_a, ratio.of[2][j])};
+    return half;
+  }
+  template <int K>
+  HWY_INLINE HalfTest<K> from_b(const OrdopTable& a, const OrdopTable& b) const {
+    HalfTest<K> half{b, a, {}, offset_b, margin_b};
+    const OrdopTable::Ratios ratio = a.ratios_to(b);
+    for (size_t j = 0; j < 3; ++j)
+      half.column[j] = V3{scaled_axis(axes[j][0], a_over_b, ratio.of[0][j]),
+                          scaled_axis(axes[j][1], a_over_b, ratio.of[1][j]),
+                          scaled_axis(axes[j][2], a_over_b, ratio.of[2][j])};
+    return half;
   }
 
  private:
-  HWY_INLINE void set_halves(const Poses& pa, const Poses& pb, const V3& delta, V scale_a,
-                             V scale_b, V margin) {
-    V relative[3][3];  // [i][j]: axis i of b . axis j of a
-    for (size_t i = 0; i < 3; ++i)
-      for (size_t j = 0; j < 3; ++j) relative[i][j] = dot(pb.column[i], pa.column[j]);
-    const V one = hn::Set(Lanes(), 1.0f);
-    const V per_a = hn::Div(one, scale_a), per_b = hn::Div(one, scale_b);
-    const V b_over_a = hn::Mul(scale_b, per_a), a_over_b = hn::Mul(scale_a, per_b);
-    for (size_t j = 0; j < 3; ++j) {
-      from_a.column[j] = V3{relative[0][j], relative[1][j], relative[2][j]} * b_over_a;
-      from_b.column[j] = V3{relative[j][0], relative[j][1], relative[j][2]} * a_over_b;
-    }
-    from_a.offset =
-        V3{dot(pa.column[0], delta), dot(pa.column[1], delta), dot(pa.column[2], delta)} * per_a;
-    from_b.offset = V3{hn::Neg(dot(pb.column[0], delta)), hn::Neg(dot(pb.column[1], delta)),
-                       hn::Neg(dot(pb.column[2], delta))} *
-                    per_b;
-    from_a.margin = hn::Mul(margin, per_a);
-    from_b.margin = hn::Mul(margin, per_b);
+  static HWY_INLINE V scaled_axis(V axis, V scales, float ratio) {
+    return hn::Mul(hn::Mul(axis, scales), hn::Set(Lanes(), ratio));
+  }
+  static HWY_INLINE V3 in_units(const OrdopTable& own, const V3& v) {
+    const Lanes d;
+    return {hn::Mul(v.x, hn::Set(d, own.per_half_box[0])),
+            hn::Mul(v.y, hn::Set(d, own.per_half_box[1])),
+            hn::Mul(v.z, hn::Set(d, own.per_half_box[2]))};
   }
 };
 
-/// Candidates that the box directions leave undecided are collected and tested together: half of
-/// all lanes would otherwise wait for the others.
-inline constexpr size_t kChunk = 256;
+/// The candidates of a chunk that the box directions, which separate three in four of all that are
+/// apart, leave undecided.
+struct Undecided {
+  HWY_ALIGN float rows[Relative::kRows][kChunk + kLanes];
+  HWY_ALIGN uint32_t index[kChunk + kLanes];
+  size_t count = 0;
+
+  HWY_INLINE void add(Relative& relative, const uint32_t* order, M left) {
+    const Lanes d;
+    const LaneBits bits;
+    relative.each_row([&](size_t row, V v) { hn::CompressStore(v, left, d, rows[row] + count); });
+    count +=
+        hn::CompressStore(hn::LoadU(bits, order), hn::RebindMask(bits, left), bits, index + count);
+  }
+  HWY_INLINE Relative at(size_t first) const {
+    const Lanes d;
+    Relative relative;
+    relative.each_row([&](size_t row, V& v) { v = hn::Load(d, rows[row] + first); });
+    return relative;
+  }
+};
+
+template <int K>
+HWY_INLINE M apart_by_the_rest(const HalfTest<K>& from_a, const HalfTest<K>& from_b) {
+  if constexpr (K == 14) return hn::Or(from_a.corners(), from_b.corners());
+  const M by_edges = hn::Or(from_a.edges(), from_b.edges());
+  if constexpr (K == 18) return by_edges;
+  if (hn::AllTrue(Lanes(), by_edges)) return by_edges;
+  return hn::Or(by_edges, hn::Or(from_a.corners(), from_b.corners()));
+}
 
 template <int K>
 HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
                               const PartPose* poses, const Candidate* candidates,
                               const uint32_t* order, size_t count, uint8_t* overlaps) {
-  for (size_t chunk = 0; chunk < count; chunk += kChunk) {
-    const size_t chunk_end = HWY_MIN(count, chunk + kChunk);
-    uint32_t undecided[kChunk];
-    size_t left = 0;
-    for (size_t first = chunk; first < chunk_end; first += kLanes) {
-      const size_t in_use = HWY_MIN(kLanes, chunk_end - first);
-      const PairTest<K> test(a, b, pairs, poses, candidates, order + first, in_use);
-      const uint32_t apart = bits_of(test.apart_by_axes());
-      for (size_t lane = 0; lane < in_use; ++lane) {
-        undecided[left] = order[first + lane];
-        left += ((apart >> lane) & 1) ^ 1;
-        overlaps[order[first + lane]] = 0;
-      }
+  const Lanes d;
+  const LaneBits bits;
+  for (size_t chunk = 0; chunk < count; chunk += kChunk, order += kChunk) {
+    const size_t in_chunk = HWY_MIN(count - chunk, kChunk);
+    const ChunkInput input(pairs, poses, candidates, order, in_chunk);
+    HWY_ALIGN uint32_t own_order[kChunk + kLanes];
+    for (size_t i = 0; i < in_chunk; ++i) overlaps[own_order[i] = order[i]] = 0;
+    Undecided undecided;
+    for (size_t first = 0; first < in_chunk; first += kLanes) {
+      Relative relative(a, b, input, first);
+      const M apart = hn::Or(relative.from_a<K>(a, b).axes(), relative.from_b<K>(a, b).axes());
+      const M in_use = hn::RebindMask(d, hn::FirstN(bits, HWY_MIN(kLanes, in_chunk - first)));
+      undecided.add(relative, own_order + first, hn::AndNot(apart, in_use));
     }
-    for (size_t first = 0; first < left; first += kLanes) {
-      const size_t in_use = HWY_MIN(kLanes, left - first);
-      const PairTest<K> test(a, b, pairs, poses, candidates, undecided + first, in_use);
-      const uint32_t apart = bits_of(test.apart_by_the_rest());
+    for (size_t first = 0; first < undecided.count; first += kLanes) {
+      const Relative relative = undecided.at(first);
+      const uint32_t apart =
+          bits_of(apart_by_the_rest<K>(relative.from_a<K>(a, b), relative.from_b<K>(a, b)));
+      const size_t in_use = HWY_MIN(kLanes, undecided.count - first);
       for (size_t lane = 0; lane < in_use; ++lane)
-        overlaps[undecided[first + lane]] = ((apart >> lane) & 1) ^ 1;
+        overlaps[undecided.index[first + lane]] = ((apart >> lane) & 1) ^ 1;
     }
   }
 }

@@ -1,7 +1,9 @@
 #include "culling/kernels_scalar.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "culling/volumes/directions.h"
@@ -11,27 +13,45 @@ namespace throng {
 
 namespace {
 
-/// The same slabs around another origin: centres move, half widths grow by what rounding cost.
-Slabs recentred(const Slabs& slabs, const float (&origin)[3]) {
-  Slabs out;
-  for (size_t i = 0; i < slabs.slab.size(); ++i) {
-    double moved = static_cast<double>(slabs.slab[i].centre);
-    for (size_t axis = 0; axis < 3; ++axis)
-      moved -= kDirections[i][axis] * static_cast<double>(origin[axis]);
-    const float centre = static_cast<float>(moved);
-    const double half =
-        static_cast<double>(slabs.slab[i].half) + std::fabs(moved - static_cast<double>(centre));
-    out.slab[i] = {centre,
-                   std::nextafter(static_cast<float>(half), std::numeric_limits<float>::max())};
-  }
-  return out;
+/// The interval of values, half width rounded up.
+Slab around(double low, double high, bool centred) {
+  const float centre = centred ? 0 : static_cast<float>(0.5 * (low + high));
+  const double half =
+      std::max(high - static_cast<double>(centre), static_cast<double>(centre) - low);
+  return {centre, std::nextafter(static_cast<float>(half), std::numeric_limits<float>::max())};
 }
 
 }  // namespace
 
-OrdopTable::OrdopTable(const Slabs& fitted) {
-  for (size_t axis = 0; axis < 3; ++axis) origin[axis] = fitted.slab[axis].centre;
-  slabs = recentred(fitted, origin);
+OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& p : points) box.extend(p.cast<double>());
+  // A flat part has a thickness, too small to matter.
+  const double thinnest = std::max(1e-4 * box.sizes().maxCoeff(), 1e-6);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    origin[axis] = static_cast<float>(box.center()[i]);
+    half_box[axis] = static_cast<float>(std::max(0.5 * box.sizes()[i], thinnest));
+    per_half_box[axis] = 1.0f / half_box[axis];
+  }
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    double low = std::numeric_limits<double>::infinity(), high = -low, length2 = 0;
+    for (const Eigen::Vector3f& p : points) {
+      double at = 0;
+      for (size_t axis = 0; axis < 3; ++axis)
+        at += kDirections[d][axis] * ((static_cast<double>(p[static_cast<Eigen::Index>(axis)]) -
+                                       static_cast<double>(origin[axis])) /
+                                      static_cast<double>(half_box[axis]));
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    for (size_t axis = 0; axis < 3; ++axis)
+      length2 += std::abs(kDirections[d][axis]) /
+                 (static_cast<double>(half_box[axis]) * static_cast<double>(half_box[axis]));
+    slabs.slab[d] = around(low, high, d < static_cast<size_t>(kAxisDirections));
+    length[d] =
+        std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
+  }
   for (size_t entry = 0; entry < 16; ++entry) {
     const bool negative[3] = {(entry & 1) != 0, (entry & 2) != 0, (entry & 4) != 0};
     for (size_t omitted = 0; omitted < 3; ++omitted) {
@@ -49,14 +69,40 @@ OrdopTable::OrdopTable(const Slabs& fitted) {
 
 namespace {
 
+bool spheres_overlap(const SphereRows& s, uint32_t i, uint32_t j) {
+  const float dx = s.x[j] - s.x[i], dy = s.y[j] - s.y[i], dz = s.z[j] - s.z[i];
+  const float reach = s.radius[j] + s.radius[i];
+  const float around = s.upright[j] + s.upright[i];
+  const float flat2 = dx * dx + dy * dy;
+  return flat2 + dz * dz <= reach * reach && flat2 <= around * around;
+}
+
+/// Separating axes along the sides of both rectangles.
+bool rectangles_overlap(const RectangleRows& s, uint32_t i, uint32_t j) {
+  const float dx = s.mid_x[j] - s.mid_x[i], dy = s.mid_y[j] - s.mid_y[i];
+  const float ax = s.axis_x[i], ay = s.axis_y[i], bx = s.axis_x[j], by = s.axis_y[j];
+  const float c = std::fabs(ax * bx + ay * by), n = std::fabs(ax * by - ay * bx);
+  const float ahx = s.half_x[i], ahy = s.half_y[i], bhx = s.half_x[j], bhy = s.half_y[j];
+  return std::fabs(dx * ax + dy * ay) <= ahx + (bhx * c + bhy * n) &&
+         std::fabs(dy * ax - dx * ay) <= ahy + (bhx * n + bhy * c) &&
+         std::fabs(dx * bx + dy * by) <= bhx + (ahx * c + ahy * n) &&
+         std::fabs(dy * bx - dx * by) <= bhy + (ahx * n + ahy * c);
+}
+
 size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end, SlotPair* out) {
   size_t found = 0;
+  for (uint32_t j = begin; j < end; ++j)
+    if (spheres_overlap(s, i, j)) out[found++] = {i, j};
+  return found;
+}
+
+size_t body_run(const SphereRows& s, const RectangleRows& r, uint32_t i, uint32_t begin,
+                uint32_t end, SlotPair* out, uint64_t* spheres_passed) {
+  size_t found = 0;
   for (uint32_t j = begin; j < end; ++j) {
-    const float dx = s.x[j] - s.x[i], dy = s.y[j] - s.y[i], dz = s.z[j] - s.z[i];
-    const float reach = s.radius[j] + s.radius[i];
-    const float around = s.upright[j] + s.upright[i];
-    const float flat2 = dx * dx + dy * dy;
-    if (flat2 + dz * dz <= reach * reach && flat2 <= around * around) out[found++] = {i, j};
+    if (!spheres_overlap(s, i, j)) continue;
+    ++*spheres_passed;
+    if (rectangles_overlap(r, i, j)) out[found++] = {i, j};
   }
   return found;
 }
@@ -84,7 +130,9 @@ void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, c
       const Eigen::Vector3f centre = centre_m(tables[part], pose, scales[body]);
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto& row = pose.rows[axis];
-        const Slab extent = tables[part].slabs.bound<26>({row[0], row[1], row[2]});
+        const auto& h = tables[part].half_box;
+        const Slab extent =
+            tables[part].slabs.bound<26>({row[0] * h[0], row[1] * h[1], row[2] * h[2]});
         const float middle = centre[static_cast<int>(axis)] + scales[body] * extent.centre;
         const float half = scales[body] * extent.half + margins[body];
         const float low = middle - half, high = middle + half;
@@ -103,6 +151,7 @@ Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
   const size_t parts_b = frame.type_parts[pair.type_b], padded_b = padded_parts(parts_b);
   const float* rows_a = frame.blocks + (size_t{pair.box_a} + 1) * kBoxLanes;
   const float* rows_b = frame.blocks + (size_t{pair.box_b} + 1) * kBoxLanes;
+  const BucketRule bucket(frame, pair.type_a, pair.type_b);
   for (size_t a = 0; a < parts_a; ++a) {
     for (size_t b = 0; b < parts_b; ++b) {
       bool overlap = true;
@@ -113,7 +162,7 @@ Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
       }
       if (!overlap) continue;
       *out++ = {index, static_cast<uint8_t>(a), static_cast<uint8_t>(b),
-                bucket_of(frame, pair.type_a, a, pair.type_b, b)};
+                bucket(static_cast<uint32_t>(a), static_cast<uint32_t>(b))};
     }
   }
   return out;
@@ -133,13 +182,23 @@ size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first, siz
   return i;
 }
 
-/// One or-DOP's directions against the other's bound, in units of its own scale.
+/// One or-DOP's directions against the other's bound, in units of its own half sides and scale.
 struct HalfTest {
   const OrdopTable& own;
   const OrdopTable& other;
-  Eigen::Matrix3f other_from_own;  // times the ratio of the scales
-  Eigen::Vector3f offset;          // of other's centre, in own's frame, over own's scale
+  Eigen::Matrix3f other_from_own;  // directions of own in units of other
+  Eigen::Vector3f offset;          // of other's centre, in own's frame and units
   float margin;                    // over own's scale
+
+  HalfTest(const OrdopTable& own_table, const OrdopTable& other_table, const Eigen::Matrix3f& axes,
+           float other_over_own, const Eigen::Vector3f& offset_m, float per_own, float margin_m)
+      : own(own_table), other(other_table), margin(margin_m * per_own) {
+    const OrdopTable::Ratios ratio = other.ratios_to(own);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        other_from_own(i, j) = (axes(i, j) * other_over_own) * ratio.of[i][j];
+    for (int j = 0; j < 3; ++j) offset[j] = (offset_m[j] * per_own) * own.per_half_box[j];
+  }
 
   template <int K>
   bool separates() const {
@@ -151,28 +210,32 @@ struct HalfTest {
       const Slab far = other.slabs.bound<K>(d);
       const Slab& near = own.slabs.slab[i];
       const float gap = std::fabs((along(n, offset) + far.centre) - near.centre);
-      if (gap > (near.half + far.half) + margin * direction_length(static_cast<int>(i)))
-        return true;
+      if (gap > (near.half + far.half) + margin * own.length[i]) return true;
     }
     return false;
   }
 };
 
+/// One part of a pair of bodies.
+struct Side {
+  const OrdopTable& table;
+  const PartPose& pose;
+  float scale;
+};
+
 template <int K>
-bool overlap(const OrdopTable& a, const PartPose& pose_a, const OrdopTable& b,
-             const PartPose& pose_b, const BodyPair& pair) {
-  const Eigen::Vector3f shift(pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]);
+bool overlap(const Side& a, const Side& b, const Eigen::Vector3f& a_to_b, float margin) {
   const Eigen::Vector3f delta =
-      shift + centre_m(b, pose_b, pair.scale_b) - centre_m(a, pose_a, pair.scale_a);
+      a_to_b + centre_m(b.table, b.pose, b.scale) - centre_m(a.table, a.pose, a.scale);
   Eigen::Matrix3f b_from_a;
   for (int column = 0; column < 3; ++column)
     b_from_a.col(column) = turned_back(
-        pose_b, {pose_a.rows[0][column], pose_a.rows[1][column], pose_a.rows[2][column]});
-  const float per_a = 1.0f / pair.scale_a, per_b = 1.0f / pair.scale_b;
-  const HalfTest from_a{a, b, b_from_a * (pair.scale_b * per_a), turned_back(pose_a, delta) * per_a,
-                        pair.shift_m[3] * per_a};
-  const HalfTest from_b{b, a, b_from_a.transpose() * (pair.scale_a * per_b),
-                        -turned_back(pose_b, delta) * per_b, pair.shift_m[3] * per_b};
+        b.pose, {a.pose.rows[0][column], a.pose.rows[1][column], a.pose.rows[2][column]});
+  const float per_a = 1.0f / a.scale, per_b = 1.0f / b.scale;
+  const HalfTest from_a(a.table, b.table, b_from_a, b.scale * per_a, turned_back(a.pose, delta),
+                        per_a, margin);
+  const HalfTest from_b(b.table, a.table, b_from_a.transpose(), a.scale * per_b,
+                        -turned_back(b.pose, delta), per_b, margin);
   return !from_a.separates<K>() && !from_b.separates<K>();
 }
 
@@ -183,15 +246,21 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
   for (size_t i = 0; i < count; ++i) {
     const Candidate& c = candidates[order[i]];
     const BodyPair& pair = pairs[c.pair];
-    overlaps[order[i]] =
-        overlap<K>(a, poses[pair.pose_a + c.part_a], b, poses[pair.pose_b + c.part_b], pair);
+    const Eigen::Vector3f shift(pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]);
+    const PartPose& pose_a = poses[pair.pose_a + c.part_a];
+    const PartPose& pose_b = poses[pair.pose_b + c.part_b];
+    overlaps[order[i]] = c.is_turned()
+                             ? overlap<K>({a, pose_b, pair.scale_b}, {b, pose_a, pair.scale_a},
+                                          -shift, pair.shift_m[3])
+                             : overlap<K>({a, pose_a, pair.scale_a}, {b, pose_b, pair.scale_b},
+                                          shift, pair.shift_m[3]);
   }
 }
 
 }  // namespace
 
 const Kernels& scalar_kernels() {
-  static constexpr Kernels kernels = {sphere_run,      part_boxes,      box_pairs,
+  static constexpr Kernels kernels = {sphere_run,      body_run,        part_boxes,     box_pairs,
                                       ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>};
   return kernels;
 }

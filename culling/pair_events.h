@@ -26,6 +26,14 @@ class PairKey {
   uint32_t part_b() const { return static_cast<uint32_t>(bits_) & 0xff; }
   uint64_t bits() const { return bits_; }
   auto operator<=>(const PairKey&) const = default;
+  /// Greater than every key of two bodies.
+  static PairKey beyond_all() { return {kMaxId, kMaxId, 0xff, 0xff}; }
+  /// The same parts of other bodies; `bodies` names them with parts 0.
+  PairKey of_bodies(PairKey bodies) const {
+    PairKey out;
+    out.bits_ = bodies.bits_ | (bits_ & 0xffff);
+    return out;
+  }
 
  private:
   uint64_t bits_ = 0;
@@ -39,22 +47,41 @@ struct PairEvent {
   bool operator==(const PairEvent&) const = default;
 };
 
-/// Merges each frame's sorted pairs with the last frame's.
+/// Merges each frame's sorted pairs with the last frame's. The pairs of a frame come in blocks,
+/// each written and compared by one thread, so that it is compared while it is still in the cache.
 class PairEvents {
  public:
-  /// `pairs` sorted and unique (asserted).
+  /// Begins a frame of `count` pairs in `blocks` blocks.
+  void begin(size_t count, size_t blocks);
+  /// Where the caller writes the pairs of this frame, sorted and unique.
+  PairKey* incoming() { return incoming_.data(); }
+  /// Compares the incoming pairs [first, end) with the last frame's; both of the keys from `low`
+  /// on, less than `high`. Blocks may come on any thread in any order.
+  void compare(size_t block, size_t first, size_t end, PairKey low, PairKey high);
+  /// When every block has been compared.
+  void finish();
+  /// All three for pairs that lie elsewhere; order asserted.
   void advance(std::span<const PairKey> pairs);
 
   /// Begins and ends of this frame, sorted.
   std::span<const PairEvent> events() const { return {events_.data(), event_count_}; }
   std::span<const PairKey> touching() const { return {touching_.data(), touching_count_}; }
   uint64_t persisting() const { return persisting_; }  ///< pairs in this frame and in the last
-  uint32_t times_grown() const { return events_.times_grown() + touching_.times_grown(); }
+  uint32_t times_grown() const;
 
  private:
-  GrowBuffer<PairKey> touching_;
+  /// The events of a block: at the worst all its old pairs end and all its new ones begin, so there
+  /// is room for them behind as many events as there are pairs before it.
+  struct Block {
+    size_t first = 0, events = 0;
+    uint64_t persisting = 0;
+  };
+
+  GrowBuffer<PairKey> touching_, incoming_;
   GrowBuffer<PairEvent> events_;
-  size_t touching_count_ = 0;
+  GrowBuffer<Block> blocks_;
+  size_t block_count_ = 0;
+  size_t touching_count_ = 0, incoming_count_ = 0;
   size_t event_count_ = 0;
   uint64_t persisting_ = 0;
 };

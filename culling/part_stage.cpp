@@ -1,9 +1,9 @@
 #include "culling/part_stage.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
+#include "base/counting_sort.h"
 #include "culling/fitted.h"
 #include "culling/kernels_scalar.h"
 #include "culling/stopwatch.h"
@@ -35,10 +35,11 @@ struct PartPair {
   float margin_m;
 };
 
-PartPair part_pair(const PartStageFrame& frame, const BodyPair& pair, const Candidate& c) {
-  return {{&frame.types[pair.type_a]->volumes(), c.part_a, &frame.poses[pair.pose_a + c.part_a],
+PartPair part_pair(const PartStageFrame& frame, const PartPose* poses, const BodyPair& pair,
+                   const Candidate& c) {
+  return {{&frame.types[pair.type_a]->volumes(), c.part_a, &poses[pair.pose_a + c.part_a],
            pair.scale_a},
-          {&frame.types[pair.type_b]->volumes(), c.part_b, &frame.poses[pair.pose_b + c.part_b],
+          {&frame.types[pair.type_b]->volumes(), c.part_b, &poses[pair.pose_b + c.part_b],
            pair.scale_b},
           {pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]},
           pair.shift_m[3]};
@@ -99,19 +100,52 @@ void PartStageCounters::add(const PartStageCounters& other) {
 }
 
 uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair) {
-  return uint64_t{frame.boxes.type_parts[pair.type_a]} * frame.boxes.type_parts[pair.type_b];
+  return uint64_t{frame.type_parts[pair.type_a]} * frame.type_parts[pair.type_b];
 }
 
-void PartStage::finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, size_t& count) {
+void PartStage::begin(const PartStageFrame& frame, const PosedBodies& bodies) {
+  bodies_ = &bodies;
+  boxes_ = {bodies.boxes(), frame.type_parts.data(), frame.type_first_shape.data(),
+            static_cast<uint32_t>(frame.shape_type.size())};
+  pair_count_ = 0;
+}
+
+/// Keeps the pairs whose boxes, in their poses, overlap.
+void PartStage::add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
+  Stopwatch watch;
+  pairs_.grow(pair_count_ + pairs.size(), pair_count_);
+  const size_t pairs_before = pair_count_;
+  uint64_t parts = 0;
+  for (const SlotPair& slots : pairs) {
+    const PosedBody* a = &bodies_->of_slot(slots.a);
+    const PosedBody* b = &bodies_->of_slot(slots.b);
+    if (a->slot.body > b->slot.body) std::swap(a, b);
+    const Eigen::Vector3f shift = (b->slot.root() - a->slot.root()).cast<float>();
+    if (!bodies_overlap(bodies_->box_of(*a), bodies_->box_of(*b), shift.data())) continue;
+    pairs_[pair_count_] = {{shift.x(), shift.y(), shift.z(), a->slot.margin_m + b->slot.margin_m},
+                           a->slot.scale,
+                           b->slot.scale,
+                           a->pose,
+                           b->pose,
+                           a->block,
+                           b->block,
+                           a->slot.body,
+                           b->slot.body,
+                           a->slot.type,
+                           b->slot.type};
+    parts += box_tests(frame, pairs_[pair_count_++]);
+  }
+  counters_.body_box.tests += pairs.size();
+  counters_.body_box.passed += pair_count_ - pairs_before;
+  counters_.body_box.test_ns += watch.lap_ns();
+  counters_.box.tests += parts;
+}
+
+void PartStage::finish(const PartStageFrame& frame, PartPairs& out) {
   find_candidates(frame);
   test_parts(frame);
   if (frame.exact) decide_by_triangles(frame, candidate_count_);
-  count = 0;
-  keys.resize(candidate_count_ + 1);  // one more: a key is written before it is known to count
-  for (size_t i = 0; i < candidate_count_; ++i) {
-    keys[count] = key_of(candidates_[i]);
-    count += overlaps_[i];
-  }
+  write_keys(out);
 }
 
 PairKey PartStage::key_of(const Candidate& candidate) const {
@@ -146,36 +180,23 @@ void PartStage::test_parts(const PartStageFrame& frame) {
   counters_.part.test_ns += watch.lap_ns();
 }
 
-void PartStage::add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
-  Stopwatch watch;
-  pairs_.grow(pair_count_ + pairs.size(), pair_count_);
-  const size_t pairs_before = pair_count_;
-  uint64_t parts = 0;
-  for (const SlotPair& slots : pairs) {
-    const SlotBody* a = &frame.bodies[slots.a];
-    const SlotBody* b = &frame.bodies[slots.b];
-    if (a->body > b->body) std::swap(a, b);
-    const Eigen::Vector3f shift = (b->root() - a->root()).cast<float>();
-    const float* box_a = frame.boxes.blocks + size_t{a->block} * kBoxLanes;
-    const float* box_b = frame.boxes.blocks + size_t{b->block} * kBoxLanes;
-    if (!bodies_overlap(box_a, box_b, shift.data())) continue;
-    pairs_[pair_count_++] = {{shift.x(), shift.y(), shift.z(), a->margin_m + b->margin_m},
-                             a->scale,
-                             b->scale,
-                             a->pose,
-                             b->pose,
-                             a->block,
-                             b->block,
-                             a->body,
-                             b->body,
-                             a->type,
-                             b->type};
-    parts += uint64_t{frame.boxes.type_parts[a->type]} * frame.boxes.type_parts[b->type];
+/// Candidates of a pair are consecutive and sorted, and so are its keys.
+void PartStage::write_keys(PartPairs& out) const {
+  out.keys.resize(candidate_count_ + 1);  // one more: written before it is known to count
+  out.runs.resize(pair_count_);
+  out.key_count = out.run_count = 0;
+  for (size_t i = 0; i < candidate_count_;) {
+    const uint32_t index = candidates_[i].pair;
+    const BodyPair& pair = pairs_[index];
+    const size_t first = out.key_count;
+    for (; i < candidate_count_ && candidates_[i].pair == index; ++i) {
+      out.keys[out.key_count] = key_of(candidates_[i]);
+      out.key_count += overlaps_[i];
+    }
+    if (out.key_count > first)
+      out.runs[out.run_count++] = {pair.body_a, pair.body_b, static_cast<uint32_t>(first),
+                                   static_cast<uint32_t>(out.key_count - first)};
   }
-  counters_.body_box.tests += pairs.size();
-  counters_.body_box.passed += pair_count_ - pairs_before;
-  counters_.body_box.test_ns += watch.lap_ns();
-  counters_.box.tests += parts;
 }
 
 void PartStage::find_candidates(const PartStageFrame& frame) {
@@ -185,7 +206,7 @@ void PartStage::find_candidates(const PartStageFrame& frame) {
   size_t next = 0;
   while (next < pair_count_) {
     size_t found = 0;
-    next = frame.kernels->box_pairs(frame.boxes, pairs_.data(), next, pair_count_,
+    next = frame.kernels->box_pairs(boxes_, pairs_.data(), next, pair_count_,
                                     candidates_.data() + candidate_count_,
                                     candidates_.capacity() - candidate_count_, &found);
     candidate_count_ += found;
@@ -196,41 +217,39 @@ void PartStage::find_candidates(const PartStageFrame& frame) {
   counters_.box.test_ns += watch.lap_ns();
 }
 
-void PartStage::sort_into_buckets(const PartStageFrame& frame) {
-  const size_t buckets = bucket_count(frame.boxes.shapes);
+void PartStage::sort_into_buckets() {
+  const size_t buckets = bucket_count(boxes_.shapes);
   bucket_start_.resize(buckets + 2);
   order_.resize(candidate_count_);
-  // Counted one bucket late, so that after scattering bucket_start_[i] is where bucket i begins.
-  std::fill_n(bucket_start_.data(), buckets + 2, 0u);
-  for (size_t i = 0; i < candidate_count_; ++i) ++bucket_start_[size_t{candidates_[i].bucket} + 2];
-  std::partial_sum(bucket_start_.data(), bucket_start_.data() + buckets + 2, bucket_start_.data());
-  for (size_t i = 0; i < candidate_count_; ++i)
-    order_[bucket_start_[size_t{candidates_[i].bucket} + 1]++] = static_cast<uint32_t>(i);
+  counting_sort(
+      candidate_count_, buckets, bucket_start_.data(),
+      [&](size_t i) { return candidates_[i].bucket(); },
+      [&](size_t i, uint32_t at) { order_[at] = static_cast<uint32_t>(i); });
 }
 
 void PartStage::test_ordops(const PartStageFrame& frame, OrdopKernel kernel) {
   const Kernels::OrdopPairs test = frame.kernels->*kernel, reference = scalar_kernels().*kernel;
-  sort_into_buckets(frame);
-  const uint32_t shapes = frame.boxes.shapes;
+  sort_into_buckets();
+  const uint32_t shapes = boxes_.shapes;
   const auto table_of = [&](size_t shape) -> const OrdopTable& {
     const uint16_t type = frame.shape_type[shape];
     return frame.types[type]->volumes().ordops[shape - frame.type_first_shape[type]];
   };
-  size_t bucket = 0;
   for (size_t a = 0; a < shapes; ++a) {
-    for (size_t b = 0; b < shapes; ++b, ++bucket) {
+    for (size_t b = a; b < shapes; ++b) {
+      const size_t bucket = a * shapes + b;
       const uint32_t begin = bucket_start_[bucket], count = bucket_start_[bucket + 1] - begin;
       if (count == 0) continue;
-      test(table_of(a), table_of(b), pairs_.data(), frame.poses, candidates_.data(),
+      test(table_of(a), table_of(b), pairs_.data(), bodies_->poses(), candidates_.data(),
            order_.data() + begin, count, overlaps_.data());
     }
   }
   // Shapes beyond the buckets: rare, so one by one with the reference.
-  for (uint32_t i = bucket_start_[bucket]; i < candidate_count_; ++i) {
+  for (uint32_t i = bucket_start_[bucket_count(shapes) - 1]; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[order_[i]];
     const BodyPair& pair = pairs_[c.pair];
     reference(frame.types[pair.type_a]->volumes().ordops[c.part_a],
-              frame.types[pair.type_b]->volumes().ordops[c.part_b], pairs_.data(), frame.poses,
+              frame.types[pair.type_b]->volumes().ordops[c.part_b], pairs_.data(), bodies_->poses(),
               candidates_.data(), order_.data() + i, 1, overlaps_.data());
   }
 }
@@ -238,7 +257,8 @@ void PartStage::test_ordops(const PartStageFrame& frame, OrdopKernel kernel) {
 void PartStage::test_others(const PartStageFrame& frame) {
   for (size_t i = 0; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[i];
-    overlaps_[i] = volumes_overlap(frame.volume, part_pair(frame, pairs_[c.pair], c));
+    overlaps_[i] =
+        volumes_overlap(frame.volume, part_pair(frame, bodies_->poses(), pairs_[c.pair], c));
   }
   counters_.part.updates += 2 * candidate_count_;
 }
@@ -253,7 +273,7 @@ size_t PartStage::decide_by_triangles(const PartStageFrame& frame, uint64_t most
     if (tests == most) break;
     ++tests;
     const Candidate& c = candidates_[i];
-    const PartPair p = part_pair(frame, pairs_[c.pair], c);
+    const PartPair p = part_pair(frame, bodies_->poses(), pairs_[c.pair], c);
     overlaps_[i] =
         solids_touch(p.a.volumes->surfaces[p.a.part], *p.a.pose, p.a.scale,
                      p.b.volumes->surfaces[p.b.part], *p.b.pose, p.b.scale, p.a_to_b_m, primitive);

@@ -14,6 +14,7 @@
 #include "culling/grow_buffer.h"
 #include "culling/kernels.h"
 #include "culling/pair_events.h"
+#include "culling/posed_bodies.h"
 #include "culling/slots.h"
 
 namespace throng {
@@ -23,9 +24,7 @@ struct PartStageFrame {
   std::span<const std::shared_ptr<const BodyType>> types;
   std::span<const uint16_t> shape_type;  ///< type of each shape that has buckets
   std::span<const uint16_t> type_first_shape;
-  const SlotBody* bodies;
-  const PartPose* poses;
-  BoxFrame boxes;
+  std::span<const uint16_t> type_parts;
   const Kernels* kernels;
   VolumeKind volume;
   bool exact;
@@ -38,17 +37,30 @@ struct PartStageCounters {
   void add(const PartStageCounters& other);
 };
 
+/// The keys of one pair of bodies, consecutive and sorted.
+struct KeyRun {
+  uint32_t body_a, body_b;  ///< indices into the BodiesView, a < b
+  uint32_t first, count;
+};
+
+/// What a task yields; keys name bodies by their indices.
+struct PartPairs {
+  GrowBuffer<PairKey> keys;
+  GrowBuffer<KeyRun> runs;
+  size_t key_count = 0, run_count = 0;
+  uint32_t times_grown() const { return keys.times_grown() + runs.times_grown(); }
+};
+
 /// Tests that the part boxes of two bodies take.
 uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair);
 
 /// The scratch of one worker.
 class PartStage {
  public:
-  /// A task: begin(), add() blocks of sphere pairs, finish(). finish() writes the keys of the
-  /// overlapping parts; a() and b() of a key are body indices.
-  void begin() { pair_count_ = 0; }
+  /// A task: begin() with the posed bodies, add() pairs of their slots, finish().
+  void begin(const PartStageFrame& frame, const PosedBodies& bodies);
   void add(const PartStageFrame& frame, std::span<const SlotPair> pairs);
-  void finish(const PartStageFrame& frame, GrowBuffer<PairKey>& keys, size_t& count);
+  void finish(const PartStageFrame& frame, PartPairs& out);
 
   /// finish() step by step, for who may have to stop in between: find_candidates(), test_parts(),
   /// then, where asked, decide_by_triangles().
@@ -76,9 +88,12 @@ class PartStage {
  private:
   using OrdopKernel = Kernels::OrdopPairs Kernels::*;
   void test_ordops(const PartStageFrame& frame, OrdopKernel kernel);
-  void sort_into_buckets(const PartStageFrame& frame);
+  void sort_into_buckets();
   void test_others(const PartStageFrame& frame);
+  void write_keys(PartPairs& out) const;
 
+  const PosedBodies* bodies_ = nullptr;
+  BoxFrame boxes_{};
   GrowBuffer<BodyPair> pairs_;
   GrowBuffer<Candidate> candidates_;
   GrowBuffer<uint32_t> bucket_start_, order_;

@@ -105,6 +105,19 @@ void Posing::poses_of(std::span<const uint32_t> bodies, std::span<PartPose> out)
   kinematics_ns_.fetch_add(nanoseconds(Clock::now() - posed), std::memory_order_relaxed);
 }
 
+void Posing::bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const {
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const uint32_t body = view_.empty() ? bodies[i] : view_[bodies[i]];
+    const size_t type = states_.types[body];
+    if (type < models_.size()) {
+      gaits_[type].bounds({&states_.phases[body], 1}, {&states_.speeds_mps[body], 1},
+                          {&states_.scales[body], 1}, {&out[i], 1});
+    } else {
+      out[i] = {};  // an obstacle: its sphere says enough
+    }
+  }
+}
+
 Posing::Times Posing::take_times() {
   return {static_cast<double>(gait_ns_.exchange(0, std::memory_order_relaxed)),
           static_cast<double>(kinematics_ns_.exchange(0, std::memory_order_relaxed))};

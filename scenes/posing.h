@@ -36,6 +36,7 @@ class Posing : public PoseSource {
   const Model& model(size_t model) const { return *models_[model]; }
 
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
+  void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override;
 
   /// Posture rows of consecutive avatars of one model.
   void postures(uint32_t first, uint32_t count, std::span<float> rows) const;

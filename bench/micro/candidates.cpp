@@ -20,6 +20,8 @@ void Candidates::find(const Crowd& crowd) {
   const BoxList list = boxes.compute();
   poses_ = boxes.poses();
   const BodiesView bodies = crowd.view();
+  const uint16_t first_shape = 0;
+  const BucketRule bucket({nullptr, nullptr, &first_shape, list.parts}, 0, 0);
   for (const BoxPair& found : reference_pairs(list)) {
     const uint32_t a = found.a / list.parts, b = found.b / list.parts;
     if (pairs_.empty() || pairs_.back().body_a != a || pairs_.back().body_b != b) {
@@ -40,8 +42,7 @@ void Candidates::find(const Crowd& crowd) {
     }
     const uint32_t part_a = found.a % list.parts, part_b = found.b % list.parts;
     candidates_.push_back({static_cast<uint32_t>(pairs_.size() - 1), static_cast<uint8_t>(part_a),
-                           static_cast<uint8_t>(part_b),
-                           static_cast<uint16_t>(part_a * list.parts + part_b)});
+                           static_cast<uint8_t>(part_b), bucket(part_a, part_b)});
   }
 }
 
@@ -50,10 +51,10 @@ void Candidates::sort_into_buckets() {
   order_.resize(candidates_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   std::stable_sort(order_.begin(), order_.end(), [this](uint32_t i, uint32_t j) {
-    return candidates_[i].bucket < candidates_[j].bucket;
+    return candidates_[i].bucket() < candidates_[j].bucket();
   });
   starts_.assign(parts * parts + 1, 0);
-  for (const Candidate& c : candidates_) ++starts_[size_t{c.bucket} + 1];
+  for (const Candidate& c : candidates_) ++starts_[size_t{c.bucket()} + 1];
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
 }
 

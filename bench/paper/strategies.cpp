@@ -97,11 +97,18 @@ struct StrategyRun::State {
   }
   void grid_pass() {
     update_spheres();
-    search.build(PairSearch::kGrid, {n, x.data(), y.data(), z.data(), radius.data(), radius.data()},
-                 everyone);
+    search_bodies.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      // A rectangle that never separates: the strategies know spheres only.
+      constexpr float kEverywhere = 1e18f;
+      search_bodies[i] = {x[i], y[i], z[i], radius[i],   radius[i],  0,
+                          0,    1,    0,    kEverywhere, kEverywhere};
+    }
+    search.build(PairSearch::kGrid, search_bodies, everyone, workers);
     for (size_t block = 0; block < search.block_count(); ++block) {
-      size_t count = 0;
-      work.sphere_tests += search.search_block(kernels, block, block_pairs, count);
+      const PairSearcher::Found in_block = search.search_block(kernels, block, block_pairs);
+      const size_t count = in_block.pairs;
+      work.sphere_tests += in_block.tests;
       make_room(count);
       for (size_t i = 0; i < count; ++i) {
         const uint32_t a = search.body_of_slot(block_pairs[i].a);
@@ -189,6 +196,8 @@ struct StrategyRun::State {
   std::vector<int64_t> placed_in;  ///< the frame of the last update; frames count from 1
   std::vector<uint32_t> everyone;
   PairSearcher search;
+  std::vector<PlacedBody> search_bodies;
+  Workers workers{1};
   GrowBuffer<SlotPair> block_pairs;
   std::vector<SlotPair> pairs;
   size_t found = 0;

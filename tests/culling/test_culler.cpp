@@ -133,6 +133,63 @@ TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
   EXPECT_TRUE(open.empty());
 }
 
+/// A world whose source also says in which box each body is: as tight as its points allow.
+struct Bounded : PoseSource {
+  explicit Bounded(const RandomWorld& w) : world(w) {}
+  void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override {
+    world.poses(bodies, out);
+  }
+  void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override {
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      const uint32_t body = bodies[i];
+      const BodyType& type = *world.types[world.type_of[body]];
+      Eigen::AlignedBox3f box;
+      for (size_t part = 0; part < type.parts().size(); ++part) {
+        const Eigen::Isometry3d pose = to_isometry(world.pose(body, part));
+        for (const Eigen::Vector3f& point : type.parts()[part].points) {
+          const Eigen::Vector3d placed =
+              pose * (static_cast<double>(world.scales[body]) * point.cast<double>());
+          // Turned back into the root's frame, as a gait knows it.
+          box.extend(world.roots[body].world_from_root.conjugate() *
+                     Eigen::Vector3f(placed.cast<float>()));
+        }
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        out[i].min_m[axis] = box.min()[axis] - 1e-5f;
+        out[i].max_m[axis] = box.max()[axis] + 1e-5f;
+      }
+    }
+  }
+  const RandomWorld& world;
+};
+
+TEST(Culler, BoundsSparePosingAndMissNothing) {
+  for (uint64_t seed = 51; seed <= 54; ++seed) {
+    RandomWorld world(seed, 150, 4, Eigen::Vector3d(5'000, -3'000, 0));
+    // Half of them upright, as people are: only then does a rectangle turn with its body.
+    for (size_t i = 0; i < world.roots.size(); i += 2)
+      world.roots[i].world_from_root =
+          Eigen::AngleAxisf(static_cast<float>(i), Eigen::Vector3f::UnitZ());
+    const std::vector<PairKey> truth = touching_by_brute_force(world);
+    Workers workers(1);
+    std::vector<PairKey> reference;
+    for (const PairSearch search : {PairSearch::kBrute, PairSearch::kGrid, PairSearch::kSweep}) {
+      for (const SimdTarget target : simd_targets_of_this_machine()) {
+        Culler bounded(world.types, {.pair_search = search, .simd = target}, workers);
+        bounded.step(world.view(), Bounded(world));
+        const std::vector<PairKey> found(bounded.pairs().begin(), bounded.pairs().end());
+        EXPECT_TRUE(std::includes(found.begin(), found.end(), truth.begin(), truth.end()))
+            << "seed " << seed << ", " << name_of(target);
+        if (reference.empty()) reference = found;
+        EXPECT_EQ(found, reference) << "seed " << seed << ", " << name_of(target);
+        Culler free(world.types, {.pair_search = search, .simd = target}, workers);
+        free.step(world.view(), world);
+        EXPECT_LT(bounded.counters().body_box.passed, free.counters().body_box.passed);
+      }
+    }
+  }
+}
+
 TEST(Culler, CountsEveryStage) {
   const RandomWorld world(41, 300, 5, Eigen::Vector3d::Zero());
   Workers workers(1);
