@@ -17,6 +17,9 @@ BodyType::BodyType(std::vector<PartShape> parts, const RootSphere& sphere, bool 
   for (const PartShape& part : parts_) {
     volumes_->slabs.push_back(Slabs::around(part.points));
     volumes_->ordops.emplace_back(part.points);
+    volumes_->ordop_lanes_14.emplace_back(volumes_->slabs.back(), 14);
+    volumes_->ordop_lanes_18.emplace_back(volumes_->slabs.back(), 18);
+    volumes_->ordop_lanes_26.emplace_back(volumes_->slabs.back(), 26);
     volumes_->spheres.push_back(Sphere::fit(part.points));
     volumes_->aabbs.push_back(Aabb::fit(part.points));
     volumes_->obbs.push_back(Obb::fit(part.points));

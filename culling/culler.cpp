@@ -11,6 +11,7 @@
 #include "culling/deadline.h"
 #include "culling/fitted.h"
 #include "culling/part_stage.h"
+#include "culling/recipe.h"
 #include "culling/slots.h"
 #include "culling/stopwatch.h"
 
@@ -36,6 +37,7 @@ struct Culler::State {
   void refine(const PoseSource& source);
   void refine_by_urgency(std::chrono::steady_clock::time_point start, const BodiesView& bodies,
                          const PoseSource& source);
+  void run_recipe(const BodiesView& bodies, const PoseSource& source);
   void sort_runs(size_t bodies);
   void write_pairs(const BodiesView& bodies);
   void hash_events();
@@ -74,6 +76,9 @@ struct Culler::State {
   GrowBuffer<uint32_t> start_of_body, keys_of_block;
   PairEvents events;
   std::unique_ptr<Deadline> deadline;  // null without one
+  std::unique_ptr<Recipe> recipe;      // null for our own pipeline
+  GrowBuffer<PairKey> recipe_pairs;    // with ids
+  GrowBuffer<uint8_t> sphere_levels;   // zeros, for spheres alone
   CullingCounters counters;
   uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
   uint64_t frame = 0;
@@ -102,6 +107,11 @@ Culler::State::State(std::vector<std::shared_ptr<const BodyType>> body_types,
   }
   if (options.deadline_ms || options.deadline_tests)
     deadline = std::make_unique<Deadline>(options, workers);
+  if (options.strategy == Strategy::kPipeline) return;
+  assert(!deadline);
+  if (options.exact && options.strategy == Strategy::kSphere)
+    throw InputError("exact contacts", "a strategy that tests parts", "spheres alone");
+  recipe = Recipe::make(options, types);
 }
 
 /// Groups the blocks of the broad phase into tasks. Depends on the frame alone, as results must.
@@ -163,6 +173,36 @@ void Culler::State::refine_by_urgency(std::chrono::steady_clock::time_point star
   hash_events();
   counters.events_ns = watch.lap_ns();
   counters.levels = deadline->reported();
+}
+
+/// One of the paper's strategies in place of everything up to the events.
+void Culler::State::run_recipe(const BodiesView& bodies, const PoseSource& source) {
+  recipe->run(bodies, source);
+  Stopwatch watch;
+  const std::span<const PairKey> found = recipe->pairs();
+  recipe_pairs.resize(found.size());
+  for (size_t i = 0; i < found.size(); ++i)
+    recipe_pairs[i] = PairKey(bodies.ids[found[i].a()], bodies.ids[found[i].b()], found[i].part_a(),
+                              found[i].part_b());
+  events.advance({recipe_pairs.data(), found.size()});
+  const bool spheres_alone = options.strategy == Strategy::kSphere;
+  if (spheres_alone) {
+    const size_t most = std::max(events.touching().size(), events.events().size());
+    sphere_levels.resize(most);
+    std::fill_n(sphere_levels.data(), most, static_cast<uint8_t>(PairLevel::kSphere));
+  }
+  hash_events();
+  counters.events_ns = watch.lap_ns();
+  counters.avatar = recipe->spheres();
+  counters.body_box = counters.box = {.volume = "off"};
+  counters.part = recipe->volumes();
+  counters.exact = recipe->triangles();
+  counters.primitive_tests = recipe->primitive_tests();
+  counters.posed_bodies = recipe->posed_bodies();
+  counters.levels = {};
+  counters.levels[spheres_alone   ? 0
+                  : options.exact ? static_cast<size_t>(PairLevel::kExact)
+                                  : static_cast<size_t>(PairLevel::kPartVolume)] = found.size();
 }
 
 /// Runs by body a with a counting sort, then each body's few by body b.
@@ -276,6 +316,8 @@ uint64_t Culler::State::times_grown() const {
   for (const PosedBodies& bodies : posed) sum += bodies.times_grown();
   for (const Task& task : tasks) sum += task.found.times_grown();
   if (deadline) sum += deadline->times_grown();
+  if (recipe)
+    sum += recipe->times_grown() + recipe_pairs.times_grown() + sphere_levels.times_grown();
   return sum;
 }
 
@@ -295,8 +337,10 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   const uint64_t grown_before = s.times_grown();
   const auto start = std::chrono::steady_clock::now();
   Stopwatch whole, stage;
-  s.broad.run(bodies, poses, s.slots);
-  if (s.deadline != nullptr) {
+  if (s.recipe == nullptr) s.broad.run(bodies, poses, s.slots);
+  if (s.recipe != nullptr) {
+    s.run_recipe(bodies, poses);
+  } else if (s.deadline != nullptr) {
     s.refine_by_urgency(start, bodies, poses);
   } else {
     s.refine(poses);
@@ -325,9 +369,13 @@ void Culler::finish() {
 std::span<const PairKey> Culler::pairs() const { return state_->events.touching(); }
 std::span<const PairEvent> Culler::events() const { return state_->events.events(); }
 std::span<const uint8_t> Culler::levels() const {
+  if (state_->options.strategy == Strategy::kSphere)
+    return {state_->sphere_levels.data(), pairs().size()};
   return state_->deadline ? state_->deadline->levels() : std::span<const uint8_t>();
 }
 std::span<const uint8_t> Culler::event_levels() const {
+  if (state_->options.strategy == Strategy::kSphere)
+    return {state_->sphere_levels.data(), events().size()};
   return state_->deadline ? state_->deadline->event_levels() : std::span<const uint8_t>();
 }
 uint64_t Culler::persisting() const { return state_->events.persisting(); }

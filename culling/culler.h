@@ -17,6 +17,7 @@
 #include "culling/body_type.h"
 #include "culling/pair_events.h"
 #include "culling/pair_level.h"
+#include "culling/strategy.h"
 #include "culling/volume_kind.h"
 
 namespace throng {
@@ -57,6 +58,8 @@ struct CullerOptions {
   /// level it reached. Both may be given.
   std::optional<double> deadline_ms{};       ///< of a whole pass, by the clock: not repeatable
   std::optional<uint64_t> deadline_tests{};  ///< of boxes, part volumes and triangles together
+  /// The paper's recipes run on one thread and know no deadline (asserted).
+  Strategy strategy = Strategy::kPipeline;
 };
 
 /// One stage's N and time: the paper's N_u, C_u, N_v, C_v (N_p, C_p for triangles).
@@ -87,7 +90,7 @@ struct CullingCounters {
 class Culler {
  public:
   /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
-  /// triangles.
+  /// triangles, or of spheres alone.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
   ~Culler();
@@ -100,7 +103,7 @@ class Culler {
   std::span<const PairKey> pairs() const;
   std::span<const PairEvent> events() const;
   /// PairLevel of each of pairs(), and of each of events() (an end: at which it was last reported).
-  /// Empty without a deadline: everything is decided.
+  /// Empty where everything is decided: without a deadline, unless spheres alone are tested.
   std::span<const uint8_t> levels() const;
   std::span<const uint8_t> event_levels() const;
   uint64_t persisting() const;

@@ -5,4 +5,5 @@
 #include "culling/culler.h"
 #include "culling/pair_events.h"
 #include "culling/pair_level.h"
+#include "culling/strategy.h"
 #include "culling/volume_kind.h"

@@ -6,6 +6,7 @@
 
 #include "culling/body_type.h"
 #include "culling/kernels.h"
+#include "culling/ordop_pair.h"
 #include "culling/triangle_bvh.h"
 #include "culling/volumes.h"
 
@@ -14,6 +15,7 @@ namespace throng {
 struct BodyType::Volumes {
   std::vector<Slabs> slabs;  ///< one a part, as all below
   std::vector<OrdopTable> ordops;
+  std::vector<OrdopLanes> ordop_lanes_14, ordop_lanes_18, ordop_lanes_26;
   std::vector<Sphere::Fitted> spheres;
   std::vector<Aabb::Fitted> aabbs;
   std::vector<Obb::Fitted> obbs;

@@ -36,6 +36,8 @@ inline constexpr float kEmptyHigh = -1e30f;
 struct alignas(64) OrdopTable {
   /// At least one point.
   explicit OrdopTable(std::span<const Eigen::Vector3f> points);
+  /// The paper's or-DOP: slabs as fitted, recentred but in metres (half_box 1).
+  explicit OrdopTable(const Slabs& fitted);
   // Sixteen entries, the second eight a copy of the first: one register of any width up to 512
   // bits.
   float corner_half[16], corner_centre[16];
@@ -55,6 +57,9 @@ struct alignas(64) OrdopTable {
       for (size_t j = 0; j < 3; ++j) out.of[i][j] = half_box[i] * own.per_half_box[j];
     return out;
   }
+
+ private:
+  void fill_lookups();
 };
 
 /// The spheres of a frame in slot order (sorted by grid cell), radii inflated by the float margin.
@@ -137,6 +142,8 @@ class BucketRule {
   uint32_t shapes_, first_a_, first_b_;
 };
 
+struct OrdopLanes;
+
 struct Kernels {
   /// Tests slot i against slots [begin, end), spheres and cylinders; appends the overlapping pairs
   /// to out (which has room for end - begin more); returns how many.
@@ -166,6 +173,13 @@ struct Kernels {
                               const PartPose* poses, const Candidate* candidates,
                               const uint32_t* order, size_t count, uint8_t* overlaps);
   OrdopPairs ordop_pairs_14, ordop_pairs_18, ordop_pairs_26;
+
+  /// One or-DOP of the paper's against one other; see ordop_pair.h. shift_m: root of b minus
+  /// root of a, then the margin that bounds all float rounding.
+  using OrdopPair = bool (*)(const OrdopLanes& a, const PartPose& pose_a, float scale_a,
+                             const OrdopLanes& b, const PartPose& pose_b, float scale_b,
+                             const float (&shift_m)[4]);
+  OrdopPair ordop_pair_14, ordop_pair_18, ordop_pair_26;
 };
 
 /// The kernels of a target that this machine has (asserted); kBest is the best.

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "culling/ordop_pair.h"
 #include "culling/volumes/directions.h"
 #include "culling/volumes/pose_math.h"
 
@@ -52,6 +53,26 @@ OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
     length[d] =
         std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
   }
+  fill_lookups();
+}
+
+OrdopTable::OrdopTable(const Slabs& fitted) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    origin[axis] = fitted.slab[axis].centre;
+    half_box[axis] = per_half_box[axis] = 1;
+  }
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    double moved = static_cast<double>(fitted.slab[d].centre);
+    for (size_t axis = 0; axis < 3; ++axis)
+      moved -= kDirections[d][axis] * static_cast<double>(origin[axis]);
+    const double half = static_cast<double>(fitted.slab[d].half);
+    slabs.slab[d] = around(moved - half, moved + half, d < static_cast<size_t>(kAxisDirections));
+    length[d] = direction_length(static_cast<int>(d));
+  }
+  fill_lookups();
+}
+
+void OrdopTable::fill_lookups() {
   for (size_t entry = 0; entry < 16; ++entry) {
     const bool negative[3] = {(entry & 1) != 0, (entry & 2) != 0, (entry & 4) != 0};
     for (size_t omitted = 0; omitted < 3; ++omitted) {
@@ -260,8 +281,9 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
 }  // namespace
 
 const Kernels& scalar_kernels() {
-  static constexpr Kernels kernels = {sphere_run,      body_run,        part_boxes,     box_pairs,
-                                      ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>};
+  static constexpr Kernels kernels = {
+      sphere_run,      body_run,        part_boxes,     box_pairs,      ordop_pairs<14>,
+      ordop_pairs<18>, ordop_pairs<26>, ordop_pair<14>, ordop_pair<18>, ordop_pair<26>};
   return kernels;
 }
 

@@ -10,13 +10,15 @@
 
 #include "culling/kernels_boxes-inl.h"
 #include "culling/kernels_ordop-inl.h"
+#include "culling/kernels_pair-inl.h"
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 extern const Kernels kKernels;
 const Kernels kKernels = {sphere_run,      body_run,        part_boxes,     box_pairs,
-                          ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>};
+                          ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>,
+                          ordop_pair<14>,  ordop_pair<18>,  ordop_pair<26>};
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif
