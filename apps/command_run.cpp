@@ -33,14 +33,15 @@ Examples:
   throng run plaza --avatars 5000 --seconds 2 --json result.json
   throng run corridor --exact --lcm off --log corridor.lcmlog
   throng run plaza --avatars 20000 --seconds 1 --deadline-ms 5 --log off
+  throng run paper_500 --strategy two-pass --log off
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run plaza --pace 1                          as fast as life, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
 
-The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact and the
-deadlines; never on --threads, --simd, --pair-search or --pace. Under a deadline pairs that touched in
-the last frame are refined first, then those whose spheres overlap deepest; the rest is reported as far
-as it came. Ctrl-C ends the run with its summary and a sound log.)";
+The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
+and (without --exact) --strategy; never on --threads, --simd, --pair-search or --pace. Under a deadline
+pairs that touched in the last frame are refined first, then those whose spheres overlap deepest; the
+rest is reported as far as it came. Ctrl-C ends the run with its summary and a sound log.)";
 
 struct RunOptions {
   std::string scene;
@@ -53,8 +54,9 @@ struct RunOptions {
   bool exact = false;
   std::optional<double> deadline_ms;
   std::optional<uint64_t> deadline_tests;
+  std::string strategy = "pipeline";
   std::string simd = "best";
-  std::string pair_search = "grid";
+  std::string pair_search;  // empty: a grid, or all pairs where the paper's strategies test spheres
   double pace = 0;
   std::string lcm{kDefaultLcmUrl};
   std::string log;
@@ -76,6 +78,12 @@ std::vector<std::string> simd_names() {
   for (const SimdTarget target : {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
                                   SimdTarget::kAvx2, SimdTarget::kAvx512})
     names.emplace_back(name_of(target));
+  return names;
+}
+
+std::vector<std::string> strategy_names() {
+  std::vector<std::string> names;
+  for (const Strategy strategy : kAllStrategies) names.emplace_back(name_of(strategy));
   return names;
 }
 
@@ -114,6 +122,12 @@ void add_options(CLI::App& app, RunOptions& options) {
                  "Tests of boxes, part volumes and triangles a frame")
       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
       ->type_name("N");
+  app.add_option("--strategy", options.strategy,
+                 "One of the paper's instead of ours, on one thread: none, sphere, volume, "
+                 "hybrid-one, hybrid-all or two-pass")
+      ->check(name_option(strategy_names()))
+      ->type_name("NAME")
+      ->excludes("--deadline-ms", "--deadline-tests");
   app.add_option("--simd", options.simd, "best, scalar, sse4, avx2 or avx512")
       ->check(name_option(simd_names()))
       ->type_name("TARGET");
@@ -137,6 +151,8 @@ SimulationOptions simulation_options(const RunOptions& options) {
   out.simd = resolved(simd_target_of(options.simd).value());
   out.deadline_ms = options.deadline_ms;
   out.deadline_tests = options.deadline_tests;
+  out.strategy = strategy_of(options.strategy).value();
+  if (out.strategy != Strategy::kPipeline) out.pair_search = PairSearch::kBrute;
   for (const auto& [name, search] : kPairSearches)
     if (options.pair_search == name) out.pair_search = search;
   return out;

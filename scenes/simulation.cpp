@@ -218,6 +218,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   culling.simd = options.simd;
   culling.deadline_ms = options.deadline_ms;
   culling.deadline_tests = options.deadline_tests;
+  culling.strategy = options.strategy;
   culler = std::make_unique<Culler>(std::move(types), culling, workers);
 }
 
@@ -291,6 +292,7 @@ void Simulation::State::describe_run() {
   name.add("throng run 1").add(scene.content_hash);
   if (options.deadline_ms) name.add("deadline, ms").add(*options.deadline_ms);
   if (options.deadline_tests) name.add("deadline, tests").add(*options.deadline_tests);
+  if (options.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(options.strategy));
   info.run_id = name.value();
   info.instance = random_instance();
   info.step_s = scene.step_s;

@@ -22,6 +22,9 @@ struct SimulationOptions {
   /// A frame's budget; see CullerOptions. Both change the events: the clock's not repeatably.
   std::optional<double> deadline_ms{};
   std::optional<uint64_t> deadline_tests{};
+  /// The paper's recipes in place of our own: they change the events as far as spheres and boxes
+  /// rule pairs out, with exact contacts not at all.
+  Strategy strategy = Strategy::kPipeline;
   /// Fill Frame::postures. Off, only avatars in a surviving pair get joint angles at all: a run
   /// that nobody draws or logs does not pay for the rest. Never changes the events.
   bool postures = true;
