@@ -6,7 +6,7 @@
 
 #include "base/random.h"
 #include "bench/paper/census.h"
-#include "culling/stopwatch.h"
+#include "bench/paper/thread_clock.h"
 
 namespace throng::paper {
 namespace {
@@ -72,7 +72,7 @@ Cost repeat(size_t count, const Body& body) {
   body();  // caches and clocks warm up
   while (static_cast<int>(samples_ns.size()) < kMaxRepetitions &&
          (static_cast<int>(samples_ns.size()) < kMinRepetitions || spent_ns < kBudget_ns)) {
-    Stopwatch watch;
+    ThreadClock watch;
     body();
     const double ns = watch.lap_ns();
     spent_ns += ns;
@@ -89,7 +89,7 @@ void measure_construction(const std::vector<Object>& objects, int repetitions, M
   for (int repetition = 0; repetition < repetitions; ++repetition) {
     double sum_ns = 0;
     for (size_t i = 0; i < objects.size(); ++i) {
-      Stopwatch watch;
+      ThreadClock watch;
       const auto fitted = Method::fit(objects[i]);
       use(&fitted);
       by_object[i].push_back(watch.lap_ns());
@@ -138,7 +138,7 @@ double run_ms(const std::vector<Object>& objects, int frames, uint64_t seed) {
   placed.reserve(objects.size());
   ExactCounters primitives;
   uint64_t hits = 0;
-  Stopwatch watch;
+  ThreadClock watch;
   for (int frame = 1; frame < frames; ++frame) {
     world.step();
     placed.clear();

@@ -27,7 +27,8 @@ struct MethodCosts {
   Cost update;                     ///< C_u
   Cost test;                       ///< C_v
   double primitive_ns = 0;         ///< C_p: exact only, a test of two boxes or triangles
-  std::array<double, kRunLengths.size()> run_ms{};  ///< whole runs by the clock, construction apart
+  std::array<double, kRunLengths.size()>
+      run_ms{};  ///< whole runs by the thread's clock, construction apart
 };
 
 /// `frames` frames of Part I feed C_u and C_v; each volume is built `constructions` times.

@@ -15,15 +15,10 @@ constexpr std::array<size_t, 9> kSizes = {15, 50, 150, 350, 500, 1000, 2000, 500
 /// The paper's first 100 frames.
 constexpr int kFrames = 100;
 constexpr int kFramesOfMany = 10;
-/// or-DOPs alone test every pair in every frame: from here on few frames say it all.
-constexpr size_t kManyForOrdop = 1000;
-constexpr size_t kVeryManyForOrdop = 5000;
+/// Above, few frames say it all.
+constexpr size_t kMany = 1000;
 
-int frames_for(Strategy strategy, size_t objects) {
-  if (strategy == Strategy::kOrdop && objects >= kVeryManyForOrdop) return 1;
-  const bool many = objects > 1000 || (strategy == Strategy::kOrdop && objects >= kManyForOrdop);
-  return many ? kFramesOfMany : kFrames;
-}
+int frames_for(size_t objects) { return objects > kMany ? kFramesOfMany : kFrames; }
 
 double of(uint64_t count, const Cost& cost) {
   return static_cast<double>(count) * cost.median_ns * 1e-6;
@@ -61,8 +56,7 @@ StrategyCost cost_strategy(const PaperResult& result, Strategy strategy,
   const VolumeResult& ordop = result.volumes[kOrdop26Method];
   StrategyCost cost;
   cost.strategy = strategy;
-  cost.result =
-      measure_strategy(strategy, objects, count, frames_for(strategy, count), result.options.seed);
+  cost.result = measure_strategy(strategy, objects, count, frames_for(count), result.options.seed);
   const Work& work = cost.result.work;
   cost.culling_ms =
       of(work.sphere_updates, sphere.costs.update) + of(work.sphere_tests, sphere.costs.test) +
@@ -97,12 +91,25 @@ const Scale* PaperResult::scale(size_t objects_wanted) const {
   return nullptr;
 }
 
+double PaperResult::noise() const {
+  std::vector<double> ratios;
+  for (const Scale& each : scales)
+    for (const StrategyCost& cost : each.strategies)
+      if (cost.result.low_ms > 0) ratios.push_back(cost.result.high_ms / cost.result.low_ms);
+  if (ratios.empty()) return 1;
+  std::sort(ratios.begin(), ratios.end());
+  return ratios[(ratios.size() - 1) / 2];
+}
+
 PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptions& options,
                             const std::function<void(const std::string&)>& say) {
   PaperResult result;
   result.options = options;
   result.edge_m = part_one_box(options.seed).edge_m;
-  for (const Object& object : objects) result.objects.push_back(object.name);
+  for (const Object& object : objects) {
+    result.objects.push_back(object.name);
+    result.elongations.push_back(elongation(object));
+  }
   for (const std::string_view name : kMethods) {
     result.volumes.emplace_back();
     result.volumes.back().name = name;
@@ -118,6 +125,10 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
       take_census(objects, kRunLengths.back() * options.frames, options.seed);
   for (size_t v = 0; v < result.volumes.size(); ++v)
     result.volumes[v].long_collisions = longest[v].collisions;
+
+  say("Part I: how much room volumes leave");
+  const OverlapTable overlaps = measure_overlap(objects, options.attitudes, options.seed);
+  for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].overlap = overlaps[v];
 
   say("Part I: what building, updating and testing cost");
   const auto costs = measure_costs(objects, options.frames, options.seed, options.constructions);

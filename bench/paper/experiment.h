@@ -9,6 +9,7 @@
 
 #include "bench/paper/census.h"
 #include "bench/paper/costs.h"
+#include "bench/paper/overlap.h"
 #include "bench/paper/strategies.h"
 
 namespace throng::paper {
@@ -19,6 +20,7 @@ struct PaperOptions {
   int seeds = 1;            ///< seed, seed + 1, ... for the collisions
   int threads = 1;          ///< over seeds; nothing that is timed
   int constructions = 100;  ///< repetitions of what C_o measures, as many as the paper's
+  int attitudes = 100;      ///< pairs of attitudes a pair of objects, for the overlap volumes
   size_t largest = 10'000;  ///< objects of Part II; at least 500
 };
 
@@ -33,6 +35,7 @@ struct VolumeResult {
   MethodCosts costs;
   double false_positive_rate = 0;  ///< of the pairs found, over all seeds, those that do not touch
   uint64_t missed = 0;             ///< over all seeds
+  OverlapVolume overlap;           ///< what orders the collisions, measured without any box
 
   /// N_u C_u + N_v C_v + C_o for `length` times the frames.
   double total_ms(int length = 1) const;
@@ -82,6 +85,7 @@ struct PaperResult {
   PaperOptions options;
   double edge_m = 0;
   std::vector<std::string> objects;
+  std::vector<double> elongations;    ///< of the objects
   std::vector<VolumeResult> volumes;  ///< in the order of kMethods
   std::vector<Scale> scales;
   std::vector<Claim> claims;
@@ -89,6 +93,9 @@ struct PaperResult {
   double primitive_ns = 0;  ///< C_p
 
   const Scale* scale(size_t objects) const;
+  /// How much slower the slowest tenth of all runs of a strategy was than the fastest tenth, the
+  /// median over strategies and sizes: 1.0 on a machine that does nothing else.
+  double noise() const;
 };
 
 /// `say` is told what comes next.

@@ -29,6 +29,9 @@ Json to_json(const VolumeResult& volume) {
   json["total_ms"] = volume.total_ms();
   json["total_paper_way_ms"] = volume.total_paper_way_ms();
   json["false_positive_rate"] = volume.false_positive_rate;
+  json["overlap_volume_l"] = volume.overlap.litres;
+  json["overlap_volume_error_l"] = volume.overlap.error_l;
+  json["overlap_volume_by_object_l"] = volume.overlap.by_object_l;
   json["missed"] = volume.missed;
   json["fps"] = volume.frames * 1e3 / volume.costs.run_ms[0];
   json["long_collisions"] = volume.long_collisions;
@@ -53,6 +56,9 @@ Json to_json(const StrategyCost& cost) {
   return {{"frames", cost.result.frames},
           {"fps", cost.result.fps()},
           {"frame_ms", cost.result.frame_ms},
+          {"frame_ms_median", cost.result.median_ms},
+          {"frame_ms_p10", cost.result.low_ms},
+          {"frame_ms_p90", cost.result.high_ms},
           {"tests", work.tests()},
           {"updates", work.updates()},
           {"sphere_tests", work.sphere_tests},
@@ -81,6 +87,7 @@ std::string to_json(const PaperResult& result, const std::string& cpu) {
   json["seed"] = result.options.seed;
   json["seeds"] = result.options.seeds;
   json["objects"] = result.objects;
+  json["elongations"] = result.elongations;
   json["box_edge_m"] = result.edge_m;
   for (const VolumeResult& volume : result.volumes) json["volumes"][volume.name] = to_json(volume);
   json["strategies"] = to_json(*result.scale(500));
@@ -104,6 +111,7 @@ std::string to_json(const PaperResult& result, const std::string& cpu) {
                               {"right_value", claim.right_value},
                               {"share_of_seeds", claim.share},
                               {"holds", claim.holds}});
+  json["noise"] = result.noise();
   json["machine"] = {{"cpu", cpu}, {"simd", name_of(resolved(SimdTarget::kBest))}};
   return json.dump(2) + "\n";
 }

@@ -1,6 +1,8 @@
 #include "bench/paper/parts.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "culling/volumes.h"
 #include "scenes/loose_parts.h"
@@ -11,7 +13,13 @@ std::vector<Object> load_objects() {
   std::vector<Object> objects;
   for (const std::shared_ptr<const Model>& part : loose_parts(*load_model(adult_urdf()))) {
     const Mesh& mesh = part->parts.front().mesh;
-    objects.push_back({part->name, {mesh.vertices, mesh.triangles}, mesh, reach_m(*part)});
+    PartShape shape{mesh.vertices, mesh.triangles};
+    const double radius_m = reach_m(*part);
+    // Rounded up, so that no point is left out.
+    const RootSphere sphere{Eigen::Vector3f::Zero(),
+                            std::nextafter(static_cast<float>(radius_m), 1e9f)};
+    auto type = std::make_shared<BodyType>(std::vector<PartShape>{shape}, sphere, false);
+    objects.push_back({part->name, std::move(shape), mesh, radius_m, std::move(type)});
   }
   return objects;
 }

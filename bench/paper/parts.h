@@ -3,6 +3,7 @@
 // by the position alone.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,11 @@
 namespace throng::paper {
 
 struct Object {
-  std::string name;  ///< the part's, "head"
-  PartShape shape;   ///< about the origin
-  Mesh mesh;         ///< the same, for pictures
-  double radius_m;   ///< every point lies within
+  std::string name;                      ///< the part's, "head"
+  PartShape shape;                       ///< about the origin
+  Mesh mesh;                             ///< the same, for pictures
+  double radius_m;                       ///< every point lies within
+  std::shared_ptr<const BodyType> type;  ///< the same for culling
 };
 
 /// The adult's parts, in the order of its URDF.

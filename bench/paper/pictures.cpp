@@ -100,7 +100,7 @@ std::vector<Picture> pictures_of(const std::vector<Object>& objects, uint64_t se
   for (const auto& [size, figure] : sizes) {
     StrategyRun run(Strategy::kTwoPass, objects, size, seed);
     for (int frame = 0; frame < kFrames; ++frame) run.frame();
-    const std::vector<SlotPair> found(run.pairs().begin(), run.pairs().end());
+    const std::vector<SlotPair> found = run.pairs();
     pictures.push_back(
         {fmt::format("figure_{}", figure),
          fmt::format("Figure {}: {} objects, grey ones static; {} pairs collide (red)",

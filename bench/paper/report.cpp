@@ -25,6 +25,9 @@ constexpr const char* kStyle =
     "td:first-child,th:first-child{text-align:left}th{background:#f0f0f0}"
     "figure{margin:2em 0}figcaption{font-size:14px;color:#555}img,svg{max-width:100%;height:auto}";
 
+/// Above, something else ran on the machine.
+constexpr double kQuiet = 1.25;
+
 constexpr const char* kIntroduction =
     "Every experiment of Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes "
     "Manipulation in Massive Rigid Body Simulation, TELKOMNIKA 11(6), 2013, run again on the 15 "
@@ -66,9 +69,11 @@ std::string base64(const std::string& bytes) {
 std::string how(const PaperResult& result, const std::string& cpu) {
   return fmt::format(
       "{} frames, seed {}, {} seed(s), a box of {} m; {}, {}. The paper: Core 2 Duo E7400, 2 GB, "
-      "Windows XP.",
+      "Windows XP. Noise: the slowest tenth of a strategy's runs took {:.2f} times as long as the "
+      "fastest tenth (median over strategies and sizes; {}).",
       result.options.frames, result.options.seed, result.options.seeds, result.edge_m, cpu,
-      name_of(resolved(SimdTarget::kBest)));
+      name_of(resolved(SimdTarget::kBest)), result.noise(),
+      result.noise() < kQuiet ? "a quiet machine" : "a busy machine: read counts, not times");
 }
 
 /// What stands where: figures and pictures first, as in the paper's order, then the tables.

@@ -1,6 +1,5 @@
 // Part II: n objects, and what to do with every pair of them.
-// One rule: a strategy is told apart by which volumes it updates and which pairs it tests; the
-// motion, the volumes and the tests are the same for all.
+// One rule: the strategies are those of culling/recipe.h; here they are only fed and counted.
 #pragma once
 
 #include <array>
@@ -55,7 +54,7 @@ class StrategyRun {
   /// Moves the objects by a step, then culls.
   void frame();
   /// Of the last frame; ascending a, then b; a < b.
-  std::span<const SlotPair> pairs() const;
+  std::vector<SlotPair> pairs() const;
   /// Adds what triangles say about pairs() to work().primitives; returns how many touch.
   size_t count_primitives();
   const Work& work() const;
@@ -72,6 +71,9 @@ struct StrategyResult {
   int frames = 0;
   Work work;
   double frame_ms = 0;  ///< the mean frame of the fastest run: others only ever add time
+  /// Of all runs, or of the frames of the only one: how quiet the machine was.
+  double median_ms = 0, low_ms = 0, high_ms = 0;  ///< median, 10th and 90th percentile
+  int samples = 0;
   double fps() const { return frame_ms > 0 ? 1e3 / frame_ms : 0; }
 };
 

@@ -1,6 +1,7 @@
 // The whole experiment in short: what its JSON, tables and figures must hold.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/paper/claims.h"
@@ -17,6 +18,7 @@ const PaperResult& result() {
     options.seeds = 2;
     options.constructions = 3;
     options.largest = 500;
+    options.attitudes = 10;
     return run_experiments(load_objects(), options, [](const std::string&) {});
   }();
   return run;
@@ -59,6 +61,38 @@ TEST(PaperResult, TotalsAreTheFormula) {
                 1e-6)
         << volume.name;
   }
+}
+
+/// The room in which volumes collide orders them as Minkowski sums must.
+TEST(PaperResult, OverlapVolumesAreOrderedWhereOneVolumeHoldsTheOther) {
+  const auto litres = [](const std::string& name) {
+    for (const VolumeResult& volume : result().volumes)
+      if (volume.name == name) return volume.overlap.litres;
+    return 0.0;
+  };
+  for (const char* volume : {"sphere", "aabb", "aabb_refit", "obb", "kdop14", "kdop26", "ordop26"})
+    EXPECT_GT(litres(volume), litres("exact")) << volume;
+  EXPECT_GT(litres("aabb"), litres("aabb_refit"));
+  EXPECT_GT(litres("aabb_refit"), litres("kdop26_refit"));
+  EXPECT_GT(litres("kdop14"), litres("kdop26"));
+  EXPECT_GT(litres("ordop14"), litres("ordop26"));
+  EXPECT_GE(result().noise(), 1);
+}
+
+/// Of two spheres it is a sphere of both radii together, whatever their attitudes.
+TEST(OverlapVolume, OfSpheresIsTheFormula) {
+  const std::vector<Object> objects = load_objects();
+  const OverlapTable table = measure_overlap(objects, 20, 5);
+  double expected_l = 0;
+  int pairs = 0;
+  for (size_t a = 0; a < objects.size(); ++a)
+    for (size_t b = a + 1; b < objects.size(); ++b, ++pairs)
+      expected_l +=
+          4e3 / 3 * 3.14159265358979 * std::pow(objects[a].radius_m + objects[b].radius_m, 3);
+  expected_l /= pairs;
+  const OverlapVolume& sphere = table[kSphereMethod];
+  EXPECT_NEAR(sphere.litres, expected_l, 5 * sphere.error_l);
+  EXPECT_LT(sphere.error_l, 0.02 * expected_l);
 }
 
 TEST(PaperResult, TablesAreAsWideAsTheirHeads) {

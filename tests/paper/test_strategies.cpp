@@ -4,6 +4,7 @@
 #include <set>
 
 #include "bench/paper/strategies.h"
+#include "culling/slots.h"
 
 namespace throng::paper {
 namespace {
@@ -37,12 +38,15 @@ struct Oracle {
     using Ordops = Turned<Ordop<26>>;
     const auto spheres = fit_all<Spheres>(objects());
     const auto ordops = fit_all<Ordops>(objects());
-    const float margin = margin_m(objects(), world);
+    const auto margin_of = [](size_t kind) {
+      return body_margin_m(reach_m(*objects()[kind].type));
+    };
     ExactCounters unused;
     for (uint32_t a = 0; a < world.size(); ++a)
       for (uint32_t b = a + 1; b < world.size(); ++b) {
         const size_t ka = a % objects().size(), kb = b % objects().size();
         const PartPose pa = world.pose(a), pb = world.pose(b);
+        const float margin = margin_of(ka) + margin_of(kb);
         const bool near =
             Spheres::test(Spheres::update(spheres[ka], objects()[ka], pa),
                           Spheres::update(spheres[kb], objects()[kb], pb), margin, unused);
