@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "apps/command.h"
 #include "apps/machine.h"
@@ -25,6 +26,7 @@ The engines are built in by `cmake --preset bench`.
 
 Examples:
   throng bench --avatars 20000 --density 4
+  throng bench --avatars 20000 --crowd plaza
   throng bench --avatars 5000 --engines none --threads 2 --json bench.json
   throng bench --avatars 5000 --age 300 --engines fcl,embree
   throng bench --avatars 1000 --frames 3 --parts ordop26)";
@@ -34,6 +36,8 @@ constexpr std::pair<const char*, PairSearch> kSearches[] = {
 
 struct BenchCommand {
   bench::BenchOptions options;
+  std::string crowd = "square";
+  std::optional<double> density;
   std::string engines = "all";
   std::string simd = "best";
   std::string pair_search = "grid";
@@ -79,6 +83,11 @@ void write_text(const std::string& file, const std::string& text,
 int measure(BenchCommand& command) {
   bench::BenchOptions& options = command.options;
   options.engines = engines_of(command.engines);
+  if (command.crowd == "plaza" && command.density)
+    throw InputError("--density", "none with --crowd plaza: the scene has its own",
+                     fmt::format("{}", *command.density));
+  options.per_m2 = command.density.value_or(1);
+  options.crowd = command.crowd == "plaza" ? bench::CrowdKind::kPlaza : bench::CrowdKind::kSquare;
   options.simd = resolved(*simd_target_of(command.simd));
   for (const auto& [name, search] : kSearches)
     if (command.pair_search == name) options.pair_search = search;
@@ -126,9 +135,14 @@ void add_options(CLI::App& app, BenchCommand& command) {
   app.add_option("--avatars", options.avatars, "People [20000]")
       ->check(whole_option(2, 1'000'000, "a whole number from 2 to 1000000"))
       ->type_name("N");
-  app.add_option("--density", options.per_m2, "People per square metre [1]")
+  app.add_option("--density", command.density, "People per square metre [1]")
       ->check(number_option(0, 20, true, "a density above 0, at most 20 per m2"))
       ->type_name("D");
+  app.add_option("--crowd", command.crowd,
+                 "square: everybody walks straight on; plaza: they steer, as dense as the scene "
+                 "[square]")
+      ->check(name_option({"square", "plaza"}))
+      ->type_name("NAME");
   app.add_option("--frames", options.frames, "Frames to measure, after 3 of warm-up [20]")
       ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
       ->type_name("N");

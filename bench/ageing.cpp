@@ -34,11 +34,11 @@ struct Pair {
 
 }  // namespace
 
-AgeingResult age(const BenchOptions& options, int walked_frames, const Progress& progress) {
+AgeingResult age(BenchOptions options, int walked_frames, const Progress& progress) {
   AgeingResult out;
   out.walked_frames = walked_frames;
-  Crowd crowd(load_model(adult_urdf()),
-              {.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
+  const std::unique_ptr<Crowd> made = make_crowd(options);
+  Crowd& crowd = *made;
   crowd.simd = options.simd;
   const auto type = crowd.body_type();
   Workers workers(options.threads);

@@ -23,6 +23,6 @@ struct AgeingResult {
 };
 
 /// Everybody walks `walked_frames` frames; then options.frames frames are measured.
-AgeingResult age(const BenchOptions& options, int walked_frames, const Progress& progress);
+AgeingResult age(BenchOptions options, int walked_frames, const Progress& progress);
 
 }  // namespace throng::bench

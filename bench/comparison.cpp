@@ -8,6 +8,7 @@
 
 #include "bench/boxes.h"
 #include "bench/engines.h"
+#include "bench/plaza.h"
 
 namespace throng::bench {
 namespace {
@@ -103,11 +104,22 @@ double run_frame(Contender& contender, const BoxList& boxes, bool first,
 
 }  // namespace
 
+std::unique_ptr<Crowd> make_crowd(BenchOptions& options) {
+  if (options.crowd == CrowdKind::kSquare)
+    return std::make_unique<Crowd>(
+        load_model(adult_urdf()),
+        CrowdShape{.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
+  auto plaza = std::make_unique<PlazaCrowd>(options.avatars, options.seed, options.threads);
+  options.avatars = plaza->count();
+  options.per_m2 = plaza->per_m2();
+  return plaza;
+}
+
 BenchResult compare(const BenchOptions& options, const Progress& progress) {
   BenchResult out;
   out.options = options;
-  Crowd crowd(load_model(adult_urdf()),
-              {.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
+  const std::unique_ptr<Crowd> made = make_crowd(out.options);
+  Crowd& crowd = *made;
   crowd.simd = options.simd;
   const auto type = crowd.body_type();
   Workers workers(options.threads);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,11 @@
 
 namespace throng::bench {
 
+enum class CrowdKind { kSquare, kPlaza };
+
 struct BenchOptions {
-  int avatars = 20'000;
+  CrowdKind crowd = CrowdKind::kSquare;
+  int avatars = 20'000;  ///< of the plaza those who found a place, once it was made
   double per_m2 = 1;
   int frames = 20;
   int warm_up_frames = 3;
@@ -67,6 +71,9 @@ struct BenchResult {
 };
 
 using Progress = std::function<void(const std::string&)>;
+
+/// The crowd that the options ask for; sets avatars and per_m2 to what the plaza has.
+std::unique_ptr<Crowd> make_crowd(BenchOptions& options);
 
 /// In each frame ours runs, then each engine, so that noise hits all of them alike.
 BenchResult compare(const BenchOptions& options, const Progress& progress);

@@ -25,7 +25,7 @@ class Crowd : public PoseSource {
   Crowd(std::shared_ptr<const Model> model, const CrowdShape& shape);
 
   /// Everybody walks on for one step.
-  void advance();
+  virtual void advance();
 
   BodiesView view() const { return {ids_, types_, scales_, roots_}; }
   /// The one body type, fitted to the model; a fresh one at each call.
@@ -37,7 +37,7 @@ class Crowd : public PoseSource {
   const Model& model() const { return *model_; }
   SimdTarget simd = SimdTarget::kBest;
 
- private:
+ protected:
   std::shared_ptr<const Model> model_;
   Gait gait_;
   CrowdShape shape_;

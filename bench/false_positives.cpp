@@ -140,10 +140,10 @@ struct Census {
 
 }  // namespace
 
-FalsePositives count_false_positives(const BenchOptions& options, VolumeKind matrix_volume,
-                                     int stride, const Progress& progress) {
-  Crowd crowd(load_model(adult_urdf()),
-              {.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
+FalsePositives count_false_positives(BenchOptions options, VolumeKind matrix_volume, int stride,
+                                     const Progress& progress) {
+  const std::unique_ptr<Crowd> made = make_crowd(options);
+  Crowd& crowd = *made;
   const auto type = crowd.body_type();
   FalsePositives out;
   for (const Part& part : crowd.model().parts) out.parts.push_back(part.name);

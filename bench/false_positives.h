@@ -34,7 +34,7 @@ struct FalsePositives {
 };
 
 /// options.frames frames, one every `stride` steps.
-FalsePositives count_false_positives(const BenchOptions& options, VolumeKind matrix_volume,
-                                     int stride, const Progress& progress);
+FalsePositives count_false_positives(BenchOptions options, VolumeKind matrix_volume, int stride,
+                                     const Progress& progress);
 
 }  // namespace throng::bench

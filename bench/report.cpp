@@ -15,7 +15,8 @@ using Text = std::back_insert_iterator<std::string>;
 double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
 Json crowd_json(const BenchOptions& options) {
-  return {{"avatars", options.avatars},
+  return {{"crowd", options.crowd == CrowdKind::kPlaza ? "plaza" : "square"},
+          {"avatars", options.avatars},
           {"density_per_m2", options.per_m2},
           {"frames", options.frames},
           {"threads", options.threads},
@@ -37,8 +38,9 @@ void put_engine(Text to, const EngineResult& engine) {
 std::string to_text(const BenchResult& r, const MachineLine& machine) {
   std::string out;
   const Text to = std::back_inserter(out);
-  fmt::format_to(to, "{} avatars, {} per m2, {} frames, {} thread{}, {} on {}\n\n",
-                 r.options.avatars, r.options.per_m2, r.options.frames, r.options.threads,
+  fmt::format_to(to, "{}: {} avatars, {:.4g} per m2, {} frames, {} thread{}, {} on {}\n\n",
+                 r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square", r.options.avatars,
+                 r.options.per_m2, r.options.frames, r.options.threads,
                  r.options.threads == 1 ? "" : "s", r.throng.simd, machine.cpu);
   fmt::format_to(to, "  {:<22}{:>9}{:>9}{:>9}{:>11}{:>9}{:>9}\n", "", "min ms", "median", "p95",
                  "pairs", "/ ours", "/ boxes");
@@ -109,16 +111,19 @@ std::string to_json(const BenchResult& r, const MachineLine& machine) {
 }
 
 std::string csv_header() {
-  return "avatars,per_m2,threads,frames,simd,engine,version,ms_min,ms_median,ms_p95,pairs,ratio\n";
+  return "avatars,per_m2,threads,frames,simd,engine,version,ms_min,ms_median,ms_p95,pairs,ratio,"
+         "crowd\n";
 }
 
 std::string to_csv(const BenchResult& r) {
   std::string out;
   const auto put = [&](const std::string& name, const std::string& version, const Spread& ms,
                        uint64_t pairs, double times_ours) {
-    fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f}\n",
-                   r.options.avatars, r.options.per_m2, r.options.threads, r.options.frames,
-                   r.throng.simd, name, version, ms.min, ms.median, ms.p95, pairs, times_ours);
+    fmt::format_to(std::back_inserter(out),
+                   "{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f},{}\n", r.options.avatars,
+                   r.options.per_m2, r.options.threads, r.options.frames, r.throng.simd, name,
+                   version, ms.min, ms.median, ms.p95, pairs, times_ours,
+                   r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square");
   };
   const ThrongResult& t = r.throng;
   put("throng", "ordop26", t.ms, t.pairs, 1);

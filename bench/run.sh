@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures this machine: bench/run.sh [SIZE...] (default 500 5000 20000 100000) at 1 and 4 people
-# per m2, on one thread and on all, into bench/results/<cpu>/: results.csv, comparison.svg, the
-# ageing and the micro-benchmarks. Takes an hour on a quiet machine; times of a busy one are noise.
+# per m2, on one thread and on all, and the steering crowd of `plaza` on one, into
+# bench/results/<cpu>/: results.csv, plaza.csv, comparison.svg, the ageing and the micro-benchmarks. Takes an hour on a quiet machine; times of a busy one are noise.
 # FRAMES (default 20) are measured a size. Engines that need many seconds a frame for 100 000 people
 # (bullet, ode) are left out there; SLOW=1 keeps them.
 set -euo pipefail
@@ -39,6 +39,12 @@ for n in "${sizes[@]}"; do
         --frames "${FRAMES:-20}" --engines "$engines" --csv "$out/results.csv"
     done
   done
+done
+rm -f "$out/plaza.csv"
+for n in "${sizes[@]}"; do
+  if [ "$n" -gt 20000 ] && [ -z "${SLOW:-}" ]; then continue; fi
+  "$throng" bench --avatars "$n" --crowd plaza --frames "${FRAMES:-20}" \
+    --engines fcl,embree,cgal --csv "$out/plaza.csv"
 done
 echo "load after: $(cut -d ' ' -f 1-3 /proc/loadavg)" >>"$out/machine.txt"
 

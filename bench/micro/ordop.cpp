@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "bench/micro/candidates.h"
+#include "bench/micro/instructions.h"
 #include "culling/volumes/directions.h"
 #include "culling/volumes/polytope.h"
 #include "culling/volumes/pose_math.h"
@@ -42,6 +43,7 @@ void ordop_26_kernel(benchmark::State& state, SimdTarget target) {
   const Kernels& kernels = kernels_for(target);
   const auto& tables = c.type().volumes().ordops;
   std::vector<uint8_t> overlaps(c.list().size());
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
   for (auto _ : state) {
     for (size_t bucket = 0; bucket + 1 < c.starts().size(); ++bucket) {
       const uint32_t begin = c.starts()[bucket], count = c.starts()[bucket + 1] - begin;
@@ -54,6 +56,25 @@ void ordop_26_kernel(benchmark::State& state, SimdTarget target) {
     benchmark::ClobberMemory();
   }
   report(state, static_cast<size_t>(std::count(overlaps.begin(), overlaps.end(), 1)));
+}
+
+/// The paper's or-DOP over the same candidates in the order in which they were found, one by one.
+void ordop_26_pair(benchmark::State& state, SimdTarget target) {
+  const Candidates& c = crowd_candidates();
+  const auto& lanes = c.type().volumes().ordop_lanes_26;
+  const Kernels::OrdopPair test = kernels_for(target).ordop_pair_26;
+  size_t passed = 0;
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
+  for (auto _ : state) {
+    passed = 0;
+    for (const Candidate& pair : c.list()) {
+      const BodyPair& bodies = c.pairs()[pair.pair];
+      passed += test(lanes[pair.part_a], c.pose_a(pair), bodies.scale_a, lanes[pair.part_b],
+                     c.pose_b(pair), bodies.scale_b, bodies.shift_m);
+    }
+    benchmark::DoNotOptimize(passed);
+  }
+  report(state, passed);
 }
 
 /// Separating axes with the corners of the other polytope projected one by one.
@@ -88,6 +109,7 @@ void ordop_26_scalar_vertices(benchmark::State& state) {
   const auto corners = corners_of(c.type());
   const auto& slabs = c.type().volumes().slabs;
   size_t passed = 0;
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
   for (auto _ : state) {
     passed = 0;
     for (const Candidate& pair : c.list()) {
@@ -135,6 +157,7 @@ void ordop_26_gjk(benchmark::State& state) {
   ccd.support1 = ccd.support2 = gjk_support;
   ccd.max_iterations = 100;
   size_t passed = 0;
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
   for (auto _ : state) {
     passed = 0;
     for (const Candidate& pair : c.list()) {
@@ -154,6 +177,9 @@ void ordop_26_gjk(benchmark::State& state) {
   for (const SimdTarget target : simd_targets_of_this_machine())
     benchmark::RegisterBenchmark(("ordop_26_kernel/" + std::string(name_of(target))).c_str(),
                                  ordop_26_kernel, target);
+  for (const SimdTarget target : simd_targets_of_this_machine())
+    benchmark::RegisterBenchmark(("ordop_26_pair/" + std::string(name_of(target))).c_str(),
+                                 ordop_26_pair, target);
   return true;
 }();
 BENCHMARK(ordop_26_scalar_vertices);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bench/micro/candidates.h"
+#include "bench/micro/instructions.h"
 
 namespace throng::bench {
 namespace {
@@ -14,6 +15,7 @@ namespace {
 template <typename V>
 void construct(benchmark::State& state) {
   const auto& parts = crowd_candidates().type().parts();
+  const CountInstructions instructions(state, static_cast<int64_t>(parts.size()));
   for (auto _ : state)
     for (const PartShape& part : parts) {
       auto fitted = V::fit(part.points);
@@ -34,6 +36,7 @@ template <typename V>
 void update(benchmark::State& state) {
   const auto fitted = fitted_parts<V>();
   const std::vector<PartPose>& poses = crowd_candidates().poses();
+  const CountInstructions instructions(state, static_cast<int64_t>(poses.size()));
   for (auto _ : state)
     for (size_t i = 0; i < poses.size(); ++i) {
       auto placed = V::place(fitted[i % fitted.size()], poses[i], 1.0f);
@@ -46,6 +49,7 @@ template <typename V>
 void update_from_vertices(benchmark::State& state) {
   const auto& parts = crowd_candidates().type().parts();
   const std::vector<PartPose>& poses = crowd_candidates().poses();
+  const CountInstructions instructions(state, static_cast<int64_t>(poses.size()));
   for (auto _ : state)
     for (size_t i = 0; i < poses.size(); ++i) {
       auto placed = V::refit(parts[i % parts.size()].points, poses[i], 1.0f);
@@ -88,6 +92,7 @@ void test(benchmark::State& state) {
     mixed.push_back(from[(i * 7919) % from.size()]);
   }
   size_t passed = 0;
+  const CountInstructions instructions(state, static_cast<int64_t>(count));
   for (auto _ : state) {
     passed = 0;
     for (const Pair& p : mixed)

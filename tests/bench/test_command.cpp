@@ -29,6 +29,19 @@ TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
   EXPECT_GT(json["peak_rss_bytes"].get<uint64_t>(), 1'000'000u);
 }
 
+TEST(BenchCommand, ThePlazaSteersAndHasItsOwnDensity) {
+  const ScratchFolder folder;
+  const Outcome run = shell(
+      "throng bench --crowd plaza --avatars 200 --frames 3 --engines none --json b.json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("plaza: 200 avatars"));
+  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  EXPECT_EQ(json["crowd"], "plaza");
+  EXPECT_GT(json["density_per_m2"].get<double>(), 0.05);
+  EXPECT_LT(json["density_per_m2"].get<double>(), 2);
+  EXPECT_EQ(shell("throng bench --crowd plaza --density 2 --engines none", folder).exit_code, 2);
+}
+
 TEST(BenchCommand, EveryEngineIsComparedOrNamedWithTheReason) {
   const ScratchFolder folder;
   const Outcome run =
