@@ -92,14 +92,14 @@ TEST(Recipe, ReportsWholeBodiesWhereOnlySpheresAreTested) {
 /// The kernel that takes the directions of one or-DOP as lanes gives the scalar's bits.
 TEST(Recipe, GivesTheSameAnswerOnEverySimdTarget) {
   for (uint64_t seed = 11; seed <= 12; ++seed) {
-    const RandomWorld world(seed, 80, 3, Eigen::Vector3d::Zero());
+    const RandomWorld world(seed, 100, 3, Eigen::Vector3d::Zero());
     for (const VolumeKind volume :
          {VolumeKind::kOrdop14, VolumeKind::kOrdop18, VolumeKind::kOrdop26}) {
       const auto answer = [&](SimdTarget target) {
         return run(world, {.part_volume = volume, .simd = target, .strategy = Strategy::kVolume});
       };
       const Answer reference = answer(SimdTarget::kScalar);
-      ASSERT_GT(reference.pairs.size(), 200u);
+      ASSERT_GT(reference.pairs.size(), 100u);
       ASSERT_LT(reference.pairs.size(), reference.counters.part.tests / 2);
       for (const SimdTarget target : simd_targets_of_this_machine()) {
         const Answer found = answer(target);
