@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <thread>
 
+#include "apps/checkpoints.h"
 #include "apps/command.h"
 #include "apps/log_guard.h"
 #include "apps/pacer.h"
@@ -37,6 +39,8 @@ Examples:
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run plaza --pace 1                          as fast as life, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
+  throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
+  throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
 
 The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
 and (without --exact) --strategy; never on --threads, --simd, --pair-search or --pace. Under a deadline
@@ -62,6 +66,8 @@ struct RunOptions {
   std::string log;
   std::string json;
   RecorderOptions recorders;
+  double flush_s = LogOptions{}.flush_s;
+  CheckpointOptions checkpoints;
 };
 
 constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
@@ -141,8 +147,13 @@ void add_options(CLI::App& app, RunOptions& options) {
       ->type_name("URL");
   app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
       ->type_name("FILE");
+  app.add_option("--flush-s", options.flush_s,
+                 "The longest that a frame stays out of the log: what kill -9 can cost [0.25]")
+      ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
+      ->type_name("S");
   app.add_option("--json", options.json, "Writes the results for machines")->type_name("FILE");
   add_recorder_options(app, options.recorders);
+  add_checkpoint_options(app, options.checkpoints);
 }
 
 SimulationOptions simulation_options(const RunOptions& options) {
@@ -183,7 +194,9 @@ fs::path log_file(const RunOptions& options, const Scene& scene) {
     throw EnvironmentError(
         fmt::format("{}: cannot create the folder for logs: {}; name another with --log",
                     folder.string(), error.message()));
-  return folder / scene.file.stem().concat(".lcmlog");
+  // The log of the run that was stopped has the other name.
+  const char* ending = options.checkpoints.resume.empty() ? ".lcmlog" : "_resumed.lcmlog";
+  return folder / scene.file.stem().concat(ending);
 }
 
 /// Everybody who listens to the run.
@@ -213,7 +226,7 @@ std::unique_ptr<DriveReceiver> driver_of(const RunInfo& info, const RunOptions& 
 }
 
 RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
-                      DriveReceiver* driver) {
+                      DriveReceiver* driver, Checkpoints& checkpoints) {
   const StopSignal stop;
   ProgressBar progress(simulation.scene().name,
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
@@ -222,7 +235,9 @@ RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer&
     const double next_s = static_cast<double>(frame.number + 1) * simulation.info().step_s;
     pacer.wait_for(std::llround(next_s * 1e6), StopSignal::requested);
     if (driver != nullptr) driver->apply(simulation);
-    return !StopSignal::requested() && !listeners.lost_file();
+    const bool stops = StopSignal::requested();
+    checkpoints.after(simulation, frame, stops);
+    return !stops && !listeners.lost_file() && checkpoints.failure().empty();
   });
 }
 
@@ -259,7 +274,9 @@ int run_scene(const RunOptions& options) {
   fs::path log;
   if (options.log != "off") {
     log = log_file(options, scene);
-    listeners.log = std::make_unique<LogSink>(log);
+    LogOptions log_options;
+    log_options.flush_s = options.flush_s;
+    listeners.log = std::make_unique<LogSink>(log, log_options);
     listeners.guard = std::make_unique<LogGuard>(*listeners.log);
   }
   if (options.lcm != "off") {
@@ -273,7 +290,9 @@ int run_scene(const RunOptions& options) {
   for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
   Pacer pacer(options.pace);
   const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
-  const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get());
+  resume_where_asked(options.checkpoints, simulation);
+  Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
+  const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get(), checkpoints);
   for (const Stranding& stranding : summary.strandings)
     fmt::print(stderr, "note: {}\n", describe(stranding, simulation.scene()));
   if (summary.stopped_early) fmt::print(stderr, "stopped after {} frames\n", summary.frames);
@@ -289,7 +308,8 @@ int run_scene(const RunOptions& options) {
       contacts != nullptr && !contacts->drew_figures() && !listeners.lost_file())
     fmt::print(stderr, "note: no figures in {}: gnuplot is not installed\n",
                options.recorders.contacts);
-  if (listeners.lost_file()) exit_code = kExitEnvironment;
+  if (!checkpoints.failure().empty()) fmt::print(stderr, "{}\n", checkpoints.failure());
+  if (listeners.lost_file() || !checkpoints.failure().empty()) exit_code = kExitEnvironment;
   if (!options.json.empty()) write_json(report, options.json);
   return exit_code;
 }

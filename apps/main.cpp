@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -62,6 +63,10 @@ int run(int argc, char** argv) {
 }  // namespace throng
 
 int main(int argc, char** argv) {
+  // A pipe whose reader has gone and a file that reached its limit are errors like a full disk, not
+  // a silent death.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return throng::run(argc, argv);
   } catch (const throng::InputError& error) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "apps/command.h"
+#include "scenes/trace.h"
 
 namespace throng {
 
@@ -29,6 +30,9 @@ void add_recorder_options(CLI::App& app, RecorderOptions& options) {
       ->type_name("F");
   app.add_option("--contacts", options.contacts, "Contact statistics: a folder of CSV and figures")
       ->type_name("DIR");
+  app.add_option("--trace-hash", options.trace,
+                 "A hash a stage and frame, to see where two runs part ways")
+      ->type_name("FILE");
 }
 
 template <typename Recorder>
@@ -40,6 +44,7 @@ void Recorders::add(std::unique_ptr<Recorder> recorder) {
 Recorders::Recorders(const RecorderOptions& options) {
   for (const std::string& file : options.trajectories)
     add(std::make_unique<TrajectorySink>(TrajectoryOptions{file, options.trajectory_fps}));
+  if (!options.trace.empty()) add(std::make_unique<TraceSink>(options.trace));
   if (options.contacts.empty()) return;
   auto contacts = std::make_unique<ContactSink>(options.contacts);
   contacts_ = contacts.get();

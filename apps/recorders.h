@@ -1,4 +1,4 @@
-// The files besides the log that a run writes on request: trajectories and contact statistics.
+// The files besides the log that a run writes on request: trajectories, contact statistics, traces.
 // One rule: a file that cannot be written ends the run, keeps what it has, and is told; the run's
 // summary is printed all the same.
 #pragma once
@@ -18,6 +18,7 @@ struct RecorderOptions {
   std::vector<std::string> trajectories;
   double trajectory_fps = 10;
   std::string contacts;  ///< a folder, or ""
+  std::string trace;
 };
 
 void add_recorder_options(CLI::App& app, RecorderOptions& options);

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "base/elementary.h"
+
 namespace throng {
 namespace {
 
@@ -122,31 +124,31 @@ GaitCurves::GaitCurves(double relative_speed)
 
 double GaitCurves::shoulder_flexion(double t) const {
   const double amplitude = 9.88 * relative_speed_;
-  return (3 - amplitude / 2 - amplitude * std::cos(kTurn * t)) * kDegree;
+  return (3 - amplitude / 2 - amplitude * sin_cos(kTurn * t).cos) * kDegree;
 }
 
 double GaitCurves::pelvis_yaw(double t) const {
-  return 4 * relative_speed_ * std::cos(kTurn * t) * kDegree;
+  return 4 * relative_speed_ * sin_cos(kTurn * t).cos * kDegree;
 }
 
 double GaitCurves::pelvis_pitch(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
   const double amplitude = 8 * rv * (1 - rv);
-  return (amplitude - amplitude * std::sin(kTurn * (2 * t - 0.1))) * kDegree;
+  return (amplitude - amplitude * sin_cos(kTurn * (2 * t - 0.1)).sin) * kDegree;
 }
 
 double GaitCurves::pelvis_roll(double t) const {
   // The hip of the swing leg drops within 0.15 of the cycle and comes back by the next heel strike.
   t -= std::floor(t);
   const double half = t < 0.5 ? t : t - 0.5;
-  const double drop =
-      half < 0.15 ? 1 - std::cos(kTurn * half / 0.3) : 1 + std::cos(kTurn * (half - 0.15) / 0.7);
+  const double drop = half < 0.15 ? 1 - sin_cos(kTurn * half / 0.3).cos
+                                  : 1 + sin_cos(kTurn * (half - 0.15) / 0.7).cos;
   return (t < 0.5 ? -1 : 1) * kRollShare * 1.66 * relative_speed_ * drop * kDegree;
 }
 
 double GaitCurves::pelvis_lateral(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
-  return -0.128 * rv * (1 - rv) * std::sin(kTurn * (t - 0.1));
+  return -0.128 * rv * (1 - rv) * sin_cos(kTurn * (t - 0.1)).sin;
 }
 
 }  // namespace throng

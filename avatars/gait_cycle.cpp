@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "avatars/gait_curves.h"
+#include "base/elementary.h"
 
 namespace throng {
 namespace {
@@ -46,7 +47,7 @@ struct Walker::Step {
   Vector2d planted(double t) const {
     const double roll = leg->roll_m(curves->foot_pitch(t));
     return Vector2d(stride_m * (stance / 2 - t), side_m) +
-           roll * Vector2d(std::cos(heading_rad), std::sin(heading_rad));
+           roll * Vector2d(sin_cos(heading_rad).cos, sin_cos(heading_rad).sin);
   }
 
   // Cubic. The foot leaves with the rolling foot's speed and lands with a part of it: at all of it
@@ -174,14 +175,14 @@ std::vector<double> bob_of(const std::vector<double>& samples, double largest) {
   };
   double cosine = 0, sine = 0;
   for (size_t i = 0; i < n; ++i) {
-    cosine += 2 * samples[i] * std::cos(angle(i)) / static_cast<double>(n);
-    sine += 2 * samples[i] * std::sin(angle(i)) / static_cast<double>(n);
+    cosine += 2 * samples[i] * sin_cos(angle(i)).cos / static_cast<double>(n);
+    sine += 2 * samples[i] * sin_cos(angle(i)).sin / static_cast<double>(n);
   }
-  const double amplitude = std::hypot(cosine, sine);
+  const double amplitude = length_of(cosine, sine);
   const double share = amplitude > largest ? largest / amplitude : 1;
   std::vector<double> bob(n);
   for (size_t i = 0; i < n; ++i)
-    bob[i] = share * (cosine * std::cos(angle(i)) + sine * std::sin(angle(i)));
+    bob[i] = share * (cosine * sin_cos(angle(i)).cos + sine * sin_cos(angle(i)).sin);
   return bob;
 }
 

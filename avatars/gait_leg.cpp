@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
+
 namespace throng {
 namespace {
 
@@ -14,21 +16,19 @@ using Eigen::Vector3d;
 // How exactly a leg's joints have to meet and be square for the closed form to hold.
 constexpr double kSquare = 1e-3;
 
-Matrix3d turn_y(double angle) {
-  return Eigen::AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix();
-}
+Matrix3d turn_y(double angle) { return turn_about(Vector3d::UnitY(), angle); }
 
 Vector2d sagittal(const Vector3d& v) { return {v.x(), v.z()}; }
 
 // (x, z) turned by `angle` about +y, toes down.
 Vector2d turned(const Vector2d& v, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
+  const auto [s, c] = sin_cos(angle);
   return {c * v.x() + s * v.y(), c * v.y() - s * v.x()};
 }
 
 double angle_from(const Vector2d& from, const Vector2d& to) {
   const Vector2d quarter(from.y(), -from.x());
-  return std::atan2(quarter.dot(to), from.dot(to));
+  return arc_tan2(quarter.dot(to), from.dot(to));
 }
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -132,7 +132,7 @@ void Leg::read_foot(const PosableModel& model, int foot_link) {
 
 double Leg::reach_m(double knee_flexion_rad) const {
   const double in_plane = (thigh_ + turned(shank_, knee_flexion_rad)).norm();
-  return std::hypot(in_plane, sideways_);
+  return length_of(in_plane, sideways_);
 }
 
 double Leg::roll_m(double pitch_rad) const {
@@ -151,15 +151,16 @@ double Leg::roll_m(double pitch_rad) const {
 // Columns: forward along the heading, the knee's axis, and up in the plane that the leg bends in.
 // The plane holds the heading and, but for the ankle's sideways offset, hip and ankle.
 Matrix3d Leg::plane_frame(const Vector3d& hip_m, const FootTarget& target) const {
-  const Vector3d forward(std::cos(target.heading_rad), std::sin(target.heading_rad), 0);
+  const SinCos heading = sin_cos(target.heading_rad);
+  const Vector3d forward(heading.cos, heading.sin, 0);
   const Vector3d left(-forward.y(), forward.x(), 0);
   const Vector3d leg = target.ankle_m - hip_m;
   const double y = leg.dot(left), z = leg.z();
-  const double tilt =
-      std::atan2(z, y) + std::acos(std::clamp(sideways_ / std::hypot(y, z), -1.0, 1.0));
+  const double tilt = arc_tan2(z, y) + arc_cos(std::clamp(sideways_ / length_of(y, z), -1.0, 1.0));
   Matrix3d frame;
   frame.col(0) = forward;
-  frame.col(1) = std::cos(tilt) * left + std::sin(tilt) * Vector3d::UnitZ();
+  const SinCos tilted = sin_cos(tilt);
+  frame.col(1) = tilted.cos * left + tilted.sin * Vector3d::UnitZ();
   frame.col(2) = forward.cross(frame.col(1));
   return frame;
 }
@@ -182,7 +183,7 @@ void Leg::solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,
   const double wanted = (reach.squaredNorm() - thigh_.squaredNorm() - shank_.squaredNorm()) / 2;
   const double straight = angle_from(shank_, thigh_);
   const double knee =
-      straight + std::acos(std::clamp(wanted / (thigh_.norm() * shank_.norm()), -1.0, 1.0));
+      straight + arc_cos(std::clamp(wanted / (thigh_.norm() * shank_.norm()), -1.0, 1.0));
   const double thigh_turn = angle_from(thigh_ + turned(shank_, knee), reach);
   const double ankle = -target.pitch_rad - thigh_turn - knee;
 
@@ -192,12 +193,11 @@ void Leg::solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,
                  &a3 = hip_axes_[2].direction;
   const double hand = a1.dot(a2.cross(a3)) > 0 ? 1 : -1;
   const Vector3d end = r * a3, start = r.transpose() * a1;
-  columns[static_cast<size_t>(hip_axes_[0].column)] =
-      std::atan2(a1.cross(a3).dot(end), a3.dot(end));
+  columns[static_cast<size_t>(hip_axes_[0].column)] = arc_tan2(a1.cross(a3).dot(end), a3.dot(end));
   columns[static_cast<size_t>(hip_axes_[1].column)] =
-      std::asin(std::clamp(hand * a1.dot(end), -1.0, 1.0));
+      arc_sin(std::clamp(hand * a1.dot(end), -1.0, 1.0));
   columns[static_cast<size_t>(hip_axes_[2].column)] =
-      -std::atan2(a3.cross(a1).dot(start), a1.dot(start));
+      -arc_tan2(a3.cross(a1).dot(start), a1.dot(start));
   columns[static_cast<size_t>(knee_axis_.column)] = knee * knee_axis_.direction.y();
   columns[static_cast<size_t>(ankle_axis_.column)] = ankle * ankle_axis_.direction.y();
 }

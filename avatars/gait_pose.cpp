@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/elementary.h"
+
 namespace throng {
 
 PosableModel::PosableModel(const Model& model) : model_(&model) {
@@ -52,7 +54,7 @@ void PosableModel::pose(const std::vector<double>& columns,
       if (joint.kind == Joint::Kind::kPrismatic)
         moved.translate(q * joint.axis);
       else
-        moved.rotate(Eigen::AngleAxisd(q, joint.axis));
+        moved.rotate(turn_about(joint.axis, q));
     }
     root_from_link[static_cast<size_t>(joint.child_link)] = moved;
   }

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "base/elementary.h"
+
 namespace throng {
 namespace {
 
@@ -31,13 +33,13 @@ Mesh box_mesh(const Eigen::Vector3d& size_m) {
 
 Mesh cylinder_mesh(double radius_m, double length_m) {
   constexpr int kSides = 24;
-  const double outer = kRoundingMargin * radius_m / std::cos(std::numbers::pi / kSides);
+  const double outer = kRoundingMargin * radius_m / sin_cos(std::numbers::pi / kSides).cos;
   Mesh mesh;
   for (const double z : {-0.5 * length_m, 0.5 * length_m})
     for (int i = 0; i < kSides; ++i) {
-      const double angle = 2 * std::numbers::pi * i / kSides;
+      const SinCos angle = sin_cos(2 * std::numbers::pi * i / kSides);
       mesh.vertices.emplace_back(
-          Eigen::Vector3d(outer * std::cos(angle), outer * std::sin(angle), z).cast<float>());
+          Eigen::Vector3d(outer * angle.cos, outer * angle.sin, z).cast<float>());
     }
   for (int i = 0; i < kSides; ++i) {
     const int next = (i + 1) % kSides;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/elementary.h"
+
 namespace throng {
 namespace {
 
@@ -29,9 +31,9 @@ double random_uniform(const RandomKey& key, double low, double high, uint32_t in
 }
 
 double random_normal(const RandomKey& key, double mean, double deviation, uint32_t index) {
-  const double radius = std::sqrt(-2.0 * std::log1p(-random_uniform(key, 2 * index)));
+  const double radius = std::sqrt(-2.0 * natural_log(1 - random_uniform(key, 2 * index)));
   const double angle = 2.0 * std::numbers::pi * random_uniform(key, 2 * index + 1);
-  return mean + deviation * radius * std::cos(angle);
+  return mean + deviation * radius * sin_cos(angle).cos;
 }
 
 }  // namespace throng

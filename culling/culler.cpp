@@ -366,6 +366,23 @@ void Culler::finish() {
   state_->hash_events();
 }
 
+void Culler::archive(Archive& a) {
+  State& s = *state_;
+  a(s.frame, s.hash);
+  const std::span<const PairKey> now = s.events.touching();
+  std::vector<PairKey> touching(now.begin(), now.end());
+  a.resized(touching, SIZE_MAX);
+  if (a.is_reading()) {
+    if (std::adjacent_find(touching.begin(), touching.end(), std::greater_equal<>()) !=
+        touching.end())
+      a.refuse("pairs in order", "pairs in disorder");
+    for (const PairKey& key : touching)
+      if (key.a() >= key.b()) a.refuse("pairs of two bodies", "a body with itself");
+    s.events.resume(touching);
+  }
+  if (s.deadline) s.deadline->archive(a, touching);
+}
+
 std::span<const PairKey> Culler::pairs() const { return state_->events.touching(); }
 std::span<const PairEvent> Culler::events() const { return state_->events.events(); }
 std::span<const uint8_t> Culler::levels() const {

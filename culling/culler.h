@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/pose.h"
 #include "base/simd.h"
 #include "base/workers.h"
@@ -99,6 +100,9 @@ class Culler {
   void step(const BodiesView& bodies, const PoseSource& poses);
   /// Ends every pair that still touches (the run stops): events() then holds the ends.
   void finish();
+
+  /// What touches and the hash so far: all that later events depend on. Everything else is scratch.
+  void archive(Archive& a);
 
   std::span<const PairKey> pairs() const;
   std::span<const PairEvent> events() const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "culling/stopwatch.h"
@@ -238,6 +239,20 @@ void Deadline::take_events(const BodiesView& bodies, PairEvents& events) {
   events.advance({now_.keys.data(), now_.count});
   find_event_levels(events);
   events_ns_ = watch.lap_ns();
+}
+
+void Deadline::archive(Archive& a, std::span<const PairKey> touching) {
+  std::vector<uint8_t> last(levels().begin(), levels().end());
+  a.resized(last, touching.size());
+  if (!a.is_reading()) return;
+  if (last.size() != touching.size()) a.refuse("a level for every pair", "another number");
+  for (const uint8_t level : last)
+    if (level >= kPairLevels) a.refuse("a level", std::to_string(level));
+  now_.count = touching.size();
+  now_.keys.resize(now_.count);
+  now_.levels.resize(now_.count);
+  std::copy(touching.begin(), touching.end(), now_.keys.data());
+  std::copy(last.begin(), last.end(), now_.levels.data());
 }
 
 void Deadline::finish(PairEvents& events) {

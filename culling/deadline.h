@@ -28,6 +28,9 @@ class Deadline {
               const PartStageFrame& shared);
   /// Sorts what refine() found and merges it with the last frame's pairs.
   void take_events(const BodiesView& bodies, PairEvents& events);
+  /// The levels of the last frame's pairs, on which the next frame's order depends; `touching` are
+  /// these pairs.
+  void archive(Archive& a, std::span<const PairKey> touching);
   /// The run stops: everything ends.
   void finish(PairEvents& events);
 

@@ -65,4 +65,10 @@ uint32_t PairEvents::times_grown() const {
          blocks_.times_grown();
 }
 
+void PairEvents::resume(std::span<const PairKey> touching) {
+  advance(touching);
+  event_count_ = 0;
+  persisting_ = 0;
+}
+
 }  // namespace throng

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/archive.h"
 #include "culling/grow_buffer.h"
 
 namespace throng {
@@ -25,6 +26,7 @@ class PairKey {
   uint32_t part_a() const { return static_cast<uint32_t>(bits_ >> 8) & 0xff; }
   uint32_t part_b() const { return static_cast<uint32_t>(bits_) & 0xff; }
   uint64_t bits() const { return bits_; }
+  void archive(Archive& a) { a(bits_); }
   auto operator<=>(const PairKey&) const = default;
   /// Greater than every key of two bodies.
   static PairKey beyond_all() { return {kMaxId, kMaxId, 0xff, 0xff}; }
@@ -62,6 +64,8 @@ class PairEvents {
   void finish();
   /// All three for pairs that lie elsewhere; order asserted.
   void advance(std::span<const PairKey> pairs);
+  /// Goes on behind a frame in which these touched; sorted and unique (asserted).
+  void resume(std::span<const PairKey> touching);
 
   /// Begins and ends of this frame, sorted.
   std::span<const PairEvent> events() const { return {events_.data(), event_count_}; }

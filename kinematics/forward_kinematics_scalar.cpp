@@ -30,7 +30,7 @@ RunningPose root_pose(const Eigen::Quaternionf& q) {
           Row{{xz - wy, yz + wx, 1.0f - (xx + yy)}, 0.0f}};
 }
 
-void rotate(Row& row, int i, int j, const SinCos& turn) {
+void rotate(Row& row, int i, int j, const SinCosFloat& turn) {
   const float ci = row.c[i];
   const float cj = row.c[j];
   row.c[i] = ci * turn.cos + cj * turn.sin;
@@ -64,7 +64,7 @@ void pose_one(const FlatModel::Ops& ops, const float* posture, const RootFrame& 
       case OpKind::kRotateX:
       case OpKind::kRotateY:
       case OpKind::kRotateZ: {
-        const SinCos turn = sin_cos(driven(ops.angles[index], posture));
+        const SinCosFloat turn = sin_cos(driven(ops.angles[index], posture));
         const int k = static_cast<int>(op.kind) - static_cast<int>(OpKind::kRotateX);
         for (Row& row : pose) rotate(row, (k + 1) % 3, (k + 2) % 3, turn);
         break;

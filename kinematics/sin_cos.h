@@ -24,13 +24,13 @@ struct SinCosConstants {
                                     2.476180816302076e-05f, -2.6075662162838853e-07f};
 };
 
-struct SinCos {
+struct SinCosFloat {
   float sin;
   float cos;
 };
 
 /// Off by less than 2e-7 for |angle_rad| <= 100; finite and useless far beyond 10^4.
-inline SinCos sin_cos(float angle_rad) {
+inline SinCosFloat sin_cos(float angle_rad) {
   using K = SinCosConstants;
   const float rounded = angle_rad * K::kOneOverPi + K::kRound;
   const float n = rounded - K::kRound;

@@ -118,6 +118,11 @@ void RunEncoder::send_description_chunk(int chunk) {
 }
 
 void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
+  if (run.resumed && last_second_ < 0) {  // what the first events refer to
+    utime_us_ = run.resumed->utime_us;
+    frame_ = run.resumed->frame;
+    send_touching(run.resumed->touching, run.resumed->levels);
+  }
   utime_us_ = frame.utime_us;
   frame_ = frame.number;
   send_events(frame.events, frame.event_levels);

@@ -42,6 +42,7 @@ class RunEncoder {
   /// Encodes the description; sends nothing. Throws InputError if it is larger than a reader takes.
   void begin(const RunInfo& run);
   /// Messages in this order: events, touching (once a simulated second), states, parts, counters.
+  /// A run that was resumed first sends what touched before, as touching of the frame before.
   void frame(const RunInfo& run, const Frame& frame);
   /// The last ends, then THRONG_END.
   void end(const RunInfo& run, const RunEnd& end);

@@ -91,6 +91,11 @@ class Judge {
     if (reader_.foreign() != foreign)
       problem(fmt::format("byte {}: {}: of another run ({:016x})", event.offset, event.channel,
                           static_cast<uint64_t>(header.run_id)));
+    if (update == RunReader::Update::kTouching && !has_frames_) adopt_touching(header.frame);
+    if (!has_frames_ && channel != Channel::kRun && channel != Channel::kTouching) {
+      has_frames_ = true;
+      was_resumed_ = adopted_frame_ >= 0 && header.frame > adopted_frame_;
+    }
     if (update == RunReader::Update::kEvents) pair_up(event);
     if (update == RunReader::Update::kCounters) {
       compare_touching(event);
@@ -106,6 +111,13 @@ class Judge {
                           next, header.seq));
     if (header.seq > next) report_.channels[index_of(channel)].missing += header.seq - next;
     next = header.seq + 1;
+  }
+
+  /// A resumed run begins with what touched when it was stopped.
+  void adopt_touching(int64_t frame) {
+    for (const auto& [pair, level] : reader_.touching()) open_.insert(pair);
+    adopted_ = static_cast<int64_t>(open_.size());
+    adopted_frame_ = frame;
   }
 
   void pair_up(const LogEvent& event) {
@@ -150,7 +162,13 @@ class Judge {
   void compare_totals(const LogEvent& event) {
     const end_t& end = *reader_.end();
     report_.finished = true;
-    if (end.begins != report_.begins || end.ends != report_.ends || !open_.empty()) {
+    // The totals are the whole run's, the log may hold its last part.
+    const int64_t begins_before = end.begins - report_.begins;
+    const int64_t ends_before = end.ends - report_.ends;
+    const bool is_whole = begins_before == 0 && ends_before == 0;
+    const bool is_rest =
+        was_resumed_ && ends_before >= 0 && begins_before - ends_before == adopted_;
+    if (!(is_whole || is_rest) || !open_.empty()) {
       report_.finished = false;
       problem(fmt::format(
           "byte {}: the run says {} begins and {} ends, the log has {} and {}, {} pairs open",
@@ -182,6 +200,9 @@ class Judge {
   LogReport report_;
   RunReader reader_;
   std::set<PairKey> open_;
+  int64_t adopted_ = 0;  // pairs that touched before a resumed run's first frame
+  int64_t adopted_frame_ = -1;
+  bool has_frames_ = false, was_resumed_ = false;
   std::array<int64_t, kChannelCount> next_seq_{};
   int64_t next_number_ = 0;
   int64_t last_stamp_us_ = 0;

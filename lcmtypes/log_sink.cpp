@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -77,6 +78,16 @@ void LogFile::flush() {
     written += static_cast<size_t>(n);
   }
   used_ = 0;
+  expect_still_there();
+}
+
+/// Bytes written to a file that was deleted are lost without an error.
+void LogFile::expect_still_there() const {
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) fail(file_, "write", errno);
+  if (S_ISREG(status.st_mode) && status.st_nlink == 0)
+    throw EnvironmentError(
+        fmt::format("{}: cannot write the log: the file was deleted", file_.string()));
 }
 
 void LogFile::close() {

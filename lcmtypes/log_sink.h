@@ -39,6 +39,7 @@ class LogFile {
 
  private:
   void put(const void* data, size_t size);
+  void expect_still_there() const;
 
   std::filesystem::path file_;
   int descriptor_ = -1;

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/elementary.h"
 #include "base/errors.h"
 #include "base/random.h"
-#include "scenes/trig.h"
 
 namespace throng {
 namespace {
@@ -97,6 +97,19 @@ BoxWorld BoxWorld::of_kinds(const BoxWorldOptions& options, std::span<const doub
     is_static[i] = static_every != 0 && i % static_every == static_every - 1;
   }
   return BoxWorld(options, radii, is_static);
+}
+
+void BoxWorld::archive(Archive& a) {
+  a(positions_m_, velocities_mps_, orientations_);
+  if (!a.is_reading()) return;
+  for (size_t i = 0; i < positions_m_.size(); ++i) {
+    const bool is_inside = (positions_m_[i].array() >= low_m_[i].array()).all() &&
+                           (positions_m_[i].array() <= high_m_[i].array()).all();
+    // Written so that NaN is refused, too. A diagonal is the longest way.
+    const bool is_slow = velocities_mps_[i].norm() <= 2 * options_.max_speed_mps;
+    const bool is_unit = std::abs(orientations_[i].norm() - 1) < 1e-6;
+    if (!is_inside || !is_slow || !is_unit) a.refuse("an object in the box", "another");
+  }
 }
 
 void BoxWorld::step() {

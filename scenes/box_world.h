@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/pose.h"
 
 namespace throng {
@@ -34,6 +35,9 @@ class BoxWorld {
 
   /// Advances by step_s. Allocates nothing.
   void step();
+
+  /// Everything that the next step depends on and that the constructor does not know.
+  void archive(Archive& a);
 
   size_t size() const { return positions_m_.size(); }
   const BoxWorldOptions& options() const { return options_; }

@@ -3,11 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "scenes/crowd_blocks.h"
 #include "scenes/crowd_tuning.h"
-#include "scenes/trig.h"
 
 namespace throng {
+namespace {
+
+/// Nobody runs faster, whatever the scene and however hard others push.
+constexpr double kLargest_mps = 100;
+
+}  // namespace
 
 Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOptions& options,
              Workers& workers)
@@ -68,6 +74,23 @@ void Crowd::start_walking(uint32_t id, const Eigen::Vector2d& heading) {
   anchors_m_[id] = positions_m_[id];
   anchor_steps_[id] = steps_;
   queued_steps_[id] = 0;
+}
+
+void Crowd::archive(Archive& a) {
+  a(steps_, positions_m_, velocities_mps_, headings_, smooth_velocities_mps_, walked_m_);
+  a(old_velocities_mps_, next_velocities_mps_, drifts_mps_, intents_mps_, clearances_m_);
+  a(journeys_, traffic_, anchors_m_, anchor_steps_, queued_steps_, queuing_, counters_);
+  if (!a.is_reading() || size() == 0) return;
+  for (uint32_t id = 0; id < size(); ++id)
+    if (journeys_.is_present(id) && !ways_.walkable().ground().contains(positions_m_[id]))
+      a.refuse("a place on the ground", "one outside");
+  // Written so that NaN is refused, too.
+  for (const auto* speeds :
+       {&velocities_mps_, &headings_, &smooth_velocities_mps_, &old_velocities_mps_,
+        &next_velocities_mps_, &drifts_mps_, &intents_mps_})
+    for (const Eigen::Vector2d& speed : *speeds)
+      if (!(speed.norm() <= kLargest_mps)) a.refuse("the speed of a person", "another");
+  grid_.rebuild(positions_m_, traffic_.present());
 }
 
 void Crowd::Slots::resize(size_t count) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/workers.h"
 #include "scenes/journeys.h"
 #include "scenes/neighbour_grid.h"
@@ -46,6 +47,11 @@ struct SteeringCounters {
     return rounds == 0 ? 0 : static_cast<double>(all_sweeps) / static_cast<double>(rounds);
   }
   double mean_heading_rate_radps() const { return walked_s > 0 ? turned_rad / walked_s : 0; }
+
+  void archive(Archive& a) {
+    a(sweeps, deepest_overlap_m, longest_stall_s, queuing, rounds, decisions, all_sweeps,
+      most_sweeps, turned_rad, walked_s);
+  }
 };
 
 class Crowd {
@@ -60,6 +66,9 @@ class Crowd {
   /// keep clear of the disc as of any other, reckoning with its velocity.
   void drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
              const Eigen::Vector2d& velocity_mps);
+
+  /// Everything that the next step depends on and that the constructor does not know.
+  void archive(Archive& a);
 
   /// One decision of everybody, without moving: what step() does ten times a second.
   void decide();

@@ -71,6 +71,22 @@ void DrivenAvatars::add(uint32_t avatar, const FlatModel& kinematics, const Root
     one.row.push_back(std::clamp(0.0f, column.lower, column.upper));
 }
 
+void DrivenAvatars::archive(Archive& a) {
+  for (One& one : all_) {
+    RootPose& root = one.pose.root;
+    a(root.position_m, root.world_from_root, one.pose.velocity_mps, one.row);
+    // Written so that NaN is refused, too.
+    bool is_possible = root.position_m.allFinite() &&
+                       std::abs(root.world_from_root.norm() - 1) < 1e-3F &&
+                       one.pose.velocity_mps.norm() <= kMaxDrivenSpeed_mps * (1 + 1e-9);
+    for (size_t i = 0; i < one.row.size(); ++i) {
+      const JointColumn& column = one.kinematics->columns()[i];
+      is_possible = is_possible && one.row[i] >= column.lower && one.row[i] <= column.upper;
+    }
+    if (!is_possible) a.refuse("the pose of a driven avatar", "an impossible one");
+  }
+}
+
 int DrivenAvatars::drive(uint32_t avatar, const DrivenPose& pose, const Rectangle& ground) {
   const auto found = std::lower_bound(all_.begin(), all_.end(), avatar,
                                       [](const One& one, uint32_t id) { return one.avatar < id; });

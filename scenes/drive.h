@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "avatars/model.h"
+#include "base/archive.h"
 #include "culling/culler.h"
 #include "scenes/crowd.h"
 #include "scenes/scene.h"
@@ -51,6 +52,8 @@ class DrivenAvatars {
   /// Puts them where they are, after steering and over what it made of them.
   void lead(Crowd& crowd) const;
   void place(std::span<RootPose> roots) const;
+  /// Where everybody is, for checkpoints.
+  void archive(Archive& a);
   /// Sets the posture row of each; the pointers hold as long as this object.
   void hold(std::span<const float*> rows) const;
 

@@ -17,6 +17,8 @@ constexpr double kStop_m = 0.25;
 /// Away from the rim, so that arriving means having entered; a narrow goal has only its middle.
 constexpr double kRim_m = 0.3;
 constexpr uint32_t kTries = 16;
+/// Beyond any coordinate of a scene file.
+constexpr double kFarthest_m = 1e6;
 /// What is this near to the end of a way is what ends it.
 constexpr double kInTheWay_m = 1;
 
@@ -36,6 +38,19 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
   visits_.assign(people.size(), 0);
   for (uint32_t id = 0; id < people.size(); ++id)
     if (people[id].entrance == Person::kFromTheStart) enter(id, people[id].position_m, 0);
+}
+
+void Journeys::archive(Archive& a) {
+  a(doing_, next_, until_s_, stops_, visits_, targets_m_);
+  if (!a.is_reading()) return;
+  for (uint32_t id = 0; id < doing_.size(); ++id) {
+    if (doing_[id] > Doing::kGone || next_[id] > Doing::kGone)
+      a.refuse("something that people do", "something else");
+    if (stops_[id] >= ways_.route(groups_[id]).size()) a.refuse("a stop of the route", "another");
+    // Written so that NaN is refused, too.
+    if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
+      a.refuse("a place", "one out of the world");
+  }
 }
 
 void Journeys::enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {

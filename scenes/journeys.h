@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "scenes/spawn.h"
 #include "scenes/ways.h"
 
@@ -38,6 +39,9 @@ class Journeys {
   /// Keeps a reference to `ways`. Those with an entrance are outside until enter(); the others
   /// begin at time 0.
   Journeys(const Ways& ways, std::span<const Person> people, uint64_t seed);
+
+  /// Everything that follow() may have changed.
+  void archive(Archive& a);
 
   /// Somebody comes in at a place.
   void enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s);

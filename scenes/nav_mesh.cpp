@@ -10,9 +10,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
 #include "scenes/flow_field.h"
 #include "scenes/shapes.h"
-#include "scenes/trig.h"
 
 namespace throng {
 namespace {

@@ -148,7 +148,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
   for (Sink* sink : sinks) sink->begin(info);
   const auto start = Clock::now();
   FrameTimes& times = simulation.times();
-  while (summary.frames < frames && !summary.stopped_early) {
+  while (simulation.next_frame() < frames && !summary.stopped_early) {
     const auto frame_start = Clock::now();
     const Frame& frame = simulation.step();
     const auto publish_start = Clock::now();
@@ -158,7 +158,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
     measurements.add(times, *frame.counters);
     add_frame(summary, frame, info.exact, simulation.steering());
     ++summary.frames;
-    summary.stopped_early = keep_going && !keep_going(frame) && summary.frames < frames;
+    summary.stopped_early = keep_going && !keep_going(frame) && simulation.next_frame() < frames;
   }
   summary.steering = simulation.steering();
   const RunEnd end = simulation.finish();

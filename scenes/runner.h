@@ -33,7 +33,7 @@ struct StageMedians {
 };
 
 struct RunSummary {
-  int64_t frames = 0;
+  int64_t frames = 0;  ///< of this run; a resumed one has fewer than its duration
   int avatars = 0;
   int unplaced = 0;
   int64_t parts = 0;       ///< of all avatars together
@@ -47,7 +47,7 @@ struct RunSummary {
   StageMedians stage_ms;
   CullingCounters totals;  ///< N and ns of every stage, summed over the frames
 
-  uint64_t begins = 0;
+  uint64_t begins = 0;  ///< as ends and the hash, of the whole run, also of a resumed one
   uint64_t persists = 0;
   uint64_t ends = 0;  ///< those of the last moment included
   uint64_t pairs_peak = 0;

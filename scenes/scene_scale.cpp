@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/elementary.h"
 #include "base/errors.h"
 #include "scenes/scene.h"
 #include "scenes/scene_limits.h"
@@ -101,7 +102,7 @@ void grow_plan(Scene& scene, double factor) {
 /// As full of parts as before.
 void scale_box(Scene& scene, int total, std::vector<std::string>& notes) {
   PartsBox& box = *scene.box;
-  box.edge_m *= std::cbrt(static_cast<double>(total) / box.count);
+  box.edge_m *= cube_root(static_cast<double>(total) / box.count);
   box.count = total;
   scene.ground.max_m = Eigen::Vector2d::Constant(0.5 * box.edge_m);
   scene.ground.min_m = -scene.ground.max_m;

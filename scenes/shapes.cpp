@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scenes/trig.h"
+#include "base/elementary.h"
 
 namespace throng {
 namespace {

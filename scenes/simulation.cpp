@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 #include <cmath>
 #include <optional>
 #include <random>
+#include <string>
 
+#include "base/elementary.h"
 #include "base/errors.h"
 #include "scenes/box_world.h"
 #include "scenes/drive.h"
@@ -16,7 +19,6 @@
 #include "scenes/posing.h"
 #include "scenes/shapes.h"
 #include "scenes/spawn.h"
-#include "scenes/trig.h"
 #include "scenes/ways.h"
 
 namespace throng {
@@ -140,6 +142,7 @@ std::optional<BoxWorld> box_of(const Scene& scene,
 struct Simulation::State {
   State(Scene scene_in, const SimulationOptions& options_in);
 
+  void archive(Archive& a);
   void place_bodies();
   void place_people();
   void place_parts();
@@ -220,6 +223,20 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   culling.deadline_tests = options.deadline_tests;
   culling.strategy = options.strategy;
   culler = std::make_unique<Culler>(std::move(types), culling, workers);
+}
+
+void Simulation::State::archive(Archive& a) {
+  a(frames, begins, ends, frame.utime_us, bodies.phases);
+  for (size_t i = 0; i < avatars; ++i)
+    a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, bodies.speeds_mps[i]);
+  for (const float phase : bodies.phases)
+    if (!(phase >= 0 && phase <= 1)) a.refuse("a phase from 0 to 1", "another");
+  if (box)
+    box->archive(a);
+  else
+    crowd.archive(a);
+  driven.archive(a);
+  culler->archive(a);
 }
 
 void Simulation::State::place_parts() {
@@ -489,6 +506,28 @@ RunEnd Simulation::finish() {
   end.ends = s.ends;
   end.hash = s.culler->hash();
   return end;
+}
+
+int64_t Simulation::next_frame() const { return state_->frames; }
+
+std::vector<uint8_t> Simulation::saved() {
+  Archive out;
+  state_->archive(out);
+  return out.bytes();
+}
+
+void Simulation::resume(std::span<const uint8_t> bytes, const std::string& name) {
+  assert(state_->frames == 0);
+  Archive in(bytes, name);
+  state_->archive(in);
+  in.expect_end();
+  if (state_->frames < 1) in.refuse("a frame number above 0", std::to_string(state_->frames));
+  const std::span<const PairKey> touching = state_->culler->pairs();
+  const std::span<const uint8_t> levels = state_->culler->levels();
+  state_->info.resumed = {state_->frames - 1,
+                          state_->frame.utime_us,
+                          {touching.begin(), touching.end()},
+                          {levels.begin(), levels.end()}};
 }
 
 }  // namespace throng

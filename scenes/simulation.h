@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,16 @@ class Simulation {
   /// the avatar is not driven or the number of joints is not its model's (none leaves them as they
   /// are).
   int drive(uint32_t avatar, const DrivenPose& pose);
+
+  /// The number of the frame that step() delivers next.
+  int64_t next_frame() const;
+  /// Everything that later frames depend on, as bytes; see scenes/checkpoint.h for the file.
+  std::vector<uint8_t> saved();
+  /// Goes on where saved() was called in a run of the same scene, seed and options that change
+  /// results: later frames, their events and the hash are the same to the bit. Only before the
+  /// first step. Throws InputError naming `name` where the bytes cannot be such a run's; this
+  /// object is then of no use.
+  void resume(std::span<const uint8_t> bytes, const std::string& name);
 
   FrameTimes& times();  ///< the runner adds publish_ns and frame_ns here
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,14 @@
 #include "scenes/scene.h"
 
 namespace throng {
+
+/// Where a run goes on that was stopped or killed.
+struct Resumed {
+  int64_t frame = 0;  ///< the last one before; the run's first frame is the next
+  int64_t utime_us = 0;
+  std::vector<PairKey> touching;  ///< at that frame: their begins were told before
+  std::vector<uint8_t> levels;    ///< as in Frame
+};
 
 struct RunInfo {
   const Scene* scene = nullptr;
@@ -29,6 +38,7 @@ struct RunInfo {
   std::vector<std::string> drive_channels;
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
+  std::optional<Resumed> resumed;  ///< then the first frame is not number 0
 
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
   /// Obstacle i has body id avatar_count() + i.

@@ -56,6 +56,16 @@ Traffic::Traffic(const Ways& ways, std::span<const Person> people, uint64_t seed
   count(0);
 }
 
+void Traffic::archive(Archive& a) {
+  a(present_, decisions_, counters_);
+  for (Entrance& entrance : entrances_) {
+    const uint32_t first = entrance.next;  // the constructor's, when reading
+    a(entrance.next);
+    if (entrance.next < first || entrance.next > entrance.end)
+      a.refuse("somebody of the entrance", "somebody else");
+  }
+}
+
 void Traffic::release(Journeys& journeys) {
   for (uint32_t id = 0; id < present_.size(); ++id) {
     if (journeys.doing(id) != Doing::kLeaving) continue;

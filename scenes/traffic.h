@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/archive.h"
 #include "scenes/journeys.h"
 #include "scenes/spawn.h"
 #include "scenes/ways.h"
@@ -21,6 +22,8 @@ struct TrafficCounters {
   uint64_t left = 0;
   uint64_t waiting = 0;  ///< outside, due, without room to enter
   uint64_t to_come = 0;  ///< not due yet
+
+  void archive(Archive& a) { a(entered, present, left, waiting, to_come); }
 };
 
 class Traffic {
@@ -33,6 +36,9 @@ class Traffic {
   /// One a person: 1 in the scene, 0 outside or gone.
   std::span<const uint8_t> present() const { return present_; }
   const TrafficCounters& counters() const { return counters_; }
+
+  /// Everything that release() and admit() may have changed.
+  void archive(Archive& a);
 
   /// Takes out whoever is leaving.
   void release(Journeys& journeys);

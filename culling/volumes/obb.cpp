@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/elementary.h"
 #include "culling/volumes/pose_math.h"
 
 namespace throng {
@@ -37,7 +38,8 @@ class Deciders {
     for (int i = 0; i < kDirectionCount; ++i) {  // a Fibonacci spiral over the half sphere
       const double z = (i + 0.5) / kDirectionCount, turn = 2.399963229728653 * i;
       const double r = std::sqrt(1 - z * z);
-      add({r * std::cos(turn), r * std::sin(turn), z});
+      const SinCos angle = sin_cos(turn);
+      add({r * angle.cos, r * angle.sin, z});
     }
   }
   const Points& points() const { return points_; }
@@ -86,8 +88,7 @@ Eigen::Matrix3d refined(const Points& points, Eigen::Matrix3d axes, double fat) 
       improved = false;
       for (int axis = 0; axis < 3; ++axis) {
         for (double side : {angle, -angle}) {
-          const Eigen::Matrix3d turned_axes =
-              axes * Eigen::AngleAxisd(side, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
+          const Eigen::Matrix3d turned_axes = axes * turn_about(Eigen::Vector3d::Unit(axis), side);
           const double found = cost(points, turned_axes, fat);
           if (found < best * (1 - 1e-9)) {
             best = found;
@@ -126,9 +127,7 @@ Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3f> points) {
   for (const Eigen::Matrix3d& frame : {best, principal}) {
     for (int turn = 0; turn < 4; ++turn) {
       Eigen::Matrix3d axes = frame;
-      if (turn < 3)
-        axes *=
-            Eigen::AngleAxisd(0.785398163397448, Eigen::Vector3d::Unit(turn)).toRotationMatrix();
+      if (turn < 3) axes *= turn_about(Eigen::Vector3d::Unit(turn), 0.785398163397448);
       do {
         axes = refined(deciders.points(), axes, fat);
       } while (deciders.add_for(axes));

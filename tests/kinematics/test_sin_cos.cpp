@@ -14,7 +14,7 @@ double worst_error(double limit_rad, int samples) {
   double worst = 0;
   for (int i = -samples; i <= samples; ++i) {
     const float angle = static_cast<float>(limit_rad * i / samples);
-    const SinCos found = sin_cos(angle);
+    const SinCosFloat found = sin_cos(angle);
     worst = std::max(
         {worst, std::abs(static_cast<double>(found.sin) - std::sin(static_cast<double>(angle))),
          std::abs(static_cast<double>(found.cos) - std::cos(static_cast<double>(angle)))});
@@ -35,7 +35,7 @@ TEST(SinCos, is_off_by_less_than_2e_7_at_the_quarters_and_their_neighbours) {
     float angle = static_cast<float>(quarter * std::numbers::pi / 2);
     for (int i = 0; i < 50; ++i) angle = std::nextafterf(angle, -1000.0f);
     for (int i = 0; i < 100; ++i, angle = std::nextafterf(angle, 1000.0f)) {
-      const SinCos found = sin_cos(angle);
+      const SinCosFloat found = sin_cos(angle);
       ASSERT_NEAR(static_cast<double>(found.sin), std::sin(static_cast<double>(angle)), 2e-7)
           << angle;
       ASSERT_NEAR(static_cast<double>(found.cos), std::cos(static_cast<double>(angle)), 2e-7)

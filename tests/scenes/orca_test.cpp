@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/elementary.h"
 #include "base/random.h"
-#include "scenes/trig.h"
 
 namespace throng {
 namespace {

@@ -6,22 +6,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/elementary.h"
 #include "base/random.h"
 #include "scenes/flow_field.h"
 #include "scenes/shapes.h"
-#include "scenes/trig.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {
 namespace {
-
-TEST(Trig, AgreesWithTheCLibrary) {
-  for (double angle = -13; angle <= 13; angle += 0.0137) {
-    const SinCos found = sin_cos(angle);
-    ASSERT_NEAR(found.sin, std::sin(angle), 4e-15) << "at " << angle;
-    ASSERT_NEAR(found.cos, std::cos(angle), 4e-15) << "at " << angle;
-  }
-}
 
 TEST(Shapes, FootprintTurnsWithTheObstacle) {
   const Obstacle turned = box(10, 0, 4, 2, std::numbers::pi / 2);
