@@ -1,15 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <memory>
 #include <thread>
 
 #include "apps/command.h"
 #include "apps/machine.h"
-#include "base/errors.h"
+#include "apps/text_file.h"
 #include "bench/paper/json.h"
 #include "bench/paper/report.h"
 #include "bench/paper/tables.h"
@@ -30,14 +27,6 @@ struct PaperCommand {
   std::string out;
   std::string json;
 };
-
-void write_text(const std::string& file, const std::string& text) {
-  errno = 0;
-  std::ofstream out(file, std::ios::trunc | std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw EnvironmentError(fmt::format("{}: cannot write: {}", file, std::strerror(errno)));
-}
 
 int reproduce_paper(const PaperCommand& command) {
   // What would fail after a minute of measuring has to fail before.

@@ -422,7 +422,7 @@ const Frame& Simulation::step() {
   const auto before_postures = Clock::now();
   if (s.options.postures) s.update_postures();
   const double postures_ns = nanoseconds_since(before_postures);
-  s.culler->step(s.bodies_there(), s.posing);
+  if (s.options.culling) s.culler->step(s.bodies_there(), s.posing);
   s.split_times(steering_ns, postures_ns);
   s.fill_frame();
   ++s.frames;

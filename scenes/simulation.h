@@ -29,6 +29,8 @@ struct SimulationOptions {
   /// Fill Frame::postures. Off, only avatars in a surviving pair get joint angles at all: a run
   /// that nobody draws or logs does not pay for the rest. Never changes the events.
   bool postures = true;
+  /// Off, people walk and nobody is culled: no pairs, no events, and a hash of 0.
+  bool culling = true;
 };
 
 class Simulation {

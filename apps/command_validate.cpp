@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/text_file.h"
+#include "apps/validation_report.h"
+#include "base/errors.h"
+#include "base/workers.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md has them with
+figures. Exit code 1 if any fails.
+
+Examples:
+  throng validate
+  throng validate --only rimea_4 --out out/validation
+  throng validate --json validation.json)";
+
+struct ValidateOptions {
+  std::string out;
+  std::string json;
+  std::vector<std::string> only;
+  std::string steering{name_of(SteeringKind::kOrca)};
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+};
+
+std::vector<std::string> test_ids() {
+  std::vector<std::string> ids;
+  for (const validation::Test& test : validation::all_tests())
+    ids.insert(ids.end(), test.ids.begin(), test.ids.end());
+  return ids;
+}
+
+std::vector<ValidationRun> chosen(const ValidateOptions& options) {
+  std::vector<ValidationRun> runs;
+  for (const validation::Test& test : validation::all_tests()) {
+    const bool wanted =
+        options.only.empty() || std::any_of(options.only.begin(), options.only.end(),
+                                            [&](const std::string& id) { return test.has(id); });
+    if (wanted) runs.push_back({&test, {}, 0});
+  }
+  return runs;
+}
+
+int validate(const ValidateOptions& options) {
+  if (!options.json.empty()) write_text(options.json, "");
+  if (!options.out.empty()) require_validation_report(options.out);
+  std::vector<ValidationRun> runs = chosen(options);
+  const SteeringKind model = steering_kind_of(options.steering).value();
+  std::mutex progress;
+  Workers workers(options.threads);
+  workers.for_blocks(static_cast<int>(runs.size()), [&](int index, int) {
+    ValidationRun& run = runs[static_cast<size_t>(index)];
+    const auto start = std::chrono::steady_clock::now();
+    run.outcome = carry_out(*run.test, model);
+    run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::lock_guard lock(progress);
+    fmt::print(stderr, "{:<9} {} ({:.1f} s)\n", run.test->ids.front(),
+               run.outcome.passed ? "pass" : "fail", run.wall_s);
+  });
+  fmt::print("{}", verdict_table(runs));
+  if (!options.json.empty()) write_text(options.json, validation_json(runs));
+  if (!options.out.empty()) {
+    write_validation_report(runs, options.out);
+    fmt::print("{}/report.md written\n", options.out);
+  }
+  return count_of(runs).failed == 0 ? kExitFine : kExitCheckFailed;
+}
+
+}  // namespace
+
+Command add_validate_command(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("validate", "RiMEA, IMO and ISO 20414 tests of how people walk");
+  app->footer(kFooter);
+  const auto options = std::make_shared<ValidateOptions>();
+  app->add_option("--out", options->out, "A folder for report.md and its figures")
+      ->type_name("DIR");
+  app->add_option("--json", options->json, "Writes the verdicts for machines")->type_name("FILE");
+  app->add_option("--only", options->only, "These tests only: rimea_4, imo_8, ...")
+      ->transform(CLI::Validator(
+          [](std::string& id) {
+            id = validation::normal_id(id);
+            return std::string();
+          },
+          ""))
+      ->check(name_option(test_ids()))
+      ->type_name("ID");
+  std::vector<std::string> models;
+  for (const SteeringKind kind : kAllSteeringKinds) models.emplace_back(name_of(kind));
+  app->add_option("--steering", options->steering, "The model that steers: orca, speed [orca]")
+      ->check(name_option(models))
+      ->type_name("MODEL");
+  app->add_option("--threads", options->threads, "Tests at once [all cores]")
+      ->check(whole_option(1, 256, "1 to 256 threads"))
+      ->type_name("N");
+  return {app, [options] { return validate(*options); }};
+}
+
+}  // namespace throng

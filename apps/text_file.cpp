@@ -1,0 +1,23 @@
+#include "apps/text_file.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "base/errors.h"
+
+namespace throng {
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  errno = 0;
+  std::ofstream out(file, std::ios::trunc | std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw EnvironmentError(
+        fmt::format("{}: cannot write: {}", file.string(), std::strerror(errno)));
+}
+
+}  // namespace throng

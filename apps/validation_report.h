@@ -1,0 +1,37 @@
+// What `throng validate` tells: a table of verdicts, JSON, and a page of Markdown with its figures.
+// One rule: every number in it was measured in this run; what failed says so.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenes/validation/validation.h"
+
+namespace throng {
+
+struct ValidationRun {
+  const validation::Test* test = nullptr;
+  validation::Outcome outcome;
+  double wall_s = 0;
+};
+
+/// How many of the standards' tests (one experiment may be several) passed and failed.
+struct ValidationCount {
+  int passed = 0;
+  int failed = 0;
+};
+ValidationCount count_of(const std::vector<ValidationRun>& runs);
+
+/// A line a test, and one for the walls.
+std::string verdict_table(const std::vector<ValidationRun>& runs);
+/// {tests: [{id title verdict measured criterion ...}], passed, failed}
+std::string validation_json(const std::vector<ValidationRun>& runs);
+
+/// Creates the folder and checks that the report can be written. Throws EnvironmentError.
+void require_validation_report(const std::filesystem::path& folder);
+/// Writes report.md and an SVG a figure. Throws EnvironmentError.
+void write_validation_report(const std::vector<ValidationRun>& runs,
+                             const std::filesystem::path& folder);
+
+}  // namespace throng

@@ -1,0 +1,154 @@
+// RiMEA 4: the fundamental diagram, speed against density.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "scenes/spawn.h"
+#include "scenes/validation/trial.h"
+#include "scenes/validation/validation.h"
+
+namespace throng::validation {
+namespace {
+
+// The middle of a long corridor is a periodic one for a minute: people who left it are replaced by
+// others who began behind. 104 m behind the probes, nobody but the fastest gets there in 60 s; 44 m
+// before them, the emptiness that grows backwards from the front (0.7 m/s at most) does not.
+constexpr double kLength_m = 170;
+constexpr double kFirst_m = 104;
+constexpr double kLast_m = 126;
+constexpr double kProbe_m = 2;
+constexpr double kBegin_s = 10;
+constexpr double kEnd_s = 60;
+constexpr double kMostDeviation = 0.15;
+
+struct Point {
+  double asked_per_m2 = 0;
+  double density_per_m2 = 0;
+  double speed_mps = 0;
+  double deviation() const { return speed_mps / weidmann_mps(density_per_m2) - 1; }
+};
+
+/// As many rows as leave most room between neighbours.
+int best_rows(double per_metre) {
+  const double width_m = 2 - 2 * disc_radius_m(1.70);
+  int best = 1;
+  double widest_m = 0;
+  for (int rows = 1; rows <= 6; ++rows) {
+    const double dx = rows / per_metre;
+    const double dy = rows > 1 ? width_m / (rows - 1) : 1e9;
+    const double nearest_m = std::min({dx, dy * 2, std::hypot(dy, 0.5 * dx)});
+    if (nearest_m > widest_m) {
+      widest_m = nearest_m;
+      best = rows;
+    }
+  }
+  return best;
+}
+
+Point measure(double asked_per_m2, const SteeringRule& steering, Outcome& outcome) {
+  Plan plan("corridor", {{0, 0}, {kLength_m + 30, 2}}, steering, 1);
+  const int rows = best_rows(2 * asked_per_m2);
+  const auto columns = static_cast<int>(std::lround(asked_per_m2 * 2 * kLength_m / rows));
+  plan.people_in_rows(rows, columns, {{0, 0}, {kLength_m, 2}},
+                      {{{kLength_m + 25, 0}, {kLength_m + 30, 2}}});
+  Trial trial(plan);
+  double seen = 0, speed_sum = 0;
+  int samples = 0;
+  while (trial.step(kEnd_s)) {
+    if (trial.now_s() < kBegin_s) continue;
+    ++samples;
+    for (size_t id = 0; id < trial.size(); ++id) {
+      const double x = trial.position_m(id).x();
+      if (!trial.is_present(id) || x < kFirst_m || x >= kLast_m) continue;
+      seen += 1;
+      speed_sum += trial.velocity_mps(id).x();
+    }
+  }
+  note(outcome, trial);
+  Point point;
+  point.asked_per_m2 = asked_per_m2;
+  point.density_per_m2 = seen / samples / ((kLast_m - kFirst_m) * 2);
+  point.speed_mps = seen > 0 ? speed_sum / seen : 0;
+  return point;
+}
+
+std::string rows_of(const std::vector<Point>& points) {
+  std::string text;
+  for (const Point& point : points)
+    text += fmt::format("{:.4f} {:.4f} {:.4f}\n", point.density_per_m2, point.speed_mps,
+                        point.density_per_m2 * point.speed_mps);
+  return text;
+}
+
+std::string curve() {
+  std::string text;
+  for (double density = 0.1; density < 5.4; density += 0.1)
+    text += fmt::format("{:.2f} {:.4f} {:.4f}\n", density, weidmann_mps(density),
+                        density * weidmann_mps(density));
+  return text;
+}
+
+std::vector<Figure> diagrams(const std::vector<Point>& with, const std::vector<Point>& without) {
+  const std::string data =
+      "$weidmann << EOD\n" + curve() + "EOD\n$with << EOD\n" + rows_of(with) +
+      "EOD\n$without << EOD\n" + rows_of(without) +
+      "EOD\nset grid\nset xrange [0:5.5]\nset yrange [0:*]\nset key top right\n"
+      "set xlabel 'people per m^2'\n";
+  const auto plot = [&](int column) {
+    return fmt::format(
+        "plot $weidmann using 1:{0} with lines linewidth 2 linecolor rgb '#999999' title 'Weidmann "
+        "1993', $weidmann using 1:(0.85 * ${0}) with lines dashtype 2 linecolor rgb '#bbbbbb' "
+        "title '15 % off', $weidmann using 1:(1.15 * ${0}) with lines dashtype 2 linecolor rgb "
+        "'#bbbbbb' notitle, $with using 1:{0} with points pointtype 7 pointsize 0.8 linecolor rgb "
+        "'{1}' title 'speed by density', $without using 1:{0} with points pointtype 6 pointsize "
+        "0.8 linecolor rgb '{2}' title 'without'\n",
+        column, kFigureColours[0], kFigureColours[1]);
+  };
+  return {{"rimea_4_speed", "RiMEA 4: speed against density", "",
+           data + "set ylabel 'mean speed, m/s'\n" + plot(2)},
+          {"rimea_4_flow", "RiMEA 4: flow against density", "",
+           data + "set ylabel 'flow, people/(m s)'\n" + plot(3)}};
+}
+
+Outcome fundamental_diagram(SteeringKind model) {
+  Outcome outcome;
+  std::vector<Point> with, without;
+  for (const double density : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0}) {
+    with.push_back(measure(density, {model, true}, outcome));
+    without.push_back(measure(density, {model, false}, outcome));
+  }
+  double worst = 0, worst_without = 0;
+  std::string list;
+  for (const Point& point : with) {
+    if (point.asked_per_m2 > 3.0) continue;
+    worst = std::max(worst, std::abs(point.deviation()));
+    list += fmt::format("{}{:.2f} per m2: {:.2f} m/s ({:+.0f} %)", list.empty() ? "" : ", ",
+                        point.density_per_m2, point.speed_mps, 100 * point.deviation());
+  }
+  for (const Point& point : without)
+    if (point.asked_per_m2 <= 3.0)
+      worst_without = std::max(worst_without, std::abs(point.deviation()));
+  outcome.passed = worst <= kMostDeviation && outcome.unplaced == 0;
+  outcome.measured =
+      fmt::format("{}; at most {:.0f} % off. Without speed by density at most {:.0f} % off", list,
+                  100 * worst, 100 * worst_without);
+  outcome.figures = diagrams(with, without);
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<Test> density_tests() {
+  return {{{"rimea_4"},
+           {"RiMEA 4: fundamental diagram"},
+           "22 m in the middle of a corridor 2 m wide and 200 m long, which for 60 s is what a "
+           "periodic one is; 0.5 to 5 people per m2 (6 discs of 0.22 m find no room), the first 10 "
+           "s ignored; density and speed as "
+           "means over probes of 2 m x 2 m. Speed by density on.",
+           "speeds within 15 % of Weidmann (1993) from 0.5 to 3 per m2",
+           fundamental_diagram}};
+}
+
+}  // namespace throng::validation

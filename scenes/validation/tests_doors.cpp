@@ -1,0 +1,218 @@
+// Tests of doors: flow through one, a large room with four and with two, a neck between two rooms.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/validation/trial.h"
+#include "scenes/validation/validation.h"
+
+namespace throng::validation {
+namespace {
+
+/// "time count" as people pass.
+std::string cumulative(const std::vector<double>& times_s) {
+  std::string text = "0 0\n";
+  for (size_t i = 0; i < times_s.size(); ++i) text += fmt::format("{:.2f} {}\n", times_s[i], i + 1);
+  return text;
+}
+
+std::vector<double> leave_by_one_door(const SteeringRule& steering, Outcome& outcome) {
+  Plan plan("exit", {{0, 0}, {12, 5}}, steering, 1);
+  plan.wall_along_y(0, 5, 8.1, {2.5}, 1);
+  plan.people_in_rows(10, 10, {{0, 0}, {8, 5}}, {{{10.5, 0}, {12, 5}}});
+  Trial trial(plan);
+  Gate door(Gate::Along::kX, 8.1, 2, 3);
+  while (trial.step(600)) door.watch(trial);
+  note(outcome, trial);
+  return door.times_s();
+}
+
+Outcome exit_flow(SteeringKind model) {
+  Outcome outcome;
+  const std::vector<double> with = leave_by_one_door({model, true}, outcome);
+  const std::vector<double> without = leave_by_one_door({model, false}, outcome);
+  const double flow = flow_per_s(with);
+  outcome.passed = with.size() == 100 && flow <= 1.33;
+  outcome.measured = fmt::format(
+      "{} of 100 left, {:.2f} people/(m s) from the first to the last; without speed by density {} "
+      "left, {:.2f} people/(m s)",
+      with.size(), flow, without.size(), flow_per_s(without));
+  outcome.figures.push_back(
+      {"imo_4", "IMO 4: people who have left by the door of 1 m", "",
+       "$with << EOD\n" + cumulative(with) + "EOD\n$without << EOD\n" + cumulative(without) +
+           fmt::format(
+               "EOD\nset grid\nset key bottom right\nset xrange [0:*]\nset yrange [0:110]\nset "
+               "xlabel 'time, s'\nset ylabel 'people through the door'\nplot 1.33 * (x - {:.2f}) "
+               "with "
+               "lines dashtype 2 linecolor rgb '#999999' title '1.33 people/(m s)', $with with "
+               "steps linewidth 2 linecolor rgb '{}' title 'speed by density', $without with steps "
+               "linewidth 2 linecolor rgb '{}' title 'without'\n",
+               with.empty() ? 0.0 : with.front(), kFigureColours[0], kFigureColours[1])});
+  return outcome;
+}
+
+std::vector<double> leave_a_hall(SteeringKind model, int doors, Outcome& outcome) {
+  // Doors in the long sides, at a quarter and three quarters.
+  Plan plan("hall", {{0, -2}, {30, 22}}, {model}, 1);
+  const std::vector<double> middles = {7.5, 22.5};
+  plan.wall_along_x(0, 30, -0.1, middles, 1);
+  plan.wall_along_x(0, 30, 20.1, doors == 4 ? middles : std::vector<double>(), 1);
+  std::vector<Rectangle> exits = {{{0, -2}, {30, -1.2}}};
+  if (doors == 4) exits.push_back({{0, 21.2}, {30, 22}});
+  plan.people(1000, {{0, 0}, {30, 20}}, exits);
+  Trial trial(plan);
+  Gate south(Gate::Along::kY, -0.1, 0, 30, false);
+  Gate north(Gate::Along::kY, 20.1, 0, 30);
+  while (trial.step(1500)) {
+    south.watch(trial);
+    north.watch(trial);
+  }
+  note(outcome, trial);
+  std::vector<double> times = south.times_s();
+  const std::vector<double> more = north.times_s();
+  times.insert(times.end(), more.begin(), more.end());
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+Outcome large_room(SteeringKind model) {
+  Outcome outcome;
+  const std::vector<double> four = leave_a_hall(model, 4, outcome);
+  const std::vector<double> two = leave_a_hall(model, 2, outcome);
+  const bool all_left = four.size() == 1000 && two.size() == 1000;
+  const double ratio = all_left ? two.back() / four.back() : 0;
+  outcome.passed = all_left && ratio >= 1.6 && ratio <= 2.4;
+  outcome.measured = fmt::format(
+      "{} people in {:.0f} s by four exits, {} in {:.0f} s by two: {:.2f} times as long",
+      four.size(), four.empty() ? 0 : four.back(), two.size(), two.empty() ? 0 : two.back(), ratio);
+  outcome.figures.push_back(
+      {"rimea_9", "RiMEA 9: people who have left the hall", "",
+       "$four << EOD\n" + cumulative(four) + "EOD\n$two << EOD\n" + cumulative(two) +
+           fmt::format(
+               "EOD\nset grid\nset key bottom right\nset xrange [0:*]\nset yrange "
+               "[0:1100]\nset xlabel 'time, s'\nset ylabel 'people outside'\nplot $four with "
+               "steps linewidth 2 linecolor rgb '{}' title 'four exits of 1 m', $two with "
+               "steps linewidth 2 linecolor rgb '{}' title 'two'\n",
+               kFigureColours[0], kFigureColours[1])});
+  return outcome;
+}
+
+/// Two rooms of 10 m x 10 m and a neck of 5 m between them.
+struct NeckResult {
+  std::vector<double> neck_s;     ///< into the neck
+  std::vector<double> exit_s;     ///< out of the second room
+  double before_neck_per_m2 = 0;  ///< highest mean over 10 s in the 2 m x 2 m before the neck
+  double before_exit_per_m2 = 0;  ///< ... and before the exit of the second room
+  std::string densities;          ///< time, before the neck, before the exit
+};
+
+NeckResult pass_a_neck(SteeringKind model, double width_m, Outcome& outcome) {
+  Plan plan("neck", {{0, 0}, {27, 10}}, {model}, 1);
+  plan.wall(10, 0, 15, 5 - 0.5 * width_m);
+  plan.wall(10, 5 + 0.5 * width_m, 15, 10);
+  plan.wall_along_y(0, 10, 25.1, {5}, 1);
+  plan.people(150, {{0, 0}, {9, 10}}, {{{26.3, 0}, {27, 10}}});
+  Trial trial(plan);
+  Gate neck(Gate::Along::kX, 10, 0, 10);
+  Gate exit(Gate::Along::kX, 25.1, 0, 10);
+  NeckResult result;
+  double before_neck = 0, before_exit = 0;
+  int samples = 0;
+  while (trial.step(600)) {
+    neck.watch(trial);
+    exit.watch(trial);
+    for (size_t id = 0; id < trial.size(); ++id) {
+      const Eigen::Vector2d& p = trial.position_m(id);
+      if (!trial.is_present(id) || std::abs(p.y() - 5) > 1) continue;
+      before_neck += p.x() >= 8 && p.x() < 10;
+      before_exit += p.x() >= 23 && p.x() < 25;
+    }
+    if (++samples * trial.step_s() < 10) continue;
+    before_neck /= 4 * samples;
+    before_exit /= 4 * samples;
+    result.before_neck_per_m2 = std::max(result.before_neck_per_m2, before_neck);
+    result.before_exit_per_m2 = std::max(result.before_exit_per_m2, before_exit);
+    result.densities +=
+        fmt::format("{:.1f} {:.3f} {:.3f}\n", trial.now_s() - 5, before_neck, before_exit);
+    before_neck = before_exit = 0;
+    samples = 0;
+  }
+  note(outcome, trial);
+  result.neck_s = neck.times_s();
+  result.exit_s = exit.times_s();
+  return result;
+}
+
+Outcome neck_flow(SteeringKind model) {
+  Outcome outcome;
+  std::vector<NeckResult> results;
+  std::string flows, list, script, plots;
+  bool grows = true, all_through = true;
+  const double widths_m[] = {0.8, 1.0, 1.2};
+  for (const double width_m : widths_m) {
+    NeckResult result = pass_a_neck(model, width_m, outcome);
+    const double flow = flow_per_s(result.neck_s);
+    if (!results.empty()) grows = grows && flow > flow_per_s(results.back().neck_s);
+    all_through = all_through && result.exit_s.size() == 150;
+    list += fmt::format("{}{:.2f}/s through {} m", list.empty() ? "" : ", ", flow, width_m);
+    script += fmt::format("$w{:.0f} << EOD\n{}EOD\n", 10 * width_m, cumulative(result.neck_s));
+    plots += fmt::format("{}$w{:.0f} with steps linewidth 2 linecolor rgb '{}' title '{} m'",
+                         plots.empty() ? "plot " : ", ", 10 * width_m,
+                         kFigureColours[results.size()], width_m);
+    results.push_back(std::move(result));
+  }
+  // The second room's exit is 1 m wide: a neck of 1.2 m may fill it.
+  const NeckResult& middle = results[1];
+  const bool jam_before = middle.before_neck_per_m2 >= 2;
+  const bool free_after = middle.before_exit_per_m2 < 2;
+  outcome.passed = grows && all_through && jam_before && free_after;
+  outcome.measured = fmt::format(
+      "{}{}; with 1 m at most {:.2f} people per m2 before the neck and {:.2f} before the exit of "
+      "the second room",
+      list, all_through ? "" : ", not everybody came through", middle.before_neck_per_m2,
+      middle.before_exit_per_m2);
+  outcome.figures.push_back(
+      {"rimea_12_flow", "RiMEA 12: people into the neck, by its width", "",
+       script +
+           "set grid\nset key bottom right\nset xrange [0:*]\nset yrange [0:160]\nset xlabel "
+           "'time, s'\nset ylabel 'people'\n" +
+           plots + "\n"});
+  outcome.figures.push_back(
+      {"rimea_12_density", "RiMEA 12: where the jam is, neck of 1 m", "",
+       "$data << EOD\n" + middle.densities +
+           fmt::format("EOD\nset grid\nset yrange [0:*]\nset xlabel 'time, s'\nset ylabel 'people "
+                       "per m^2, means of 10 s'\nplot $data using 1:2 with linespoints linewidth 2 "
+                       "pointtype 7 pointsize 0.4 linecolor rgb '{}' title '2 m x 2 m before the "
+                       "neck', $data using 1:3 with linespoints linewidth 2 pointtype 7 pointsize "
+                       "0.4 linecolor rgb '{}' title 'before the exit of the second room'\n",
+                       kFigureColours[1], kFigureColours[0])});
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<Test> door_tests() {
+  return {
+      {{"imo_4", "iso_11"},
+       {"IMO 4: exit flow rate", "ISO 20414 11: maximum flow rate"},
+       "100 people in a room of 8 m x 5 m with an exit of 1 m in the middle of a short side. Speed "
+       "by density on.",
+       "everybody leaves, at most 1.33 people/(m s) on average",
+       exit_flow},
+      {{"rimea_9", "imo_9"},
+       {"RiMEA 9: a crowd leaves a large room", "IMO 9: crowd dissipation from a large room"},
+       "1000 people in 30 m x 20 m, four exits of 1 m in the long sides; then two, those of one "
+       "side.",
+       "everybody leaves, with two exits in 1.6 to 2.4 times the time",
+       large_room},
+      {{"rimea_12"},
+       {"RiMEA 12: effect of bottlenecks"},
+       "150 people in the first of two rooms of 10 m x 10 m, a neck of 5 m between them 0.8, 1.0 "
+       "and 1.2 m wide, an exit of 1 m out of the second.",
+       "the flow grows with the width; with 1 m people jam (2 per m2 over 10 s) before the neck "
+       "but not before the exit",
+       neck_flow}};
+}
+
+}  // namespace throng::validation

@@ -1,0 +1,54 @@
+// The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414 that a crowd must pass
+// before anybody believes it.
+// One rule: a test measures and judges by the standard's own criterion; what fails is reported as
+// failed.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/figure.h"
+#include "scenes/steering_rule.h"
+
+namespace throng::validation {
+
+struct Outcome {
+  bool passed = false;
+  std::string measured;  ///< in a sentence, with units
+  int wall_crossings = 0;
+  int unplaced = 0;              ///< people whom the test asks for and who found no room
+  double deepest_overlap_m = 0;  ///< of two steering discs
+  std::vector<Figure> figures;
+};
+
+/// One experiment; standards that share it share its outcome.
+struct Test {
+  std::vector<std::string> ids;     ///< "rimea_6", "imo_6", "iso_4"
+  std::vector<std::string> titles;  ///< by id: "RiMEA 6: ..."
+  std::string setup;                ///< geometry, people, how they steer
+  std::string criterion;
+  std::function<Outcome(SteeringKind)> run;
+
+  bool has(const std::string& id) const;
+};
+
+/// Runs a test with a steering model. Who found no room makes it fail.
+Outcome carry_out(const Test& test, SteeringKind model);
+
+/// All tests, in the order of the report.
+const std::vector<Test>& all_tests();
+
+// By subject; each in a file of its own.
+std::vector<Test> walking_tests();
+std::vector<Test> density_tests();
+std::vector<Test> door_tests();
+std::vector<Test> counterflow_tests();
+
+/// "RiMEA 6", "rimea-6" and "rimea_6" are the same.
+std::string normal_id(const std::string& id);
+
+/// Weidmann (1993): speed in m/s at a density in people per m2.
+double weidmann_mps(double density_per_m2);
+
+}  // namespace throng::validation

@@ -1,0 +1,50 @@
+// `throng validate` from outside: verdicts for people and for machines, a report, an exit code.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Validate, GivesAVerdictForEveryStandardThatSharesATest) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell("throng validate --only rimea_1 --only 'IMO 6' --json v.json --out report", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
+  std::string ids;
+  for (const auto& test : json["tests"]) {
+    ids += test["id"].get<std::string>() + " ";
+    EXPECT_EQ(test["verdict"], "pass");
+    for (const char* key : {"title", "measured", "criterion"})
+      EXPECT_FALSE(test[key].get<std::string>().empty()) << key;
+  }
+  EXPECT_EQ(ids, "rimea_1 rimea_6 imo_6 iso_4 walls ");
+  EXPECT_THAT(outcome.out, HasSubstr("5 passed, 0 failed"));
+  EXPECT_THAT(outcome.err, HasSubstr("rimea_6")) << "progress";
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("RiMEA 6: round a corner"));
+  EXPECT_THAT(read_file(folder / "report/rimea_6.svg"), HasSubstr("</svg>"));
+}
+
+TEST(Validate, UnknownTestsAreBadInput) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell("throng validate --only rimea_13", folder);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("rimea_1"));
+}
+
+TEST(Validate, AFolderThatCannotBeIsToldBeforeAnythingRuns) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell("echo >f; throng validate --out f/report", folder);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("f/report"));
+}
+
+}  // namespace
+}  // namespace throng

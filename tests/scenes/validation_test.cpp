@@ -1,0 +1,111 @@
+// The quick ones of the standard tests, and the instruments that all of them measure with.
+#include "scenes/validation/validation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "scenes/validation/trial.h"
+
+namespace throng::validation {
+namespace {
+
+const Test& test_of(const std::string& id) {
+  for (const Test& test : all_tests())
+    if (test.has(id)) return test;
+  throw std::runtime_error("no test " + id);
+}
+
+class Standard : public testing::TestWithParam<const char*> {};
+
+TEST_P(Standard, IsMet) {
+  const Outcome outcome = carry_out(test_of(GetParam()), SteeringKind::kOrca);
+  EXPECT_TRUE(outcome.passed) << outcome.measured;
+  EXPECT_EQ(outcome.wall_crossings, 0);
+  EXPECT_EQ(outcome.unplaced, 0);
+}
+
+// Alone in a corridor, on time, round a corner, at one's own speed: under a second each. The others
+// take longer and are the business of `throng validate`.
+INSTANTIATE_TEST_SUITE_P(Validation, Standard,
+                         testing::Values("rimea_1", "imo_1", "rimea_5", "rimea_6", "rimea_7"),
+                         [](const auto& each) { return std::string(each.param); });
+
+TEST(Validation, EveryTestIsNamedOnceAndSaysWhatItJudgesBy) {
+  std::set<std::string> ids, figures;
+  for (const validation::Test& test : all_tests()) {
+    ASSERT_EQ(test.ids.size(), test.titles.size());
+    EXPECT_FALSE(test.setup.empty() || test.criterion.empty()) << test.ids.front();
+    for (const std::string& id : test.ids) {
+      EXPECT_TRUE(ids.insert(id).second) << id;
+      EXPECT_EQ(normal_id(id), id);
+    }
+  }
+  for (const char* id :
+       {"rimea_1", "rimea_4", "rimea_5", "rimea_6", "rimea_7", "rimea_9", "rimea_12", "imo_1",
+        "imo_4", "imo_5", "imo_6", "imo_8", "imo_9", "iso_4", "iso_5", "iso_6", "iso_11"})
+    EXPECT_TRUE(ids.contains(id)) << id;
+  EXPECT_EQ(normal_id("RiMEA 12"), "rimea_12");
+}
+
+TEST(Validation, TheSameTestMeasuresTheSameAgain) {
+  EXPECT_EQ(carry_out(test_of("rimea_6"), SteeringKind::kOrca).measured,
+            carry_out(test_of("rimea_6"), SteeringKind::kOrca).measured);
+}
+
+TEST(Validation, WeidmannAtTheDensitiesOfTheLiterature) {
+  EXPECT_NEAR(weidmann_mps(0.5), 1.298, 1e-3);
+  EXPECT_NEAR(weidmann_mps(1), 1.058, 1e-3);
+  EXPECT_NEAR(weidmann_mps(2), 0.606, 1e-3);
+  EXPECT_NEAR(weidmann_mps(3), 0.331, 1e-3);
+  EXPECT_NEAR(weidmann_mps(4), 0.156, 1e-3);
+  EXPECT_EQ(weidmann_mps(6), 0);
+}
+
+TEST(Validation, FlowIsPeopleAfterTheFirstOverTheirTime) {
+  EXPECT_DOUBLE_EQ(flow_per_s({10, 11, 12, 13}), 1);
+  EXPECT_EQ(flow_per_s({5}), 0);
+}
+
+TEST(Validation, AGateCountsEverybodyOnceAtTheMomentOfPassing) {
+  Plan plan("gate", {{0, 0}, {20, 2}}, {}, 1);
+  Group& walker = plan.people(1, {{1, 0.9}, {1.2, 1.1}}, {{{18, 0}, {20, 2}}});
+  walker.speed_mps = fixed(1);
+  Trial trial(plan);
+  Gate near(Gate::Along::kX, 5, 0, 2);
+  Gate far(Gate::Along::kX, 15, 0, 2);
+  Gate beside(Gate::Along::kX, 10, 1.8, 2);
+  Gate backwards(Gate::Along::kX, 10, 0, 2, false);
+  while (trial.step(60))
+    for (Gate* gate : {&near, &far, &beside, &backwards}) gate->watch(trial);
+  ASSERT_EQ(near.passages().size(), 1u);
+  ASSERT_EQ(far.passages().size(), 1u);
+  EXPECT_NEAR(far.times_s()[0] - near.times_s()[0], 10, 0.05);
+  EXPECT_TRUE(beside.passages().empty());
+  EXPECT_TRUE(backwards.passages().empty());
+  EXPECT_EQ(trial.present(), 0u) << "who arrives leaves";
+}
+
+TEST(Validation, WallsStopPeopleAndAreNotCountedAsCrossed) {
+  // A box without a door: nobody gets to the goal, nobody through the wall.
+  Plan plan("cell", {{0, 0}, {10, 4}}, {}, 1);
+  plan.wall_along_y(0, 4, 5, {}, 1);
+  plan.people(4, {{0.5, 0.5}, {4.5, 3.5}}, {{{8, 0}, {10, 4}}});
+  Trial trial(plan);
+  while (trial.step(5)) continue;
+  EXPECT_EQ(trial.wall_crossings(), 0);
+  for (size_t id = 0; id < trial.size(); ++id) EXPECT_LT(trial.position_m(id).x(), 5);
+}
+
+TEST(Validation, RowsPlaceAsManyPeopleAsAskedFor) {
+  Plan plan("rows", {{0, 0}, {12, 5}}, {}, 1);
+  plan.people_in_rows(10, 10, {{0, 0}, {8, 5}}, {{{10.5, 0}, {12, 5}}});
+  const Trial trial(plan);
+  EXPECT_EQ(trial.size(), 100u);
+  EXPECT_EQ(trial.unplaced(), 0);
+}
+
+}  // namespace
+}  // namespace throng::validation
