@@ -34,7 +34,7 @@ void judge_table_2(const PaperResult& result, std::span<const CensusTable> censu
   const auto add = [&](const std::string& left, const char* relation, const std::string& right) {
     claims.push_back(collision_claim(result, censuses, left, relation, right));
   };
-  for (const char* aabb : {"aabb", "aabb_refit"}) {
+  for (const char* aabb : {"aabb", "aabb_turned"}) {
     add("sphere", ">", aabb);
     add(aabb, ">", "obb");
   }

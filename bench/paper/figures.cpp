@@ -8,7 +8,7 @@ namespace throng::paper {
 namespace {
 
 /// The five volumes of the paper's figures, as it would have updated them.
-constexpr std::array<std::string_view, 5> kShown = {"sphere", "aabb_refit", "obb", "kdop26_refit",
+constexpr std::array<std::string_view, 5> kShown = {"sphere", "aabb", "obb", "kdop26_refit",
                                                     "ordop26"};
 constexpr std::array<const char*, 5> kColours = {"#4477aa", "#ee6677", "#228833", "#ccbb44",
                                                  "#aa3377"};

@@ -88,7 +88,7 @@ Table figure_6(const PaperResult& result) {
   table.head = {"object"};
   std::vector<const VolumeResult*> shown;
   for (const VolumeResult& volume : result.volumes) {
-    if (volume.name.ends_with("_refit")) continue;  // built alike
+    if (volume.name.ends_with("_refit") || volume.name.ends_with("_turned")) continue;  // built alike
     shown.push_back(&volume);
     table.head.push_back(volume.name);
   }
@@ -229,7 +229,7 @@ Table overlap_by_object(const PaperResult& result) {
   table.head = {"object", "elongation"};
   std::vector<const VolumeResult*> shown;
   for (const VolumeResult& volume : result.volumes)
-    for (const char* name : {"sphere", "aabb", "aabb_refit", "obb", "kdop14", "ordop14", "exact"})
+    for (const char* name : {"sphere", "aabb", "aabb_turned", "obb", "kdop14", "ordop14", "exact"})
       if (volume.name == name) shown.push_back(&volume);
   for (const VolumeResult* volume : shown) table.head.push_back(volume->name);
   std::vector<size_t> order(result.objects.size());
