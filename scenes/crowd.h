@@ -131,8 +131,10 @@ class Crowd {
   void find_walls(uint32_t id, Walls& walls);
   SteeringView view() const;
   void limit_to_density(const SteeringView& people, size_t slot);
+  void limit_forward(size_t slot);
   void relax_discs();
   double relax_disc(size_t slot);
+  void hold_back(size_t slot, float& to_x, float& to_y) const;
   void move(uint32_t id);
   double turn(uint32_t id);  ///< by how much, in radians
   double stalled_s_of(uint32_t id) const;

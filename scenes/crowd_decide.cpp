@@ -109,18 +109,22 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   if (options_.steering.density_speed)
     for (size_t slot = begin; slot < end; ++slot) limit_to_density(people, slot);
   model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());
+  if (options_.steering.density_speed)
+    for (size_t slot = begin; slot < end; ++slot) limit_forward(slot);
   const float half_period_s = 0.5f * people.period_s;
   for (size_t slot = begin; slot < end; ++slot) {
     const uint32_t id = grid_.order()[slot];
     const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
     next_velocities_mps_[id] = {static_cast<double>(x), static_cast<double>(y)};
-    // Of who is stuck by what is shown: relaxation then makes room there.
-    slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (slots_.vx_mps[slot] + x);
-    slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (slots_.vy_mps[slot] + y);
+    // By the velocity that people have, not by the one they show: they would be pushed apart in
+    // places where they never are.
+    const Eigen::Vector2f old = old_velocities_mps_[id].cast<float>();
+    slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
+    slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
   }
 }
 
-/// Slows the wish, never the way out of another's path.
+/// Slows the wish; never so far that it has no direction.
 void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
   float& x = slots_.wanted_x_mps[slot];
   float& y = slots_.wanted_y_mps[slot];
@@ -128,10 +132,25 @@ void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
   if (!(wanted > 0)) return;
   const double free_mps = free_speeds_mps_[grid_.order()[slot]];
   const float density = density_ahead(people, slot, x / wanted, y / wanted);
-  const float limit = static_cast<float>(free_mps) * weidmann_share(density);
+  const float limit = std::max(static_cast<float>(2 * tuning::kWish_mps),
+                               static_cast<float>(free_mps) * weidmann_share(density));
   if (wanted <= limit) return;
   x *= limit / wanted;
   y *= limit / wanted;
+}
+
+/// Making way for those behind is no reason to walk faster than the density ahead allows, and a
+/// little to pass.
+void Crowd::limit_forward(size_t slot) {
+  const float x = slots_.wanted_x_mps[slot], y = slots_.wanted_y_mps[slot];
+  const float wanted = std::sqrt(x * x + y * y);
+  if (wanted < static_cast<float>(tuning::kWish_mps)) return;
+  const float ahead_x = x / wanted, ahead_y = y / wanted;
+  const float excess = slots_.next_x_mps[slot] * ahead_x + slots_.next_y_mps[slot] * ahead_y -
+                       static_cast<float>(tuning::kHaste) * wanted;
+  if (excess <= 0) return;
+  slots_.next_x_mps[slot] -= excess * ahead_x;
+  slots_.next_y_mps[slot] -= excess * ahead_y;
 }
 
 void Crowd::find_walls(uint32_t id, Walls& walls) {

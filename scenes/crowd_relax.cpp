@@ -64,6 +64,25 @@ double Crowd::sweep(size_t begin, size_t end) {
   return deepest_m;
 }
 
+/// Those behind push nobody forward, beyond where one's own step would have led: a person who is
+/// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
+void Crowd::hold_back(size_t slot, float& to_x, float& to_y) const {
+  const float wanted_x = slots_.wanted_x_mps[slot], wanted_y = slots_.wanted_y_mps[slot];
+  const float wanted = std::sqrt(wanted_x * wanted_x + wanted_y * wanted_y);
+  if (wanted < static_cast<float>(tuning::kWish_mps)) return;
+  const float ahead_x = wanted_x / wanted, ahead_y = wanted_y / wanted;
+  const float x = grid_.x()[slot], y = grid_.y()[slot];
+  const auto half_period_s = static_cast<float>(0.5 * period_s_);
+  const Eigen::Vector2f old = old_velocities_mps_[grid_.order()[slot]].cast<float>();
+  const float planned_x = half_period_s * (old.x() + slots_.next_x_mps[slot]);
+  const float planned_y = half_period_s * (old.y() + slots_.next_y_mps[slot]);
+  const float planned_m = std::max(0.0f, planned_x * ahead_x + planned_y * ahead_y);
+  const float excess_m = (to_x - x) * ahead_x + (to_y - y) * ahead_y - planned_m;
+  if (excess_m <= 0) return;
+  to_x -= excess_m * ahead_x;
+  to_y -= excess_m * ahead_y;
+}
+
 double Crowd::relax_disc(size_t slot) {
   const float x = slots_.expected_x_m[slot], y = slots_.expected_y_m[slot];
   float push_x = 0, push_y = 0, deepest_m = 0;
@@ -85,6 +104,7 @@ double Crowd::relax_disc(size_t slot) {
     deepest_m = std::max(deepest_m, depth_m);
   }
   float to_x = x + push_x, to_y = y + push_y;
+  if (deepest_m > 0) hold_back(slot, to_x, to_y);
   const uint32_t id = grid_.order()[slot];
   if (deepest_m > 0 && clearances_m_[id] < 2 * radii_m_[id] + 1) {
     const Eigen::Vector2d to = Eigen::Vector2f(to_x, to_y).cast<double>() + grid_.middle_m();
@@ -107,10 +127,9 @@ void Crowd::set_drift(size_t begin, size_t end) {
     Eigen::Vector2d& drift = drifts_mps_[id];
     drift.setZero();
     if (slots_.close_counts[slot] == 0) continue;
-    const float chosen_x =
-        grid_.x()[slot] + half_period_s * (slots_.vx_mps[slot] + slots_.next_x_mps[slot]);
-    const float chosen_y =
-        grid_.y()[slot] + half_period_s * (slots_.vy_mps[slot] + slots_.next_y_mps[slot]);
+    const Eigen::Vector2f old = old_velocities_mps_[id].cast<float>();
+    const float chosen_x = grid_.x()[slot] + half_period_s * (old.x() + slots_.next_x_mps[slot]);
+    const float chosen_y = grid_.y()[slot] + half_period_s * (old.y() + slots_.next_y_mps[slot]);
     drift = {static_cast<double>(slots_.expected_x_m[slot] - chosen_x),
              static_cast<double>(slots_.expected_y_m[slot] - chosen_y)};
     drift /= period_s_;

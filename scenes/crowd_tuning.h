@@ -29,6 +29,9 @@ inline constexpr double kSlop_m = 0.005;
 inline constexpr double kSweepMargin_m = 0.12;
 /// The fastest that relaxation moves anybody: a push, not a jump.
 inline constexpr double kMaxDrift_mps = 1.0;
+/// Whoever wants less than this wants nowhere: what breaks symmetry is below it. In the densest
+/// throng people still want this much.
+inline constexpr double kWish_mps = 0.01;
 /// Centres stay this far from walls whatever happens; steering itself keeps a disc's radius.
 inline constexpr double kWallGap_m = 0.1;
 /// The fastest the body turns, and how fast it must move to turn at all.

@@ -91,7 +91,7 @@ void Plan::people_in_rows(int rows, int columns, const Rectangle& from,
   const Eigen::Vector2d size = from.size_m() - 2 * margin;
   const double dx = size.x() / (columns - 0.5);
   const double dy = rows > 1 ? size.y() / (rows - 1) : 0;
-  const Eigen::Vector2d slack = Eigen::Vector2d::Constant(1e-3);
+  const Eigen::Vector2d slack = Eigen::Vector2d::Constant(1e-4);
   for (int column = 0; column < columns; ++column)
     for (int row = 0; row < rows; ++row) {
       const Eigen::Vector2d at = low + Eigen::Vector2d((column + 0.5 * (row % 2)) * dx, row * dy);

@@ -176,6 +176,28 @@ TEST(Crowd, DensitySpeedSlowsAStream) {
   EXPECT_NEAR(at_2, 0.61, 0.2);
 }
 
+/// In a passage too narrow to overtake, a crowd in haste behind somebody slow.
+TEST(Crowd, ThoseBehindPushNobodyFasterThanOneWalks) {
+  for (const bool density_speed : {false, true}) {
+    SCOPED_TRACE(testing::Message() << "density_speed " << density_speed);
+    Scene scene;
+    scene.seed = 7;
+    scene.ground = {{0, 0}, {40, 0.8}};
+    const Rectangle end{{38, 0}, {40, 0.8}};
+    scene.groups = {group(1, {{10, 0.39}, {10.02, 0.41}}, {end}),
+                    group(9, {{2, 0.25}, {9.5, 0.55}}, {end})};
+    scene.groups[0].speed_mps = {0.4, 0, 0.4, 0.4};
+    scene.groups[1].speed_mps = {1.6, 0, 1.6, 1.6};
+    World world(scene, 1);
+    ASSERT_GE(world.crowd.size(), 8u);
+    const double from_m = world.crowd.positions_m()[0].x();
+    for (int step = 0; step < 20 * 60; ++step) world.crowd.step();
+    const double mean_mps = (world.crowd.positions_m()[0].x() - from_m) / 20;
+    std::printf("[ figures ] free speed 0.4 m/s, walked at %.3f m/s\n", mean_mps);
+    EXPECT_LT(mean_mps, 1.2 * 0.4 + 0.005) << "people speed up by a fifth at most";
+  }
+}
+
 TEST(Crowd, HeadingsAreUnitAndTurnNoFasterThanTheLimit) {
   World world(crossing(3, 400), 1);
   std::vector<Eigen::Vector2d> before(world.crowd.headings().begin(), world.crowd.headings().end());
