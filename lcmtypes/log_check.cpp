@@ -91,7 +91,8 @@ class Judge {
     if (reader_.foreign() != foreign)
       problem(fmt::format("byte {}: {}: of another run ({:016x})", event.offset, event.channel,
                           static_cast<uint64_t>(header.run_id)));
-    if (update == RunReader::Update::kTouching && !has_frames_) adopt_touching(header.frame);
+    if (update == RunReader::Update::kTouching && !has_frames_ && adopted_frame_ < 0)
+      adopt_touching(header.frame);
     if (!has_frames_ && channel != Channel::kRun && channel != Channel::kTouching) {
       has_frames_ = true;
       was_resumed_ = adopted_frame_ >= 0 && header.frame > adopted_frame_;

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that Throng builds on, as root or through sudo. Does nothing when
 # all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh
-# test` what only tests need.
+# test` what only tests need, `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh
+# need.
 set -euo pipefail
 
 packages=(
@@ -24,13 +25,16 @@ packages=(
 )
 # The message types for Python and Java, and lcm-spy.
 test_packages=(python3-minimal openjdk-17-jdk-headless liblcm-java libjchart2d-java)
+# clang with libFuzzer, the reader of coverage counts
+reliability_packages=(clang libclang-rt-14-dev llvm gcovr)
 bench_packages=(libembree-dev libbullet-dev libcgal-dev libode-dev libbenchmark-dev)
 
 case "${1:-}" in
   "") ;;
   bench) packages+=("${bench_packages[@]}") ;;
   test) packages+=("${test_packages[@]}") ;;
-  *) echo "scripts/setup.sh: expected no argument, 'bench' or 'test', found '$1'" >&2; exit 2 ;;
+  reliability) packages+=("${reliability_packages[@]}") ;;
+  *) echo "scripts/setup.sh: expected no argument, 'bench', 'test' or 'reliability', found '$1'" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null; then

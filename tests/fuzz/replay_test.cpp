@@ -1,0 +1,84 @@
+// Every seed of the fuzzers, and a fixed number of variations of each, without a fuzzer: refused in
+// words or kept to its promises. The fuzzers themselves: scripts/fuzz.sh.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "base/random.h"
+#include "tests/fuzz/targets.h"
+
+namespace throng::fuzz {
+namespace {
+
+/// THRONG_FUZZ_SEED varies a run; THRONG_FUZZ_ROUNDS lengthens it.
+uint64_t from_environment(const char* name, uint64_t fallback) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? std::strtoull(value, nullptr, 10) : fallback;
+}
+
+/// A few bytes changed, cut, doubled or taken from elsewhere.
+Bytes varied(Bytes bytes, const RandomKey& key) {
+  uint32_t draw = 0;
+  const auto below = [&](size_t limit) {
+    return random_bits(key, draw++) % std::max<size_t>(limit, 1);
+  };
+  for (size_t edits = 1 + below(4); edits > 0 && !bytes.empty(); --edits) {
+    const auto at = static_cast<ptrdiff_t>(below(bytes.size()));
+    const auto length =
+        static_cast<ptrdiff_t>(below(std::min<size_t>(64, bytes.size() - static_cast<size_t>(at))));
+    switch (below(5)) {
+      case 0:
+        bytes[static_cast<size_t>(at)] = static_cast<uint8_t>(below(256));
+        break;
+      case 1:
+        bytes.erase(bytes.begin() + at, bytes.begin() + at + length);
+        break;
+      case 2: {
+        const Bytes piece(bytes.begin() + at, bytes.begin() + at + length);
+        bytes.insert(bytes.begin() + static_cast<ptrdiff_t>(below(bytes.size())), piece.begin(),
+                     piece.end());
+        break;
+      }
+      case 3:
+        bytes.resize(bytes.size() - below(bytes.size() / 8));
+        break;
+      default:
+        bytes[static_cast<size_t>(at)] ^= static_cast<uint8_t>(1u << below(8));
+    }
+  }
+  return bytes;
+}
+
+class Replay : public testing::TestWithParam<Target> {};
+
+TEST_P(Replay, AnyBytesAreRefusedInWordsOrKeepTheirPromises) {
+  const Target& target = GetParam();
+  const uint64_t seed = from_environment("THRONG_FUZZ_SEED", 1);
+  const uint64_t rounds = from_environment("THRONG_FUZZ_ROUNDS", 20);
+  const std::vector<Bytes> seeds = seeds_of(target.name);
+  int tried = 0, accepted = 0;
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    // What is long is a crasher of one kind: its variations are as refused as it is.
+    const uint64_t variations = seeds[i].size() > 65'536 ? 0 : rounds;
+    for (uint64_t round = 0; round <= variations; ++round) {
+      SCOPED_TRACE(testing::Message()
+                   << "input " << i << ", THRONG_FUZZ_SEED=" << seed << ", round " << round);
+      const RandomKey key{seed, i, round, Purpose::kStyle};
+      const Bytes input = round == 0 ? seeds[i] : varied(seeds[i], key);
+      ASSERT_NO_THROW(accepted += target.run(input) ? 1 : 0);
+      ++tried;
+    }
+  }
+  // scripts/reliability.sh adds these lines up.
+  std::printf("[ inputs ] %s: %d tried, %d accepted\n", std::string(target.name).c_str(), tried,
+              accepted);
+  EXPECT_GT(accepted, 0) << "nothing behind the first check is ever reached";
+  EXPECT_LT(accepted, tried) << "nothing is ever refused";
+}
+
+INSTANTIATE_TEST_SUITE_P(Targets, Replay, testing::ValuesIn(kTargets),
+                         [](const auto& target) { return std::string(target.param.name); });
+
+}  // namespace
+}  // namespace throng::fuzz

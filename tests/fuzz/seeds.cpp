@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "base/archive.h"
+#include "lcmtypes/guard.h"
+#include "lcmtypes/log_format.h"
+#include "scenes/box_world.h"
+#include "scenes/checkpoint.h"
+#include "tests/fuzz/targets.h"
+#include "tests/lcmtypes/synthetic_run.h"
+
+namespace throng::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
+
+/// Files of a folder of the repository whose names end so, in order of their names.
+void add_files(const std::string& folder, const std::string& ending, size_t most_bytes,
+               std::vector<Bytes>& out) {
+  const fs::path path = fs::path(THRONG_SOURCE_DIR) / folder;
+  std::vector<fs::path> files;
+  if (fs::is_directory(path))
+    for (const auto& entry : fs::directory_iterator(path))
+      if (entry.is_regular_file() && entry.path().string().ends_with(ending) &&
+          entry.file_size() <= most_bytes)
+        files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    std::ifstream in(file, std::ios::binary);
+    out.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  }
+}
+
+std::string repeated(std::string_view text, int times) {
+  std::string out;
+  for (int i = 0; i < times; ++i) out += text;
+  return out;
+}
+
+/// A chain of links that KDL would recurse along until the stack ends.
+std::string chain_urdf(int links) {
+  std::string out = "<robot name=\"chain\"><link name=\"l0\"/>";
+  for (int i = 1; i < links; ++i) {
+    const std::string n = std::to_string(i);
+    out += "<link name=\"l" + n + "\"/><joint name=\"j" + n + "\" type=\"fixed\"><parent link=\"l" +
+           std::to_string(i - 1) + "\"/><child link=\"l" + n + "\"/></joint>";
+  }
+  return out + "</robot>";
+}
+
+void add_tri(std::vector<Bytes>& out) {
+  add_files("tests/avatars/fixtures/tri", ".tri", 4096, out);
+  for (const char* text :
+       {"", "3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 2\n", "2147483647 2147483647\n", "-1 -1\n",
+        "4294967297 1\n0 0 0\n", "3 1\n1e999 0 0\n1 0 0\n0 1 0\n0 1 2\n",
+        "3 1\nnan inf 0\n1 0 0\n0 1 0\n0 1 2\n", "3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 99999999999\n"})
+    out.push_back(bytes_of(text));
+  out.push_back(bytes_of(repeated("9", 100'000)));
+}
+
+void add_urdf(std::vector<Bytes>& out) {
+  add_files("tests/kinematics/fixtures", ".urdf", 16'384, out);
+  // What tinyxml and KDL die of; between them, what just passes.
+  out.push_back(bytes_of("<robot name=\"deep\">" + repeated("<a>", 200'000)));
+  out.push_back(bytes_of("<robot name=\"deep\">" + repeated("<a>", 60) + repeated("</a>", 60) +
+                         "<link name=\"l\"/></robot>"));
+  for (const int links : {1, 256, 257, 10'000}) out.push_back(bytes_of(chain_urdf(links)));
+  out.push_back(
+      bytes_of("<robot name=\"" + repeated("n", 100'000) + "\"><link name=\"l\"/></robot>"));
+  out.push_back(
+      bytes_of("<robot><link name=\"a\"/><joint name=\"j\" type=\"fixed\"><parent "
+               "link=\"a\"/><child link=\"a\"/></joint></robot>"));
+}
+
+void add_scenes(std::vector<Bytes>& out) {
+  add_files("scenes/bundled", ".yaml", 16'384, out);
+  out.push_back(bytes_of(repeated("[", 100'000)));
+  out.push_back(bytes_of(repeated("{a: ", 10'000)));
+  out.push_back(bytes_of("a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n"));
+  out.push_back(bytes_of("name: x\nground: {min_m: [-1e308, -1e308], max_m: [1e308, 1e308]}\n"));
+  out.push_back(bytes_of("name: x\nstep_s: .nan\nduration_s: -.inf\nseed: -1\n"));
+}
+
+std::vector<MessageList::Message> a_run() {
+  SyntheticRun run({.avatars = 3, .seed = 6, .pairs = 5, .crowd = SyntheticRun::Crowd::kRovers});
+  return messages_of(run, 3, {.part_poses = true});
+}
+
+void add_messages(std::vector<Bytes>& out) {
+  std::vector<std::pair<uint8_t, Bytes>> all;
+  for (const MessageList::Message& message : a_run()) {
+    const auto channel = static_cast<uint8_t>(message.channel);
+    all.emplace_back(channel, message.bytes);
+    out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, message.bytes}}));
+    // A count that generated code would die of, in the place of the first field behind the header.
+    for (const int32_t count : {0x7fffffff, -1, INT32_MIN}) {
+      Bytes hostile = message.bytes;
+      if (hostile.size() < kMessageHeaderBytes + 4) continue;
+      put_big_endian(hostile.data() + kMessageHeaderBytes, count);
+      out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, hostile}}));
+    }
+  }
+  out.push_back(packed(all));
+}
+
+void add_logs(std::vector<Bytes>& out) {
+  const ScratchFile file;
+  SyntheticRun run({.avatars = 2, .seed = 6, .pairs = 5, .crowd = SyntheticRun::Crowd::kRovers});
+  {
+    LogSink sink(file.path());
+    run.play(sink, 3);
+  }
+  const Bytes whole = throng::bytes_of(file.path());
+  out.push_back(whole);
+  out.emplace_back(whole.begin(), whole.begin() + static_cast<ptrdiff_t>(whole.size() * 2 / 3));
+  for (const int32_t length : {0x7fffffff, -1, INT32_MIN, 0})
+    for (const size_t field : {size_t{20}, size_t{24}}) {
+      Bytes hostile = whole;
+      put_big_endian(hostile.data() + field, length);
+      out.push_back(hostile);
+    }
+  out.push_back({});
+  out.push_back({0xED, 0xA1, 0xDA, 0x01});
+}
+
+void add_checkpoints(std::vector<Bytes>& out) {
+  BoxWorld world = BoxWorld::of_kinds({}, std::vector<double>{0.2}, 3, 0);
+  Archive state;
+  world.archive(state);
+  std::vector<PairKey> pairs = {{1, 2, 3, 4}, {1, 3, 0, 0}};
+  state.resized(pairs, 10);
+  out.push_back(state.bytes());
+  out.push_back(format_checkpoint({7, 8, state.bytes()}));
+  out.push_back(format_checkpoint({0, 0, {}}));
+  Bytes hostile = state.bytes();
+  std::fill_n(hostile.begin(), 8, 0xff);
+  out.push_back(hostile);
+}
+
+}  // namespace
+
+Bytes packed(std::span<const std::pair<uint8_t, Bytes>> messages) {
+  Bytes out;
+  for (const auto& [channel, bytes] : messages) {
+    const size_t size = std::min<size_t>(bytes.size(), 0xffff);
+    out.push_back(channel);
+    out.push_back(static_cast<uint8_t>(size >> 8));
+    out.push_back(static_cast<uint8_t>(size));
+    out.insert(out.end(), bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size));
+  }
+  return out;
+}
+
+std::vector<Bytes> seeds_of(std::string_view target) {
+  std::vector<Bytes> out;
+  // What fuzzing has found: each stays, so that it stays fixed.
+  add_files("tests/fuzz/found/" + std::string(target), "", size_t{1} << 20, out);
+  if (target == "tri") add_tri(out);
+  if (target == "urdf") add_urdf(out);
+  if (target == "scene") add_scenes(out);
+  if (target == "messages") add_messages(out);
+  if (target == "log") add_logs(out);
+  if (target == "checkpoint") add_checkpoints(out);
+  return out;
+}
+
+}  // namespace throng::fuzz

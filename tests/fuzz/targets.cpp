@@ -1,0 +1,195 @@
+#include "tests/fuzz/targets.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+#include "avatars/avatars.h"
+#include "avatars/tri.h"
+#include "base/errors.h"
+#include "kinematics/kdl_tree.h"
+#include "lcmtypes/log_check.h"
+#include "lcmtypes/run_reader.h"
+#include "scenes/box_world.h"
+#include "scenes/checkpoint.h"
+#include "scenes/scene.h"
+
+namespace throng::fuzz {
+namespace {
+
+void promise(bool is_kept, const char* what) {
+  if (!is_kept) throw BrokenPromise(what);
+}
+
+/// A file in memory where the machine has such a folder, one a process.
+const std::filesystem::path& scratch(const char* name) {
+  static const std::filesystem::path folder = std::filesystem::is_directory("/dev/shm")
+                                                  ? std::filesystem::path("/dev/shm")
+                                                  : std::filesystem::temp_directory_path();
+  static std::filesystem::path file;
+  file = folder / ("throng_fuzz_" + std::to_string(::getpid()) + name);
+  return file;
+}
+
+class File {
+ public:
+  File(const char* name, std::span<const uint8_t> bytes) : path_(scratch(name)) {
+    std::ofstream out(path_, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+  }
+  explicit File(const char* name) : path_(scratch(name)) {}
+  ~File() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string text_of(std::span<const uint8_t> input) { return {input.begin(), input.end()}; }
+
+/// "where: expected ..., found ...", on one line.
+void expect_words(const InputError& error) {
+  const std::string_view message = error.what();
+  promise(message.find("expected") != message.npos, "an error that says what was expected");
+  promise(message.find('\n') == message.npos, "an error on one line");
+}
+
+void expect_finite_poses(const Robot& robot) {
+  std::vector<int> links(robot.links.size());
+  std::iota(links.begin(), links.end(), 0);
+  const FlatModel model(robot, links);
+  std::vector<float> posture;
+  for (const JointColumn& column : model.columns()) posture.push_back(column.upper);
+  const RootFrame root;
+  std::vector<PartPose> poses(links.size());
+  forward_kinematics(model, posture, {&root, 1}, poses);
+  for (const PartPose& pose : poses)
+    promise(to_isometry(pose).matrix().allFinite(), "finite poses");
+}
+
+}  // namespace
+
+bool tri(std::span<const uint8_t> input) {
+  try {
+    const TriFile file = parse_tri(text_of(input), "fuzz.tri");
+    const std::string written = format_tri(file.mesh);
+    promise(format_tri(parse_tri(written, "again.tri").mesh) == written, "a mesh that stays");
+    for (const Eigen::Vector3f& vertex : file.mesh.vertices)
+      promise(vertex.allFinite(), "finite vertices");
+    for (const Eigen::Vector3i& triangle : file.mesh.triangles)
+      promise(triangle.minCoeff() >= 0 &&
+                  triangle.maxCoeff() < static_cast<int>(file.mesh.vertices.size()),
+              "indices in range");
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+bool urdf(std::span<const uint8_t> input) {
+  try {
+    const Robot robot = parse_urdf(text_of(input), "fuzz.urdf");
+    promise(robot.links.size() == robot.joints.size() + 1, "a tree");
+    for (const Joint& joint : robot.joints)
+      promise(joint.parent_link < joint.child_link && joint.lower <= joint.upper &&
+                  std::abs(joint.axis.norm() - 1) < 1e-9,
+              "sound joints");
+    expect_finite_poses(robot);
+    promise(to_kdl(robot).getNrOfSegments() == robot.joints.size(), "a KDL tree of all links");
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+bool scene(std::span<const uint8_t> input) {
+  const File file("scene.yaml", input);
+  try {
+    const Scene read = load_scene(file.path().string());
+    promise(read.step_s > 0 && read.duration_s > 0, "time that runs");
+    promise(read.box || !read.groups.empty() || !read.obstacles.empty(), "something in the scene");
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+bool messages(std::span<const uint8_t> input) {
+  RunReader reader;
+  bool is_accepted = false;
+  std::vector<PartPose> poses;
+  while (input.size() > 3) {
+    const Channel channel = kAllChannels[input[0] % std::size(kAllChannels)];
+    const size_t size = std::min<size_t>(size_t{input[1]} << 8 | input[2], input.size() - 3);
+    const std::span<const uint8_t> message = input.subspan(3, size);
+    input = input.subspan(3 + size);
+    const bool is_sound = check_message(channel, message).empty();
+    const auto update = reader.take(name_of(channel), message);
+    is_accepted = is_accepted || is_sound;
+    if (update != RunReader::Update::kState || reader.run()->avatar_count == 0) continue;
+    try {
+      reader.part_poses(0, poses);
+    } catch (const InputError& error) {
+      expect_words(error);
+    }
+  }
+  return is_accepted;
+}
+
+bool log(std::span<const uint8_t> input) {
+  const File file("a.lcmlog", input);
+  const File repaired("b.lcmlog");
+  try {
+    const LogReport report = check_log(file.path());
+    promise(report.sound_bytes <= input.size(), "no more sound bytes than there are");
+    describe_log(file.path());
+    const int64_t messages = repair_log(file.path(), repaired.path());
+    if (messages == 0) return false;
+    const LogReport again = check_log(repaired.path());
+    promise(!again.torn && !again.damaged && again.log_events == messages, "a log that is mended");
+    return report.is_sound();
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+/// The file as it is, and its bytes as a state behind a checksum that is right.
+bool checkpoint(std::span<const uint8_t> input) {
+  bool is_accepted = false;
+  try {
+    const Checkpoint read = parse_checkpoint(input, "fuzz.checkpoint");
+    promise(format_checkpoint(read) == Bytes(input.begin(), input.end()), "a file that stays");
+    is_accepted = true;
+  } catch (const InputError& error) {
+    expect_words(error);
+  }
+  static BoxWorld world = BoxWorld::of_kinds({}, std::vector<double>{0.2}, 3, 0);
+  try {
+    Archive in(input, "state");
+    world.archive(in);
+    std::vector<PairKey> pairs;
+    in.resized(pairs, size_t{1} << 40);
+    in.expect_end();
+    for (int i = 0; i < 5; ++i) world.step();
+    for (const Eigen::Vector3d& position : world.positions_m())
+      promise(position.allFinite(), "finite positions");
+    is_accepted = true;
+  } catch (const InputError& error) {
+    expect_words(error);
+  }
+  return is_accepted;
+}
+
+}  // namespace throng::fuzz

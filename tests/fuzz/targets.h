@@ -1,0 +1,47 @@
+// What the fuzzers feed: each target takes any bytes and either refuses them in words or uses what
+// it accepted.
+// One rule: a target returns or throws BrokenPromise; crashing, hanging and leaking are for the
+// sanitizers to see.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace throng::fuzz {
+
+/// What was accepted does not keep what its reader promises.
+struct BrokenPromise : std::logic_error {
+  using std::logic_error::logic_error;
+};
+
+using Bytes = std::vector<uint8_t>;
+
+/// Each returns true if the input was accepted.
+bool tri(std::span<const uint8_t> input);
+bool urdf(std::span<const uint8_t> input);
+bool scene(std::span<const uint8_t> input);
+/// A row of messages: channel byte | u16 length, big-endian | bytes.
+bool messages(std::span<const uint8_t> input);
+bool log(std::span<const uint8_t> input);
+bool checkpoint(std::span<const uint8_t> input);
+
+struct Target {
+  std::string_view name;
+  bool (*run)(std::span<const uint8_t> input);
+};
+inline constexpr Target kTargets[] = {{"tri", tri},     {"urdf", urdf},
+                                      {"scene", scene}, {"messages", messages},
+                                      {"log", log},     {"checkpoint", checkpoint}};
+
+/// Inputs to start from: fixtures, what Throng writes itself, and what is known to have crashed the
+/// libraries underneath. The same on every machine.
+std::vector<Bytes> seeds_of(std::string_view target);
+
+/// Messages packed for messages().
+Bytes packed(std::span<const std::pair<uint8_t, Bytes>> messages);
+
+}  // namespace throng::fuzz
