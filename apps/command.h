@@ -28,6 +28,7 @@ Command add_info_command(CLI::App& parent);
 Command add_check_command(CLI::App& parent);
 Command add_monitor_command(CLI::App& parent);
 Command add_render_command(CLI::App& parent);
+Command add_view_command(CLI::App& parent);
 Command add_paper_command(CLI::App& parent);
 Command add_bench_command(CLI::App& parent);
 Command add_validate_command(CLI::App& parent);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,27 +9,49 @@
 #include "apps/command.h"
 #include "apps/picture.h"
 #include "apps/recorded_frame.h"
+#include "viewer/animation.h"
 
 namespace throng {
 namespace {
 
 constexpr int kMaxPixels = 8192;
+constexpr float kAnimationQuality = 55;
 
 constexpr const char* kFooter = R"(
-Body parts that touch are red. Without --eye and --target the picture shows the whole crowd.
+Body parts that touch are orange, by triangles red. Without --eye and --target the picture shows the whole crowd.
 
 Examples:
   throng render out/plaza.lcmlog --frame 300 --out plaza.png
+  throng render out/plaza.lcmlog --frames 300:420 --every 5 --out plaza.webp
   throng render out/plaza.lcmlog --frame 300 --eye 4,-9,3 --target 0,-5,1 --out near.png)";
 
 struct RenderCommand {
   std::string log;
   int64_t frame = 0;
+  std::vector<int64_t> frames;  // first, last
+  int64_t every = 4;
   std::string out;
   std::vector<float> eye_m;
   std::vector<float> target_m;
   PictureOptions picture;
 };
+
+int render_frames(const RenderCommand& command) {
+  RecordedFrame frame(command.log, command.frames[0]);
+  const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
+  const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);
+  Animation animation(options.width, options.height, kAnimationQuality);
+  int pictures = 0;
+  for (int64_t number = command.frames[0]; number <= command.frames[1]; number += command.every) {
+    frame.advance_to(number);
+    animation.add(picture_of(frame, options), static_cast<int>(std::lround(shown_ms)));
+    ++pictures;
+  }
+  const size_t bytes = animation.write(command.out);
+  fmt::print("{}: {} pictures, {:.2f} MB\n", command.out, pictures,
+             static_cast<double>(bytes) * 1e-6);
+  return kExitFine;
+}
 
 int render_frame(RenderCommand command) {
   const auto to_point = [](const std::vector<float>& xyz) -> std::optional<Eigen::Vector3f> {
@@ -37,6 +60,7 @@ int render_frame(RenderCommand command) {
   };
   command.picture.eye_m = to_point(command.eye_m);
   command.picture.target_m = to_point(command.target_m);
+  if (!command.frames.empty()) return render_frames(command);
   RecordedFrame frame(command.log, command.frame);
   write_png(command.out, picture_of(frame, command.picture));
   fmt::print("{}: frame {}, {} avatars, {} pairs of parts touch\n", command.out, command.frame,
@@ -62,7 +86,15 @@ Command add_render_command(CLI::App& parent) {
   app->add_option("--frame", command->frame, "Which frame; the first is 0")
       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
       ->type_name("N");
-  app->add_option("--out", command->out, "The PNG to write")->required()->type_name("FILE");
+  app->add_option("--frames", command->frames, "From the first to the last: an animated WebP")
+      ->expected(2)
+      ->delimiter(':')
+      ->check(whole_option(0, INT64_MAX, "two whole numbers from 0, FIRST:LAST"))
+      ->type_name("A:B");
+  app->add_option("--every", command->every, "Of these frames every n-th [4]")
+      ->check(whole_option(1, 10000, "a whole number from 1"))
+      ->type_name("N");
+  app->add_option("--out", command->out, "The PNG or WebP to write")->required()->type_name("FILE");
   add_point(*app, "--eye", command->eye_m, "Where the eye is, in metres");
   add_point(*app, "--target", command->target_m, "What it looks at, in metres");
   const auto pixels = whole_option(16, kMaxPixels, fmt::format("16 to {} pixels", kMaxPixels));

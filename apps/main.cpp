@@ -44,7 +44,8 @@ int run(int argc, char** argv) {
   const std::vector<Command> commands = {
       add_run_command(app),   add_scenes_command(app),  add_info_command(app),
       add_check_command(app), add_monitor_command(app), add_render_command(app),
-      add_paper_command(app), add_bench_command(app),   add_validate_command(app)};
+      add_view_command(app),  add_paper_command(app),   add_bench_command(app),
+      add_validate_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
-#include <set>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -13,7 +13,10 @@ namespace {
 
 using BodyPart = std::pair<uint32_t, uint32_t>;
 
-const Eigen::Vector3f kTouching(0.85F, 0.10F, 0.08F);
+/// By level: Okabe and Ito's palette, in linear light, which the colour-blind can tell apart.
+const std::array<Eigen::Vector3f, 4> kTouching = {
+    Eigen::Vector3f(0.09F, 0.46F, 0.82F), Eigen::Vector3f(0.00F, 0.34F, 0.17F),
+    Eigen::Vector3f(0.90F, 0.36F, 0.00F), Eigen::Vector3f(0.75F, 0.11F, 0.00F)};
 const Eigen::Vector3f kObstacle(0.55F, 0.53F, 0.50F);
 /// Calm clothes: what touches has to stand out.
 const std::array<Eigen::Vector3f, 6> kClothes = {
@@ -22,13 +25,25 @@ const std::array<Eigen::Vector3f, 6> kClothes = {
     Eigen::Vector3f(0.55F, 0.58F, 0.66F), Eigen::Vector3f(0.42F, 0.50F, 0.58F)};
 constexpr float kPersonHeight_m = 1.7F;
 
-std::set<BodyPart> parts_in_touch(const RunReader::Touching& pairs) {
-  std::set<BodyPart> parts;
-  for (const auto& [pair, level] : pairs) {
-    parts.insert({pair.a(), pair.part_a()});
-    parts.insert({pair.b(), pair.part_b()});
-  }
+using PartLevels = std::map<BodyPart, PairLevel>;
+
+/// The highest level of each part's pairs.
+PartLevels parts_in_touch(const RunReader::Touching& pairs) {
+  PartLevels parts;
+  for (const auto& [pair, level] : pairs)
+    for (const BodyPart& part :
+         {BodyPart(pair.a(), pair.part_a()), BodyPart(pair.b(), pair.part_b())}) {
+      const auto [at, is_new] = parts.try_emplace(part, level);
+      if (!is_new) at->second = std::max(at->second, level);
+    }
   return parts;
+}
+
+Eigen::Vector3f colour_of(uint32_t avatar, uint32_t part, const PartLevels& in_touch) {
+  for (const uint32_t touched : {part, kWholeBody})
+    if (const auto found = in_touch.find({avatar, touched}); found != in_touch.end())
+      return kTouching[static_cast<size_t>(found->second)];
+  return kClothes[avatar % kClothes.size()];
 }
 
 Mesh to_mesh(const mesh_t& received) {
@@ -48,8 +63,7 @@ Eigen::Isometry3f world_from(const RootPose& root, const PartPose& pose) {
   return world.cast<float>();
 }
 
-void add_people(RecordedFrame& frame, const std::set<BodyPart>& in_touch,
-                std::vector<RenderItem>& items) {
+void add_people(RecordedFrame& frame, const PartLevels& in_touch, std::vector<RenderItem>& items) {
   RunReader& run = frame.run();
   const run_description_t& description = *run.run();
   std::vector<PartPose> poses;
@@ -60,11 +74,9 @@ void add_people(RecordedFrame& frame, const std::set<BodyPart>& in_touch,
     const std::vector<Part>& parts = run.model(model)->parts;
     run.part_poses(static_cast<int>(avatar), poses);
     for (size_t part = 0; part < parts.size(); ++part) {
-      const bool touches = in_touch.contains({id, static_cast<uint32_t>(part)}) ||
-                           in_touch.contains({id, kWholeBody});
       items.push_back({&parts[part].mesh, world_from(frame.crowd().roots[avatar], poses[part]),
                        description.scale_of_avatar[avatar],
-                       touches ? kTouching : kClothes[avatar % kClothes.size()]});
+                       colour_of(id, static_cast<uint32_t>(part), in_touch)});
     }
   }
 }
@@ -103,8 +115,16 @@ Camera camera_of(const CrowdState& crowd, const PictureOptions& options) {
 
 }  // namespace
 
+PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& options) {
+  const Camera camera = camera_of(crowd, options);
+  PictureOptions fixed = options;
+  fixed.eye_m = camera.eye_m;
+  fixed.target_m = camera.target_m;
+  return fixed;
+}
+
 Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
-  const std::set<BodyPart> in_touch = parts_in_touch(frame.touching());
+  const PartLevels in_touch = parts_in_touch(frame.touching());
   std::vector<RenderItem> items;
   std::deque<Mesh> meshes;  // items point into it: a deque does not move what it has
   add_people(frame, in_touch, items);

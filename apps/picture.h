@@ -19,4 +19,8 @@ struct PictureOptions {
 
 Image picture_of(RecordedFrame& frame, const PictureOptions& options);
 
+/// The options with eye and target filled in where they were empty, as this frame wants them: for
+/// pictures that follow each other.
+PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& options);
+
 }  // namespace throng

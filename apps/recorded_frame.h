@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "lcmtypes/log_reader.h"
 #include "lcmtypes/run_reader.h"
 
 namespace throng {
@@ -17,11 +18,17 @@ class RecordedFrame {
   /// description, or does not reach so far.
   RecordedFrame(const std::filesystem::path& log, int64_t number);
 
+  /// Goes on to a later frame. Throws InputError if the log does not reach so far.
+  void advance_to(int64_t number);
+
   RunReader& run() { return run_; }
   const CrowdState& crowd() const { return run_.state(); }
   const RunReader::Touching& touching() const { return run_.touching(); }
 
  private:
+  std::filesystem::path log_;
+  LogReader reader_;
+  int64_t last_frame_ = -1;
   RunReader run_;
 };
 

@@ -7,6 +7,8 @@
 
 #include "apps/command.h"
 #include "scenes/trace.h"
+#include "viewer/page.h"
+#include "viewer/replay_file.h"
 
 namespace throng {
 
@@ -28,6 +30,8 @@ void add_recorder_options(CLI::App& app, RecorderOptions& options) {
                  fmt::format("Recorded frames a second [{}]", options.trajectory_fps))
       ->check(number_option(0, 1e4, true, "a number of frames a second above 0"))
       ->type_name("F");
+  app.add_option("--html", options.html, "The 3-D page with the run in it, one file to send")
+      ->type_name("FILE");
   app.add_option("--contacts", options.contacts, "Contact statistics: a folder of CSV and figures")
       ->type_name("DIR");
   app.add_option("--trace-hash", options.trace,
@@ -45,6 +49,8 @@ Recorders::Recorders(const RecorderOptions& options) {
   for (const std::string& file : options.trajectories)
     add(std::make_unique<TrajectorySink>(TrajectoryOptions{file, options.trajectory_fps}));
   if (!options.trace.empty()) add(std::make_unique<TraceSink>(options.trace));
+  if (!options.html.empty())
+    add(std::make_unique<ReplaySink>(options.html, page_html(), kReplayLimitMb));
   if (options.contacts.empty()) return;
   auto contacts = std::make_unique<ContactSink>(options.contacts);
   contacts_ = contacts.get();

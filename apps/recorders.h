@@ -18,7 +18,8 @@ struct RecorderOptions {
   std::vector<std::string> trajectories;
   double trajectory_fps = 10;
   std::string contacts;  ///< a folder, or ""
-  std::string trace;
+  std::string trace;     ///< a hash a stage and frame, or ""
+  std::string html;      ///< the page with the run in it, or ""
 };
 
 void add_recorder_options(CLI::App& app, RecorderOptions& options);

@@ -35,6 +35,20 @@ bool RunReader::follows(Channel channel) {
   return true;
 }
 
+void RunReader::rewind() {
+  tally_.channels = {};
+  state_.frame = pending_.frame = -1;
+  pending_avatars_ = 0;
+  pending_chunks_.clear();
+  touching_.clear();
+  pending_touching_.clear();
+  pending_touching_frame_ = -1;
+  pending_touching_chunks_.clear();
+  new_events_.clear();
+  counters_.reset();
+  end_.reset();
+}
+
 RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
   ++refused_;
   refusal_ = std::string(channel) + ": " + std::move(why);

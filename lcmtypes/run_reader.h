@@ -51,6 +51,10 @@ class RunReader {
   /// it after some seconds of silence).
   void forget() { is_free_ = true; }
 
+  /// Forgets how far the run is, not which: the next messages may be older than those before. A
+  /// player jumps this way; what the numbering proves missing starts anew.
+  void rewind();
+
   /// Null until the description is complete. States that came before are dropped, not kept.
   const run_description_t* run() const { return run_.get(); }
   int64_t run_id() const { return tally_.run_id; }

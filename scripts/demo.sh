@@ -15,6 +15,7 @@ cat <<TEXT
 
 The contacts of that run are in $log. What to try next:
   build/release/throng info $log
+  build/release/throng view $log              # the 3-D page: http://127.0.0.1:7684/
   build/release/throng render $log --frame 300 --out out/plaza.png
   build/release/throng run corridor --exact
   build/release/throng scenes

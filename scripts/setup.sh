@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that Throng builds on, as root or through sudo. Does nothing when
 # all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh
-# test` what only tests need, `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh
-# need.
+# test` what only tests need, `scripts/setup.sh page` the browser that tests the page,
+# `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh need.
 set -euo pipefail
 
 packages=(
@@ -11,7 +11,8 @@ packages=(
   # geometry, kinematics, meshes
   libeigen3-dev liburdfdom-dev liburdfdom-headers-dev liborocos-kdl-dev libassimp-dev libfcl-dev
   # scenes, speed, command line, pictures
-  libyaml-cpp-dev libtbb-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev
+  libyaml-cpp-dev libtbb-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev zlib1g-dev
+  libwebp-dev
   # trajectories: the file format, and polygons of the walkable area
   libsqlite3-dev libboost-dev
   # navigation meshes
@@ -23,8 +24,12 @@ packages=(
   # tests
   libgtest-dev libgmock-dev
 )
+# The page of `throng view` is built with node 18 or newer and npm, from whichever source they come.
+if ! command -v node >/dev/null || ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
 # The message types for Python and Java, and lcm-spy.
 test_packages=(python3-minimal openjdk-17-jdk-headless liblcm-java libjchart2d-java)
+# The page in a real browser.
+page_packages=(chromium)
 # clang with libFuzzer, the reader of coverage counts
 reliability_packages=(clang libclang-rt-14-dev llvm gcovr)
 bench_packages=(libembree-dev libbullet-dev libcgal-dev libode-dev libbenchmark-dev)
@@ -33,8 +38,12 @@ case "${1:-}" in
   "") ;;
   bench) packages+=("${bench_packages[@]}") ;;
   test) packages+=("${test_packages[@]}") ;;
+  page) packages+=("${page_packages[@]}") ;;
   reliability) packages+=("${reliability_packages[@]}") ;;
-  *) echo "scripts/setup.sh: expected no argument, 'bench', 'test' or 'reliability', found '$1'" >&2; exit 2 ;;
+  *)
+    echo "scripts/setup.sh: expected no argument, bench, test, page or reliability, found '$1'" >&2
+    exit 2
+    ;;
 esac
 
 if ! command -v dpkg-query >/dev/null; then

@@ -71,6 +71,7 @@ Polytope polytope_of(const Slabs& slabs, int k) {
       out.volume_m3 += twice_area / 6 * (spaces[i].offset - spaces[i].normal.dot(centre));
     }
     out.corners_m.insert(out.corners_m.end(), face.begin(), face.end());
+    if (!face.empty()) out.face_ends.push_back(out.corners_m.size());
   }
   return out;
 }

@@ -50,8 +50,11 @@ const std::map<std::string, Names> kLibraryOf = {
     {"tbb", {"base"}},
     {"hwy", {"base", "kinematics", "culling", "scenes"}},
     {"png.h", {"viewer"}},
+    {"webp", {"viewer"}},
     {"CLI", {"apps"}},
-    {"nlohmann", {"apps", "bench", "paper"}},
+    {"nlohmann", {"apps", "bench", "paper", "viewer"}},
+    {"glib.h", {"viewer"}},
+    {"zlib.h", {"viewer"}},
 };
 
 std::string first_part(const std::string& path) { return path.substr(0, path.find('/')); }

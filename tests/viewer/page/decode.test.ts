@@ -1,0 +1,140 @@
+// The binary messages and what is made of them.
+import assert from 'node:assert/strict';
+import {test} from 'node:test';
+import {crowded} from '../../../viewer/page/src/crowded.ts';
+import {peaks, roundUp} from '../../../viewer/page/src/chart.ts';
+import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, spoken, type Run} from '../../../viewer/page/src/protocol.ts';
+import {cubic, Varints} from '../../../viewer/page/src/replay.ts';
+import {simplified, vertexNormals} from '../../../viewer/page/src/simplify.ts';
+
+/** Two people, three parts, two pairs. */
+function frameBytes(): ArrayBuffer {
+  const buffer = new ArrayBuffer(64 + 2 * 16 + 3 * 16 + 2 * 12);
+  const view = new DataView(buffer);
+  [0x31465454, 2, 3, 2].forEach((word, i) => view.setUint32(4 * i, word, true));
+  view.setFloat64(16, 42, true);
+  view.setFloat64(24, 0.7, true);
+  view.setFloat64(32, 43, true);
+  view.setUint32(48, 1, true);
+  view.setUint32(52, 2, true);
+  [1.5, -2.5, 0].forEach((x, i) => view.setFloat32(64 + 4 * i, x, true));
+  view.setUint32(64 + 12, 1 | 2 | (3 << 8) | (1340 << 16), true);
+  const pairsAt = 64 + 2 * 16 + 3 * 16;
+  [0, 1, 2 | (5 << 8) | (2 << 16), 0, 7, 255 | (255 << 8)].forEach((word, i) => view.setUint32(pairsAt + 4 * i, word, true));
+  return buffer;
+}
+
+test('a frame is views into the bytes that came', () => {
+  const buffer = frameBytes();
+  const frame = decodeFrame(buffer);
+  assert.equal(kindOf(buffer), 'frame');
+  assert.deepEqual([frame.number, frame.time_s, frame.seq, frame.avatars, frame.pairs], [42, 0.7, 43, 2, 2]);
+  assert.equal(frame.people.buffer, buffer);
+  assert.equal(frame.parts.buffer, buffer);
+  assert.equal(frame.parts.length, 12);
+});
+
+test('a person has a place, a speed and a mark', () => {
+  const person = personOf(decodeFrame(frameBytes()), 0);
+  assert.deepEqual(person, {present: true, crowded: true, mark: 3, speed_mps: 1.34, position_m: [1.5, -2.5, 0]});
+  assert.equal(personOf(decodeFrame(frameBytes()), 1).present, false);
+});
+
+test('the pairs of a person name both parts and the level', () => {
+  const frame = decodeFrame(frameBytes());
+  assert.deepEqual(pairsOf(frame, 1), [{a: 0, b: 1, partA: 2, partB: 5, level: 2}]);
+  assert.equal(pairsOf(frame, 0).length, 2);
+  assert.equal(pairsOf(frame, 3).length, 0);
+});
+
+test('bytes of another length or kind are refused', () => {
+  const buffer = frameBytes();
+  assert.throws(() => decodeFrame(buffer.slice(0, buffer.byteLength - 4)), RangeError);
+  assert.throws(() => decodeFrame(new ArrayBuffer(64)), RangeError);
+  assert.throws(() => decodeFrame(new ArrayBuffer(3)), RangeError);
+});
+
+test('5000 people are decoded without touching a part', () => {
+  const buffer = new ArrayBuffer(64 + 5000 * 16 + 75_000 * 16);
+  const view = new DataView(buffer);
+  [0x31465454, 5000, 75_000, 0].forEach((word, i) => view.setUint32(4 * i, word, true));
+  const frame = decodeFrame(buffer);
+  assert.equal(frame.parts.byteOffset, 64 + 5000 * 16);
+  assert.equal(frame.parts.buffer, buffer, 'parts were copied');
+});
+
+test('people and parts have names', () => {
+  const run = {
+    avatars: 2,
+    groups: ['visitors', 'staff'],
+    groupOfAvatar: Int16Array.of(0, 1),
+    modelOfAvatar: Int16Array.of(0, 0),
+    models: [{parts: [{name: 'upperLeftArm'}]}],
+    obstacles: [{name: 'north wall'}],
+  } as unknown as Run;
+  assert.equal(nameOf(run, 1), 'staff 1');
+  assert.equal(nameOf(run, 2), 'north wall');
+  assert.equal(partNameOf(run, 0, 0), 'upper left arm');
+  assert.equal(partNameOf(run, 0, 255), 'body');
+  assert.equal(spoken('RightHand'), 'right hand');
+});
+
+test('varints come back, with their signs', () => {
+  const numbers = [0, -1, 1, 63, -64, 64, 300, -70_000, 2 ** 40];
+  const bytes: number[] = [];
+  for (const number of numbers) {
+    let folded = number < 0 ? -2 * number - 1 : 2 * number;
+    for (; folded >= 128; folded = Math.floor(folded / 128)) bytes.push((folded % 128) + 128);
+    bytes.push(folded);
+  }
+  const reader = new Varints(Uint8Array.from(bytes));
+  assert.deepEqual(numbers.map(() => reader.next()), numbers);
+  assert.throws(() => reader.next(), RangeError);
+});
+
+test('a curve goes through its keys', () => {
+  const through = (t: number, keys: number[]): number => cubic(t).reduce((sum, w, i) => sum + w * keys[i], 0);
+  assert.equal(through(0, [9, 1, 2, 7]), 1);
+  assert.equal(through(1, [9, 1, 2, 7]), 2);
+  assert.equal(through(0.5, [0, 1, 2, 3]), 1.5);
+});
+
+test('crowding is what all pairs say', () => {
+  let state = 7;
+  const random = (): number => (state = (state * 48271) % 2147483647) / 2147483647;
+  const spheres = new Float32Array(4 * 300);
+  for (let i = 0; i < 300; ++i) spheres.set([40 * random() - 20, 30 * random() - 25, random(), i % 9 ? random() : 0], 4 * i);
+  const expected = new Uint8Array(300);
+  for (let i = 0; i < 300; ++i)
+    for (let j = i + 1; j < 300; ++j) {
+      const [a, b] = [spheres.subarray(4 * i, 4 * i + 4), spheres.subarray(4 * j, 4 * j + 4)];
+      if (a[3] > 0 && b[3] > 0 && Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) <= a[3] + b[3]) expected[i] = expected[j] = 1;
+    }
+  assert.deepEqual(crowded(spheres), expected);
+  assert.ok(expected.includes(1) && expected.includes(0), 'the test has both');
+});
+
+test('a coarser mesh has fewer triangles inside the same box', () => {
+  const positions: number[] = [];
+  const indices: number[] = [];
+  const size = 40;
+  for (let y = 0; y <= size; ++y) for (let x = 0; x <= size; ++x) positions.push(x / size, y / size, 0);
+  for (let y = 0; y < size; ++y)
+    for (let x = 0; x < size; ++x) {
+      const at = y * (size + 1) + x;
+      indices.push(at, at + 1, at + size + 1, at + 1, at + size + 2, at + size + 1);
+    }
+  const mesh = {positions: Float32Array.from(positions), indices: Uint32Array.from(indices)};
+  const coarse = simplified(mesh, 0.1);
+  assert.ok(coarse.indices.length < mesh.indices.length / 4, `${coarse.indices.length / 3} triangles`);
+  assert.ok(coarse.positions.every((x) => x >= 0 && x <= 1));
+  const normals = vertexNormals(coarse);
+  for (let i = 2; i < normals.length; i += 3) assert.ok(normals[i] > 0.99);
+});
+
+test('charts keep their peaks and have round tops', () => {
+  const values = new Array(1000).fill(1);
+  values[637] = 50;
+  assert.equal(Math.max(...peaks(values, 90)), 50);
+  assert.deepEqual([0, 0.7, 3, 17, 999].map(roundUp), [1, 1, 5, 20, 1000]);
+});

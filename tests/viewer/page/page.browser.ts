@@ -1,0 +1,223 @@
+// The page in a real browser, with the real program behind it: a log, a live run, a file.
+import assert from 'node:assert/strict';
+import {type ChildProcess, spawn, spawnSync} from 'node:child_process';
+import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import type {Browser, Page} from 'playwright-core';
+
+const {chromium} = createRequire(`${process.env.NPM}/`)('playwright-core') as typeof import('playwright-core');
+const throng = process.env.THRONG!;
+const folder = mkdtempSync(join(tmpdir(), 'throng-page-'));
+const log = join(folder, 'plaza.lcmlog');
+const children: ChildProcess[] = [];
+let browser: Browser;
+
+interface State {
+  mode: string;
+  avatars: number;
+  frame: number;
+  frames: number;
+  selected: number;
+  selectedName: string;
+  build_ms: number;
+}
+
+const state = (page: Page): Promise<State> => page.evaluate('window.throng.state()');
+const position = (page: Page, id: number): Promise<number[]> => page.evaluate(`window.throng.positionOf(${id})`);
+
+function start(...args: string[]): ChildProcess {
+  const child = spawn(throng, args, {cwd: folder, stdio: ['ignore', 'pipe', 'inherit']});
+  children.push(child);
+  return child;
+}
+
+/** The page's policy lets nobody evaluate text later on, so Playwright's waitForFunction cannot poll. */
+async function until(page: Page, expression: string, limit_ms = 20_000): Promise<void> {
+  for (const end = Date.now() + limit_ms; !(await page.evaluate(expression)); await page.waitForTimeout(30))
+    assert.ok(Date.now() < end, `within ${limit_ms} ms never: ${expression}`);
+}
+
+/** The program's page; resolves once it listens. */
+async function view(...args: string[]): Promise<{child: ChildProcess; url: string}> {
+  const child = start('view', ...args);
+  const url = await new Promise<string>((found, failed) => {
+    child.once('exit', (code) => failed(new Error(`throng view ended with ${code}`)));
+    child.stdout!.on('data', (text) => {
+      const address = /http:\S+/.exec(String(text));
+      if (address) found(address[0]);
+    });
+  });
+  return {child, url};
+}
+
+function stopped(child: ChildProcess): Promise<void> {
+  return new Promise((done) => {
+    if (child.exitCode !== null) return done();
+    child.once('exit', () => done());
+    child.kill('SIGTERM');
+  });
+}
+
+/** A page of its own; whatever goes wrong in it fails the test, and so does an outside address. */
+async function open(url: string): Promise<{page: Page; addresses: string[]; close: () => Promise<void>}> {
+  const page = await browser.newPage({viewport: {width: 800, height: 560}});
+  const addresses: string[] = [];
+  const errors: string[] = [];
+  page.on('request', (request) => addresses.push(request.url()));
+  page.on('pageerror', (error) => errors.push(String(error)));
+  await page.goto(url);
+  await until(page, 'window.throng && window.throng.state().frame >= 0', 20_000);
+  const close = async (): Promise<void> => {
+    await page.close();
+    assert.deepEqual(errors, [], 'errors on the page');
+  };
+  return {page, addresses, close};
+}
+
+before(async () => {
+  const run = spawnSync(throng, ['run', 'plaza', '--avatars', '40', '--seconds', '4', '--lcm', 'off', '--log', log]);
+  assert.equal(run.status, 0, String(run.stderr));
+  browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM,
+    args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+  });
+});
+
+after(async () => {
+  await browser?.close();
+  for (const child of children) child.kill('SIGKILL');
+  rmSync(folder, {recursive: true, force: true});
+});
+
+test('a log is played, stepped and scrubbed', async () => {
+  const {child, url} = await view(log, '--port', '0');
+  const {page, addresses, close} = await open(url);
+  const first = await state(page);
+  assert.equal(first.mode, 'log');
+  assert.equal(first.avatars, 40);
+  const start = await position(page, 0);
+  const {frame} = await state(page);  // that of the position, or a later one
+  await until(page, `window.throng.state().frame > ${frame + 10}`);
+  const later = await position(page, 0);
+  assert.ok(Math.hypot(later[0] - start[0], later[1] - start[1]) > 0.02, 'person 0 stands still');
+
+  await page.keyboard.press('Space');
+  await page.waitForTimeout(1000);
+  const paused = await state(page);
+  await page.waitForTimeout(500);
+  assert.equal((await state(page)).frame, paused.frame, 'paused, and yet it goes on');
+  await page.keyboard.press('ArrowRight');
+  await until(page, `window.throng.state().frame === ${paused.frame + 1}`);
+  await page.locator('#scrub').fill('150');
+  await until(page, 'window.throng.state().frame === 150');
+  const there = await position(page, 0);
+  await page.keyboard.press('Home');
+  await until(page, 'window.throng.state().frame === 0');
+  await page.locator('#scrub').fill('150');
+  await until(page, 'window.throng.state().frame === 150');
+  assert.deepEqual(await position(page, 0), there, 'the same frame looks different');
+  assert.ok(addresses.every((address) => address.startsWith(url) || address.startsWith('data:')), addresses.join(' '));
+  await close();
+  await stopped(child);
+});
+
+test('layers are drawn when asked for, and a person tells', async () => {
+  const {child, url} = await view(log, '--port', '0');
+  const {page, close} = await open(url);
+  await page.keyboard.press('Space');
+  await page.waitForTimeout(600);
+  const drawn = (): Promise<{calls: number; triangles: number}> => page.evaluate('window.throng.stage.drawn');
+  for (const layer of ['spheres', 'hulls', 'boxes']) {
+    const {calls} = await drawn();
+    await page.locator(`#layer-${layer}`).check();
+    await until(page, `window.throng.stage.drawn.calls > ${calls}`);
+    await page.keyboard.press({spheres: '2', hulls: '3', boxes: '4'}[layer]!);
+    assert.equal(await page.locator(`#layer-${layer}`).isChecked(), false);
+    await until(page, `window.throng.stage.drawn.calls === ${calls}`);
+  }
+
+  const where = await page.evaluate(`(() => {
+    for (let id = 0; id < 40; ++id) {
+      const at = window.throng.whereIs(id);
+      if (at && at[0] > 60 && at[0] < 560 && at[1] > 140 && at[1] < 480) return [id, ...at];
+    }
+  })()`) as number[];
+  assert.ok(where, 'nobody is in the picture');
+  await page.mouse.click(where[1], where[2]);
+  await until(page, 'window.throng.state().selected >= 0');
+  const {selected, selectedName} = await state(page);
+  assert.match(await page.locator('#cardName').innerText(), new RegExp(`^\\S.* ${selected}$`));
+  assert.equal(await page.locator('#cardName').innerText(), selectedName);
+  await until(page, "document.querySelector('#cardState').textContent.includes('m/s')");
+  await page.locator('#follow').click();
+  assert.equal(await page.locator('#follow').getAttribute('aria-pressed'), 'true');
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('#card').isVisible(), false);
+  await close();
+  await stopped(child);
+});
+
+test('a lost connection is told and mended', async () => {
+  const first = await view(log, '--port', '0');
+  const {page, close} = await open(first.url);
+  await stopped(first.child);
+  await until(page, "document.querySelector('#notice').textContent.includes('Connection lost')");
+  const second = await view(log, '--port', new URL(first.url).port);
+  await until(page, "document.querySelector('#notice').hidden");
+  await page.locator('#scrub').fill('20');
+  await until(page, 'window.throng.state().frame >= 20');
+  await close();
+  await stopped(second.child);
+});
+
+test('a run that comes over LCM is shown, and people move', async () => {
+  const lcm = `udpm://239.255.76.67:${20_000 + (process.pid % 20_000)}?ttl=0&recv_buf_size=2097152`;
+  const {child, url} = await view('--lcm', lcm, '--port', '0');
+  const page = await browser.newPage({viewport: {width: 800, height: 560}});
+  await page.goto(url);
+  await until(page, "document.querySelector('#notice').textContent.includes('Waiting')");
+  // LCM's own player sends the log at the speed of the run.
+  const run = spawn('lcm-logplayer', [`--lcm-url=${lcm}`, log], {stdio: 'ignore'});
+  children.push(run);
+  await until(page, 'window.throng.state().frame >= 0', 10_000);
+  const seen = await state(page);
+  assert.equal(seen.mode, 'live');
+  const before = await position(page, 3);
+  const {frame} = await state(page);
+  await until(page, `window.throng.state().frame > ${frame + 30}`);
+  assert.notDeepEqual(await position(page, 3), before, 'nobody moves');
+  await page.close();
+  await stopped(run);
+  await stopped(child);
+});
+
+test('one file holds the page and the run, and shows the same people', async () => {
+  const html = join(folder, 'plaza.html');
+  const made = spawnSync(throng, ['view', log, '--html', html]);
+  assert.equal(made.status, 0, String(made.stderr));
+  assert.ok(!/(src|href)="?https?:/.test(readFileSync(html, 'utf8')), 'names an outside address');
+  const {page, addresses, close} = await open(`file://${html}`);
+  assert.deepEqual(addresses.filter((address) => !address.startsWith('file:') && !address.startsWith('data:')), []);
+  const {child, url} = await view(log, '--port', '0');
+  const server = await open(url);
+  for (const frame of [0, 60, 150, 239]) {
+    for (const one of [page, server.page]) {
+      await one.evaluate(`(() => { const p = window.throng; p.source.playback.playing = false; p.source.playback.seek(${frame}); })()`);
+      await until(one, `window.throng.state().frame === ${frame}`);
+    }
+    // Everybody's every part, in metres: keys and the moments between them.
+    const ask = 'window.throng.partPositions()';
+    const [ours, theirs] = (await Promise.all([page.evaluate(ask), server.page.evaluate(ask)])) as number[][];
+    assert.equal(ours.length, theirs.length);
+    assert.ok(ours.length > 40 * 15);
+    let worst = 0;
+    for (let i = 0; i < ours.length; ++i) worst = Math.max(worst, Math.abs(ours[i] - theirs[i]));
+    assert.ok(worst < 0.06, `frame ${frame}: a part is off by ${worst} m`);
+  }
+  await server.close();
+  await stopped(child);
+  await close();
+});

@@ -1,0 +1,71 @@
+// The clock of a recorded run.
+import assert from 'node:assert/strict';
+import {test} from 'node:test';
+import {clock, Playback, SPEEDS} from '../../../viewer/page/src/playback.ts';
+
+function tenSeconds(): Playback {
+  const playback = new Playback(1 / 60);
+  playback.frames = 600;
+  return playback;
+}
+
+test('a second of watching is a second of the run', () => {
+  const playback = tenSeconds();
+  for (let i = 0; i < 50; ++i) playback.advance(0.02);
+  assert.equal(Math.round(playback.position), 60);
+  assert.equal(playback.time_s.toFixed(1), '1.0');
+});
+
+test('speed multiplies, within its list', () => {
+  const playback = tenSeconds();
+  playback.change(1);
+  assert.equal(playback.speed, 2);
+  playback.advance(0.1);
+  assert.equal(Math.round(playback.position), 12);
+  for (let i = 0; i < 20; ++i) playback.change(-1);
+  assert.equal(playback.speed, SPEEDS[0]);
+  for (let i = 0; i < 20; ++i) playback.change(1);
+  assert.equal(playback.speed, SPEEDS.at(-1));
+});
+
+test('it stops at the end, and plays from the beginning again', () => {
+  const playback = tenSeconds();
+  playback.seek(598);
+  playback.advance(0.2);
+  assert.equal(playback.frame, 599);
+  assert.equal(playback.playing, false);
+  playback.toggle();
+  assert.equal(playback.frame, 0);
+  assert.equal(playback.playing, true);
+});
+
+test('while a log is still being read, its end so far is no end', () => {
+  const playback = tenSeconds();
+  playback.seek(599);
+  playback.advance(0.2, false);
+  assert.equal(playback.playing, true);
+  playback.frames = 1200;
+  playback.advance(0.1, false);
+  assert.ok(playback.frame > 600);
+});
+
+test('a step pauses and stays inside', () => {
+  const playback = tenSeconds();
+  playback.step(1);
+  assert.deepEqual([playback.frame, playback.playing], [1, false]);
+  playback.step(-5);
+  assert.equal(playback.frame, 0);
+  playback.step(10_000);
+  assert.equal(playback.frame, 599);
+});
+
+test('a tab that slept goes on where it was', () => {
+  const playback = tenSeconds();
+  playback.advance(3600);
+  assert.ok(playback.frame <= 15, `jumped to frame ${playback.frame}`);
+});
+
+test('times read like times', () => {
+  assert.equal(clock(0), '0:00.00');
+  assert.equal(clock(62.5), '1:02.50');
+});

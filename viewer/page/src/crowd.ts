@@ -1,0 +1,265 @@
+// Draws the people of a run: bodies by distance, shadows, spheres, or-DOPs, boxes.
+// One rule: a frame costs two texture copies; who is drawn how is decided by distance alone.
+import {
+  Camera,
+  Color,
+  DataTexture,
+  DoubleSide,
+  EqualStencilFunc,
+  Frustum,
+  GLSL3,
+  Group,
+  IncrementStencilOp,
+  InstancedBufferGeometry,
+  IcosahedronGeometry,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  NearestFilter,
+  RGBAIntegerFormat,
+  RawShaderMaterial,
+  Sphere,
+  UnsignedIntType,
+  Vector2,
+} from 'three';
+import {Instances, CELLS_M, bodyGeometry, boxGeometry, hullGeometry} from './bodies.ts';
+import type {Frame, Model, Run} from './protocol.ts';
+import {
+  BODY_FRAGMENT,
+  BODY_VERTEX,
+  BOX_VERTEX,
+  HULL_VERTEX,
+  LINE_FRAGMENT,
+  SHADOW_FRAGMENT,
+  SHADOW_VERTEX,
+  SPHERE_FRAGMENT,
+  SPHERE_VERTEX,
+  TEXTURE_WIDTH,
+} from './shaders.ts';
+import {CLOTHES, MARK_COLORS} from './theme.ts';
+
+export const LAYERS = ['meshes', 'spheres', 'hulls', 'boxes', 'shadows', 'tint'] as const;
+export type Layer = (typeof LAYERS)[number];
+
+type Uniforms = Record<string, {value: unknown}>;
+
+/** How far from the eye each level of detail is of use at most, metres; the last one has no end. */
+const USEFUL_M = [9, 30, 90];
+const BIN_M = 0.5;
+const TINT = 0.24;
+/** Nobody counts a shadow's fingers. */
+const SHADOW_CELL_M = 0.12;
+
+function texelMap(texels: number): DataTexture {
+  const height = Math.max(1, Math.ceil(texels / TEXTURE_WIDTH));
+  const data = new Uint32Array(TEXTURE_WIDTH * height * 4);
+  const map = new DataTexture(data, TEXTURE_WIDTH, height, RGBAIntegerFormat, UnsignedIntType);
+  map.internalFormat = 'RGBA32UI';
+  map.minFilter = map.magFilter = NearestFilter;
+  map.needsUpdate = true;
+  return map;
+}
+
+/** Shadows must not add up where they overlap: the first one on a pixel counts. */
+export function onceAPixel(material: RawShaderMaterial): RawShaderMaterial {
+  material.stencilWrite = true;
+  material.stencilFunc = EqualStencilFunc;
+  material.stencilRef = 0;
+  material.stencilZPass = IncrementStencilOp;
+  return material;
+}
+
+interface ModelDraws {
+  lists: Instances[]; // by level of detail
+  triangles: number[]; // of a body at each level
+  all: Instances;
+}
+
+export class Crowd {
+  readonly group = new Group();
+  /** Triangles of bodies a picture, about; follows the speed of the machine. */
+  budget = 300_000;
+  private readonly people: DataTexture;
+  private readonly parts: DataTexture;
+  private readonly draws: ModelDraws[] = [];
+  private readonly byLayer: Record<Layer, Group> = {} as Record<Layer, Group>;
+  private readonly own: Uniforms;
+  private readonly frustum = new Frustum();
+  private readonly sphere = new Sphere();
+  private readonly visible: Uint32Array;
+  private readonly binOf: Uint16Array;
+  private visibleCount = 0;
+  private readonly bins = new Uint32Array(Math.ceil(USEFUL_M.at(-1)! / BIN_M) + 1);
+  private readonly levels = new Uint8Array(this.bins.length);
+
+  constructor(
+    private readonly run: Run,
+    private readonly shared: Uniforms,
+  ) {
+    this.visible = new Uint32Array(run.avatars);
+    this.binOf = new Uint16Array(run.avatars);
+    this.people = texelMap(run.avatars);
+    this.parts = texelMap(run.firstPart[run.avatars]);
+    this.own = {
+      uPeople: {value: this.people},
+      uParts: {value: this.parts},
+      uMarks: {value: MARK_COLORS},
+      uCalm: {value: new Color('#5b6878')},
+      uSelected: {value: -1},
+      uTint: {value: TINT},
+    };
+    for (const [name, colors] of Object.entries(CLOTHES)) this.own[name] = {value: colors};
+    for (const layer of LAYERS) {
+      this.byLayer[layer] = new Group();
+      this.group.add(this.byLayer[layer]);
+    }
+    run.models.forEach((model, index) => this.addModel(model, index));
+    for (const layer of ['spheres', 'hulls', 'boxes'] as Layer[]) this.byLayer[layer].visible = false;
+  }
+
+  private material(vertexShader: string, fragmentShader: string, more: Uniforms): RawShaderMaterial {
+    const uniforms = {...this.shared, ...this.own, ...more};
+    return new RawShaderMaterial({glslVersion: GLSL3, vertexShader, fragmentShader, uniforms});
+  }
+
+  private addModel(model: Model, index: number): void {
+    const count = this.run.modelOfAvatar.filter((m) => m === index).length;
+    const step = {uPartStep: {value: model.part_step_m}};
+    const body = this.material(BODY_VERTEX, BODY_FRAGMENT, step);
+    const shadow = onceAPixel(this.material(SHADOW_VERTEX, SHADOW_FRAGMENT, step));
+    shadow.transparent = true;
+    shadow.depthWrite = false;
+    shadow.side = DoubleSide;
+    const lists: Instances[] = [];
+    const triangles: number[] = [];
+    for (const cell_m of CELLS_M) {
+      const list = new Instances(count);
+      const geometry = list.drives(bodyGeometry(model, cell_m));
+      this.add('meshes', new Mesh(geometry, body));
+      lists.push(list);
+      triangles.push(geometry.index!.count / 3);
+    }
+    const all = new Instances(count);
+    this.add('shadows', new Mesh(all.drives(bodyGeometry(model, SHADOW_CELL_M)), shadow), 1);
+
+    const ball = new InstancedBufferGeometry();
+    const shape = new IcosahedronGeometry(1, 3);
+    ball.setAttribute('position', shape.getAttribute('position'));
+    const spheres = this.material(SPHERE_VERTEX, SPHERE_FRAGMENT, {
+      ...step,
+      uSphere: {value: new Vector2(model.sphere.centre_z_m, model.sphere.radius_m)},
+    });
+    this.add('spheres', new Mesh(all.drives(ball), translucent(spheres)), 3);
+    const hulls = translucent(this.material(HULL_VERTEX, LINE_FRAGMENT, step));
+    this.add('hulls', new LineSegments(all.drives(hullGeometry(model)), hulls), 2);
+    const boxes = translucent(this.material(BOX_VERTEX, LINE_FRAGMENT, step));
+    this.add('boxes', new LineSegments(all.drives(boxGeometry(model)), boxes), 2);
+    this.draws.push({lists, triangles, all});
+  }
+
+  private add(layer: Layer, object: Mesh | LineSegments, order = 0): void {
+    object.frustumCulled = false;
+    object.renderOrder = order;
+    this.byLayer[layer].add(object);
+  }
+
+  show(layer: Layer, visible: boolean): void {
+    if (layer === 'tint') this.own.uTint.value = visible ? TINT : 0;
+    else this.byLayer[layer].visible = visible;
+  }
+
+  select(id: number): void {
+    this.own.uSelected.value = id;
+  }
+
+  setCalm(color: string): void {
+    (this.own.uCalm.value as Color).set(color);
+  }
+
+  /** The frame's texels as they came. */
+  take(frame: Frame): void {
+    (this.people.image.data as unknown as Uint32Array).set(frame.people);
+    (this.parts.image.data as unknown as Uint32Array).set(frame.parts);
+    this.people.needsUpdate = true;
+    this.parts.needsUpdate = true;
+  }
+
+  /** Gives everybody in the picture a level of detail: the nearest the finest, within the budget. */
+  arrange(frame: Frame, camera: Camera): void {
+    this.frustum.setFromProjectionMatrix(
+      new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
+    );
+    this.findVisible(frame, camera);
+    const levels = this.levelsByBin();
+    for (const draw of this.draws) {
+      draw.all.clear();
+      for (const list of draw.lists) list.clear();
+    }
+    for (let i = 0; i < this.visibleCount; ++i) {
+      const id = this.visible[i];
+      const draw = this.draws[this.run.modelOfAvatar[id]];
+      draw.all.add(this.run, id);
+      draw.lists[levels[this.binOf[i]]].add(this.run, id);
+    }
+    for (const draw of this.draws) {
+      draw.all.done();
+      for (const list of draw.lists) list.done();
+    }
+  }
+
+  private findVisible(frame: Frame, camera: Camera): void {
+    const at = frame.positions;
+    this.visibleCount = 0;
+    this.bins.fill(0);
+    for (let id = 0, word = 0; id < frame.avatars; ++id, word += 4) {
+      if ((frame.people[word + 3] & 1) === 0) continue;
+      const reach = this.run.models[this.run.modelOfAvatar[id]].sphere.radius_m * this.run.scaleOfAvatar[id];
+      this.sphere.center.set(at[word], at[word + 1], at[word + 2] + 0.5 * reach);
+      // A long shadow may reach into the picture where its person does not.
+      this.sphere.radius = 2.2 * reach;
+      if (!this.frustum.intersectsSphere(this.sphere)) continue;
+      const away = this.sphere.center.distanceTo(camera.position);
+      const bin = Math.min(this.bins.length - 1, Math.floor(away / BIN_M));
+      ++this.bins[bin];
+      this.binOf[this.visibleCount] = bin;
+      this.visible[this.visibleCount++] = id;
+    }
+  }
+
+  /** The level of detail of each ring around the eye. */
+  private levelsByBin(): Uint8Array {
+    const {triangles} = this.draws[0];
+    const coarsest = triangles.length - 1;
+    let left = this.budget - this.visibleCount * triangles[coarsest];
+    let level = 0;
+    for (let bin = 0; bin < this.bins.length; ++bin) {
+      while (level < coarsest) {
+        const cost = this.bins[bin] * (triangles[level] - triangles[coarsest]);
+        if (cost <= left && bin * BIN_M < USEFUL_M[level]) {
+          left -= cost;
+          break;
+        }
+        ++level;
+      }
+      this.levels[bin] = level;
+    }
+    return this.levels;
+  }
+
+  dispose(): void {
+    this.people.dispose();
+    this.parts.dispose();
+    this.group.traverse((object) => {
+      if (object instanceof Mesh || object instanceof LineSegments) {
+        object.geometry.dispose();
+        (object.material as RawShaderMaterial).dispose();
+      }
+    });
+  }
+}
+
+function translucent(material: RawShaderMaterial): RawShaderMaterial {
+  material.transparent = true;
+  material.depthWrite = false;
+  return material;
+}

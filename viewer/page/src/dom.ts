@@ -1,0 +1,34 @@
+// Small helpers around the document. One rule: text is set as text, never as markup.
+
+export function el<T extends HTMLElement = HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no #${id}`);
+  return found as T;
+}
+
+export function setText(target: HTMLElement, text: string): void {
+  if (target.textContent !== text) target.textContent = text;
+}
+
+type Child = Node | string;
+
+export function make(tag: string, attributes: Record<string, string> = {}, ...children: Child[]): HTMLElement {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children);
+  return element;
+}
+
+/** Rows of keys, for the help. */
+export function keyRow(keys: string[], about: string): HTMLElement {
+  const cell = make('td');
+  keys.forEach((key, i) => {
+    if (i > 0) cell.append(' ');
+    cell.append(make('kbd', {}, key));
+  });
+  return make('tr', {}, cell, make('td', {}, about));
+}
+
+export function thousands(value: number): string {
+  return Math.round(value).toLocaleString('en').replaceAll(',', '\u202f');
+}

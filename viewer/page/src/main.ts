@@ -1,0 +1,426 @@
+// The page: what is shown, what is asked for, keys and buttons.
+// One rule: works the same on a live run, a log and a recording; only the timeline differs.
+import {Raycaster, Vector2} from 'three';
+import {Card} from './card.ts';
+import {Chart, type ChartStyle} from './chart.ts';
+import type {Layer} from './crowd.ts';
+import {el, keyRow, make, setText, thousands} from './dom.ts';
+import {pick, poseOf} from './picking.ts';
+import {clock, SPEEDS} from './playback.ts';
+import {nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
+import {inflated, Replay} from './replay.ts';
+import {FileSource, ServerSource, type Series, type Source} from './sources.ts';
+import {Stage} from './stage.ts';
+import {MARKS, type ThemeName} from './theme.ts';
+
+const LAYER_ROWS: [Layer, string, string, boolean][] = [
+  ['meshes', 'Bodies', '1', true],
+  ['spheres', 'Avatar spheres', '2', false],
+  ['hulls', 'or-DOPs of parts', '3', false],
+  ['boxes', 'AABBs of parts', '4', false],
+  ['shadows', 'Shadows', '5', true],
+  ['tint', 'Tint sphere candidates', '6', true],
+];
+
+const KEYS: [string[], string][] = [
+  [['Space'], 'play or pause; hold a live picture'],
+  [['←', '→'], 'a frame back or on; with Shift a second'],
+  [['↑', '↓'], 'faster or slower'],
+  [['Home', 'End'], 'to the first or last frame'],
+  [['1', '…', '6'], 'layers'],
+  [['F'], 'follow the chosen person'],
+  [['R'], 'the whole scene'],
+  [['L'], 'layers and charts'],
+  [['T'], 'light or dark'],
+  [['Esc'], 'let go of the person'],
+];
+
+const HISTORY_MS = 700;
+const PANEL_MS = 120;
+
+class Page {
+  private readonly stage = new Stage(el<HTMLCanvasElement>('stage'));
+  private readonly card = new Card((id) => this.choose(id));
+  private readonly pairChart = new Chart(el<HTMLCanvasElement>('pairChart'));
+  private readonly timeChart = new Chart(el<HTMLCanvasElement>('timeChart'));
+  private readonly scrubChart = new Chart(el<HTMLCanvasElement>('scrubChart'));
+  private readonly layers = new Map<Layer, HTMLInputElement>();
+  private source: Source | null = null;
+  private run: Run | null = null;
+  private frame: Frame | null = null;
+  private series: Series | null = null;
+  private held = false;
+  private isScrubbing = false;
+  private lastTick = 0;
+  private fps = 60;
+  private historyAt = 0;
+  private panelAt = 0;
+  private frames = 0;
+
+  constructor() {
+    this.buildLayers();
+    this.buildLegend();
+    this.bindTimeline();
+    this.bindPointer();
+    el('keys').append(...KEYS.map(([keys, about]) => keyRow(keys, about)));
+    el('panelButton').onclick = () => this.togglePanel();
+    el('themeButton').onclick = () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark');
+    el('helpButton').onclick = () => el<HTMLDialogElement>('help').showModal();
+    el('closeCard').onclick = () => this.choose(-1);
+    el('follow').onclick = () => this.toggleFollow();
+    el('livePause').onclick = () => this.toggleHeld();
+    addEventListener('keydown', (event) => this.key(event));
+    addEventListener('resize', () => this.resize());
+    const dark = matchMedia('(prefers-color-scheme: dark)');
+    dark.addEventListener('change', () => this.setTheme(dark.matches ? 'dark' : 'light'));
+    this.setTheme(dark.matches ? 'dark' : 'light');
+    if (innerWidth <= 720) this.togglePanel();
+    this.resize();
+    requestAnimationFrame((now) => this.tick(now));
+  }
+
+  async open(): Promise<void> {
+    const events = {
+      run: (run: Run) => this.setRun(run),
+      frame: (frame: Frame) => this.take(frame),
+      series: (series: Series) => (this.series = series),
+      history: (id: number, past: any[]) => id === this.card.id && this.card.setHistory(past as any),
+      notice: (title: string, detail = '') => this.notice(title, detail),
+    };
+    const recording = document.getElementById('recording');
+    if (recording) {
+      const replay = new Replay(await inflated(recording.textContent ?? ''));
+      recording.remove();
+      this.source = new FileSource(replay, events);
+    } else {
+      this.source = new ServerSource(`ws://${location.host}/ws`, events);
+    }
+  }
+
+  // What comes
+
+  private setRun(run: Run): void {
+    const isNew = this.run?.run_id !== run.run_id;
+    this.run = run;
+    this.stage.setRun(run);
+    this.stage.setTheme(this.theme);
+    for (const [layer, box] of this.layers) this.stage.show(layer, box.checked);
+    setText(el('scene'), run.scene);
+    document.title = `${run.scene} – Throng`;
+    setText(el('mode'), run.mode === 'live' ? 'LIVE' : run.mode === 'log' ? 'LOG' : 'REPLAY');
+    el('mode').classList.toggle('live', run.mode === 'live');
+    el('timeline').hidden = run.mode === 'live';
+    el('pauseBar').hidden = run.mode !== 'live';
+    if (isNew) this.choose(-1);
+    this.notice('');
+    this.frame = null;
+  }
+
+  private take(frame: Frame): void {
+    if (this.held && this.frame) return;
+    this.frame = frame;
+    ++this.frames;
+    this.stage.take(frame);
+  }
+
+  private notice(title: string, detail = ''): void {
+    const box = el('notice');
+    box.hidden = title === '';
+    box.classList.toggle('top', this.run !== null);
+    box.replaceChildren(title, ...(detail ? [make('small', {}, detail)] : []));
+    if (this.run?.mode === 'live') el('mode').classList.toggle('stale', title !== '');
+  }
+
+  // The loop
+
+  private tick(now: number): void {
+    const dt_ms = this.lastTick ? now - this.lastTick : 16;
+    this.lastTick = now;
+    this.fps += 0.05 * (1000 / Math.max(1, dt_ms) - this.fps);
+    if (!this.isScrubbing) this.source?.tick(dt_ms / 1000);
+    else this.source?.tick(0);
+    this.stage.render(this.frame, dt_ms);
+    if (now > this.panelAt) {
+      this.panelAt = now + PANEL_MS;
+      this.updatePanel(now);
+    }
+    requestAnimationFrame((next) => this.tick(next));
+  }
+
+  private updatePanel(now: number): void {
+    const {frame, run, source} = this;
+    setText(el('fps'), String(Math.round(this.fps)));
+    if (!frame || !run || !source) return;
+    setText(el('people'), thousands(frame.present));
+    setText(el('pairs'), thousands(frame.pairs));
+    el('drops').hidden = source.dropped === 0;
+    setText(el('drops'), `${thousands(source.dropped)} dropped`);
+    el('lost').hidden = frame.lost === 0;
+    setText(el('lost'), `${thousands(frame.lost)} lost`);
+    this.updateLegend(frame);
+    this.updateTimeline();
+    this.drawCharts();
+    if (this.card.id >= 0 && now > this.historyAt) {
+      this.historyAt = now + HISTORY_MS;
+      source.askHistory(this.card.id, frame.number);
+    }
+    this.card.update(run, frame);
+    this.updateFacts(frame, run);
+  }
+
+  private updateFacts(frame: Frame, run: Run): void {
+    const {calls, triangles} = this.stage.drawn;
+    const lines = [
+      `${thousands(run.firstPart[run.avatars])} body parts, ${run.part_volume}${run.exact ? ', exact' : ''}`,
+      `${thousands(triangles)} triangles in ${calls} calls`,
+    ];
+    if (frame.build_ms > 0) lines.push(`server ${frame.build_ms.toFixed(1)} ms a frame`);
+    if (this.source instanceof ServerSource) lines.push(`page ${this.source.decode_ms.toFixed(2)} ms to decode`);
+    if (this.series?.problem) lines.push(this.series.problem);
+    setText(el('facts'), lines.join('\n'));
+  }
+
+  private chartStyle(): ChartStyle {
+    const style = getComputedStyle(document.documentElement);
+    const value = (name: string): string => style.getPropertyValue(name).trim();
+    return {line: value('--chart'), fill: value('--chartFill'), text: value('--faint'), cursor: value('--text')};
+  }
+
+  private drawCharts(): void {
+    const {series, source} = this;
+    if (!series) return;
+    const style = this.chartStyle();
+    const playback = source?.playback;
+    const cursor = playback && playback.last > 0 ? playback.position / playback.last : -1;
+    this.pairChart.draw(series.pairs, 'pairs', style, cursor);
+    const hasTimes = Array.prototype.some.call(series.frame_ms, (ms: number) => ms > 0);
+    el('timeChartBox').hidden = !hasTimes;
+    if (hasTimes) this.timeChart.draw(series.frame_ms, 'ms', style, cursor);
+    if (playback) this.scrubChart.draw(series.pairs, '', {...style, text: 'transparent'});
+  }
+
+  // Layers and legend
+
+  private buildLayers(): void {
+    for (const [layer, title, key, on] of LAYER_ROWS) {
+      const box = make('input', {type: 'checkbox', role: 'switch', id: `layer-${layer}`}) as HTMLInputElement;
+      box.checked = on;
+      box.onchange = () => this.stage.show(layer, box.checked);
+      this.layers.set(layer, box);
+      el('layers').append(make('label', {class: 'layer'}, make('span', {}, title), make('kbd', {}, key), box));
+    }
+  }
+
+  private toggleLayer(layer: Layer): void {
+    const box = this.layers.get(layer)!;
+    box.checked = !box.checked;
+    this.stage.show(layer, box.checked);
+  }
+
+  private buildLegend(): void {
+    MARKS.forEach((mark, index) => {
+      const row = make('li', {id: `mark-${index}`}, make('i', {style: `background:${mark.color}`}), make('span', {}, mark.name), make('output', {}), make('small', {}, mark.about));
+      el('legend').append(row);
+    });
+  }
+
+  /** Levels that this run does not know are left out. */
+  private updateLegend(frame: Frame): void {
+    const counts = [frame.crowded, 0, 0, 0, 0];
+    for (let i = 0; i < frame.pairs; ++i) ++counts[pairAt(frame, i).level + 1];
+    const decided = this.run!.exact ? 4 : 3;
+    counts.forEach((count, index) => {
+      const row = el(`mark-${index}`);
+      row.hidden = index > 0 && index !== decided && count === 0;
+      setText(row.querySelector('output')!, thousands(count));
+    });
+  }
+
+  // Time
+
+  private bindTimeline(): void {
+    const scrub = el<HTMLInputElement>('scrub');
+    scrub.oninput = () => this.source?.playback?.seek(Number(scrub.value));
+    scrub.onpointerdown = () => (this.isScrubbing = true);
+    addEventListener('pointerup', () => (this.isScrubbing = false));
+    el('play').onclick = () => this.source?.playback?.toggle();
+    el('stepBack').onclick = () => this.source?.playback?.step(-1);
+    el('stepOn').onclick = () => this.source?.playback?.step(1);
+    el('speed').onclick = () => {
+      const playback = this.source?.playback;
+      if (playback) playback.speed = SPEEDS[(SPEEDS.indexOf(playback.speed) + 1) % SPEEDS.length];
+    };
+  }
+
+  private updateTimeline(): void {
+    const playback = this.source?.playback;
+    if (!playback) return;
+    const scrub = el<HTMLInputElement>('scrub');
+    scrub.min = String(playback.first);
+    scrub.max = String(playback.last);
+    if (!this.isScrubbing) scrub.value = String(playback.frame);
+    scrub.setAttribute('aria-valuetext', `frame ${playback.frame} of ${playback.last}`);
+    setText(el('play'), playback.playing ? '❚❚' : '▶');
+    setText(el('speed'), `${playback.speed}×`);
+    el('clock').replaceChildren(
+      make('b', {}, clock(playback.time_s)),
+      make('span', {class: 'total'}, ` / ${clock(playback.last * playback.step_s)}`),
+    );
+  }
+
+  private toggleHeld(): void {
+    this.held = !this.held;
+    el('livePause').setAttribute('aria-pressed', String(this.held));
+    setText(el('livePause'), this.held ? '▶ Go on' : '❚❚ Hold');
+  }
+
+  // People
+
+  private bindPointer(): void {
+    const canvas = el<HTMLCanvasElement>('stage');
+    let down = [0, 0, 0];
+    canvas.addEventListener('pointerdown', (event) => {
+      down = [event.clientX, event.clientY, performance.now()];
+      canvas.focus({preventScroll: true});
+    });
+    canvas.addEventListener('pointerup', (event) => {
+      const moved = Math.hypot(event.clientX - down[0], event.clientY - down[1]);
+      if (moved > 6 || performance.now() - down[2] > 600 || event.button !== 0) return;
+      this.pickAt(event.clientX, event.clientY, event.pointerType === 'touch' ? 0.12 : 0.03);
+    });
+    canvas.addEventListener('dblclick', () => this.card.id >= 0 && this.toggleFollow());
+  }
+
+  private pickAt(x: number, y: number, slack_m: number): void {
+    if (!this.run || !this.frame) return;
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight), this.stage.camera);
+    this.choose(pick(this.run, this.frame, caster.ray, slack_m));
+  }
+
+  private choose(id: number): void {
+    this.historyAt = 0;
+    this.stage.select(id);
+    if (id < 0 || !this.run) {
+      this.card.close();
+      this.follow(-1);
+      return;
+    }
+    this.card.open(this.run, id);
+    if (this.stage.followed >= 0) this.follow(id);
+  }
+
+  private toggleFollow(): void {
+    this.follow(this.stage.followed < 0 ? this.card.id : -1);
+  }
+
+  private follow(id: number): void {
+    this.stage.followed = id;
+    el('follow').setAttribute('aria-pressed', String(id >= 0));
+    if (id < 0 || !this.run || !this.frame) return;
+    const height_m = this.run.models[this.run.modelOfAvatar[id]].height_m * this.run.scaleOfAvatar[id];
+    this.stage.approach(personOf(this.frame, id).position_m, height_m);
+  }
+
+  // The rest
+
+  private get theme(): ThemeName {
+    return document.documentElement.dataset.theme === 'dark' ? 'dark' : 'light';
+  }
+
+  private setTheme(name: ThemeName): void {
+    document.documentElement.dataset.theme = name;
+    this.stage.setTheme(name);
+  }
+
+  private togglePanel(): void {
+    const isClosed = el('panel').classList.toggle('closed');
+    el('panelButton').setAttribute('aria-expanded', String(!isClosed));
+  }
+
+  private resize(): void {
+    this.stage.resize(innerWidth, innerHeight);
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey || el<HTMLDialogElement>('help').open) return;
+    const onButton = event.target instanceof HTMLButtonElement && (event.key === ' ' || event.key === 'Enter');
+    if (onButton) return;
+    const playback = this.source?.playback;
+    const far = event.shiftKey && playback ? Math.round(1 / playback.step_s) : 1;
+    const layer = LAYER_ROWS.find(([, , key]) => key === event.key);
+    const actions: Record<string, () => void> = {
+      ' ': () => (playback ? playback.toggle() : this.toggleHeld()),
+      arrowleft: () => playback?.step(-far),
+      arrowright: () => playback?.step(far),
+      arrowup: () => playback?.change(1),
+      arrowdown: () => playback?.change(-1),
+      home: () => playback?.seek(0),
+      end: () => playback?.seek(playback.last),
+      f: () => this.card.id >= 0 && this.toggleFollow(),
+      r: () => {
+        this.follow(-1);
+        this.stage.overview();
+      },
+      l: () => this.togglePanel(),
+      t: () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark'),
+      '?': () => el<HTMLDialogElement>('help').showModal(),
+      h: () => el<HTMLDialogElement>('help').showModal(),
+      escape: () => this.choose(-1),
+    };
+    const action = layer ? () => this.toggleLayer(layer[0]) : actions[event.key.toLowerCase()];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  /** For tests and scripts: what the page shows now. */
+  state(): object {
+    const {run, frame, source} = this;
+    return {
+      mode: run?.mode ?? '',
+      avatars: run?.avatars ?? 0,
+      frame: frame?.number ?? -1,
+      frames: this.frames,
+      pairs: frame?.pairs ?? 0,
+      selected: this.card.id,
+      selectedName: run && this.card.id >= 0 ? nameOf(run, this.card.id) : '',
+      dropped: source?.dropped ?? 0,
+      decode_ms: source instanceof ServerSource ? source.decode_ms : 0,
+      build_ms: frame?.build_ms ?? 0,
+      fps: this.fps,
+      drawn: this.stage.drawn,
+    };
+  }
+
+  /** Where a person's chest is on the screen, in pixels; null outside the picture. */
+  whereIs(id: number): [number, number] | null {
+    if (!this.frame || !this.run) return null;
+    const [x, y, z] = personOf(this.frame, id).position_m;
+    const p = this.stage.project(x, y, z + 0.7 * this.run.models[this.run.modelOfAvatar[id]].height_m * this.run.scaleOfAvatar[id]);
+    return Math.abs(p[0]) < 1 && Math.abs(p[1]) < 1 ? [((p[0] + 1) / 2) * innerWidth, ((1 - p[1]) / 2) * innerHeight] : null;
+  }
+
+  /** x, y, z of every part of everybody, in the world. */
+  partPositions(): number[] {
+    const {run, frame} = this;
+    if (!run || !frame) return [];
+    const out: number[] = [];
+    for (let id = 0; id < run.avatars; ++id)
+      for (let part = 0; part < run.firstPart[id + 1] - run.firstPart[id]; ++part)
+        out.push(...poseOf(run, frame, id, part).origin.toArray());
+    return out;
+  }
+
+  positionOf(id: number): number[] {
+    return this.frame ? personOf(this.frame, id).position_m : [];
+  }
+}
+
+const page = new Page();
+Object.assign(window, {throng: page});
+page.open().catch((error: Error) => {
+  const box = el('notice');
+  box.hidden = false;
+  box.replaceChildren('This recording cannot be shown', make('small', {}, error.message));
+});

@@ -1,0 +1,69 @@
+// Who is under the pointer: the ray against the turned boxes of body parts.
+// One rule: asked once a click; nothing of it runs in a frame.
+import {Quaternion, Ray, Sphere, Vector3} from 'three';
+import type {Frame, Run} from './protocol.ts';
+
+const low = (word: number): number => (word << 16) >> 16;
+const high = (word: number): number => word >> 16;
+
+export interface PartPose {
+  origin: Vector3;
+  rotation: Quaternion;
+}
+
+/** The pose of a part in the world, read from the frame's texels. */
+export function poseOf(run: Run, frame: Frame, avatar: number, part: number): PartPose {
+  const at = 4 * (run.firstPart[avatar] + part);
+  const [x, y, z, w] = [frame.parts[at], frame.parts[at + 1], frame.parts[at + 2], frame.parts[at + 3]];
+  const step = run.models[run.modelOfAvatar[avatar]].part_step_m;
+  const origin = new Vector3(low(x), high(x), low(y)).multiplyScalar(step);
+  origin.x += frame.positions[4 * avatar];
+  origin.y += frame.positions[4 * avatar + 1];
+  origin.z += frame.positions[4 * avatar + 2];
+  return {origin, rotation: new Quaternion(low(z), high(z), low(w), high(w)).normalize()};
+}
+
+/** How far along the ray it enters a box around the origin, or Infinity. */
+export function entersBox(origin: Vector3, direction: Vector3, half: Vector3): number {
+  let first = 0;
+  let last = Infinity;
+  for (const axis of ['x', 'y', 'z'] as const) {
+    const inverse = 1 / direction[axis];
+    const t1 = (-half[axis] - origin[axis]) * inverse;
+    const t2 = (half[axis] - origin[axis]) * inverse;
+    first = Math.max(first, Math.min(t1, t2));
+    last = Math.min(last, Math.max(t1, t2));
+  }
+  return first <= last ? first : Infinity;
+}
+
+/** The nearest person whom the ray hits, or -1. `slack_m` widens parts, for fingers. */
+export function pick(run: Run, frame: Frame, ray: Ray, slack_m: number): number {
+  let best = -1;
+  let nearest = Infinity;
+  const sphere = new Sphere();
+  const half = new Vector3();
+  for (let id = 0; id < frame.avatars; ++id) {
+    if ((frame.people[4 * id + 3] & 1) === 0) continue;
+    const model = run.models[run.modelOfAvatar[id]];
+    const scale = run.scaleOfAvatar[id];
+    const [x, y, z] = [frame.positions[4 * id], frame.positions[4 * id + 1], frame.positions[4 * id + 2]];
+    sphere.center.set(x, y, z + model.sphere.centre_z_m * scale);
+    sphere.radius = model.sphere.radius_m * scale + slack_m;
+    if (!ray.intersectsSphere(sphere)) continue;
+    model.parts.forEach((part, index) => {
+      const pose = poseOf(run, frame, id, index);
+      const back = pose.rotation.clone().invert();
+      const origin = ray.origin.clone().sub(pose.origin).applyQuaternion(back).divideScalar(scale);
+      origin.sub(new Vector3(...part.box.centre_m));
+      const direction = ray.direction.clone().applyQuaternion(back).divideScalar(scale);
+      half.set(...part.box.half_m).addScalar(slack_m);
+      const distance = entersBox(origin, direction, half);
+      if (distance < nearest) {
+        nearest = distance;
+        best = id;
+      }
+    });
+  }
+  return best;
+}

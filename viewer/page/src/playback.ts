@@ -1,0 +1,67 @@
+// The clock of a recorded run: where it stands, how fast it goes.
+// One rule: knows frames and seconds, no page and no server.
+
+export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
+
+export class Playback {
+  /** In frames, with a fraction; the frame to show is the whole part. */
+  position = 0;
+  playing = true;
+  speed = 1;
+  /** Frames known so far; the last one is frames - 1. */
+  frames = 0;
+  first = 0;
+
+  constructor(public step_s: number) {}
+
+  /** Goes on by `dt_s` of the viewer's time; stops at the last frame once all are known. */
+  advance(dt_s: number, complete = true): void {
+    if (!this.playing || this.frames === 0) return;
+    // A tab that slept goes on where it was.
+    this.position += (Math.min(dt_s, 0.25) * this.speed) / this.step_s;
+    if (this.position >= this.last) {
+      this.position = this.last;
+      if (complete) this.playing = false;
+    }
+  }
+
+  get last(): number {
+    return Math.max(this.first, this.frames - 1);
+  }
+
+  get frame(): number {
+    return Math.floor(this.position);
+  }
+
+  get time_s(): number {
+    return this.frame * this.step_s;
+  }
+
+  seek(frame: number): void {
+    this.position = Math.min(this.last, Math.max(this.first, frame));
+  }
+
+  step(frames: number): void {
+    this.playing = false;
+    this.seek(this.frame + frames);
+  }
+
+  /** From the end it plays from the beginning. */
+  toggle(): void {
+    if (!this.playing && this.position >= this.last) this.position = this.first;
+    this.playing = !this.playing;
+  }
+
+  /** To the next speed of SPEEDS, up (1) or down (-1). */
+  change(direction: number): void {
+    const at = SPEEDS.indexOf(this.speed);
+    this.speed = SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, at + direction))];
+  }
+}
+
+/** "1:02.35" */
+export function clock(time_s: number): string {
+  const minutes = Math.floor(time_s / 60);
+  const seconds = (time_s - minutes * 60).toFixed(2).padStart(5, '0');
+  return `${minutes}:${seconds}`;
+}

@@ -1,0 +1,235 @@
+// The binary messages of the server, as typed arrays over the bytes that came.
+// One rule: nothing of a frame is copied or converted here; a frame goes to the graphics card as is.
+
+const RUN_MESSAGE = 0x31525454;
+const FRAME_MESSAGE = 0x31465454;
+const HEAD_BYTES = 64;
+
+export const AVATAR_WORDS = 4;
+export const PART_WORDS = 4;
+export const PAIR_WORDS = 3;
+
+/** The part index of a pair of whole bodies that was not refined to parts. */
+export const WHOLE_BODY = 255;
+
+export type Vec3 = [number, number, number];
+
+export interface Mesh {
+  positions: Float32Array; // x, y, z in metres, in the frame of the part or obstacle
+  indices: Uint32Array; // triangles, or the lines of a hull
+}
+
+export interface Part {
+  name: string;
+  link: number;
+  box: {centre_m: Vec3; half_m: Vec3};
+  mesh: Mesh;
+  hull: Mesh;
+}
+
+export interface Joint {
+  name: string;
+  kind: number; // 0 fixed, 1 and 2 turn, 3 slides
+  parent_link: number;
+  position_m: Vec3;
+  rotation_wxyz: [number, number, number, number];
+  axis: Vec3;
+  mimic_joint: number;
+  mimic_multiplier: number;
+  mimic_offset: number;
+  column: number;
+}
+
+export interface Model {
+  name: string;
+  height_m: number;
+  sphere: {centre_z_m: number; radius_m: number};
+  part_step_m: number;
+  parts: Part[];
+  joints: Joint[];
+}
+
+export interface Obstacle {
+  name: string;
+  kind: number;
+  centre_m: Vec3;
+  heading_rad: number;
+  mesh: Mesh;
+}
+
+export interface Run {
+  mode: 'live' | 'log' | 'file';
+  scene: string;
+  seed: number;
+  run_id: string;
+  step_s: number;
+  part_volume: string;
+  hull_directions: number;
+  exact: boolean;
+  ground: {min_m: [number, number]; max_m: [number, number]};
+  avatars: number;
+  models: Model[];
+  obstacles: Obstacle[];
+  groups: string[];
+  scaleOfAvatar: Float32Array;
+  modelOfAvatar: Int16Array;
+  groupOfAvatar: Int16Array;
+  firstPart: Uint32Array; // avatars + 1 entries
+}
+
+export interface Frame {
+  number: number;
+  time_s: number;
+  seq: number;
+  frame_ms: number;
+  build_ms: number;
+  crowded: number;
+  present: number;
+  lost: number;
+  avatars: number;
+  pairs: number;
+  people: Uint32Array; // a texel a person: x, y, z as floats, then flags, mark and speed
+  positions: Float32Array; // the same bytes
+  parts: Uint32Array; // a texel a part
+  pairWords: Uint32Array; // a, b, then part_a | part_b << 8 | level << 16
+}
+
+interface MeshPlace {
+  vertex_step_m: number;
+  vertices: number;
+  vertex_count: number;
+  indices: number;
+  index_count: number;
+}
+
+function meshAt(place: MeshPlace, buffer: ArrayBuffer, base: number): Mesh {
+  const steps = new Int16Array(buffer, base + place.vertices, place.vertex_count * 3);
+  const positions = new Float32Array(steps.length);
+  for (let i = 0; i < steps.length; ++i) positions[i] = steps[i] * place.vertex_step_m;
+  return {positions, indices: new Uint32Array(buffer, base + place.indices, place.index_count)};
+}
+
+/** The kind of a binary message, or '' if it is none of ours. */
+export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | '' {
+  if (buffer.byteLength < 8) return '';
+  const kind = new DataView(buffer).getUint32(0, true);
+  return kind === RUN_MESSAGE ? 'run' : kind === FRAME_MESSAGE ? 'frame' : '';
+}
+
+/** Throws a RangeError or SyntaxError where the bytes are no run message. */
+export function decodeRun(buffer: ArrayBuffer): Run {
+  if (kindOf(buffer) !== 'run') throw new RangeError('not a run message');
+  const textBytes = new DataView(buffer).getUint32(4, true);
+  const text = new TextDecoder().decode(new Uint8Array(buffer, 8, textBytes));
+  const base = 8 + textBytes;
+  const json = JSON.parse(text);
+  for (const model of json.models)
+    for (const part of model.parts) {
+      part.mesh = meshAt(part.mesh, buffer, base);
+      part.hull = meshAt(part.hull, buffer, base);
+    }
+  for (const obstacle of json.obstacles) obstacle.mesh = meshAt(obstacle.mesh, buffer, base);
+  const run: Run = {
+    ...json,
+    scaleOfAvatar: new Float32Array(buffer, base + json.scale_of_avatar, json.avatars),
+    modelOfAvatar: new Int16Array(buffer, base + json.model_of_avatar, json.avatars),
+    groupOfAvatar: new Int16Array(buffer, base + json.group_of_avatar, json.avatars),
+    firstPart: new Uint32Array(json.avatars + 1),
+  };
+  for (let i = 0; i < run.avatars; ++i)
+    run.firstPart[i + 1] = run.firstPart[i] + run.models[run.modelOfAvatar[i]].parts.length;
+  return run;
+}
+
+/** Views into `buffer`; throws a RangeError where its length is not what its head says. */
+export function decodeFrame(buffer: ArrayBuffer): Frame {
+  if (kindOf(buffer) !== 'frame') throw new RangeError('not a frame message');
+  const head = new DataView(buffer, 0, HEAD_BYTES);
+  const avatars = head.getUint32(4, true);
+  const parts = head.getUint32(8, true);
+  const pairs = head.getUint32(12, true);
+  const partsAt = HEAD_BYTES + avatars * 16;
+  const pairsAt = partsAt + parts * 16;
+  if (pairsAt + pairs * 12 !== buffer.byteLength) throw new RangeError('a frame of another length');
+  return {
+    number: head.getFloat64(16, true),
+    time_s: head.getFloat64(24, true),
+    seq: head.getFloat64(32, true),
+    frame_ms: head.getFloat32(40, true),
+    build_ms: head.getFloat32(44, true),
+    crowded: head.getUint32(48, true),
+    present: head.getUint32(52, true),
+    lost: head.getFloat32(56, true),
+    avatars,
+    pairs,
+    people: new Uint32Array(buffer, HEAD_BYTES, avatars * AVATAR_WORDS),
+    positions: new Float32Array(buffer, HEAD_BYTES, avatars * AVATAR_WORDS),
+    parts: new Uint32Array(buffer, partsAt, parts * PART_WORDS),
+    pairWords: new Uint32Array(buffer, pairsAt, pairs * PAIR_WORDS),
+  };
+}
+
+export interface Person {
+  present: boolean;
+  crowded: boolean;
+  mark: number;
+  speed_mps: number;
+  position_m: Vec3;
+}
+
+export function personOf(frame: Frame, id: number): Person {
+  const at = id * AVATAR_WORDS;
+  const state = frame.people[at + 3];
+  return {
+    present: (state & 1) !== 0,
+    crowded: (state & 2) !== 0,
+    mark: (state >>> 8) & 0xff,
+    speed_mps: (state >>> 16) / 1000,
+    position_m: [frame.positions[at], frame.positions[at + 1], frame.positions[at + 2]],
+  };
+}
+
+export interface Pair {
+  a: number;
+  b: number;
+  partA: number;
+  partB: number;
+  level: number;
+}
+
+export function pairAt(frame: Frame, index: number): Pair {
+  const at = index * PAIR_WORDS;
+  const rest = frame.pairWords[at + 2];
+  return {
+    a: frame.pairWords[at],
+    b: frame.pairWords[at + 1],
+    partA: rest & 0xff,
+    partB: (rest >>> 8) & 0xff,
+    level: (rest >>> 16) & 0xff,
+  };
+}
+
+/** The pairs of a body; pairs are sorted by a, then b. */
+export function pairsOf(frame: Frame, id: number): Pair[] {
+  const found: Pair[] = [];
+  const words = frame.pairWords;
+  for (let at = 0; at < words.length; at += PAIR_WORDS)
+    if (words[at] === id || words[at + 1] === id) found.push(pairAt(frame, at / PAIR_WORDS));
+  return found;
+}
+
+/** "leftHand" is "left hand". */
+export function spoken(name: string): string {
+  return name.replace(/([a-z])([A-Z])/g, '$1 $2').replace(/_/g, ' ').toLowerCase();
+}
+
+export function nameOf(run: Run, body: number): string {
+  if (body < run.avatars) return `${run.groups[run.groupOfAvatar[body]] ?? 'person'} ${body}`;
+  return run.obstacles[body - run.avatars]?.name ?? `obstacle ${body}`;
+}
+
+export function partNameOf(run: Run, body: number, part: number): string {
+  if (part === WHOLE_BODY) return 'body';
+  if (body >= run.avatars) return '';
+  return spoken(run.models[run.modelOfAvatar[body]].parts[part]?.name ?? `part ${part}`);
+}

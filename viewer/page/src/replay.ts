@@ -1,0 +1,323 @@
+// A recorded run inside the page: keys ten times a second, rebuilt to a frame at any moment.
+// One rule: what comes out is a frame like one of the server's, so that nothing else of the page
+// knows the difference.
+import {decodeRun, type Frame, type Joint, type Model, type Run} from './protocol.ts';
+import {posesOf, type Posture} from './kinematics.ts';
+import {crowded} from './crowded.ts';
+
+interface Head {
+  position_step_m: number;
+  quaternion_step: number;
+  frames: number;
+  pairs: number;
+  pairs_at: number;
+  keys: number[];
+  frame_us: number[];
+  models: {mean: number[]; directions: number[][]}[];
+}
+
+/** A pair from the frame of its begin up to the one before its end. */
+export interface Stretch {
+  a: number;
+  b: number;
+  partA: number;
+  partB: number;
+  level: number;
+  begin: number;
+  end: number;
+}
+
+/** Numbers of seven bits a byte, signs in the lowest bit; each column is read to its end. */
+export class Varints {
+  constructor(
+    private readonly bytes: Uint8Array,
+    public at = 0,
+  ) {}
+
+  next(): number {
+    let value = 0;
+    let factor = 1;
+    for (;;) {
+      if (this.at >= this.bytes.length) throw new RangeError('the recording ends too early');
+      const byte = this.bytes[this.at++];
+      value += (byte & 127) * factor;
+      if (byte < 128) break;
+      factor *= 128;
+    }
+    return value % 2 === 0 ? value / 2 : -(value + 1) / 2;
+  }
+
+  /** `count` numbers, each what a straight line through the two before does not foretell. */
+  curve(out: Float32Array | Int16Array, from: number, stride: number, count: number, unit: number): void {
+    let last = 0;
+    let slope = 0;
+    for (let i = 0; i < count; ++i) {
+      const value = this.next() + last + slope;
+      slope = i === 0 ? 0 : value - last;
+      last = value;
+      out[from + i * stride] = value * unit;
+    }
+  }
+
+  bytesOf(count: number): Uint8Array {
+    this.at += count;
+    return this.bytes.subarray(this.at - count, this.at);
+  }
+}
+
+export async function inflated(base64: string): Promise<ArrayBuffer> {
+  const text = atob(base64.trim());
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = text.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Response(stream).arrayBuffer();
+}
+
+export class Replay {
+  readonly run: Run;
+  readonly frames: number;
+  readonly stretches: Stretch[] = [];
+  /** Pairs that touch, by frame. */
+  readonly pairs: Int32Array;
+  readonly frame_ms: number[];
+  private readonly head: Head;
+  private readonly roots: Float32Array; // key by key: x, y, z, qw.. of each avatar, then presence
+  private readonly steps: Int16Array[]; // a model each: key by key, member by member, coefficients
+  private readonly memberOf: Uint32Array;
+  private readonly members: number[];
+  private readonly bySecond: number[][] = [];
+  private readonly perBucket: number;
+
+  constructor(buffer: ArrayBuffer) {
+    const view = new DataView(buffer);
+    const runBytes = view.getUint32(0, true);
+    this.run = decodeRun(buffer.slice(4, 4 + runBytes));
+    const headBytes = view.getUint32(4 + runBytes, true);
+    const columnsAt = 8 + runBytes + headBytes;
+    this.head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8 + runBytes, headBytes)));
+    this.frames = this.head.frames;
+    this.frame_ms = this.head.frame_us.map((us) => us / 1000);
+    this.perBucket = Math.max(1, Math.round(1 / this.run.step_s));
+    this.members = this.run.models.map(() => 0);
+    this.memberOf = Uint32Array.from(this.run.modelOfAvatar, (m) => this.members[m]++);
+    const columns = new Uint8Array(buffer, columnsAt);
+    const numbers = new Varints(columns);
+    this.roots = this.readRoots(numbers);
+    this.steps = this.readSteps(numbers);
+    this.readPairs(new Varints(columns, this.head.pairs_at));
+    this.pairs = this.countPairs();
+  }
+
+  private readRoots(numbers: Varints): Float32Array {
+    const {avatars} = this.run;
+    const keys = this.head.keys.length;
+    const out = new Float32Array(keys * avatars * 8);
+    const columns = [7, 0, 1, 2, 3, 4, 5, 6];
+    for (const column of columns) {
+      const unit = column === 7 ? 1 : column < 3 ? this.head.position_step_m : this.head.quaternion_step;
+      for (let i = 0; i < avatars; ++i) numbers.curve(out, i * 8 + column, avatars * 8, keys, unit);
+    }
+    return out;
+  }
+
+  private readSteps(numbers: Varints): Int16Array[] {
+    const keys = this.head.keys.length;
+    return this.head.models.map((model, m) => {
+      const components = model.directions.length;
+      const stride = this.members[m] * components;
+      const out = new Int16Array(keys * stride);
+      for (let c = 0; c < components; ++c)
+        for (let i = 0; i < this.members[m]; ++i)
+          numbers.curve(out, i * components + c, stride, keys, 1);
+      return out;
+    });
+  }
+
+  private readPairs(numbers: Varints): void {
+    const count = this.head.pairs;
+    const a = new Int32Array(count);
+    const b = new Int32Array(count);
+    for (let i = 0; i < count; ++i) a[i] = (i > 0 ? a[i - 1] : 0) + numbers.next();
+    for (let i = 0; i < count; ++i)
+      b[i] = numbers.next() + (a[i] === (i > 0 ? a[i - 1] : 0) ? (i > 0 ? b[i - 1] : 0) : a[i]);
+    const partA = numbers.bytesOf(count);
+    const partB = numbers.bytesOf(count);
+    const level = numbers.bytesOf(count);
+    const begins = Int32Array.from({length: count}, () => numbers.next());
+    const lengths = Int32Array.from({length: count}, () => numbers.next());
+    let end = 0;
+    for (let i = 0; i < count; ++i) {
+      const isSame =
+        i > 0 && a[i] === a[i - 1] && b[i] === b[i - 1] && partA[i] === partA[i - 1] && partB[i] === partB[i - 1];
+      const begin = begins[i] + (isSame ? end : 0);
+      end = begin + lengths[i];
+      this.stretches.push({a: a[i], b: b[i], partA: partA[i], partB: partB[i], level: level[i], begin, end});
+    }
+  }
+
+  private countPairs(): Int32Array {
+    const changes = new Int32Array(this.frames + 1);
+    this.stretches.forEach((stretch, index) => {
+      changes[Math.min(this.frames, stretch.begin)] += 1;
+      changes[Math.min(this.frames, stretch.end)] -= 1;
+      const first = Math.floor(stretch.begin / this.perBucket);
+      const last = Math.floor(Math.max(stretch.begin, stretch.end - 1) / this.perBucket);
+      for (let s = first; s <= last; ++s) (this.bySecond[s] ??= []).push(index);
+    });
+    let open = 0;
+    return changes.subarray(0, this.frames).map((change) => (open += change));
+  }
+
+  /** Sorted like the server's. */
+  touching(frame: number): Stretch[] {
+    const near = this.bySecond[Math.floor(frame / this.perBucket)] ?? [];
+    return near.map((i) => this.stretches[i]).filter((s) => s.begin <= frame && frame < s.end);
+  }
+
+  /** The newest pairs of a body that began at or before a frame, newest first. */
+  history(body: number, frame: number, most: number): Stretch[] {
+    return this.stretches
+      .filter((s) => (s.a === body || s.b === body) && s.begin <= frame)
+      .sort((p, q) => q.begin - p.begin)
+      .slice(0, most);
+  }
+
+  /** The frame at a moment between frames, people moved on smoothly from key to key. */
+  frameAt(position: number): Frame {
+    const number = Math.min(this.frames - 1, Math.max(0, Math.floor(position)));
+    const keys = this.head.keys;
+    let k = 0;
+    let high = keys.length - 1;
+    while (k < high) {
+      const middle = (k + high + 1) >> 1;
+      if (keys[middle] <= position) k = middle;
+      else high = middle - 1;
+    }
+    const next = Math.min(k + 1, keys.length - 1);
+    const t = next === k ? 0 : Math.min(1, Math.max(0, (position - keys[k]) / (keys[next] - keys[k])));
+    return this.build(number, [Math.max(0, k - 1), k, next, Math.min(keys.length - 1, next + 1)], t);
+  }
+
+  private build(number: number, keys: [number, number, number, number], t: number): Frame {
+    const {run} = this;
+    const touching = this.touching(number);
+    const parts = run.firstPart[run.avatars];
+    const buffer = new ArrayBuffer(run.avatars * 16 + parts * 16 + touching.length * 12);
+    const positions = new Float32Array(buffer, 0, run.avatars * 4);
+    const people = new Uint32Array(buffer, 0, run.avatars * 4);
+    const partWords = new Uint32Array(buffer, run.avatars * 16, parts * 4);
+    const partHalves = new Int16Array(buffer, run.avatars * 16, parts * 8);
+    const weights = cubic(t);
+    const root = new Float32Array(8);
+    const postures = run.models.map((model, m) => this.posture(model, m));
+    const spheres = new Float32Array(run.avatars * 4);
+    let present = 0;
+    for (let i = 0; i < run.avatars; ++i) {
+      const m = run.modelOfAvatar[i];
+      const model = run.models[m];
+      this.rootAt(i, keys, weights, root);
+      const there = this.roots[(keys[1] * run.avatars + i) * 8 + 7] > 0.5;
+      const speed = this.speedAt(i, keys);
+      positions.set(root.subarray(0, 3), i * 4);
+      people[i * 4 + 3] = (there ? 1 : 0) | (Math.min(65535, Math.round(speed * 1000)) << 16);
+      if (there) ++present;
+      const scale = run.scaleOfAvatar[i];
+      spheres.set([root[0], root[1], root[2] + model.sphere.centre_z_m * scale, there ? model.sphere.radius_m * scale : 0], i * 4);
+      this.fillPosture(postures[m], m, this.memberOf[i], keys, weights);
+      posesOf(model, postures[m], root, scale, partHalves, run.firstPart[i] * 8);
+    }
+    const flags = crowded(spheres);
+    let crowdedCount = 0;
+    for (let i = 0; i < run.avatars; ++i) {
+      if (!flags[i]) continue;
+      people[i * 4 + 3] |= 2;
+      ++crowdedCount;
+    }
+    const pairWords = new Uint32Array(buffer, run.avatars * 16 + parts * 16, touching.length * 3);
+    touching.forEach((pair, index) => {
+      pairWords.set([pair.a, pair.b, pair.partA | (pair.partB << 8) | (pair.level << 16)], index * 3);
+      for (const [body, part] of [[pair.a, pair.partA], [pair.b, pair.partB]])
+        markPart(run, people, partWords, body, part, pair.level + 1);
+    });
+    return {
+      number,
+      time_s: number * run.step_s,
+      seq: 0,
+      frame_ms: this.frame_ms[number] ?? 0,
+      build_ms: 0,
+      crowded: crowdedCount,
+      present,
+      lost: 0,
+      avatars: run.avatars,
+      pairs: touching.length,
+      people,
+      positions,
+      parts: partWords,
+      pairWords,
+    };
+  }
+
+  private rootAt(i: number, keys: number[], weights: number[], out: Float32Array): void {
+    out.fill(0);
+    for (let k = 0; k < 4; ++k) {
+      const at = (keys[k] * this.run.avatars + i) * 8;
+      for (let c = 0; c < 7; ++c) out[c] += weights[k] * this.roots[at + c];
+    }
+    const length = Math.hypot(out[3], out[4], out[5], out[6]) || 1;
+    for (let c = 3; c < 7; ++c) out[c] /= length;
+  }
+
+  private speedAt(i: number, keys: number[]): number {
+    const frames = this.head.keys[keys[2]] - this.head.keys[keys[1]];
+    if (frames === 0) return 0;
+    const from = (keys[1] * this.run.avatars + i) * 8;
+    const to = (keys[2] * this.run.avatars + i) * 8;
+    const way = Math.hypot(this.roots[to] - this.roots[from], this.roots[to + 1] - this.roots[from + 1]);
+    return way / (frames * this.run.step_s);
+  }
+
+  private posture(model: Model, m: number): Posture {
+    return {columns: new Float64Array(this.head.models[m].mean.length), ...linksOf(model)};
+  }
+
+  private fillPosture(posture: Posture, m: number, member: number, keys: number[], weights: number[]): void {
+    const {mean, directions} = this.head.models[m];
+    const steps = this.steps[m];
+    const stride = this.members[m] * directions.length;
+    posture.columns.set(mean);
+    for (let c = 0; c < directions.length; ++c) {
+      const at = member * directions.length + c;
+      let amount = 0;
+      for (let k = 0; k < 4; ++k) amount += weights[k] * steps[keys[k] * stride + at];
+      const direction = directions[c];
+      for (let j = 0; j < direction.length; ++j) posture.columns[j] += amount * direction[j];
+    }
+  }
+}
+
+/** Weights of four keys for a curve through the middle two (Catmull and Rom 1974). */
+export function cubic(t: number): [number, number, number, number] {
+  const t2 = t * t;
+  const t3 = t2 * t;
+  return [
+    -0.5 * t3 + t2 - 0.5 * t,
+    1.5 * t3 - 2.5 * t2 + 1,
+    -1.5 * t3 + 2 * t2 + 0.5 * t,
+    0.5 * t3 - 0.5 * t2,
+  ];
+}
+
+function linksOf(model: Model): {values: Float64Array; links: Float64Array} {
+  const joints: Joint[] = model.joints;
+  return {values: new Float64Array(joints.length), links: new Float64Array(7 * (joints.length + 1))};
+}
+
+function markPart(run: Run, people: Uint32Array, parts: Uint32Array, body: number, part: number, mark: number): void {
+  if (body >= run.avatars) return;
+  const word = body * 4 + 3;
+  const known = (people[word] >>> 8) & 0xff;
+  if (mark > known) people[word] = (people[word] & ~0xff00) | (mark << 8);
+  const at = run.firstPart[body] + part;
+  if (at >= run.firstPart[body + 1]) return;
+  if (mark > parts[at * 4 + 1] >>> 16) parts[at * 4 + 1] = (parts[at * 4 + 1] & 0xffff) | (mark << 16);
+}

@@ -1,0 +1,303 @@
+// What the graphics card computes: poses from the frame's texels, light, lines.
+// One rule: a frame is two textures of 16-byte texels; everything per vertex happens here.
+
+export const TEXTURE_WIDTH = 1024;
+
+/** Reads people and parts. Instances are (avatar, first part, scale). */
+const POSES = /* glsl */ `
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform usampler2D uPeople;
+uniform usampler2D uParts;
+uniform float uPartStep;
+uniform mat4 viewMatrix;
+uniform mat4 projectionMatrix;
+in vec3 instance;
+
+uvec4 texel(usampler2D map, uint index) {
+  return texelFetch(map, ivec2(int(index & ${TEXTURE_WIDTH - 1}u), int(index >> 10u)), 0);
+}
+vec3 turned(vec4 q, vec3 v) {
+  return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
+}
+float low(uint word) { return float(int(word << 16u) >> 16); }
+float high(uint word) { return float(int(word) >> 16); }
+
+struct Person { vec3 root; bool there; bool crowded; uint mark; };
+Person person() {
+  uvec4 t = texel(uPeople, uint(instance.x));
+  return Person(uintBitsToFloat(t.xyz), (t.w & 1u) != 0u, (t.w & 2u) != 0u, (t.w >> 8u) & 255u);
+}
+struct Pose { vec3 origin; vec4 q; uint mark; };
+Pose pose(float part) {
+  uvec4 t = texel(uParts, uint(instance.y + part));
+  vec3 origin = vec3(low(t.x), high(t.x), low(t.y)) * uPartStep;
+  return Pose(origin, normalize(vec4(low(t.z), high(t.z), low(t.w), high(t.w))), t.y >> 16u);
+}
+const vec4 NOWHERE = vec4(2.0, 2.0, 2.0, 1.0);
+`;
+
+const CLOTHES = /* glsl */ `
+uniform vec3 uMarks[5];
+uniform vec3 uShirts[8];
+uniform vec3 uTrousers[5];
+uniform vec3 uSkins[5];
+uniform vec3 uHairs[4];
+uniform vec3 uShoes[3];
+uniform float uTint;
+uint scatter(uint x) {
+  x ^= x >> 16u; x *= 0x7feb352du; x ^= x >> 15u; x *= 0x846ca68bu; x ^= x >> 16u;
+  return x;
+}
+vec3 clothes(float slot, uint id) {
+  uint h = scatter(id + 1u);
+  if (slot < 0.5) return uShirts[h % 8u];
+  if (slot < 1.5) return uTrousers[(h >> 4u) % 5u];
+  if (slot < 2.5) return uSkins[(h >> 8u) % 5u];
+  if (slot < 3.5) return uHairs[(h >> 12u) % 4u];
+  return uShoes[(h >> 16u) % 3u];
+}
+`;
+
+export const BODY_VERTEX = POSES + CLOTHES + /* glsl */ `
+in vec3 position;
+in vec3 normal;
+in vec2 partSlot;
+uniform float uSelected;
+out vec3 vNormal;
+out vec3 vColor;
+out vec3 vWorld;
+out float vMarked;
+out float vSelected;
+void main() {
+  Person who = person();
+  if (!who.there) { gl_Position = NOWHERE; return; }
+  Pose p = pose(partSlot.x);
+  vec3 world = who.root + p.origin + turned(p.q, position * instance.z);
+  vNormal = turned(p.q, normal);
+  vWorld = world;
+  uint mark = max(p.mark, who.mark == 1u || who.mark == 2u ? who.mark : 0u);
+  vec3 cloth = clothes(partSlot.y, uint(instance.x));
+  if (who.crowded) cloth = mix(cloth, uMarks[0], uTint);
+  vMarked = mark > 0u ? 1.0 : 0.0;
+  vColor = mark > 0u ? uMarks[mark] : cloth;
+  vSelected = instance.x == uSelected ? 1.0 : 0.0;
+  gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
+}`;
+
+const SRGB = /* glsl */ `
+vec4 shown(vec3 linear, float alpha) {
+  vec3 c = clamp(linear, 0.0, 1.0);
+  return vec4(mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)), alpha);
+}
+`;
+
+const LIGHT = /* glsl */ `
+uniform vec3 uSun;
+uniform vec3 uSky;
+uniform vec3 uEarth;
+uniform vec3 uSunColor;
+uniform vec3 uFog;
+uniform vec2 uFogRange;
+uniform vec3 uEye;
+vec3 lit(vec3 color, vec3 n, vec3 world) {
+  float up = 0.5 + 0.5 * n.z;
+  float sun = max(0.0, dot(n, uSun));
+  float near = mix(0.72, 1.0, smoothstep(0.0, 1.1, world.z));
+  return color * (mix(uEarth, uSky, up) * near + uSunColor * sun);
+}
+vec3 fogged(vec3 color, vec3 world) {
+  return mix(color, uFog, smoothstep(uFogRange.x, uFogRange.y, distance(world, uEye)));
+}
+` + SRGB;
+
+export const BODY_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec3 vNormal;
+in vec3 vColor;
+in vec3 vWorld;
+in float vMarked;
+in float vSelected;
+out vec4 fragment;
+` + LIGHT + /* glsl */ `
+void main() {
+  vec3 n = normalize(vNormal);
+  vec3 toEye = normalize(uEye - vWorld);
+  float rim = pow(1.0 - max(0.0, dot(n, toEye)), 3.0);
+  vec3 color = lit(vColor, n, vWorld);
+  // What touches is to be found in a crowd: it glows a little, so that shadow does not hide it.
+  color += vColor * vMarked * 0.28 + uSky * rim * 0.16;
+  if (vSelected > 0.5) color = mix(color, vec3(1.0), 0.18 + 0.6 * rim);
+  fragment = shown(fogged(color, vWorld), 1.0);
+}`;
+
+/** The shadow on the ground: every vertex slid along the sun's rays onto z = 0. */
+export const SHADOW_VERTEX = POSES + /* glsl */ `
+in vec3 position;
+in vec2 partSlot;
+uniform vec3 uSun;
+void main() {
+  Person who = person();
+  if (!who.there) { gl_Position = NOWHERE; return; }
+  Pose p = pose(partSlot.x);
+  vec3 world = who.root + p.origin + turned(p.q, position * instance.z);
+  world -= uSun * (max(0.0, world.z) / uSun.z);
+  gl_Position = projectionMatrix * viewMatrix * vec4(world.xy, 0.004, 1.0);
+}`;
+
+export const FLAT_SHADOW_VERTEX = /* glsl */ `
+precision highp float;
+uniform mat4 modelMatrix;
+uniform mat4 viewMatrix;
+uniform mat4 projectionMatrix;
+uniform vec3 uSun;
+in vec3 position;
+void main() {
+  vec3 world = (modelMatrix * vec4(position, 1.0)).xyz;
+  world -= uSun * (max(0.0, world.z) / uSun.z);
+  gl_Position = projectionMatrix * viewMatrix * vec4(world.xy, 0.004, 1.0);
+}`;
+
+export const SHADOW_FRAGMENT = /* glsl */ `
+precision highp float;
+uniform vec4 uShadow;
+out vec4 fragment;
+void main() { fragment = uShadow; }`;
+
+/** Avatar spheres: instanced unit spheres, seen at their rims. */
+export const SPHERE_VERTEX = POSES + /* glsl */ `
+in vec3 position;
+uniform vec2 uSphere;
+uniform vec3 uMarks[5];
+uniform vec3 uCalm;
+out vec3 vNormal;
+out vec3 vWorld;
+out vec3 vColor;
+out float vStrength;
+void main() {
+  Person who = person();
+  if (!who.there) { gl_Position = NOWHERE; return; }
+  vec3 centre = who.root + vec3(0.0, 0.0, uSphere.x * instance.z);
+  vWorld = centre + position * uSphere.y * instance.z;
+  vNormal = position;
+  vColor = who.crowded ? uMarks[0] : uCalm;
+  vStrength = who.crowded ? 1.0 : 0.6;
+  gl_Position = projectionMatrix * viewMatrix * vec4(vWorld, 1.0);
+}`;
+
+export const SPHERE_FRAGMENT = /* glsl */ `
+precision highp float;
+uniform vec3 uEye;
+in vec3 vNormal;
+in vec3 vWorld;
+in vec3 vColor;
+in float vStrength;
+out vec4 fragment;
+` + SRGB + /* glsl */ `
+void main() {
+  float rim = 1.0 - abs(dot(normalize(vNormal), normalize(uEye - vWorld)));
+  fragment = shown(vColor, vStrength * (0.05 + 0.55 * pow(rim, 4.0)));
+}`;
+
+/** Lines that turn with their part: or-DOPs. */
+export const HULL_VERTEX = POSES + /* glsl */ `
+in vec3 position;
+in float part;
+uniform vec3 uMarks[5];
+uniform vec3 uCalm;
+out vec4 vColor;
+void main() {
+  Person who = person();
+  if (!who.there) { gl_Position = NOWHERE; return; }
+  Pose p = pose(part);
+  vec3 world = who.root + p.origin + turned(p.q, position * instance.z);
+  vColor = p.mark > 0u ? vec4(uMarks[p.mark], 1.0) : vec4(uCalm, 0.55);
+  gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
+}`;
+
+/** World boxes of the turned part boxes (Arvo 1990). */
+export const BOX_VERTEX = POSES + /* glsl */ `
+in vec3 position;
+in vec3 centre;
+in vec3 halfSize;
+in float part;
+uniform vec3 uMarks[5];
+uniform vec3 uCalm;
+out vec4 vColor;
+void main() {
+  Person who = person();
+  if (!who.there) { gl_Position = NOWHERE; return; }
+  Pose p = pose(part);
+  vec3 x = turned(p.q, vec3(1.0, 0.0, 0.0)), y = turned(p.q, vec3(0.0, 1.0, 0.0));
+  vec3 z = turned(p.q, vec3(0.0, 0.0, 1.0));
+  vec3 reach = abs(x) * halfSize.x + abs(y) * halfSize.y + abs(z) * halfSize.z;
+  vec3 world = who.root + p.origin + (turned(p.q, centre) + position * reach) * instance.z;
+  vColor = p.mark > 0u ? vec4(uMarks[p.mark], 1.0) : vec4(uCalm, 0.4);
+  gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
+}`;
+
+export const LINE_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec4 vColor;
+out vec4 fragment;
+` + SRGB + /* glsl */ `
+void main() { fragment = shown(vColor.rgb, vColor.a); }`;
+
+export const SOLID_VERTEX = /* glsl */ `
+precision highp float;
+uniform mat4 modelMatrix;
+uniform mat4 viewMatrix;
+uniform mat4 projectionMatrix;
+in vec3 position;
+in vec3 normal;
+out vec3 vNormal;
+out vec3 vWorld;
+void main() {
+  vec4 world = modelMatrix * vec4(position, 1.0);
+  vWorld = world.xyz;
+  vNormal = mat3(modelMatrix) * normal;
+  gl_Position = projectionMatrix * viewMatrix * world;
+}`;
+
+export const SOLID_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec3 vNormal;
+in vec3 vWorld;
+uniform vec3 uColor;
+out vec4 fragment;
+` + LIGHT + /* glsl */ `
+void main() {
+  fragment = shown(fogged(lit(uColor, normalize(vNormal), vWorld), vWorld), 1.0);
+}`;
+
+/** Metres and tens of metres, as sharp as the pixels allow; the scene's ground a little lighter. */
+export const GROUND_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec3 vNormal;
+in vec3 vWorld;
+uniform vec3 uGround;
+uniform vec3 uBeyond;
+uniform vec3 uLine;
+uniform vec4 uBounds;
+out vec4 fragment;
+` + LIGHT + /* glsl */ `
+float lines(vec2 at, float every) {
+  vec2 p = at / every;
+  vec2 width = fwidth(p);
+  vec2 away = abs(fract(p - 0.5) - 0.5) / max(width, vec2(1e-6));
+  float line = 1.0 - min(min(away.x, away.y), 1.0);
+  return line * (1.0 - smoothstep(0.25, 0.6, max(width.x, width.y)));
+}
+void main() {
+  vec2 at = vWorld.xy;
+  vec2 outside = max(uBounds.xy - at, at - uBounds.zw);
+  float edge = max(outside.x, outside.y);
+  float soft = fwidth(edge);
+  float inside = 1.0 - smoothstep(-soft, soft, edge);
+  vec3 color = mix(uBeyond, uGround, inside);
+  float strength = 0.16 * lines(at, 1.0) * inside + 0.34 * lines(at, 10.0);
+  color = mix(color, uLine, strength);
+  color = mix(color, uLine, 0.6 * (1.0 - smoothstep(0.0, 1.5 * soft + 0.015, abs(edge))));
+  fragment = shown(fogged(color, vWorld), 1.0);
+}`;

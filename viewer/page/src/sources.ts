@@ -1,0 +1,184 @@
+// Where frames come from: a live run, a log behind the server, or a recording in this page.
+// One rule: whoever shows them does not need to know which.
+import type {Past} from './card.ts';
+import {Playback} from './playback.ts';
+import {decodeFrame, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
+import {Replay} from './replay.ts';
+import {Connection} from './socket.ts';
+
+export interface Series {
+  frames: number;
+  pairs: ArrayLike<number>;
+  frame_ms: ArrayLike<number>;
+  problem: string;
+}
+
+export interface SourceEvents {
+  run(run: Run): void;
+  frame(frame: Frame): void;
+  series(series: Series): void;
+  history(id: number, past: Past[]): void;
+  /** Something to tell in the middle of the page; '' takes it away. */
+  notice(title: string, detail?: string): void;
+}
+
+export interface Source {
+  readonly playback: Playback | null; // null: live
+  /** Frames that never came to this page. */
+  readonly dropped: number;
+  /** Called before every picture, with the time since the last one. */
+  tick(dt_s: number): void;
+  askHistory(id: number, frame: number): void;
+}
+
+const ANSWER_MS = 2000;
+const SAMPLES = 600;
+
+/** A live run or a log: whatever the server has. */
+export class ServerSource implements Source {
+  playback: Playback | null = null;
+  dropped = 0;
+  decode_ms = 0;
+  private readonly connection: Connection;
+  private run: Run | null = null;
+  private complete = false;
+  private shown = -1;
+  private asked = -1;
+  private askedAt = 0;
+  private lastSeq = 0;
+  private heardAt = 0;
+  private indexAt = 0;
+  private isEnded = false;
+  private readonly pairs: number[] = [];
+  private readonly frame_ms: number[] = [];
+
+  constructor(
+    url: string,
+    private readonly events: SourceEvents,
+  ) {
+    this.connection = new Connection(url, {
+      connected: () => {
+        this.asked = -1;
+        this.lastSeq = 0;
+        events.notice('');
+      },
+      lost: () => events.notice('Connection lost', 'throng view does not answer; trying again'),
+      binary: (buffer) => this.binary(buffer),
+      text: (json) => this.text(json),
+    });
+  }
+
+  tick(dt_s: number): void {
+    const {playback, connection} = this;
+    const now = performance.now();
+    if (!playback) {
+      if (connection.open && this.run && this.heardAt > 0 && now - this.heardAt > 2500)
+        this.events.notice(this.isEnded ? 'The run is over' : 'No frames', 'waiting for the next ones');
+      return;
+    }
+    playback.advance(dt_s, this.complete);
+    if (!connection.open) return;
+    if (!this.complete && now > this.indexAt) {
+      this.indexAt = now + 500;
+      connection.send({index: true});
+    }
+    const waiting = this.asked >= 0 && now - this.askedAt < ANSWER_MS;
+    if (playback.frame === this.shown || waiting || playback.frames === 0) return;
+    this.asked = playback.frame;
+    this.askedAt = now;
+    connection.send({frame: this.asked});
+  }
+
+  askHistory(id: number, frame: number): void {
+    this.connection.send({history: id, frame});
+  }
+
+  private binary(buffer: ArrayBuffer): void {
+    const start = performance.now();
+    if (kindOf(buffer) === 'run') {
+      const run = decodeRun(buffer);
+      const isSame = this.run !== null && this.run.run_id === run.run_id && this.run.mode === run.mode;
+      this.run = run;
+      this.shown = this.asked = -1;
+      this.isEnded = false;
+      this.pairs.length = this.frame_ms.length = 0;
+      if (run.mode === 'log' && !(isSame && this.playback)) this.playback = new Playback(run.step_s);
+      if (run.mode === 'live') this.playback = null;
+      this.events.run(run);
+      return;
+    }
+    const frame = decodeFrame(buffer);
+    if (!this.run || frame.avatars !== this.run.avatars) return;
+    if (this.playback) {
+      this.shown = this.asked;
+      this.asked = -1;
+    } else {
+      if (this.lastSeq > 0 && frame.seq > this.lastSeq) this.dropped += frame.seq - this.lastSeq - 1;
+      this.lastSeq = frame.seq;
+      this.heardAt = performance.now();
+      this.remember(frame);
+      this.events.notice('');
+    }
+    this.events.frame(frame);
+    this.decode_ms = performance.now() - start;
+  }
+
+  private remember(frame: Frame): void {
+    this.pairs.push(frame.pairs);
+    this.frame_ms.push(frame.frame_ms);
+    if (this.pairs.length > SAMPLES) {
+      this.pairs.shift();
+      this.frame_ms.shift();
+    }
+    this.events.series({frames: 0, pairs: this.pairs, frame_ms: this.frame_ms, problem: ''});
+  }
+
+  private text(json: any): void {
+    if (json.index && this.playback) {
+      this.complete = json.index.complete;
+      this.playback.frames = json.index.frames;
+      this.playback.first = json.index.first_shown;
+      if (this.playback.position < this.playback.first) this.playback.seek(this.playback.first);
+      this.events.series(json.index);
+    }
+    if (json.history !== undefined) this.events.history(json.history, json.pairs);
+    if (json.waiting !== undefined) {
+      this.run = null;
+      const detail = json.waiting || 'start one: throng run plaza --pace 1';
+      this.events.notice('Waiting for a run over LCM', detail);
+    }
+    if (json.end) this.isEnded = true;
+  }
+}
+
+/** A recording inside the page. */
+export class FileSource implements Source {
+  readonly playback: Playback;
+  readonly dropped = 0;
+  private shown = -1;
+
+  constructor(
+    private readonly replay: Replay,
+    private readonly events: SourceEvents,
+  ) {
+    this.playback = new Playback(replay.run.step_s);
+    this.playback.frames = replay.frames;
+    events.run(replay.run);
+    const {frames, pairs, frame_ms} = replay;
+    events.series({frames, pairs, frame_ms, problem: ''});
+  }
+
+  tick(dt_s: number): void {
+    this.playback.advance(dt_s);
+    if (this.playback.position === this.shown) return;
+    this.shown = this.playback.position;
+    this.events.frame(this.replay.frameAt(this.shown));
+  }
+
+  askHistory(id: number, frame: number): void {
+    const past = this.replay
+      .history(id, frame, 40)
+      .map((s): Past => [s.begin, s.end > frame ? -1 : s.end, s.a, s.b, s.partA, s.partB]);
+    this.events.history(id, past);
+  }
+}

@@ -1,0 +1,226 @@
+// The picture: camera, ground, obstacles, light, and the crowd in it.
+// One rule: knows how a run looks, not where it comes from.
+import {
+  Color,
+  DoubleSide,
+  GLSL3,
+  Group,
+  Mesh,
+  PerspectiveCamera,
+  PlaneGeometry,
+  RawShaderMaterial,
+  Scene,
+  Vector2,
+  Vector3,
+  Vector4,
+  WebGLRenderer,
+} from 'three';
+import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import {solidGeometry} from './bodies.ts';
+import {Crowd, onceAPixel, type Layer} from './crowd.ts';
+import {personOf, type Frame, type Run} from './protocol.ts';
+import {
+  FLAT_SHADOW_VERTEX,
+  GROUND_FRAGMENT,
+  SHADOW_FRAGMENT,
+  SOLID_FRAGMENT,
+  SOLID_VERTEX,
+} from './shaders.ts';
+import {THEMES, type ThemeName} from './theme.ts';
+
+const SUN = new Vector3(-0.45, -0.55, 1).normalize();
+const SLOW_MS = 30;
+const FAST_MS = 18;
+const LEAST_TRIANGLES = 30_000;
+const MOST_TRIANGLES = 6_000_000;
+const LEAST_PIXELS = 0.75;
+
+export class Stage {
+  readonly camera = new PerspectiveCamera(40, 1, 0.1, 4000);
+  readonly controls: OrbitControls;
+  readonly renderer: WebGLRenderer;
+  /** Who the camera goes along with; -1: nobody. */
+  followed = -1;
+  private readonly scene = new Scene();
+  private readonly solids = new Group();
+  private readonly ground: Mesh;
+  private crowd: Crowd | null = null;
+  private run: Run | null = null;
+  private pixels = 1;
+  private mean_ms = 16;
+  private readonly shared = {
+    uSun: {value: SUN},
+    uSky: {value: new Color()},
+    uEarth: {value: new Color()},
+    uSunColor: {value: new Color()},
+    uFog: {value: new Color()},
+    uFogRange: {value: new Vector2(100, 300)},
+    uEye: {value: new Vector3()},
+    uShadow: {value: new Vector4()},
+  };
+  private readonly groundColors = {
+    uGround: {value: new Color()},
+    uBeyond: {value: new Color()},
+    uLine: {value: new Color()},
+    uBounds: {value: new Vector4()},
+  };
+  private readonly solidColor = {uColor: {value: new Color()}};
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({canvas, antialias: true, stencil: true, powerPreference: 'high-performance'});
+    this.renderer.info.autoReset = true;
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(-10, -16, 9);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.maxPolarAngle = Math.PI * 0.495;
+    this.controls.minDistance = 0.8;
+    this.controls.maxDistance = 1500;
+    this.controls.zoomToCursor = true;
+    this.ground = new Mesh(new PlaneGeometry(1, 1), this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.groundColors));
+    this.scene.add(this.ground, this.solids);
+  }
+
+  private material(vertexShader: string, fragmentShader: string, own: object): RawShaderMaterial {
+    const uniforms = {...this.shared, ...own};
+    return new RawShaderMaterial({glslVersion: GLSL3, vertexShader, fragmentShader, uniforms});
+  }
+
+  setTheme(name: ThemeName): void {
+    const theme = THEMES[name];
+    this.shared.uSky.value.copy(theme.sky);
+    this.shared.uEarth.value.copy(theme.earth);
+    this.shared.uSunColor.value.copy(theme.sun);
+    this.shared.uFog.value.set(theme.fog);
+    this.shared.uShadow.value.fromArray(theme.shadow);
+    this.groundColors.uGround.value.set(theme.ground);
+    this.groundColors.uBeyond.value.set(theme.beyond);
+    this.groundColors.uLine.value.set(theme.line);
+    this.solidColor.uColor.value.set(theme.solid);
+    this.renderer.setClearColor(new Color(theme.fog));
+    this.crowd?.setCalm(theme.calm);
+  }
+
+  setRun(run: Run): void {
+    this.crowd?.group.removeFromParent();
+    this.crowd?.dispose();
+    this.run = run;
+    this.crowd = new Crowd(run, this.shared);
+    this.scene.add(this.crowd.group);
+    const {min_m, max_m} = run.ground;
+    const size = Math.max(max_m[0] - min_m[0], max_m[1] - min_m[1], 10);
+    this.groundColors.uBounds.value.set(min_m[0], min_m[1], max_m[0], max_m[1]);
+    this.ground.scale.setScalar(20 * size + 800);
+    this.ground.position.set((min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2, 0);
+    this.shared.uFogRange.value.set(1.2 * size + 40, 4 * size + 160);
+    this.addSolids(run);
+    this.overview();
+  }
+
+  private addSolids(run: Run): void {
+    this.solids.clear();
+    const solid = this.material(SOLID_VERTEX, SOLID_FRAGMENT, this.solidColor);
+    const shadow = onceAPixel(this.material(FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, {}));
+    shadow.transparent = true;
+    shadow.depthWrite = false;
+    shadow.side = DoubleSide;
+    for (const obstacle of run.obstacles) {
+      const geometry = solidGeometry(obstacle.mesh);
+      for (const material of [solid, shadow]) {
+        const mesh = new Mesh(geometry, material);
+        mesh.position.set(...obstacle.centre_m);
+        mesh.rotation.z = obstacle.heading_rad;
+        mesh.renderOrder = material === shadow ? 1 : 0;
+        this.solids.add(mesh);
+      }
+    }
+  }
+
+  /** The whole ground from south-west and above. */
+  overview(): void {
+    if (!this.run) return;
+    const {min_m, max_m} = this.run.ground;
+    const width = max_m[0] - min_m[0];
+    const depth = max_m[1] - min_m[1];
+    const radius = Math.max(3, 0.5 * Math.hypot(width, depth));
+    const half = Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1.35, this.camera.aspect);
+    const distance = (0.62 * radius) / half;
+    this.controls.target.set((min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2 - 0.06 * depth, 0.6);
+    const back = new Vector3(-0.36, -0.78, 0.52).normalize();
+    this.camera.position.copy(this.controls.target).addScaledVector(back, distance);
+    this.followed = -1;
+  }
+
+  /** Close to a person, from where the eye is. */
+  approach(position: [number, number, number], height_m: number): void {
+    const away = new Vector3().subVectors(this.camera.position, this.controls.target);
+    this.controls.target.set(position[0], position[1], position[2] + 0.55 * height_m);
+    away.setLength(Math.min(away.length(), 5.5));
+    this.camera.position.copy(this.controls.target).add(away);
+  }
+
+  show(layer: Layer, visible: boolean): void {
+    this.crowd?.show(layer, visible);
+  }
+
+  select(id: number): void {
+    this.crowd?.select(id);
+  }
+
+  take(frame: Frame): void {
+    this.crowd?.take(frame);
+    if (this.followed < 0 || this.followed >= frame.avatars) return;
+    const person = personOf(frame, this.followed);
+    if (!person.present) return;
+    const step = new Vector3(person.position_m[0], person.position_m[1], this.controls.target.z).sub(
+      this.controls.target,
+    );
+    // Along with the person, and towards the middle where the camera was not there yet.
+    this.controls.target.add(step);
+    this.camera.position.add(step);
+  }
+
+  resize(width: number, height: number): void {
+    this.camera.aspect = width / Math.max(1, height);
+    this.camera.updateProjectionMatrix();
+    this.pixels = Math.min(window.devicePixelRatio || 1, 2);
+    this.renderer.setPixelRatio(this.pixels);
+    this.renderer.setSize(width, height, false);
+  }
+
+  render(frame: Frame | null, dt_ms: number): void {
+    this.adapt(dt_ms);
+    this.controls.update();
+    this.camera.updateMatrixWorld();
+    this.shared.uEye.value.copy(this.camera.position);
+    if (frame) this.crowd?.arrange(frame, this.camera);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** Fewer triangles and pixels where the machine is slow, more where it has time. */
+  private adapt(dt_ms: number): void {
+    if (!this.crowd || document.hidden) return;
+    this.mean_ms += 0.15 * (Math.min(dt_ms, 300) - this.mean_ms);
+    if (this.mean_ms > SLOW_MS) {
+      this.crowd.budget = Math.max(LEAST_TRIANGLES, this.crowd.budget * 0.9);
+      if (this.crowd.budget === LEAST_TRIANGLES && this.pixels > LEAST_PIXELS) {
+        this.pixels = Math.max(LEAST_PIXELS, this.pixels * 0.9);
+        this.renderer.setPixelRatio(this.pixels);
+      }
+    } else if (this.mean_ms < FAST_MS) {
+      this.crowd.budget = Math.min(MOST_TRIANGLES, this.crowd.budget * 1.03);
+    }
+  }
+
+  /** Normalised device coordinates of a point. */
+  project(x: number, y: number, z: number): [number, number] {
+    const p = new Vector3(x, y, z).project(this.camera);
+    return [p.x, p.y];
+  }
+
+  get drawn(): {calls: number; triangles: number; budget: number} {
+    const {calls, triangles} = this.renderer.info.render;
+    return {calls, triangles, budget: this.crowd?.budget ?? 0};
+  }
+}

@@ -1,0 +1,56 @@
+// Runs the page's tests: node test.mjs units NPM OUT, or node test.mjs browser NPM OUT THRONG.
+// TypeScript is bundled into OUT first, so that plain node runs it.
+import {spawnSync} from 'node:child_process';
+import {existsSync, mkdirSync, readdirSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {dirname, join, resolve} from 'node:path';
+import {fileURLToPath} from 'node:url';
+
+const [kind, npm, out, throng] = process.argv.slice(2);
+const {build} = createRequire(`${npm}/`)('esbuild');
+const tests = resolve(dirname(fileURLToPath(import.meta.url)), '../../tests/viewer/page');
+const suffix = kind === 'units' ? '.test.ts' : '.browser.ts';
+const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
+if (kind === 'browser' && !existsSync(chromium)) {
+  console.error(`no browser at ${chromium}: run scripts/setup.sh test, or name one with CHROMIUM`);
+  process.exit(1);
+}
+
+// Live runs come by multicast. Where that has no route, a network of the tests' own has one.
+function hasMulticast() {
+  return spawnSync('ip', ['route', 'get', '239.255.76.67'], {stdio: 'ignore'}).status === 0;
+}
+if (kind === 'browser' && !hasMulticast() && !process.env.THRONG_OWN_NETWORK) {
+  const script = 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$0" "$@"';
+  const own = spawnSync('unshare', ['--net', '--map-root-user', 'sh', '-c', script, process.execPath, ...process.argv.slice(1)], {
+    stdio: 'inherit',
+    env: {...process.env, THRONG_OWN_NETWORK: '1'},
+  });
+  process.exit(own.status ?? 1);
+}
+
+mkdirSync(out, {recursive: true});
+const entries = readdirSync(tests).filter((name) => name.endsWith(suffix));
+await build({
+  entryPoints: entries.map((name) => join(tests, name)),
+  outdir: join(out, kind),
+  outExtension: {'.js': '.mjs'},
+  bundle: true,
+  platform: 'node',
+  format: 'esm',
+  target: 'node18',
+  external: ['playwright-core'],
+  nodePaths: [join(npm, 'node_modules')],
+  logLevel: 'error',
+});
+const files = entries.map((name) => join(out, kind, name.replace(/\.ts$/, '.mjs')));
+const result = spawnSync(process.execPath, ['--test', ...files], {
+  stdio: 'inherit',
+  env: {
+    ...process.env,
+    CHROMIUM: chromium,
+    THRONG: throng ?? '',
+    NPM: npm,
+  },
+});
+process.exit(result.status ?? 1);

@@ -1,0 +1,19 @@
+// What a page may ask for. One rule: anything else is nothing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace throng {
+
+struct Question {
+  std::optional<int64_t> frame;    ///< {"frame": n}
+  std::optional<uint32_t> person;  ///< {"history": id, "frame": n}: as it was known at frame n
+  bool index = false;              ///< {"index": true}
+};
+
+/// An empty question if the text is none of these.
+Question parse_question(std::string_view text);
+
+}  // namespace throng
