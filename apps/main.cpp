@@ -41,11 +41,11 @@ int run(int argc, char** argv) {
   app.footer(kFooter);
   app.set_version_flag("--version", "throng " THRONG_VERSION);
   app.get_formatter()->column_width(34);
-  const std::vector<Command> commands = {
-      add_run_command(app),   add_scenes_command(app),  add_info_command(app),
-      add_check_command(app), add_monitor_command(app), add_render_command(app),
-      add_view_command(app),  add_paper_command(app),   add_bench_command(app),
-      add_validate_command(app)};
+  const std::vector<Command> commands = {add_run_command(app),     add_scenes_command(app),
+                                         add_info_command(app),    add_check_command(app),
+                                         add_monitor_command(app), add_render_command(app),
+                                         add_view_command(app),    add_paper_command(app),
+                                         add_bench_command(app),   add_validate_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help) {

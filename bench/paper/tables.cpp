@@ -88,7 +88,8 @@ Table figure_6(const PaperResult& result) {
   table.head = {"object"};
   std::vector<const VolumeResult*> shown;
   for (const VolumeResult& volume : result.volumes) {
-    if (volume.name.ends_with("_refit") || volume.name.ends_with("_turned")) continue;  // built alike
+    if (volume.name.ends_with("_refit") || volume.name.ends_with("_turned"))
+      continue;  // built alike
     shown.push_back(&volume);
     table.head.push_back(volume.name);
   }

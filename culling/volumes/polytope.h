@@ -11,7 +11,7 @@ namespace throng {
 
 struct Polytope {
   std::vector<Eigen::Vector3d> corners_m;  ///< face by face; shared corners repeat
-  std::vector<size_t> face_ends;           ///< of each face in corners_m; they turn about the normal
+  std::vector<size_t> face_ends;  ///< of each face in corners_m; they turn about the normal
   double volume_m3 = 0;
 };
 
