@@ -12,7 +12,7 @@ const tests = resolve(dirname(fileURLToPath(import.meta.url)), '../../tests/view
 const suffix = kind === 'units' ? '.test.ts' : '.browser.ts';
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
 if (kind === 'browser' && !existsSync(chromium)) {
-  console.error(`no browser at ${chromium}: run scripts/setup.sh test, or name one with CHROMIUM`);
+  console.error(`no browser at ${chromium}: run scripts/setup.sh page, or name one with CHROMIUM`);
   process.exit(1);
 }
 
