@@ -25,10 +25,18 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// What was found may hold line ends and bytes that a terminal obeys.
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text;
+}
+
 }  // namespace
 
 InputError::InputError(std::string_view where, std::string_view expected, std::string_view found)
-    : std::runtime_error(fmt::format("{}: expected {}, found {}", where, expected, found)) {}
+    : std::runtime_error(
+          one_line(fmt::format("{}: expected {}, found {}", where, expected, found))) {}
 
 std::string at_line(std::string_view file, int line) { return fmt::format("{}:{}", file, line); }
 

@@ -18,7 +18,10 @@ double nanoseconds_since(Clock::time_point start) {
 class Samples {
  public:
   explicit Samples(int64_t expected) {
-    values_.reserve(static_cast<size_t>(std::min<int64_t>(expected, kMost)));
+    // Written once, so that all its memory is there from the first frame on: what grows later is a
+    // leak.
+    values_.resize(static_cast<size_t>(std::min<int64_t>(expected, kMost)));
+    values_.clear();
   }
 
   void add(double value_ms) {

@@ -20,6 +20,11 @@ TEST(Errors, InputErrorReadsAsOneLine) {
   EXPECT_THAT(error.what(), StrEq("head.tri:17: expected 3 vertex indices, found 2"));
 }
 
+TEST(Errors, InputErrorStaysOnOneLineWhateverWasFound) {
+  const InputError error("a.yaml:2", "a number", "'1\n2\x1b[2J'");
+  EXPECT_THAT(error.what(), StrEq("a.yaml:2: expected a number, found '1 2 [2J'"));
+}
+
 TEST(Errors, SlipOfTheFingerIsGuessed) {
   EXPECT_EQ(did_you_mean("plazza", kNames), " (did you mean 'plaza'?)");
   EXPECT_EQ(did_you_mean("coridor", kNames), " (did you mean 'corridor'?)");

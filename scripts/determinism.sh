@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# One hash a scene, whatever runs it: 1, 2, 3 and 8 threads, every SIMD target of this machine and
+# every pair search, over the builds named: scripts/determinism.sh [PRESET...] (default: release).
+# Other compilers and levels: `scripts/determinism.sh release checked debug o3_clang o2_clang`. A
+# processor without fused multiply-add is made believe through glibc's tunables, because the C
+# library picks its code by the processor. Exit code 1 where two runs differ; --trace-hash of both
+# then names the first stage and frame.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+presets=("$@")
+[ ${#presets[@]} -gt 0 ] || presets=(release)
+for preset in "${presets[@]}"; do bash scripts/build.sh "$preset" throng; done
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+scenes=("corridor --seconds 1" "plaza --avatars 300 --seconds 1 --exact" "paper_50 --seconds 1")
+compared=0 splits=0
+
+hash_of() { # PRESET SCENE OPTION...: "" if this machine cannot run it
+  local preset=$1 scene=$2
+  # shellcheck disable=SC2086 # the scene is a name and its options
+  "build/$preset/throng" run $scene "${@:3}" --lcm off --log off 2>/dev/null |
+    sed -n 's/^hash *//p' || true
+}
+
+for scene in "${scenes[@]}"; do
+  expected=$(hash_of "${presets[0]}" "$scene" --threads 1 --simd scalar)
+  [ -n "$expected" ] || { echo "scripts/determinism.sh: '$scene' does not run" >&2; exit 1; }
+  compare() { # WHAT HASH
+    [ -n "$2" ] || return 0
+    compared=$((compared + 1))
+    [ "$2" = "$expected" ] && return 0
+    splits=$((splits + 1))
+    echo "split: $scene: $1 gives $2, expected $expected"
+  }
+  for preset in "${presets[@]}"; do
+    for threads in 1 2 3 8; do
+      for simd in scalar sse4 avx2 avx512; do
+        compare "$preset, $threads threads, $simd" \
+          "$(hash_of "$preset" "$scene" --threads "$threads" --simd "$simd")"
+      done
+    done
+    for search in sweep brute; do
+      compare "$preset, $search" "$(hash_of "$preset" "$scene" --threads 2 --pair-search $search)"
+    done
+    compare "$preset, a processor without AVX and FMA" \
+      "$(GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX,-AVX2,-FMA,-FMA4,-AVX512F \
+        hash_of "$preset" "$scene" --threads 2 --simd sse4)"
+  done
+done
+echo "[ hashes ] $compared compared, $splits splits"
+[ "$splits" -eq 0 ]

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# The short form of every promise of docs/reliability.md: scripts/reliability.sh [PAIRS]; PAIRS near
+# part pairs against triangles (default 1000000; the long form takes 10000000). Prints what it did
+# and a table. Exit code 1 if a promise was broken.
+#
+# What takes a build of its own is not here: scripts/fuzz.sh (clang), scripts/test.sh asan;
+# nor what takes hours: scripts/soak.sh 60.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+
+pairs=${1:-1000000}
+bash scripts/build.sh release throng no_miss fuzz_replay resume_tests stress_tests test_apps || exit
+build=$PWD/build/release
+out=$(mktemp)
+trap 'rm -f "$out" "$out.step"' EXIT
+status=0
+begun=$SECONDS
+
+step() { # WHAT COMMAND...
+  local start=$SECONDS
+  echo "== $1"
+  if ! "${@:2}" >"$out.step" 2>&1; then
+    cat "$out.step" >&2
+    echo "   broken: $1"
+    status=1
+  fi
+  grep -E '^\[ (inputs|faults|figures|hashes|soak) \]|^split|^family|^all' "$out.step"
+  cat "$out.step" >>"$out"
+  echo "   $((SECONDS - start)) s"
+}
+
+step "hostile input" env THRONG_FUZZ_ROUNDS=100 "$build/fuzz_replay"
+step "faults" env THRONG_KILLS=100 "$build/test_apps" --gtest_filter='Faults.*:Signals/*:Trace.*'
+step "checkpoints" "$build/resume_tests" --gtest_filter='*Resume*'
+step "one hash" bash scripts/determinism.sh release
+step "load" "$build/stress_tests"
+step "no misses" "$build/no_miss" "$pairs"
+step "soak" bash scripts/soak.sh 1
+
+sum() { # the sum of the numbers that a sed expression finds
+  sed -n "$1" "$out" | awk '{total += $1} END {printf "%d\n", total}'
+}
+echo
+printf '%-18s %12s\n' \
+  "inputs tried" "$(sum 's/^\[ inputs \].*: \([0-9]*\) tried.*/\1/p')" \
+  "faults survived" "$(sum 's/^\[ faults \].*: \([0-9]*\) survived.*/\1/p')" \
+  "events written" "$(sum 's/^\[ soak \].* \([0-9]*\) events said.*/\1/p')" \
+  "events lost" "$(sum 's/^\[ soak \].* \(-*[0-9]*\) lost.*/\1/p')" \
+  "hashes compared" "$(sum 's/^\[ hashes \] \([0-9]*\) compared.*/\1/p')" \
+  "splits" "$(sum 's/^\[ hashes \].* \([0-9]*\) splits.*/\1/p')" \
+  "near part pairs" "$(sum 's/^all *\([0-9]*\) .*/\1/p')" \
+  "missed" "$(sum 's/^all.* \([0-9]*\)$/\1/p')" \
+  "seconds" "$((SECONDS - begun))"
+[ "$status" -eq 0 ] || echo "a promise was broken: see above" >&2
+exit "$status"
