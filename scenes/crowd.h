@@ -1,6 +1,7 @@
 // People who walk: a steering model ten times a second, smooth motion at every step in between.
 // One rule: each pass reads the old state and writes the new, so that the same crowd walks the same
-// way for any number of threads.
+// way for any number of threads. Who is near in space is near in memory: state lies by slot, the
+// order of cells of the latest decision (see NeighbourGrid), and is carried along to a new one.
 #pragma once
 
 #include <Eigen/Core>
@@ -90,17 +91,49 @@ class Crowd {
   static constexpr double kStall_m = 0.3;
 
  private:
-  /// What a decision knows of a person, in the order of cells.
+  /// Outside or gone: has no slot.
+  static constexpr uint32_t kNowhere = UINT32_MAX;
+
+  /// What moves, by slot.
+  struct Walkers {
+    std::vector<Eigen::Vector2d> position_m, velocity_mps, heading;
+    std::vector<Eigen::Vector2d> smooth_mps;  ///< the velocity that the heading follows
+    // Decisions: the velocity goes from old to next within a period.
+    std::vector<Eigen::Vector2d> old_mps, next_mps;
+    std::vector<Eigen::Vector2d> drift_mps;   ///< what disc relaxation adds
+    std::vector<Eigen::Vector2d> intent_mps;  ///< the wanted velocity, smoothed
+    std::vector<double> clearance_m, radius_m, free_speed_mps;
+    // Stalls.
+    std::vector<Eigen::Vector2d> anchor_m;
+    std::vector<int64_t> anchor_step;
+    std::vector<int64_t> queued_steps;  ///< since the anchor
+    std::vector<uint8_t> queuing;
+
+    template <typename Visit>
+    void each(const Visit& visit) {
+      visit(position_m), visit(velocity_mps), visit(heading), visit(smooth_mps);
+      visit(old_mps), visit(next_mps), visit(drift_mps), visit(intent_mps);
+      visit(clearance_m), visit(radius_m), visit(free_speed_mps);
+      visit(anchor_m), visit(anchor_step), visit(queued_steps), visit(queuing);
+    }
+    void resize(size_t count);
+    void carry(Walkers& from, size_t from_slot, size_t slot);
+  };
+
+  /// What a decision works out, by slot.
   struct Slots {
     std::vector<float> vx_mps, vy_mps, radius_m, wanted_x_mps, wanted_y_mps, max_speed_mps,
         horizon_s, urge;
     std::vector<float> next_x_mps, next_y_mps;
     std::vector<uint32_t> neighbours;
     std::vector<uint8_t> neighbour_counts;
-    std::vector<uint8_t> close_counts;  ///< of the neighbours, who may overlap; they come first
-    // Where people will stand after the period, from the middle of the ground; before and after a
-    // sweep.
+    std::vector<uint8_t> close_counts;     ///< of the neighbours, who may overlap; they come first
+    std::vector<uint32_t> crowded;         ///< of a block, from its first place on: slots with some
+    std::vector<uint32_t> crowded_counts;  ///< by block
+    // Where people will stand after the period, from the middle of the ground, and what the sweep
+    // found there; before and after a sweep.
     std::vector<float> expected_x_m, expected_y_m, swept_x_m, swept_y_m;
+    std::vector<uint8_t> touched, swept_touched;
     void resize(size_t count);
   };
 
@@ -125,19 +158,23 @@ class Crowd {
   void set_drift(size_t begin, size_t end);
 
   void change_people();
-  void start_walking(uint32_t id, const Eigen::Vector2d& heading);
+  void seat_people();
+  void start_walking(size_t slot);
+  template <typename Value>
+  void archive_by_id(Archive& a, std::vector<Value>& by_slot);
   bool is_queuing(size_t slot) const;
-  Eigen::Vector2d wanted_mps(uint32_t id);
-  void find_walls(uint32_t id, Walls& walls);
+  Eigen::Vector2d wanted_mps(size_t slot);
+  void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;
   void limit_to_density(const SteeringView& people, size_t slot);
   void limit_forward(size_t slot);
   void relax_discs();
+  bool is_settled(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
-  void move(uint32_t id);
-  double turn(uint32_t id);  ///< by how much, in radians
-  double stalled_s_of(uint32_t id) const;
+  void move(size_t slot);
+  double turn(size_t slot);  ///< by how much, in radians
+  double stalled_s_of(size_t slot) const;
   double watch_progress(size_t slot);
 
   const Ways& ways_;
@@ -156,30 +193,19 @@ class Crowd {
   float widest_m_ = 0;      ///< of all radii
   double fastest_mps_ = 0;  ///< of all free speeds
 
-  // What moves, by person.
+  // What others see, by person.
   std::vector<Eigen::Vector2d> positions_m_;
   std::vector<Eigen::Vector2d> velocities_mps_;
   std::vector<Eigen::Vector2d> headings_;
-  std::vector<Eigen::Vector2d> smooth_velocities_mps_;  ///< what the heading follows
   std::vector<double> walked_m_;
-
-  // Decisions, by person: the velocity goes from old to next within a period.
-  std::vector<Eigen::Vector2d> old_velocities_mps_;
-  std::vector<Eigen::Vector2d> next_velocities_mps_;
-  std::vector<Eigen::Vector2d> drifts_mps_;   ///< what disc relaxation adds
-  std::vector<Eigen::Vector2d> intents_mps_;  ///< the wanted velocity, smoothed
-  std::vector<double> clearances_m_;
 
   Journeys journeys_;
   Traffic traffic_;
 
-  // Stalls, by person.
-  std::vector<Eigen::Vector2d> anchors_m_;
-  std::vector<int64_t> anchor_steps_;
-  std::vector<int64_t> queued_steps_;  ///< since the anchor
-  std::vector<uint8_t> queuing_;
-
   NeighbourGrid grid_;
+  std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere
+  Walkers walkers_;
+  Walkers carried_;  ///< the slots before, while people take their new ones
   Slots slots_;
   std::vector<Walls> walls_;          ///< one a worker
   std::vector<double> block_values_;  ///< one a block, reduced in order

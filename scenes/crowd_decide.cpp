@@ -11,12 +11,13 @@ namespace throng {
 
 void Crowd::decide() {
   change_people();
-  grid_.rebuild(positions_m_, traffic_.present());
-  old_velocities_mps_.swap(next_velocities_mps_);
+  seat_people();
+  walkers_.old_mps.swap(walkers_.next_mps);
   counters_.longest_stall_s =
       largest([this](size_t begin, size_t end) { return wish(begin, end); });
   counters_.queuing = 0;
-  for (const uint32_t id : grid_.order()) counters_.queuing += queuing_[id];
+  for (size_t slot = 0; slot < grid_.order().size(); ++slot)
+    counters_.queuing += walkers_.queuing[slot];
   for_slots([this](size_t begin, size_t end, int worker) {
     choose(begin, end, walls_[static_cast<size_t>(worker)]);
   });
@@ -29,31 +30,31 @@ void Crowd::decide() {
 void Crowd::change_people() {
   const double now_s = options_.step_s * static_cast<double>(steps_);
   for_slots([&](size_t begin, size_t end, int) {
-    for (size_t slot = begin; slot < end; ++slot) {
-      const uint32_t id = grid_.order()[slot];
-      journeys_.follow(id, positions_m_[id], now_s);
-    }
+    for (size_t slot = begin; slot < end; ++slot)
+      journeys_.follow(grid_.order()[slot], walkers_.position_m[slot], now_s);
   });
   if (!traffic_.is_open()) return;
   traffic_.release(journeys_);
   traffic_.admit(now_s, journeys_, positions_m_);
   for (const uint32_t id : traffic_.entered()) {
     const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
-    start_walking(id, way.squaredNorm() > 0 ? way : headings_[id]);
+    if (way.squaredNorm() > 0) headings_[id] = way;
   }
 }
 
 /// Returns the longest stall.
 double Crowd::wish(size_t begin, size_t end) {
+  // The fields are too large for the caches: fetched now, they are there after the search.
+  for (size_t slot = begin; slot < end; ++slot)
+    journeys_.prefetch(grid_.order()[slot], walkers_.position_m[slot]);
   grid_.nearest(begin, end, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
                 slots_.neighbour_counts.data());
   double longest_s = 0;
   for (size_t slot = begin; slot < end; ++slot) {
-    const uint32_t id = grid_.order()[slot];
     longest_s = std::max(longest_s, watch_progress(slot));
-    const Eigen::Vector2f wanted = wanted_mps(id).cast<float>();
-    Eigen::Vector2f velocity = old_velocities_mps_[id].cast<float>();
-    const double stalled_s = stalled_s_of(id);
+    const Eigen::Vector2f wanted = wanted_mps(slot).cast<float>();
+    Eigen::Vector2f velocity = walkers_.old_mps[slot].cast<float>();
+    const double stalled_s = stalled_s_of(slot);
     const double stuck = std::clamp(
         (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0);
     const auto urge = static_cast<float>(stuck);
@@ -61,10 +62,10 @@ double Crowd::wish(size_t begin, size_t end) {
     velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
     slots_.vx_mps[slot] = velocity.x();
     slots_.vy_mps[slot] = velocity.y();
-    slots_.radius_m[slot] = static_cast<float>(radii_m_[id]);
+    slots_.radius_m[slot] = static_cast<float>(walkers_.radius_m[slot]);
     slots_.wanted_x_mps[slot] = wanted.x();
     slots_.wanted_y_mps[slot] = wanted.y();
-    slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * free_speeds_mps_[id]);
+    slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * walkers_.free_speed_mps[slot]);
     slots_.horizon_s[slot] = static_cast<float>(
         stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s : tuning::kHorizon_s);
     slots_.urge[slot] = urge;
@@ -97,7 +98,7 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   walls.clearance_m.clear();
   walls.starts.assign(1, 0);
   for (size_t slot = begin; slot < end; ++slot) {
-    find_walls(grid_.order()[slot], walls);
+    find_walls(slot, walls);
     walls.starts.push_back(static_cast<uint32_t>(walls.x.size()));
   }
   SteeringView people = view();
@@ -113,12 +114,11 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
     for (size_t slot = begin; slot < end; ++slot) limit_forward(slot);
   const float half_period_s = 0.5f * people.period_s;
   for (size_t slot = begin; slot < end; ++slot) {
-    const uint32_t id = grid_.order()[slot];
     const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
-    next_velocities_mps_[id] = {static_cast<double>(x), static_cast<double>(y)};
+    walkers_.next_mps[slot] = {static_cast<double>(x), static_cast<double>(y)};
     // By the velocity that people have, not by the one they show: they would be pushed apart in
     // places where they never are.
-    const Eigen::Vector2f old = old_velocities_mps_[id].cast<float>();
+    const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
     slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
     slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
   }
@@ -130,7 +130,7 @@ void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
   float& y = slots_.wanted_y_mps[slot];
   const float wanted = std::sqrt(x * x + y * y);
   if (!(wanted > 0)) return;
-  const double free_mps = free_speeds_mps_[grid_.order()[slot]];
+  const double free_mps = walkers_.free_speed_mps[slot];
   const float density = density_ahead(people, slot, x / wanted, y / wanted);
   const float limit = std::max(static_cast<float>(2 * tuning::kWish_mps),
                                static_cast<float>(free_mps) * weidmann_share(density));
@@ -153,11 +153,12 @@ void Crowd::limit_forward(size_t slot) {
   slots_.next_y_mps[slot] -= excess * ahead_y;
 }
 
-void Crowd::find_walls(uint32_t id, Walls& walls) {
+void Crowd::find_walls(size_t slot, Walls& walls) {
   const Walkable& walkable = ways_.walkable();
-  const Eigen::Vector2d& position = positions_m_[id];
-  const double radius_m = radii_m_[id];
-  const double reach_m = radius_m + tuning::kHaste * free_speeds_mps_[id] * tuning::kWallHorizon_s;
+  const Eigen::Vector2d& position = walkers_.position_m[slot];
+  const double radius_m = walkers_.radius_m[slot];
+  const double reach_m =
+      radius_m + tuning::kHaste * walkers_.free_speed_mps[slot] * tuning::kWallHorizon_s;
   const size_t first = walls.x.size();
   double clearance_m = Walkable::kReach_m;
   const auto add = [&](const Eigen::Vector2d& normal, double distance_m) {
@@ -190,42 +191,44 @@ void Crowd::find_walls(uint32_t id, Walls& walls) {
     const Walkable::Nearest wall = walkable.nearest(footprint, position);
     add(wall.normal, wall.distance_m);
   }
-  clearances_m_[id] = clearance_m;
+  walkers_.clearance_m[slot] = clearance_m;
 }
 
-double Crowd::stalled_s_of(uint32_t id) const {
-  return options_.step_s * static_cast<double>(steps_ - anchor_steps_[id]);
+double Crowd::stalled_s_of(size_t slot) const {
+  return options_.step_s * static_cast<double>(steps_ - walkers_.anchor_step[slot]);
 }
 
 /// How long somebody has been stuck, the time of queuing taken off.
 double Crowd::watch_progress(size_t slot) {
-  const uint32_t id = grid_.order()[slot];
-  const bool stands = journeys_.doing(id) != Doing::kWalking;
-  if (stands || (positions_m_[id] - anchors_m_[id]).squaredNorm() >= kStall_m * kStall_m) {
-    anchors_m_[id] = positions_m_[id];
-    anchor_steps_[id] = steps_;
-    queued_steps_[id] = 0;
+  Walkers& w = walkers_;
+  const bool stands = journeys_.doing(grid_.order()[slot]) != Doing::kWalking;
+  if (stands || (w.position_m[slot] - w.anchor_m[slot]).squaredNorm() >= kStall_m * kStall_m) {
+    w.anchor_m[slot] = w.position_m[slot];
+    w.anchor_step[slot] = steps_;
+    w.queued_steps[slot] = 0;
   }
-  queuing_[id] = is_queuing(slot);
-  if (queuing_[id] != 0) queued_steps_[id] += steps_a_decision_;
-  return std::max(
-      0.0, options_.step_s * static_cast<double>(steps_ - anchor_steps_[id] - queued_steps_[id]));
+  w.queuing[slot] = is_queuing(slot);
+  if (w.queuing[slot] != 0) w.queued_steps[slot] += steps_a_decision_;
+  return std::max(0.0, options_.step_s * static_cast<double>(steps_ - w.anchor_step[slot] -
+                                                             w.queued_steps[slot]));
 }
 
 bool Crowd::is_queuing(size_t slot) const {
   const uint32_t id = grid_.order()[slot];
   if (journeys_.doing(id) != Doing::kWalking) return false;
-  const double slow_mps = tuning::kQueueSpeed * free_speeds_mps_[id];
-  if (velocities_mps_[id].squaredNorm() > slow_mps * slow_mps) return false;
+  const double slow_mps = tuning::kQueueSpeed * walkers_.free_speed_mps[slot];
+  if (walkers_.velocity_mps[slot].squaredNorm() > slow_mps * slow_mps) return false;
+  const Eigen::Vector2d& position = walkers_.position_m[slot];
   const FlowField* field = journeys_.stop(id).field;
-  const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
+  const Eigen::Vector2d way = journeys_.direction(id, position);
   for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
-    const uint32_t other = grid_.order()[slots_.neighbours[kMaxNeighbours * slot + k]];
-    const Eigen::Vector2d offset = positions_m_[other] - positions_m_[id];
-    const double reach_m = radii_m_[id] + radii_m_[other] + tuning::kQueueGap_m;
+    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
+    const Eigen::Vector2d offset = walkers_.position_m[other] - position;
+    const double reach_m = walkers_.radius_m[slot] + walkers_.radius_m[other] + tuning::kQueueGap_m;
     if (offset.squaredNorm() > reach_m * reach_m) return false;
     // Ahead within 60 degrees, and with the same way to go.
-    if (journeys_.doing(other) == Doing::kWalking && journeys_.stop(other).field == field &&
+    const uint32_t other_id = grid_.order()[other];
+    if (journeys_.doing(other_id) == Doing::kWalking && journeys_.stop(other_id).field == field &&
         way.dot(offset) > 0.5 * offset.norm())
       return true;
   }

@@ -8,18 +8,27 @@
 #include "scenes/crowd_tuning.h"
 
 namespace throng {
+namespace {
+
+// What a sweep found of a person.
+constexpr uint8_t kMoved = 1;
+constexpr uint8_t kOverlapping = 2;
+
+}  // namespace
 
 void Crowd::relax_discs() {
   counters_.deepest_overlap_m =
       largest([this](size_t begin, size_t end) { return find_close(begin, end); });
   slots_.swept_x_m = slots_.expected_x_m;
   slots_.swept_y_m = slots_.expected_y_m;
+  slots_.swept_touched = slots_.touched;
   counters_.sweeps = 0;
   double deepest_m = tuning::kSlop_m;
   while (deepest_m >= tuning::kSlop_m && counters_.sweeps < tuning::kSweeps) {
     deepest_m = largest([this](size_t begin, size_t end) { return sweep(begin, end); });
     slots_.expected_x_m.swap(slots_.swept_x_m);
     slots_.expected_y_m.swap(slots_.swept_y_m);
+    slots_.touched.swap(slots_.swept_touched);
     ++counters_.sweeps;
   }
   counters_.all_sweeps += static_cast<uint64_t>(counters_.sweeps);
@@ -34,6 +43,7 @@ double Crowd::find_close(size_t begin, size_t end) {
   const float* x = grid_.x().data();
   const float* y = grid_.y().data();
   const auto moved_m = static_cast<float>(2 * period_s_ * tuning::kHaste * fastest_mps_);
+  uint32_t crowded = 0;
   for (size_t slot = begin; slot < end; ++slot) {
     uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
@@ -53,15 +63,34 @@ double Crowd::find_close(size_t begin, size_t end) {
       if (ex * ex + ey * ey < apart_m * apart_m) std::swap(near[close++], near[k]);
     }
     slots_.close_counts[slot] = static_cast<uint8_t>(close);
+    slots_.touched[slot] = close > 0 ? kMoved : 0;  // the first sweep looks at all of them
+    if (close > 0) slots_.crowded[begin + crowded++] = static_cast<uint32_t>(slot);
   }
+  slots_.crowded_counts[begin / kPeopleABlock] = crowded;
   return static_cast<double>(deepest_m);
 }
 
-double Crowd::sweep(size_t begin, size_t end) {
+double Crowd::sweep(size_t begin, size_t) {
   double deepest_m = 0;
-  for (size_t slot = begin; slot < end; ++slot)
-    if (slots_.close_counts[slot] > 0) deepest_m = std::max(deepest_m, relax_disc(slot));
+  const uint32_t* crowded = slots_.crowded.data() + begin;
+  const uint32_t* end_of_crowded = crowded + slots_.crowded_counts[begin / kPeopleABlock];
+  for (; crowded != end_of_crowded; ++crowded) {
+    if (is_settled(*crowded))
+      slots_.swept_touched[*crowded] = 0;
+    else
+      deepest_m = std::max(deepest_m, relax_disc(*crowded));
+  }
   return deepest_m;
+}
+
+/// Overlapping nobody at the sweep before, and neither this one nor anybody near moved since: the
+/// sweep would change nothing. What it would write stands there from the sweep before.
+bool Crowd::is_settled(size_t slot) const {
+  if (slots_.touched[slot] != 0) return false;
+  const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+  for (size_t k = 0; k < slots_.close_counts[slot]; ++k)
+    if ((slots_.touched[near[k]] & kMoved) != 0) return false;
+  return true;
 }
 
 /// Those behind push nobody forward, beyond where one's own step would have led: a person who is
@@ -73,7 +102,7 @@ void Crowd::hold_back(size_t slot, float& to_x, float& to_y) const {
   const float ahead_x = wanted_x / wanted, ahead_y = wanted_y / wanted;
   const float x = grid_.x()[slot], y = grid_.y()[slot];
   const auto half_period_s = static_cast<float>(0.5 * period_s_);
-  const Eigen::Vector2f old = old_velocities_mps_[grid_.order()[slot]].cast<float>();
+  const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
   const float planned_x = half_period_s * (old.x() + slots_.next_x_mps[slot]);
   const float planned_y = half_period_s * (old.y() + slots_.next_y_mps[slot]);
   const float planned_m = std::max(0.0f, planned_x * ahead_x + planned_y * ahead_y);
@@ -105,17 +134,20 @@ double Crowd::relax_disc(size_t slot) {
   }
   float to_x = x + push_x, to_y = y + push_y;
   if (deepest_m > 0) hold_back(slot, to_x, to_y);
-  const uint32_t id = grid_.order()[slot];
-  if (deepest_m > 0 && clearances_m_[id] < 2 * radii_m_[id] + 1) {
+  if (deepest_m > 0 && walkers_.clearance_m[slot] < 2 * walkers_.radius_m[slot] + 1) {
     const Eigen::Vector2d to = Eigen::Vector2f(to_x, to_y).cast<double>() + grid_.middle_m();
     const Eigen::Vector2f slid =
-        (ways_.walkable().slide(positions_m_[id], to, tuning::kWallGap_m) - grid_.middle_m())
+        (ways_.walkable().slide(walkers_.position_m[slot], to, tuning::kWallGap_m) -
+         grid_.middle_m())
             .cast<float>();
     to_x = slid.x();
     to_y = slid.y();
   }
   slots_.swept_x_m[slot] = to_x;
   slots_.swept_y_m[slot] = to_y;
+  const bool moved = to_x != x || to_y != y;
+  slots_.swept_touched[slot] =
+      static_cast<uint8_t>((moved ? kMoved : 0) | (deepest_m > 0 ? kOverlapping : 0));
   return static_cast<double>(deepest_m);
 }
 
@@ -123,11 +155,10 @@ double Crowd::relax_disc(size_t slot) {
 void Crowd::set_drift(size_t begin, size_t end) {
   const auto half_period_s = static_cast<float>(0.5 * period_s_);
   for (size_t slot = begin; slot < end; ++slot) {
-    const uint32_t id = grid_.order()[slot];
-    Eigen::Vector2d& drift = drifts_mps_[id];
+    Eigen::Vector2d& drift = walkers_.drift_mps[slot];
     drift.setZero();
     if (slots_.close_counts[slot] == 0) continue;
-    const Eigen::Vector2f old = old_velocities_mps_[id].cast<float>();
+    const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
     const float chosen_x = grid_.x()[slot] + half_period_s * (old.x() + slots_.next_x_mps[slot]);
     const float chosen_y = grid_.y()[slot] + half_period_s * (old.y() + slots_.next_y_mps[slot]);
     drift = {static_cast<double>(slots_.expected_x_m[slot] - chosen_x),

@@ -163,18 +163,26 @@ void FlowField::lead_out_of_walls() {
   }
 }
 
-Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
+FlowField::Patch FlowField::patch_at(const Eigen::Vector2d& point) const {
   const Eigen::Vector2d offset = (point - grid_->origin_m()) / grid_->cell_m();
   const double x = std::clamp(offset.x() - 0.5, 0.0, static_cast<double>(grid_->columns() - 1));
   const double y = std::clamp(offset.y() - 0.5, 0.0, static_cast<double>(grid_->rows() - 1));
   const auto column = static_cast<size_t>(x);
   const auto row = static_cast<size_t>(y);
   const auto columns = static_cast<size_t>(grid_->columns());
-  const size_t right = column + 1 < columns ? 1 : 0;
-  const size_t above = row + 1 < static_cast<size_t>(grid_->rows()) ? columns : 0;
-  const size_t cell = row * columns + column;
-  const double fx = x - static_cast<double>(column);
-  const double fy = y - static_cast<double>(row);
+  return {row * columns + column, column + 1 < columns ? size_t{1} : 0,
+          row + 1 < static_cast<size_t>(grid_->rows()) ? columns : 0,
+          x - static_cast<double>(column), y - static_cast<double>(row)};
+}
+
+void FlowField::prefetch(const Eigen::Vector2d& point) const {
+  const Patch patch = patch_at(point);
+  __builtin_prefetch(&direction_[patch.cell]);
+  __builtin_prefetch(&direction_[patch.cell + patch.above]);
+}
+
+Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
+  const auto [cell, right, above, fx, fy] = patch_at(point);
   const auto at = [&](size_t index) -> Eigen::Vector2d { return direction_[index].cast<double>(); };
   const Eigen::Vector2d blend = (1 - fy) * ((1 - fx) * at(cell) + fx * at(cell + right)) +
                                 fy * ((1 - fx) * at(cell + above) + fx * at(cell + above + right));

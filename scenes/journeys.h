@@ -54,6 +54,11 @@ class Journeys {
   /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
   Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m) const;
 
+  /// direction() of the same is asked for soon.
+  void prefetch(uint32_t id, const Eigen::Vector2d& position_m) const {
+    if (doing_[id] == Doing::kWalking) stop(id).field->prefetch(position_m);
+  }
+
   Doing doing(uint32_t id) const { return doing_[id]; }
   bool is_present(uint32_t id) const {
     return doing_[id] != Doing::kOutside && doing_[id] != Doing::kGone;

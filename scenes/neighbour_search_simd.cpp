@@ -38,56 +38,59 @@ class Candidates {
     count_ += hn::CompressBlendedStore(slots, hn::RebindMask(du, mask), du, slots_ + count_);
   }
 
-  /// How many are nearer than candidate i; of equal ones the first counts as nearer.
-  HWY_INLINE size_t rank(size_t i) const {
-    const D d;
-    const auto mine = hn::Set(d, squares_[i]);
-    size_t nearer = 0;
-    for (size_t j = 0; j < count_; j += kLanes) {
-      const auto other = hn::LoadU(d, squares_ + j);
-      const auto in = hn::FirstN(d, count_ - j);
-      const auto before = hn::FirstN(d, i > j ? i - j : 0);
-      const auto first = hn::Or(hn::Lt(other, mine), hn::And(hn::Eq(other, mine), before));
-      nearer += hn::CountTrue(d, hn::And(in, first));
-    }
-    return nearer;
-  }
-
   /// Keeps the kMost nearest, still in ascending order of slots; returns the farthest's square.
   float keep_nearest() {
+    rank();
     size_t kept = 0;
     float farthest = 0;
-    float squares[kCapacity];
-    uint32_t slots[kCapacity];
     for (size_t i = 0; i < count_; ++i) {
-      if (rank(i) >= kMost) continue;
-      squares[kept] = squares_[i];
-      slots[kept++] = slots_[i];
+      if (ranks_[i] >= kMost) continue;
+      squares_[kept] = squares_[i];
+      slots_[kept++] = slots_[i];
       if (squares_[i] > farthest) farthest = squares_[i];
-    }
-    for (size_t i = 0; i < kept; ++i) {
-      squares_[i] = squares[i];
-      slots_[i] = slots[i];
     }
     count_ = kept;
     return farthest;
   }
 
   /// The kMost nearest by distance.
-  size_t sort_into(uint32_t* found) const {
-    for (size_t i = 0; i < count_; ++i) {
-      const size_t place = rank(i);
-      if (place < kMost) found[place] = slots_[i];
-    }
-    return count_ < kMost ? count_ : kMost;
+  size_t sort_into(uint32_t* found) {
+    rank();
+    uint32_t sorted[kCapacity];
+    for (size_t i = 0; i < count_; ++i) sorted[ranks_[i]] = slots_[i];
+    const size_t most = count_ < kMost ? count_ : kMost;
+    for (size_t i = 0; i < most; ++i) found[i] = sorted[i];
+    return most;
   }
 
  private:
   /// Ranking costs the square of this; fewer would be ranked too often in a crush.
   static constexpr size_t kFull = 40;
   static constexpr size_t kCapacity = kFull + 2 * kLanes;
+
+  /// How many are nearer than each; of equal ones the first counts as nearer.
+  HWY_INLINE void rank() {
+    const D d;
+    const DU du;
+    size_t sum = 0;
+    for (size_t i = 0; i < count_; i += kLanes) {
+      const auto mine = hn::LoadU(d, squares_ + i);
+      auto nearer = hn::Zero(du);
+      for (size_t j = 0; j < count_; ++j)  // a mask is -1 in every lane where it holds
+        nearer = hn::Sub(
+            nearer, hn::VecFromMask(du, hn::RebindMask(du, hn::Lt(hn::Set(d, squares_[j]), mine))));
+      hn::StoreU(nearer, du, ranks_ + i);
+    }
+    for (size_t i = 0; i < count_; ++i) sum += ranks_[i];
+    if (2 * sum == count_ * (count_ - 1)) return;
+    // Some are equally near: rare, and then the ranks are not all different yet.
+    for (size_t i = 0; i < count_; ++i)
+      for (size_t j = 0; j < i; ++j) ranks_[i] += squares_[j] == squares_[i] ? 1 : 0;
+  }
+
   float squares_[kCapacity];
   uint32_t slots_[kCapacity];
+  uint32_t ranks_[kCapacity];
   size_t count_ = 0;
 };
 

@@ -1,5 +1,7 @@
-// The planes of one person as lanes: orca.cpp, operation for operation. A lane without a plane
-// holds one that every velocity meets.
+// People as lanes: orca.cpp, operation for operation. Where somebody has fewer planes than others,
+// planes that every velocity meets fill up. Whose planes contradict each other goes on alone, with
+// planes as lanes.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +22,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<float>;
 using V = hn::Vec<D>;
+using DU = hn::RebindToUnsigned<D>;
+using DI = hn::RebindToSigned<D>;
 using M = hn::Mask<D>;
 constexpr size_t kLanes = hn::MaxLanes(D());
 constexpr float kNever_mps = -1e30f;
@@ -56,8 +60,8 @@ HWY_INLINE V violations(const Planes& planes, size_t at, V x, V y) {
       hn::Add(hn::Mul(hn::LoadU(d, planes.x + at), x), hn::Mul(hn::LoadU(d, planes.y + at), y)));
 }
 
-HWY_INLINE bool solve_on_border(const Planes& planes, size_t index, const Point& wish,
-                                bool is_direction, float max_speed, Point& v) {
+HWY_INLINE bool solve_on_border(const Planes& planes, size_t index, const Point& direction,
+                                float max_speed, Point& v) {
   const D d;
   const float nx = planes.x[index], ny = planes.y[index], offset = planes.offset[index];
   const float room = max_speed * max_speed - offset * offset;
@@ -90,26 +94,15 @@ HWY_INLINE bool solve_on_border(const Planes& planes, size_t index, const Point&
     high = hn::GetLane(hn::MinOfLanes(d, highs));
     if (low > high) return false;
   }
-  const float wanted = along.x * wish.x + along.y * wish.y;
-  const float t = is_direction ? (wanted > 0 ? high : low)
-                               : (wanted < low ? low : (high < wanted ? high : wanted));
+  const float t = along.x * direction.x + along.y * direction.y > 0 ? high : low;
   v = {foot.x + t * along.x, foot.y + t * along.y};
   return true;
 }
 
-size_t solve(const Planes& planes, const Point& wish, bool is_direction, float max_speed,
-             Point& v) {
+/// As far along a direction as the planes allow; how many planes are met, in their order.
+size_t solve(const Planes& planes, const Point& direction, float max_speed, Point& v) {
   const D d;
-  if (is_direction) {
-    v = {max_speed * wish.x, max_speed * wish.y};
-  } else {
-    const float length = std::sqrt(wish.x * wish.x + wish.y * wish.y);
-    v = wish;
-    if (length > max_speed) {
-      const float scale = max_speed / length;
-      v = {v.x * scale, v.y * scale};
-    }
-  }
+  v = {max_speed * direction.x, max_speed * direction.y};
   const V tiny = hn::Set(d, kTiny_mps);
   for (size_t at = 0; at < planes.count;) {
     const M bad = hn::Gt(violations(planes, at, hn::Set(d, v.x), hn::Set(d, v.y)), tiny);
@@ -120,7 +113,7 @@ size_t solve(const Planes& planes, const Point& wish, bool is_direction, float m
     }
     // What comes after this plane is looked at again, with the new velocity.
     at += static_cast<size_t>(first);
-    if (!solve_on_border(planes, at, wish, is_direction, max_speed, v)) return at;
+    if (!solve_on_border(planes, at, direction, max_speed, v)) return at;
     ++at;
   }
   return planes.count;
@@ -153,42 +146,93 @@ void relax(const Planes& planes, size_t hard, size_t failed, float max_speed, Po
     }
     others.pad();
     Point candidate = v;
-    if (solve(others, {planes.x[i], planes.y[i]}, true, max_speed, candidate) == others.count)
+    if (solve(others, {planes.x[i], planes.y[i]}, max_speed, candidate) == others.count)
       v = candidate;
     const float now = violation(i);
     worst = worst < now ? now : worst;
   }
 }
 
-/// avoid() of the people from neighbour k on, appended to the planes.
-HWY_INLINE void add_people(const SteeringView& p, size_t slot, Planes& planes) {
+/// The first values of an array that may end there; the first again in lanes beyond.
+HWY_INLINE V load_first(const float* values, size_t count) {
   const D d;
-  const size_t count = p.neighbour_counts[slot];
-  HWY_ALIGN float px[16], py[16], ux[16], uy[16], radius[16], urge[16];
-  const uint32_t* near = p.neighbours + NeighbourGrid::kMost * slot;
-  for (size_t k = 0; k < count; ++k) {
-    const uint32_t other = near[k];
-    px[k] = p.x_m[other] - p.x_m[slot];
-    py[k] = p.y_m[other] - p.y_m[slot];
-    if (px[k] == 0 && py[k] == 0) px[k] = slot < other ? 1e-6f : -1e-6f;
-    ux[k] = p.vx_mps[other];
-    uy[k] = p.vy_mps[other];
-    radius[k] = p.radius_m[other];
-    urge[k] = p.urge[other];
+  if (count == kLanes) return hn::LoadU(d, values);
+  HWY_ALIGN float padded[kLanes];
+  for (size_t i = 0; i < kLanes; ++i) padded[i] = values[i < count ? i : 0];
+  return hn::Load(d, padded);
+}
+
+/// The planes of as many people as there are lanes: plane k of lane i stands at [k * kLanes + i].
+struct LanesOfPlanes {
+  HWY_ALIGN float x[kMostPlanes * kLanes];
+  HWY_ALIGN float y[kMostPlanes * kLanes];
+  HWY_ALIGN float offset[kMostPlanes * kLanes];
+  size_t walls = 0;  ///< of who has most
+  size_t count = 0;
+
+  HWY_INLINE void store(size_t plane, V nx, V ny, V offset_mps) {
+    const D d;
+    hn::Store(nx, d, x + plane * kLanes);
+    hn::Store(ny, d, y + plane * kLanes);
+    hn::Store(offset_mps, d, offset + plane * kLanes);
   }
-  for (size_t k = count; k < 16; ++k) {
-    px[k] = py[k] = 1;
-    ux[k] = uy[k] = radius[k] = urge[k] = 0;
+};
+
+/// keep_off() of the walls of `people` slots.
+HWY_INLINE void add_walls(const SteeringView& p, size_t slot, size_t people,
+                          LanesOfPlanes& planes) {
+  const D d;
+  const uint32_t* starts = p.wall_starts + (slot - p.first_slot);
+  planes.walls = 0;
+  for (size_t i = 0; i < people; ++i)
+    planes.walls = std::max<size_t>(planes.walls, starts[i + 1] - starts[i]);
+  for (size_t w = 0; w < planes.walls; ++w)
+    planes.store(w, hn::Zero(d), hn::Zero(d), hn::Set(d, kNever_mps));
+  for (size_t i = 0; i < people; ++i)
+    for (uint32_t w = starts[i]; w < starts[i + 1]; ++w) {
+      const size_t at = (w - starts[i]) * kLanes + i;
+      planes.x[at] = p.wall_x[w];
+      planes.y[at] = p.wall_y[w];
+      planes.offset[at] =
+          -(p.wall_clearance_m[w] > 0 ? p.wall_clearance_m[w] : 0.0f) / p.wall_horizon_s;
+    }
+}
+
+/// avoid() of the neighbours of `people` slots, behind the walls.
+HWY_INLINE void add_people(const SteeringView& p, size_t slot, size_t people,
+                           LanesOfPlanes& planes) {
+  const D d;
+  const DU du;
+  const DI di;
+  HWY_ALIGN uint32_t counts[kLanes] = {};
+  HWY_ALIGN int32_t others[NeighbourGrid::kMost * kLanes];
+  std::fill(std::begin(others), std::end(others), static_cast<int32_t>(slot));
+  size_t most = 0;
+  for (size_t i = 0; i < people; ++i) {
+    const uint32_t* near = p.neighbours + NeighbourGrid::kMost * (slot + i);
+    counts[i] = p.neighbour_counts[slot + i];
+    most = std::max<size_t>(most, counts[i]);
+    for (size_t k = 0; k < counts[i]; ++k) others[k * kLanes + i] = static_cast<int32_t>(near[k]);
   }
-  const V own_x = hn::Set(d, p.vx_mps[slot]), own_y = hn::Set(d, p.vy_mps[slot]);
-  const V own_radius = hn::Set(d, p.radius_m[slot]);
-  const V half = hn::Set(d, 0.5f), zero = hn::Zero(d);
-  const V step_rate = hn::Set(d, 1 / p.period_s), horizon_rate = hn::Set(d, 1 / p.horizon_s[slot]);
-  const V tiny = hn::Set(d, kTiny_mps);
-  for (size_t k = 0; k < count; k += kLanes) {
-    const V ox = hn::Load(d, px + k), oy = hn::Load(d, py + k);
-    const V vx = hn::Sub(own_x, hn::Load(d, ux + k)), vy = hn::Sub(own_y, hn::Load(d, uy + k));
-    const V r = hn::Add(own_radius, hn::Load(d, radius + k));
+  const auto load = [&](const float* values) HWY_ATTR { return load_first(values + slot, people); };
+  const auto self = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(slot)));
+  const V x = load(p.x_m), y = load(p.y_m), own_x = load(p.vx_mps), own_y = load(p.vy_mps);
+  const V own_radius = load(p.radius_m), own_urge = load(p.urge);
+  const V half = hn::Set(d, 0.5f), zero = hn::Zero(d), tiny = hn::Set(d, kTiny_mps);
+  const V step_rate = hn::Set(d, 1 / p.period_s);
+  const V horizon_rate = hn::Div(hn::Set(d, 1), load(p.horizon_s));
+  const V side = hn::Set(d, 1e-6f);
+  for (size_t k = 0; k < most; ++k) {
+    const auto has = hn::Gt(hn::Load(du, counts), hn::Set(du, static_cast<uint32_t>(k)));
+    const auto other = hn::Load(di, others + k * kLanes);
+    const auto of = [&](const float* values) HWY_ATTR { return hn::GatherIndex(d, values, other); };
+    V ox = hn::Sub(of(p.x_m), x);
+    const V oy = hn::Sub(of(p.y_m), y);
+    const M same = hn::And(hn::Eq(ox, zero), hn::Eq(oy, zero));
+    const M below = hn::RebindMask(d, hn::Lt(self, hn::BitCast(du, other)));
+    ox = hn::IfThenElse(same, hn::IfThenElse(below, side, hn::Neg(side)), ox);
+    const V vx = hn::Sub(own_x, of(p.vx_mps)), vy = hn::Sub(own_y, of(p.vy_mps));
+    const V r = hn::Add(own_radius, of(p.radius_m));
     const V gap_square = hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy));
     const V radius_square = hn::Mul(r, r);
     const M overlaps = hn::Le(gap_square, radius_square);
@@ -201,10 +245,13 @@ HWY_INLINE void add_people(const SteeringView& p, size_t slot, Planes& planes) {
                           hn::Gt(hn::Mul(w_along, w_along), hn::Mul(radius_square, w_square))));
     // The circle's normal.
     const V w_length = hn::Sqrt(w_square);
-    const V gap = hn::Sqrt(gap_square);
     const M known = hn::Gt(w_length, tiny);
-    const V cx = hn::IfThenElse(known, hn::Div(wx, w_length), hn::Div(hn::Neg(ox), gap));
-    const V cy = hn::IfThenElse(known, hn::Div(wy, w_length), hn::Div(hn::Neg(oy), gap));
+    V cx = hn::Div(wx, w_length), cy = hn::Div(wy, w_length);
+    if (!hn::AllTrue(d, known)) {
+      const V gap = hn::Sqrt(gap_square);
+      cx = hn::IfThenElse(known, cx, hn::Div(hn::Neg(ox), gap));
+      cy = hn::IfThenElse(known, cy, hn::Div(hn::Neg(oy), gap));
+    }
     const V circle_change = hn::Sub(hn::Mul(r, rate), w_length);
     // The leg's.
     const V leg = hn::Sqrt(hn::Max(hn::Sub(gap_square, radius_square), zero));
@@ -216,42 +263,115 @@ HWY_INLINE void add_people(const SteeringView& p, size_t slot, Planes& planes) {
 
     const V nx = hn::IfThenElse(circle, cx, lx), ny = hn::IfThenElse(circle, cy, ly);
     const V change = hn::IfThenElse(circle, circle_change, leg_change);
-    const V burden =
-        hn::Add(half, hn::Mul(half, hn::Sub(hn::Load(d, urge + k), hn::Set(d, p.urge[slot]))));
+    const V burden = hn::Add(half, hn::Mul(half, hn::Sub(of(p.urge), own_urge)));
     const V share = hn::IfThenElse(hn::Gt(change, zero), burden, half);
     const V offset =
         hn::Add(hn::Add(hn::Mul(nx, own_x), hn::Mul(ny, own_y)), hn::Mul(share, change));
-    hn::StoreU(nx, d, planes.x + planes.count + k);
-    hn::StoreU(ny, d, planes.y + planes.count + k);
-    hn::StoreU(offset, d, planes.offset + planes.count + k);
+    const M in = hn::RebindMask(d, has);
+    planes.store(planes.walls + k, hn::IfThenElseZero(in, nx), hn::IfThenElseZero(in, ny),
+                 hn::IfThenElse(in, offset, hn::Set(d, kNever_mps)));
   }
-  planes.count += count;
+  planes.count = planes.walls + most;
+}
+
+/// choose_velocity() without giving way where planes contradict each other: `failed` tells the
+/// first plane of each lane that could not be met, or planes.count.
+HWY_INLINE void solve_lanes(const LanesOfPlanes& planes, M in, V wish_x, V wish_y, V max_speed,
+                            V& v_x, V& v_y, uint32_t* failed) {
+  const D d;
+  const DU du;
+  const V tiny = hn::Set(d, kTiny_mps), zero = hn::Zero(d);
+  const V length = hn::Sqrt(hn::Add(hn::Mul(wish_x, wish_x), hn::Mul(wish_y, wish_y)));
+  const V scale =
+      hn::IfThenElse(hn::Gt(length, max_speed), hn::Div(max_speed, length), hn::Set(d, 1));
+  V x = hn::Mul(wish_x, scale), y = hn::Mul(wish_y, scale);
+  const V max_square = hn::Mul(max_speed, max_speed);
+  auto first_failed = hn::Set(du, static_cast<uint32_t>(planes.count));
+  for (size_t i = 0; i < planes.count; ++i) {
+    const V nx = hn::Load(d, planes.x + i * kLanes);
+    const V ny = hn::Load(d, planes.y + i * kLanes);
+    const V offset = hn::Load(d, planes.offset + i * kLanes);
+    const V violation = hn::Sub(offset, hn::Add(hn::Mul(nx, x), hn::Mul(ny, y)));
+    const M bad = hn::And(in, hn::Gt(violation, tiny));
+    if (hn::AllFalse(d, bad)) continue;
+    const V room = hn::Sub(max_square, hn::Mul(offset, offset));
+    const V foot_x = hn::Mul(offset, nx), foot_y = hn::Mul(offset, ny);
+    const V along_x = hn::Neg(ny), along_y = nx;
+    M none = hn::Lt(room, zero);
+    V high = hn::Sqrt(room);
+    V low = hn::Neg(high);
+    for (size_t j = 0; j < i; ++j) {
+      const V jx = hn::Load(d, planes.x + j * kLanes), jy = hn::Load(d, planes.y + j * kLanes);
+      const V slope = hn::Add(hn::Mul(jx, along_x), hn::Mul(jy, along_y));
+      const V need = hn::Sub(hn::Load(d, planes.offset + j * kLanes),
+                             hn::Add(hn::Mul(jx, foot_x), hn::Mul(jy, foot_y)));
+      const M parallel = hn::Le(hn::Abs(slope), tiny);
+      const V t = hn::Div(need, slope);
+      const M rising = hn::Gt(slope, tiny);
+      none = hn::Or(none, hn::And(parallel, hn::Gt(need, tiny)));
+      low = hn::IfThenElse(rising, hn::Max(low, t), low);
+      high = hn::IfThenElse(hn::Or(rising, parallel), high, hn::Min(high, t));
+    }
+    none = hn::And(bad, hn::Or(none, hn::Gt(low, high)));
+    const V wanted = hn::Add(hn::Mul(along_x, wish_x), hn::Mul(along_y, wish_y));
+    const V t = hn::IfThenElse(hn::Lt(wanted, low), low,
+                               hn::IfThenElse(hn::Lt(high, wanted), high, wanted));
+    const M met = hn::AndNot(none, bad);
+    x = hn::IfThenElse(met, hn::Add(foot_x, hn::Mul(t, along_x)), x);
+    y = hn::IfThenElse(met, hn::Add(foot_y, hn::Mul(t, along_y)), y);
+    first_failed = hn::IfThenElse(hn::RebindMask(du, none), hn::Set(du, static_cast<uint32_t>(i)),
+                                  first_failed);
+    in = hn::AndNot(none, in);
+  }
+  v_x = x;
+  v_y = y;
+  hn::Store(first_failed, du, failed);
+}
+
+/// What is left for one lane whose plane `failed` cannot be met.
+void give_way(const LanesOfPlanes& lanes, size_t lane, size_t walls, size_t people, size_t failed,
+              float max_speed, Point& v) {
+  if (failed < lanes.walls) {
+    v = {0, 0};
+    return;
+  }
+  Planes own;
+  const auto add = [&](size_t plane) {
+    const size_t at = plane * kLanes + lane;
+    own.add(lanes.x[at], lanes.y[at], lanes.offset[at]);
+  };
+  for (size_t w = 0; w < walls; ++w) add(w);
+  for (size_t k = 0; k < people; ++k) add(lanes.walls + k);
+  relax(own, walls, failed - lanes.walls + walls, max_speed, v);
 }
 
 }  // namespace
 
 void decide_all(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
                 float* next_y_mps) {
-  Planes planes;
-  for (size_t slot = begin; slot < end; ++slot) {
-    planes.count = 0;
-    const size_t in_block = slot - p.first_slot;
-    for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w) {
-      const float clearance = p.wall_clearance_m[w] > 0 ? p.wall_clearance_m[w] : 0.0f;
-      planes.add(p.wall_x[w], p.wall_y[w], -clearance / p.wall_horizon_s);
+  const D d;
+  LanesOfPlanes planes;
+  HWY_ALIGN uint32_t failed[kLanes];
+  HWY_ALIGN float chosen_x[kLanes], chosen_y[kLanes];
+  for (size_t slot = begin; slot < end; slot += kLanes) {
+    const size_t people = std::min(kLanes, end - slot);
+    add_walls(p, slot, people, planes);
+    add_people(p, slot, people, planes);
+    V x, y;
+    solve_lanes(planes, hn::FirstN(d, people), load_first(p.wanted_x_mps + slot, people),
+                load_first(p.wanted_y_mps + slot, people),
+                load_first(p.max_speed_mps + slot, people), x, y, failed);
+    hn::Store(x, d, chosen_x);
+    hn::Store(y, d, chosen_y);
+    const uint32_t* walls = p.wall_starts + (slot - p.first_slot);
+    for (size_t i = 0; i < people; ++i) {
+      Point v{chosen_x[i], chosen_y[i]};
+      if (failed[i] < planes.count)
+        give_way(planes, i, walls[i + 1] - walls[i], p.neighbour_counts[slot + i], failed[i],
+                 p.max_speed_mps[slot + i], v);
+      next_x_mps[slot + i] = v.x;
+      next_y_mps[slot + i] = v.y;
     }
-    const size_t hard = planes.count;
-    add_people(p, slot, planes);
-    planes.pad();
-    Point v{0, 0};
-    const size_t failed = solve(planes, {p.wanted_x_mps[slot], p.wanted_y_mps[slot]}, false,
-                                p.max_speed_mps[slot], v);
-    if (failed < hard)
-      v = {0, 0};
-    else if (failed < planes.count)
-      relax(planes, hard, failed, p.max_speed_mps[slot], v);
-    next_x_mps[slot] = v.x;
-    next_y_mps[slot] = v.y;
   }
 }
 
