@@ -15,6 +15,7 @@
 #include "base/errors.h"
 #include "bench/engines.h"
 #include "bench/report.h"
+#include "bench/steering.h"
 
 namespace throng {
 namespace {
@@ -29,7 +30,8 @@ Examples:
   throng bench --avatars 20000 --crowd plaza
   throng bench --avatars 5000 --engines none --threads 2 --json bench.json
   throng bench --avatars 5000 --age 300 --engines fcl,embree
-  throng bench --avatars 1000 --frames 3 --parts ordop26)";
+  throng bench --avatars 1000 --frames 3 --parts ordop26
+  throng bench --steering)";
 
 constexpr std::pair<const char*, PairSearch> kSearches[] = {
     {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
@@ -45,6 +47,9 @@ struct BenchCommand {
   std::string csv;
   std::string parts;
   int aged_frames = 0;
+  bool steering = false;
+  CLI::Option* avatars = nullptr;
+  CLI::Option* frames = nullptr;
 };
 
 std::vector<std::string> known_engines() {
@@ -80,6 +85,21 @@ void write_text(const std::string& file, const std::string& text,
   if (!out) throw EnvironmentError(fmt::format("{}: cannot write: {}", file, std::strerror(errno)));
 }
 
+int measure_steering(const BenchCommand& command, const bench::Progress& progress) {
+  bench::SteeringBenchOptions options;
+  if (command.avatars->count() > 0) options.counts = {command.options.avatars};
+  if (command.frames->count() > 0) options.steps = command.options.frames;
+  options.per_m2 = command.options.per_m2;
+  options.threads = command.options.threads;
+  options.seed = command.options.seed;
+  options.simd = command.options.simd;
+  const auto rows = bench::measure_steering(options, progress);
+  progress("");
+  fmt::print("{}", bench::to_text(rows, options, cpu_name()));
+  write_text(command.json, bench::to_json(rows, options, cpu_name()));
+  return kExitFine;
+}
+
 int measure(BenchCommand& command) {
   bench::BenchOptions& options = command.options;
   options.engines = engines_of(command.engines);
@@ -101,6 +121,7 @@ int measure(BenchCommand& command) {
   const auto done = [terminal] {
     if (terminal) fmt::print(stderr, "\r\033[K");
   };
+  if (command.steering) return measure_steering(command, progress);
   if (!command.parts.empty()) {
     const auto result =
         bench::count_false_positives(options, *volume_of(command.parts), 20, progress);
@@ -132,20 +153,23 @@ int measure(BenchCommand& command) {
 
 void add_options(CLI::App& app, BenchCommand& command) {
   bench::BenchOptions& options = command.options;
-  app.add_option("--avatars", options.avatars, "People [20000]")
-      ->check(whole_option(2, 1'000'000, "a whole number from 2 to 1000000"))
-      ->type_name("N");
+  command.avatars = app.add_option("--avatars", options.avatars, "People [20000]")
+                        ->check(whole_option(2, 1'000'000, "a whole number from 2 to 1000000"))
+                        ->type_name("N");
   app.add_option("--density", command.density, "People per square metre [1]")
       ->check(number_option(0, 20, true, "a density above 0, at most 20 per m2"))
       ->type_name("D");
-  app.add_option("--crowd", command.crowd,
-                 "square: everybody walks straight on; plaza: they steer, as dense as the scene "
-                 "[square]")
-      ->check(name_option({"square", "plaza"}))
-      ->type_name("NAME");
-  app.add_option("--frames", options.frames, "Frames to measure, after 3 of warm-up [20]")
-      ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
-      ->type_name("N");
+  auto* crowd =
+      app.add_option(
+             "--crowd", command.crowd,
+             "square: everybody walks straight on; plaza: they steer, as dense as the scene "
+             "[square]")
+          ->check(name_option({"square", "plaza"}))
+          ->type_name("NAME");
+  command.frames =
+      app.add_option("--frames", options.frames, "Frames to measure, after 3 of warm-up [20]")
+          ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
+          ->type_name("N");
   app.add_option("--threads", options.threads, "For us, and for engines that have threads [1]")
       ->check(whole_option(1, 256, "a whole number from 1 to 256"))
       ->type_name("N");
@@ -178,6 +202,11 @@ void add_options(CLI::App& app, BenchCommand& command) {
                     ->type_name("VOLUME")
                     ->excludes(age);
   parts->expected(0, 1)->default_str("ordop26");
+  app.add_flag("--steering", command.steering,
+               "A step of each steering model, of 1000, 10000 and 100000 people or --avatars")
+      ->excludes(age)
+      ->excludes(parts)
+      ->excludes(crowd);
   app.add_option("--json", command.json, "Write the numbers as JSON")->type_name("FILE");
   app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
       ->type_name("FILE");

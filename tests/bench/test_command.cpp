@@ -99,10 +99,34 @@ TEST(BenchCommand, PartsPrintsTheMatrixOfAVolume) {
   EXPECT_EQ(json["volumes"]["ordop26"]["missed"], 0);
 }
 
+TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
+  const ScratchFolder folder;
+  const Outcome run =
+      shell("throng bench --steering --avatars 1000 --frames 2 --threads 2 --json s.json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("It did not run here"));
+  const auto json = nlohmann::json::parse(read_file(folder / "s.json"));
+  ASSERT_EQ(json["steering"].size(), 2u);
+  EXPECT_EQ(json["steering"][0]["model"], "orca");
+  EXPECT_EQ(json["steering"][1]["model"], "speed");
+  for (const auto& row : json["steering"]) {
+    EXPECT_EQ(row["people"], 1000);
+    EXPECT_GT(row["ms"].get<double>(), 0);
+    EXPECT_GE(row["sweeps"].get<double>(), 1);
+    EXPECT_EQ(row["rvo2_ms"], 1.08);
+  }
+  const Outcome other =
+      shell("throng bench --steering --avatars 50 --frames 1 --json s.json", folder);
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_TRUE(
+      nlohmann::json::parse(read_file(folder / "s.json"))["steering"][0]["rvo2_ms"].is_null());
+}
+
 TEST(BenchCommand, RefusesWhatItDoesNotKnow) {
   const ScratchFolder folder;
-  for (const char* options : {"--engines fcll", "--simd mmx", "--parts cube", "--avatars 1",
-                              "--density 0", "--age 0", "--engines fcl,"}) {
+  for (const char* options :
+       {"--engines fcll", "--simd mmx", "--parts cube", "--avatars 1", "--density 0", "--age 0",
+        "--engines fcl,", "--steering --age 3", "--steering --crowd plaza"}) {
     const Outcome run = shell(std::string("throng bench ") + options, folder);
     EXPECT_EQ(run.exit_code, 2) << options << ": " << run.err;
     EXPECT_EQ(line_count(run.err), 1) << options << ": " << run.err;

@@ -1,0 +1,152 @@
+#include "bench/steering.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "scenes/crowd.h"
+#include "scenes/spawn.h"
+#include "scenes/ways.h"
+
+namespace throng::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr int kWarmUpSteps = 20;
+constexpr int kDecisions = 2'000'000;
+/// As long as a decision holds, so that each step is one decision and one move.
+constexpr double kStep_s = 0.1;
+
+struct Reference {
+  int people;
+  double ms;
+};
+/// RVO2 with its k-d tree and ten neighbours, one core: ms a step. Measured elsewhere and before
+/// this benchmark was written; Debian has no package of RVO2, so it does not run beside ours.
+constexpr Reference kRvo2[] = {{100, 0.061}, {1'000, 1.08}, {10'000, 12.8}, {100'000, 142}};
+constexpr const char* kSource =
+    "RVO2's published code, k-d tree, 10 neighbours, one core of another machine";
+
+std::optional<double> rvo2_ms(int people) {
+  for (const Reference& each : kRvo2)
+    if (each.people == people) return each.ms;
+  return std::nullopt;
+}
+
+/// Everybody starts anywhere on the square and walks from side to side of it.
+Scene square(int people, double per_m2, uint64_t seed) {
+  const double edge_m = std::sqrt(people / per_m2);
+  const double rim_m = 0.05 * edge_m + 0.6;
+  Scene scene;
+  scene.seed = seed;
+  scene.step_s = kStep_s;
+  scene.ground = {{0, 0}, {edge_m, edge_m}};
+  const Rectangle west{{0, 0}, {rim_m, edge_m}}, east{{edge_m - rim_m, 0}, {edge_m, edge_m}};
+  const Rectangle south{{0, 0}, {edge_m, rim_m}}, north{{0, edge_m - rim_m}, {edge_m, edge_m}};
+  const std::pair<Rectangle, Rectangle> ways[] = {
+      {west, east}, {east, west}, {south, north}, {north, south}};
+  int left = people;
+  for (size_t i = 0; i < std::size(ways); ++i) {
+    Group group;
+    group.count = left / static_cast<int>(std::size(ways) - i);
+    left -= group.count;
+    group.spawn = scene.ground;
+    group.goals = {ways[i].first, ways[i].second};
+    scene.groups.push_back(group);
+  }
+  return scene;
+}
+
+SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& options,
+                    Workers& workers) {
+  const Scene scene = square(people, options.per_m2, options.seed);
+  const Ways ways(scene, workers);
+  const Spawned spawned = spawn(scene, ways);
+  throng::Crowd crowd(ways, spawned.people, {scene.seed, kStep_s, {model, false}, options.simd},
+                      workers);
+  for (int step = 0; step < kWarmUpSteps; ++step) crowd.step();
+  const SteeringCounters before = crowd.counters();
+  const int steps = options.steps.value_or(std::clamp(kDecisions / people, 9, 201));
+  std::vector<double> times_ms;
+  for (int step = 0; step < steps; ++step) {
+    const auto start = Clock::now();
+    crowd.step();
+    times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  }
+  SteeringRow row;
+  row.model = model;
+  row.people = static_cast<int>(crowd.traffic().counters().present);
+  row.ms = spread_of(times_ms);
+  row.sweeps = static_cast<double>(crowd.counters().all_sweeps - before.all_sweeps) / steps;
+  row.rvo2_ms = rvo2_ms(people);
+  return row;
+}
+
+}  // namespace
+
+std::vector<SteeringRow> measure_steering(const SteeringBenchOptions& options,
+                                          const Progress& progress) {
+  Workers workers(options.threads);
+  std::vector<SteeringRow> rows;
+  for (const SteeringKind model : kAllSteeringKinds)
+    for (const int people : options.counts) {
+      progress(fmt::format("{}, {} people", name_of(model), people));
+      rows.push_back(measure(model, people, options, workers));
+    }
+  return rows;
+}
+
+std::string to_text(const std::vector<SteeringRow>& rows, const SteeringBenchOptions& options,
+                    const std::string& cpu) {
+  std::string out;
+  const auto to = std::back_inserter(out);
+  fmt::format_to(to,
+                 "steering: four groups cross a square, {:.4g} per m2, a decision and a move of "
+                 "everybody a step, {} thread{}, {} on {}\n\n",
+                 options.per_m2, options.threads, options.threads == 1 ? "" : "s",
+                 name_of(resolved(options.simd)), cpu);
+  fmt::format_to(to, "  {:<8}{:>9}{:>10}{:>10}{:>10}{:>11}{:>9}{:>11}{:>9}\n", "model", "people",
+                 "min ms", "median", "p95", "us/person", "sweeps", "RVO2 ms", "/ ours");
+  for (const SteeringRow& row : rows) {
+    fmt::format_to(to, "  {:<8}{:>9}{:>10.3f}{:>10.3f}{:>10.3f}{:>11.3f}{:>9.1f}",
+                   name_of(row.model), row.people, row.ms.min, row.ms.median, row.ms.p95,
+                   1e3 * row.ms.median / std::max(row.people, 1), row.sweeps);
+    if (row.rvo2_ms)
+      fmt::format_to(to, "{:>11.4g}{:>9.2f}\n", *row.rvo2_ms, *row.rvo2_ms / row.ms.median);
+    else
+      fmt::format_to(to, "{:>11}{:>9}\n", "-", "-");
+  }
+  fmt::format_to(to,
+                 "\n  RVO2: {}. It did not run here:\n  read the ratio as an order of size. "
+                 "docs/benchmarks.md says what is unfair.\n",
+                 kSource);
+  return out;
+}
+
+std::string to_json(const std::vector<SteeringRow>& rows, const SteeringBenchOptions& options,
+                    const std::string& cpu) {
+  Json json{{"density_per_m2", options.per_m2},
+            {"threads", options.threads},
+            {"seed", options.seed},
+            {"simd", std::string(name_of(resolved(options.simd)))},
+            {"cpu", cpu},
+            {"rvo2_source", kSource}};
+  json["steering"] = Json::array();
+  for (const SteeringRow& row : rows)
+    json["steering"].push_back({{"model", std::string(name_of(row.model))},
+                                {"people", row.people},
+                                {"ms", row.ms.median},
+                                {"min_ms", row.ms.min},
+                                {"p95_ms", row.ms.p95},
+                                {"sweeps", row.sweeps},
+                                {"rvo2_ms", row.rvo2_ms ? Json(*row.rvo2_ms) : Json()}});
+  return json.dump(2) + "\n";
+}
+
+}  // namespace throng::bench
