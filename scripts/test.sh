@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 
 preset=${1:-release}
 bash scripts/setup.sh test
+bash scripts/setup.sh page || echo "scripts/test.sh: no browser: the page is tested in node only" >&2
 bash scripts/build.sh "$preset"
 
 # Sanitizers are for finding faults: the first one ends the test that has it.

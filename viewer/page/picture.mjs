@@ -1,5 +1,6 @@
-// A screenshot of the page: node picture.mjs NPM URL OUT.png [WIDTH HEIGHT [light|dark [SCRIPT]]], NPM
-// being the folder where the build ran `npm ci`: build/release/viewer/npm.
+// A screenshot of the page, and how long its first picture took:
+// node picture.mjs NPM URL OUT.png [WIDTH HEIGHT [light|dark [SCRIPT]]], NPM being the folder where the
+// build ran `npm ci`: build/release/viewer/npm. SCRIPT runs in the page before the screenshot.
 import {createRequire} from 'node:module';
 import {resolve} from 'node:path';
 
@@ -15,9 +16,28 @@ const browser = await chromium.launch({
   args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
 });
 const page = await browser.newPage({viewport: {width: Number(width), height: Number(height)}, colorScheme});
+// When the first picture with people in it is done, and when that of a later frame: reading a pixel waits
+// until all is drawn.
+await page.addInitScript(() => {
+  const ask = requestAnimationFrame;
+  window.drawnAt = [];
+  let seen = -1;
+  window.requestAnimationFrame = (callback) =>
+    ask((now) => {
+      callback(now);
+      const {frame} = window.throng?.state() ?? {frame: -1};
+      if (window.drawnAt.length === 2 || frame === seen) return;
+      seen = frame;
+      const gl = window.throng.stage.renderer.getContext();
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+      window.drawnAt.push(Math.round(performance.now()));
+    });
+});
 await page.goto(url);
 // Polled here: the page's policy lets nobody evaluate text later on, as waitForFunction would.
-while (!(await page.evaluate('window.throng && window.throng.state().frame >= 0'))) await page.waitForTimeout(50);
+while ((await page.evaluate('window.drawnAt.length')) < 2) await page.waitForTimeout(50);
+const [first, second] = await page.evaluate('window.drawnAt');
+console.log(`first picture ${first} ms after the page was asked for, the next ${second} ms`);
 await page.waitForTimeout(3000);
 if (script) await page.evaluate(script);
 await page.waitForTimeout(script ? 4000 : 500);

@@ -5,7 +5,7 @@ import {crowded} from '../../../viewer/page/src/crowded.ts';
 import {peaks, roundUp} from '../../../viewer/page/src/chart.ts';
 import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, spoken, type Run} from '../../../viewer/page/src/protocol.ts';
 import {cubic, Varints} from '../../../viewer/page/src/replay.ts';
-import {simplified, vertexNormals} from '../../../viewer/page/src/simplify.ts';
+import {diamond, simplified, sleeve, vertexNormals} from '../../../viewer/page/src/simplify.ts';
 
 /** Two people, three parts, two pairs. */
 function frameBytes(): ArrayBuffer {
@@ -130,6 +130,50 @@ test('a coarser mesh has fewer triangles inside the same box', () => {
   assert.ok(coarse.positions.every((x) => x >= 0 && x <= 1));
   const normals = vertexNormals(coarse);
   for (let i = 2; i < normals.length; i += 3) assert.ok(normals[i] > 0.99);
+});
+
+test('a sleeve is closed, faces outwards and is as wide as the limb', () => {
+  const positions: number[] = [];
+  for (let z = -10; z <= 10; ++z)
+    for (let i = 0; i < 16; ++i) positions.push(0.05 * Math.cos(i), 0.04 * Math.sin(i), 0.02 * z);
+  const limb = {positions: Float32Array.from(positions), indices: new Uint32Array()};
+  const box = {centre_m: [0, 0, 0] as [number, number, number], half_m: [0.05, 0.04, 0.2] as [number, number, number]};
+  for (const [rings, sides] of [[2, 4], [3, 5], [6, 8]]) {
+    const mesh = sleeve(limb, box, rings, sides);
+    assert.equal(mesh.indices.length / 3, 2 * sides * (rings - 1) + 2 * (sides - 2));
+    const edges = new Map<string, number>();
+    for (let t = 0; t < mesh.indices.length; t += 3)
+      for (let k = 0; k < 3; ++k) {
+        const [a, b] = [mesh.indices[t + k], mesh.indices[t + ((k + 1) % 3)]];
+        edges.set(`${a},${b}`, (edges.get(`${a},${b}`) ?? 0) + 1);
+      }
+    for (const [edge, count] of edges) {
+      assert.equal(count, 1, `edge ${edge} twice the same way`);
+      assert.ok(edges.has(edge.split(',').reverse().join(',')), `edge ${edge} is open`);
+    }
+    const normals = vertexNormals(mesh);
+    let widest = 0;
+    for (let v = 0; v < normals.length; v += 3) {
+      const out = normals[v] * mesh.positions[v] + normals[v + 1] * mesh.positions[v + 1] + normals[v + 2] * mesh.positions[v + 2];
+      assert.ok(out > 0, `corner ${v / 3} faces inwards`);
+      assert.ok(Math.abs(mesh.positions[v + 2]) < 0.2001);
+      widest = Math.max(widest, Math.abs(mesh.positions[v]));
+    }
+    assert.ok(widest > 0.04 && widest < 0.07, `${widest} m wide`);
+  }
+});
+
+test('a part without a corner in the middle is a sleeve all the same', () => {
+  const ends = {positions: Float32Array.of(-1, -1, -5, 1, 1, -5, -1, -1, 5, 1, 1, 5), indices: new Uint32Array()};
+  const mesh = sleeve(ends, {centre_m: [0, 0, 0], half_m: [1, 1, 5]}, 5, 4);
+  assert.ok(mesh.positions.every((x) => Math.abs(x) < 5.001));
+});
+
+test('a far shadow is two triangles across the longer axes', () => {
+  const mesh = diamond({centre_m: [1, 2, 3], half_m: [0.5, 0.1, 2]});
+  const corners = [...mesh.indices].map((i) => [...mesh.positions.subarray(3 * i, 3 * i + 3)]);
+  assert.equal(corners.length, 6);
+  assert.ok(corners.every(([, y]) => y === 2));
 });
 
 test('charts keep their peaks and have round tops', () => {

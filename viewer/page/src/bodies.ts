@@ -8,13 +8,19 @@ import {
   InstancedBufferGeometry,
 } from 'three';
 import type {Model, Mesh, Part, Run} from './protocol.ts';
-import {simplified, vertexNormals} from './simplify.ts';
+import {diamond, simplified, sleeve, vertexNormals} from './simplify.ts';
 import {slotOf} from './theme.ts';
 
 const HAIR = 3;
 
-/** Edges of clustering cells, finest first, metres. */
-export const CELLS_M = [0, 0.028, 0.07, 0.12];
+/** How a part is drawn at each level of detail, finest first. */
+const LEVELS: ((part: Part) => Mesh)[] = [
+  (part) => part.mesh,
+  (part) => simplified(part.mesh, 0.028),
+  (part) => sleeve(part.mesh, part.box, 6, 8),
+  (part) => sleeve(part.mesh, part.box, 3, 5),
+  (part) => sleeve(part.mesh, part.box, 2, 4),
+];
 
 interface Merged {
   positions: number[];
@@ -43,16 +49,32 @@ function append(out: Merged, mesh: Mesh, part: Part, index: number): void {
   for (const i of mesh.indices) out.indices.push(base + i);
 }
 
-export function bodyGeometry(model: Model, cell_m: number): InstancedBufferGeometry {
+/** A model at every level of detail. */
+export function bodyGeometries(model: Model): InstancedBufferGeometry[] {
+  return LEVELS.map((shape) => merged(model, shape));
+}
+
+/** What casts the shadows of those who are far away. */
+export function shadowGeometry(model: Model): InstancedBufferGeometry {
+  return merged(model, (part) => diamond(part.box));
+}
+
+function merged(model: Model, shape: (part: Part) => Mesh): InstancedBufferGeometry {
   const out: Merged = {positions: [], normals: [], partSlots: [], indices: []};
-  model.parts.forEach((part, index) => {
-    append(out, cell_m > 0 ? simplified(part.mesh, cell_m) : part.mesh, part, index);
-  });
+  model.parts.forEach((part, index) => append(out, shape(part), part, index));
   const geometry = new InstancedBufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(new Float32Array(out.positions), 3));
   geometry.setAttribute('normal', new BufferAttribute(new Float32Array(out.normals), 3));
   geometry.setAttribute('partSlot', new BufferAttribute(new Float32Array(out.partSlots), 2));
   geometry.setIndex(out.indices);
+  return geometry;
+}
+
+/** The same vertices for another list of people. */
+export function sharing(shape: InstancedBufferGeometry): InstancedBufferGeometry {
+  const geometry = new InstancedBufferGeometry();
+  for (const name of ['position', 'normal', 'partSlot']) geometry.setAttribute(name, shape.getAttribute(name));
+  geometry.setIndex(shape.index);
   return geometry;
 }
 

@@ -33,7 +33,8 @@ export class Chart {
   private readonly context: CanvasRenderingContext2D;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    this.context = canvas.getContext('2d')!;
+    // Drawn by the processor: the graphics card has its hands full, and a chart is not to wait for it.
+    this.context = canvas.getContext('2d', {willReadFrequently: true})!;
   }
 
   /** `cursor`: 0 to 1 along the time axis, or -1. */

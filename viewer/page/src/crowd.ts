@@ -22,7 +22,7 @@ import {
   UnsignedIntType,
   Vector2,
 } from 'three';
-import {Instances, CELLS_M, bodyGeometry, boxGeometry, hullGeometry} from './bodies.ts';
+import {Instances, bodyGeometries, boxGeometry, hullGeometry, shadowGeometry, sharing} from './bodies.ts';
 import type {Frame, Model, Run} from './protocol.ts';
 import {
   BODY_FRAGMENT,
@@ -44,11 +44,12 @@ export type Layer = (typeof LAYERS)[number];
 type Uniforms = Record<string, {value: unknown}>;
 
 /** How far from the eye each level of detail is of use at most, metres; the last one has no end. */
-const USEFUL_M = [9, 30, 90];
+const USEFUL_M = [9, 25, 60, 120];
 const BIN_M = 0.5;
 const TINT = 0.24;
-/** Nobody counts a shadow's fingers. */
-const SHADOW_CELL_M = 0.12;
+/** Up to here shadows are those of the mesh of LEVEL_OF_SHADOWS: nobody counts a shadow's fingers. */
+const LAST_LEVEL_WITH_SHADOWS_OF_MESHES = 1;
+const LEVEL_OF_SHADOWS = 3;
 
 function texelMap(texels: number): DataTexture {
   const height = Math.max(1, Math.ceil(texels / TEXTURE_WIDTH));
@@ -130,17 +131,19 @@ export class Crowd {
     shadow.transparent = true;
     shadow.depthWrite = false;
     shadow.side = DoubleSide;
+    const shapes = bodyGeometries(model);
+    const farShadow = shadowGeometry(model);
     const lists: Instances[] = [];
     const triangles: number[] = [];
-    for (const cell_m of CELLS_M) {
+    shapes.forEach((geometry, level) => {
       const list = new Instances(count);
-      const geometry = list.drives(bodyGeometry(model, cell_m));
-      this.add('meshes', new Mesh(geometry, body));
+      this.add('meshes', new Mesh(list.drives(geometry), body));
+      const outline = level <= LAST_LEVEL_WITH_SHADOWS_OF_MESHES ? shapes[LEVEL_OF_SHADOWS] : farShadow;
+      this.add('shadows', new Mesh(list.drives(sharing(outline)), shadow), 1);
       lists.push(list);
       triangles.push(geometry.index!.count / 3);
-    }
+    });
     const all = new Instances(count);
-    this.add('shadows', new Mesh(all.drives(bodyGeometry(model, SHADOW_CELL_M)), shadow), 1);
 
     const ball = new InstancedBufferGeometry();
     const shape = new IcosahedronGeometry(1, 3);
@@ -184,13 +187,13 @@ export class Crowd {
     this.parts.needsUpdate = true;
   }
 
-  /** Gives everybody in the picture a level of detail: the nearest the finest, within the budget. */
-  arrange(frame: Frame, camera: Camera): void {
+  /** Gives everybody in the picture a level of detail: the nearer the finer, within the budget. */
+  arrange(frame: Frame, camera: Camera, triangles: number): void {
     this.frustum.setFromProjectionMatrix(
       new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
     );
     this.findVisible(frame, camera);
-    const levels = this.levelsByBin();
+    const levels = this.levelsByBin(triangles);
     for (const draw of this.draws) {
       draw.all.clear();
       for (const list of draw.lists) list.clear();
@@ -226,24 +229,30 @@ export class Crowd {
     }
   }
 
-  /** The level of detail of each ring around the eye. */
-  private levelsByBin(): Uint8Array {
-    const {triangles} = this.draws[0];
-    const coarsest = triangles.length - 1;
-    let left = this.budget - this.visibleCount * triangles[coarsest];
-    let level = 0;
-    for (let bin = 0; bin < this.bins.length; ++bin) {
-      while (level < coarsest) {
-        const cost = this.bins[bin] * (triangles[level] - triangles[coarsest]);
-        if (cost <= left && bin * BIN_M < USEFUL_M[level]) {
-          left -= cost;
-          break;
-        }
-        ++level;
-      }
-      this.levels[bin] = level;
+  /** The level of detail of each ring around the eye: what is of use, drawn nearer until the budget holds. */
+  private levelsByBin(budget: number): Uint8Array {
+    let [low, high] = [0, 1];
+    if (this.fillLevels(high) <= budget) return this.levels;
+    for (let i = 0; i < 10; ++i) {
+      const middle = (low + high) / 2;
+      if (this.fillLevels(middle) <= budget) low = middle;
+      else high = middle;
     }
+    this.fillLevels(low);
     return this.levels;
+  }
+
+  /** Levels with all useful distances times `nearer`; returns the triangles that they cost. */
+  private fillLevels(nearer: number): number {
+    const {triangles} = this.draws[0];
+    let level = 0;
+    let cost = 0;
+    for (let bin = 0; bin < this.bins.length; ++bin) {
+      while (level < USEFUL_M.length && bin * BIN_M >= nearer * USEFUL_M[level]) ++level;
+      this.levels[bin] = level;
+      cost += this.bins[bin] * triangles[level];
+    }
+    return cost;
   }
 
   dispose(): void {

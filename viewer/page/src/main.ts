@@ -19,7 +19,7 @@ const LAYER_ROWS: [Layer, string, string, boolean][] = [
   ['hulls', 'or-DOPs of parts', '3', false],
   ['boxes', 'AABBs of parts', '4', false],
   ['shadows', 'Shadows', '5', true],
-  ['tint', 'Tint sphere candidates', '6', true],
+  ['tint', 'Tint candidates', '6', true],
 ];
 
 const KEYS: [string[], string][] = [
@@ -37,6 +37,10 @@ const KEYS: [string[], string][] = [
 
 const HISTORY_MS = 700;
 const PANEL_MS = 120;
+const FPS_MS = 500;
+
+/** As the style sheet has it. */
+const isNarrow = (): boolean => innerWidth <= 720;
 
 class Page {
   private readonly stage = new Stage(el<HTMLCanvasElement>('stage'));
@@ -52,9 +56,12 @@ class Page {
   private held = false;
   private isScrubbing = false;
   private lastTick = 0;
-  private fps = 60;
+  private fps = 0;
+  private fpsAt = 0;
+  private pictures = 0;
   private historyAt = 0;
   private panelAt = 0;
+  private isPanelOld = true;
   private frames = 0;
 
   constructor() {
@@ -71,10 +78,11 @@ class Page {
     el('livePause').onclick = () => this.toggleHeld();
     addEventListener('keydown', (event) => this.key(event));
     addEventListener('resize', () => this.resize());
+    for (const deed of ['keydown', 'click', 'input']) addEventListener(deed, () => (this.isPanelOld = true), true);
     const dark = matchMedia('(prefers-color-scheme: dark)');
     dark.addEventListener('change', () => this.setTheme(dark.matches ? 'dark' : 'light'));
     this.setTheme(dark.matches ? 'dark' : 'light');
-    if (innerWidth <= 720) this.togglePanel();
+    this.togglePanel(!isNarrow());
     this.resize();
     requestAnimationFrame((now) => this.tick(now));
   }
@@ -83,8 +91,14 @@ class Page {
     const events = {
       run: (run: Run) => this.setRun(run),
       frame: (frame: Frame) => this.take(frame),
-      series: (series: Series) => (this.series = series),
-      history: (id: number, past: any[]) => id === this.card.id && this.card.setHistory(past as any),
+      series: (series: Series) => {
+        this.series = series;
+        this.isPanelOld = true;
+      },
+      history: (id: number, past: any[]) => {
+        if (id === this.card.id) this.card.setHistory(past as any);
+        this.isPanelOld = true;
+      },
       notice: (title: string, detail = '') => this.notice(title, detail),
     };
     const recording = document.getElementById('recording');
@@ -136,20 +150,31 @@ class Page {
   private tick(now: number): void {
     const dt_ms = this.lastTick ? now - this.lastTick : 16;
     this.lastTick = now;
-    this.fps += 0.05 * (1000 / Math.max(1, dt_ms) - this.fps);
-    if (!this.isScrubbing) this.source?.tick(dt_ms / 1000);
-    else this.source?.tick(0);
-    this.stage.render(this.frame, dt_ms);
+    this.source?.tick(this.isScrubbing ? 0 : dt_ms / 1000);
+    if (this.stage.render(this.frame, dt_ms)) {
+      ++this.pictures;
+      this.isPanelOld = true;
+    }
     if (now > this.panelAt) {
       this.panelAt = now + PANEL_MS;
-      this.updatePanel(now);
+      this.countPictures(now);
+      if (this.isPanelOld) this.updatePanel(now);
     }
     requestAnimationFrame((next) => this.tick(next));
   }
 
+  /** A picture that does not change is not drawn again, and then there is no rate to tell. */
+  private countPictures(now: number): void {
+    if (now - this.fpsAt < FPS_MS) return;
+    this.fps = (1000 * this.pictures) / (now - this.fpsAt);
+    this.fpsAt = now;
+    this.pictures = 0;
+    setText(el('fps'), this.fps > 0 ? String(Math.max(1, Math.round(this.fps))) : '–');
+  }
+
   private updatePanel(now: number): void {
     const {frame, run, source} = this;
-    setText(el('fps'), String(Math.round(this.fps)));
+    this.isPanelOld = false;
     if (!frame || !run || !source) return;
     setText(el('people'), thousands(frame.present));
     setText(el('pairs'), thousands(frame.pairs));
@@ -306,6 +331,7 @@ class Page {
       this.follow(-1);
       return;
     }
+    if (isNarrow()) this.togglePanel(false);
     this.card.open(this.run, id);
     if (this.stage.followed >= 0) this.follow(id);
   }
@@ -333,9 +359,11 @@ class Page {
     this.stage.setTheme(name);
   }
 
-  private togglePanel(): void {
-    const isClosed = el('panel').classList.toggle('closed');
-    el('panelButton').setAttribute('aria-expanded', String(!isClosed));
+  private togglePanel(open = el('panel').classList.contains('closed')): void {
+    el('panel').classList.toggle('closed', !open);
+    el('panelButton').setAttribute('aria-expanded', String(open));
+    // On a phone there is room for the panel or for the card.
+    el('card').classList.toggle('covered', open && isNarrow());
   }
 
   private resize(): void {

@@ -19,10 +19,15 @@ export interface Mesh {
   indices: Uint32Array; // triangles, or the lines of a hull
 }
 
+export interface Box {
+  centre_m: Vec3;
+  half_m: Vec3;
+}
+
 export interface Part {
   name: string;
   link: number;
-  box: {centre_m: Vec3; half_m: Vec3};
+  box: Box;
   mesh: Mesh;
   hull: Mesh;
 }

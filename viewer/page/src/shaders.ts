@@ -128,7 +128,7 @@ void main() {
   vec3 color = lit(vColor, n, vWorld);
   // What touches is to be found in a crowd: it glows a little, so that shadow does not hide it.
   color += vColor * vMarked * 0.28 + uSky * rim * 0.16;
-  if (vSelected > 0.5) color = mix(color, vec3(1.0), 0.18 + 0.6 * rim);
+  if (vSelected > 0.5) color = mix(color, vec3(1.0), 0.08 + 0.7 * rim);
   fragment = shown(fogged(color, vWorld), 1.0);
 }`;
 

@@ -1,16 +1,22 @@
 // Coarser meshes for people who are far away.
-// One rule: vertex clustering (Rossignac and Borrel 1993): vertices of a cell become their mean;
-// triangles that collapse are left out.
-import type {Mesh} from './protocol.ts';
+// One rule: what is made here stays about where the part is, and a person keeps all limbs.
+import type {Box, Mesh} from './protocol.ts';
 
+/** More cells along an axis than any body part has; its cube is a whole number that a double can hold. */
+const SPAN = 131_072;
+
+/**
+ * Vertex clustering (Rossignac and Borrel 1993): vertices of a cell become their mean; triangles that
+ * collapse are left out.
+ */
 export function simplified(mesh: Mesh, cell_m: number): Mesh {
   const {positions, indices} = mesh;
-  const cells = new Map<string, number>();
+  const cells = new Map<number, number>();
   const cellOf = new Uint32Array(positions.length / 3);
   const sums: number[] = [];
   for (let v = 0; v < cellOf.length; ++v) {
     const [x, y, z] = [positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]];
-    const key = `${Math.round(x / cell_m)},${Math.round(y / cell_m)},${Math.round(z / cell_m)}`;
+    const key = (Math.round(x / cell_m) * SPAN + Math.round(y / cell_m)) * SPAN + Math.round(z / cell_m);
     let cell = cells.get(key);
     if (cell === undefined) {
       cell = cells.size;
@@ -27,17 +33,84 @@ export function simplified(mesh: Mesh, cell_m: number): Mesh {
   for (let c = 0; c < cells.size; ++c)
     for (let i = 0; i < 3; ++i) coarse[3 * c + i] = sums[4 * c + i] / sums[4 * c + 3];
   const triangles: number[] = [];
-  const seen = new Set<string>();
+  const seen = new Set<number>();
   for (let t = 0; t + 2 < indices.length; t += 3) {
     const [a, b, c] = [cellOf[indices[t]], cellOf[indices[t + 1]], cellOf[indices[t + 2]]];
     if (a === b || b === c || c === a) continue;
     const low = Math.min(a, b, c);
-    const key = low === a ? `${a},${b},${c}` : low === b ? `${b},${c},${a}` : `${c},${a},${b}`;
+    const [p, q, r] = low === a ? [a, b, c] : low === b ? [b, c, a] : [c, a, b];
+    const key = (p * cells.size + q) * cells.size + r;
     if (seen.has(key)) continue;
     seen.add(key);
     triangles.push(a, b, c);
   }
   return {positions: coarse, indices: new Uint32Array(triangles)};
+}
+
+/**
+ * A part as a sleeve along the longest axis of its box: rings of `sides` corners around what the mesh has
+ * there. Clustering tears thin limbs apart where cells are as wide as they are; a sleeve stays whole.
+ */
+export function sleeve(mesh: Mesh, box: Box, rings: number, sides: number): Mesh {
+  const along = box.half_m.indexOf(Math.max(...box.half_m));
+  const [u, v] = [(along + 1) % 3, (along + 2) % 3];
+  const spans = spansOf(mesh, box, along, rings);
+  // A polygon with the area of the ellipse that it stands for.
+  const wider = Math.sqrt((2 * Math.PI) / (sides * Math.sin((2 * Math.PI) / sides)));
+  const positions = new Float32Array(3 * rings * sides);
+  for (let ring = 0; ring < rings; ++ring)
+    for (let side = 0; side < sides; ++side) {
+      const angle = (2 * Math.PI * (side + 0.5)) / sides;
+      const at = 3 * (ring * sides + side);
+      const {low, high} = spans[ring];
+      positions[at + along] = box.centre_m[along] + box.half_m[along] * ((2 * ring) / (rings - 1) - 1);
+      positions[at + u] = (low[u] + high[u]) / 2 + (Math.cos(angle) * wider * (high[u] - low[u])) / 2;
+      positions[at + v] = (low[v] + high[v]) / 2 + (Math.sin(angle) * wider * (high[v] - low[v])) / 2;
+    }
+  const indices: number[] = [];
+  for (let ring = 0; ring + 1 < rings; ++ring)
+    for (let side = 0; side < sides; ++side) {
+      const [a, b] = [ring * sides + side, ring * sides + ((side + 1) % sides)];
+      indices.push(a, b, b + sides, a, b + sides, a + sides);
+    }
+  const last = (rings - 1) * sides;
+  for (let side = 1; side + 1 < sides; ++side) indices.push(0, side + 1, side, last, last + side, last + side + 1);
+  return {positions, indices: new Uint32Array(indices)};
+}
+
+interface Span {
+  low: number[];
+  high: number[];
+}
+
+/** What a mesh spans across an axis, at each of some rings; where it has no corner, what the ring before spans. */
+function spansOf(mesh: Mesh, box: Box, along: number, rings: number): Span[] {
+  const spans = Array.from({length: rings}, (): Span => ({low: [1e9, 1e9, 1e9], high: [-1e9, -1e9, -1e9]}));
+  const start = box.centre_m[along] - box.half_m[along];
+  const length = Math.max(1e-9, 2 * box.half_m[along]);
+  for (let p = 0; p < mesh.positions.length; p += 3) {
+    const ring = Math.round(((mesh.positions[p + along] - start) / length) * (rings - 1));
+    const {low, high} = spans[Math.min(rings - 1, Math.max(0, ring))];
+    for (let axis = 0; axis < 3; ++axis) {
+      low[axis] = Math.min(low[axis], mesh.positions[p + axis]);
+      high[axis] = Math.max(high[axis], mesh.positions[p + axis]);
+    }
+  }
+  let known = spans.find(({low, high}) => low[0] <= high[0]) ?? {low: [...box.centre_m], high: [...box.centre_m]};
+  return spans.map((span) => (known = span.low[0] <= span.high[0] ? span : known));
+}
+
+/** Two triangles across the two longer axes of a part's box, for the shadow of somebody far away. */
+export function diamond({centre_m, half_m}: Box): Mesh {
+  const positions = new Float32Array(18);
+  for (let corner = 0; corner < 6; ++corner) {
+    positions.set(centre_m, 3 * corner);
+    // A fifth outside the box, so that as much of the ground is covered as by the rounder part.
+    positions[3 * corner + (corner >> 1)] += (corner & 1 ? -1.2 : 1.2) * half_m[corner >> 1];
+  }
+  const flattest = half_m.indexOf(Math.min(...half_m));
+  const [u, v] = [0, 1, 2].filter((axis) => axis !== flattest);
+  return {positions, indices: Uint32Array.of(2 * u, 2 * v, 2 * u + 1, 2 * u, 2 * u + 1, 2 * v + 1)};
 }
 
 /** Normals at the vertices, weighted by the area of the triangles around them. */

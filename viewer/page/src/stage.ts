@@ -1,5 +1,5 @@
 // The picture: camera, ground, obstacles, light, and the crowd in it.
-// One rule: knows how a run looks, not where it comes from.
+// One rule: knows how a run looks, not where it comes from; draws only what changed.
 import {
   Color,
   DoubleSide,
@@ -31,9 +31,23 @@ import {THEMES, type ThemeName} from './theme.ts';
 const SUN = new Vector3(-0.45, -0.55, 1).normalize();
 const SLOW_MS = 30;
 const FAST_MS = 18;
-const LEAST_TRIANGLES = 30_000;
+const LEAST_TRIANGLES = 100_000;
 const MOST_TRIANGLES = 6_000_000;
 const LEAST_PIXELS = 0.75;
+/** A picture that rested so long is drawn once more, as well as the machine can in about a second. */
+const REST_MS = 300;
+const TRIANGLES_AT_REST = 500_000;
+/** Names of drivers that draw on the processor. */
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+/** Whether pictures are made without a graphics card; a context of its own tells, before the real one is asked for. */
+function isSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const names = gl?.getExtension('WEBGL_debug_renderer_info');
+  const isIt = !!gl && !!names && SOFTWARE.test(String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)));
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return isIt;
+}
 
 export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.1, 4000);
@@ -46,8 +60,13 @@ export class Stage {
   private readonly ground: Mesh;
   private crowd: Crowd | null = null;
   private run: Run | null = null;
+  private size: [number, number] = [1, 1];
   private pixels = 1;
   private mean_ms = 16;
+  private isChanged = true;
+  private wasDrawn = false;
+  private rested_ms = 0;
+  private readonly isSlow = isSoftware();
   private readonly shared = {
     uSun: {value: SUN},
     uSky: {value: new Color()},
@@ -67,8 +86,12 @@ export class Stage {
   private readonly solidColor = {uColor: {value: new Color()}};
 
   constructor(canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({canvas, antialias: true, stencil: true, powerPreference: 'high-performance'});
-    this.renderer.info.autoReset = true;
+    const antialias = !this.isSlow;
+    this.renderer = new WebGLRenderer({canvas, antialias, stencil: true, powerPreference: 'high-performance'});
+    // Asking whether a shader is sound waits until it is compiled; the browser tells on its own if not.
+    this.renderer.debug.checkShaderErrors = false;
+    document.documentElement.classList.toggle('slow', this.isSlow);
+    canvas.addEventListener('webglcontextrestored', () => (this.isChanged = true));
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(-10, -16, 9);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -78,7 +101,11 @@ export class Stage {
     this.controls.minDistance = 0.8;
     this.controls.maxDistance = 1500;
     this.controls.zoomToCursor = true;
-    this.ground = new Mesh(new PlaneGeometry(1, 1), this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.groundColors));
+    const ground = this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.groundColors);
+    // Drawn first and behind everything: shadows lie in its plane, and no depth buffer tells them apart.
+    ground.depthWrite = false;
+    this.ground = new Mesh(new PlaneGeometry(1, 1), ground);
+    this.ground.renderOrder = -1;
     this.scene.add(this.ground, this.solids);
   }
 
@@ -100,6 +127,7 @@ export class Stage {
     this.solidColor.uColor.value.set(theme.solid);
     this.renderer.setClearColor(new Color(theme.fog));
     this.crowd?.setCalm(theme.calm);
+    this.isChanged = true;
   }
 
   setRun(run: Run): void {
@@ -107,6 +135,7 @@ export class Stage {
     this.crowd?.dispose();
     this.run = run;
     this.crowd = new Crowd(run, this.shared);
+    if (this.isSlow) this.crowd.budget = LEAST_TRIANGLES;
     this.scene.add(this.crowd.group);
     const {min_m, max_m} = run.ground;
     const size = Math.max(max_m[0] - min_m[0], max_m[1] - min_m[1], 10);
@@ -116,6 +145,9 @@ export class Stage {
     this.shared.uFogRange.value.set(1.2 * size + 40, 4 * size + 160);
     this.addSolids(run);
     this.overview();
+    // All shaders are handed over before the first one is waited for.
+    this.renderer.compile(this.scene, this.camera);
+    this.isChanged = true;
   }
 
   private addSolids(run: Run): void {
@@ -162,14 +194,17 @@ export class Stage {
 
   show(layer: Layer, visible: boolean): void {
     this.crowd?.show(layer, visible);
+    this.isChanged = true;
   }
 
   select(id: number): void {
     this.crowd?.select(id);
+    this.isChanged = true;
   }
 
   take(frame: Frame): void {
     this.crowd?.take(frame);
+    this.isChanged = true;
     if (this.followed < 0 || this.followed >= frame.avatars) return;
     const person = personOf(frame, this.followed);
     if (!person.present) return;
@@ -184,30 +219,59 @@ export class Stage {
   resize(width: number, height: number): void {
     this.camera.aspect = width / Math.max(1, height);
     this.camera.updateProjectionMatrix();
-    this.pixels = Math.min(window.devicePixelRatio || 1, 2);
-    this.renderer.setPixelRatio(this.pixels);
-    this.renderer.setSize(width, height, false);
+    this.size = [width, height];
+    this.pixels = this.sharpest;
+    this.isChanged = true;
+    this.renderer.setDrawingBufferSize(width, height, this.pixels);
   }
 
-  render(frame: Frame | null, dt_ms: number): void {
+  private get sharpest(): number {
+    return Math.min(window.devicePixelRatio || 1, 2);
+  }
+
+  private setPixels(ratio: number): void {
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setDrawingBufferSize(this.size[0], this.size[1], ratio);
+  }
+
+  /** Draws if the picture would differ from the last one, and says whether it did. */
+  render(frame: Frame | null, dt_ms: number): boolean {
     this.adapt(dt_ms);
-    this.controls.update();
+    const isTurned = this.controls.update();
+    this.wasDrawn = isTurned || this.isChanged;
+    this.isChanged = false;
+    if (this.wasDrawn) {
+      this.rested_ms = 0;
+      this.setPixels(this.pixels);
+      this.draw(frame, this.crowd?.budget ?? 0);
+    } else if (this.rested_ms < REST_MS) {
+      this.rested_ms += dt_ms;
+      if (this.rested_ms >= REST_MS) this.drawAtRest(frame);
+    }
+    return this.wasDrawn;
+  }
+
+  private draw(frame: Frame | null, triangles: number): void {
     this.camera.updateMatrixWorld();
     this.shared.uEye.value.copy(this.camera.position);
-    if (frame) this.crowd?.arrange(frame, this.camera);
+    if (frame) this.crowd?.arrange(frame, this.camera, triangles);
     this.renderer.render(this.scene, this.camera);
+  }
+
+  private drawAtRest(frame: Frame | null): void {
+    if (!this.crowd || (this.crowd.budget >= TRIANGLES_AT_REST && this.pixels === this.sharpest)) return;
+    this.setPixels(this.sharpest);
+    this.draw(frame, Math.max(this.crowd.budget, TRIANGLES_AT_REST));
   }
 
   /** Fewer triangles and pixels where the machine is slow, more where it has time. */
   private adapt(dt_ms: number): void {
-    if (!this.crowd || document.hidden) return;
+    // Where nothing was drawn, the time between two pictures tells nothing.
+    if (!this.crowd || document.hidden || !this.wasDrawn) return;
     this.mean_ms += 0.15 * (Math.min(dt_ms, 300) - this.mean_ms);
     if (this.mean_ms > SLOW_MS) {
       this.crowd.budget = Math.max(LEAST_TRIANGLES, this.crowd.budget * 0.9);
-      if (this.crowd.budget === LEAST_TRIANGLES && this.pixels > LEAST_PIXELS) {
-        this.pixels = Math.max(LEAST_PIXELS, this.pixels * 0.9);
-        this.renderer.setPixelRatio(this.pixels);
-      }
+      if (this.crowd.budget === LEAST_TRIANGLES && this.pixels > LEAST_PIXELS)
+        this.pixels = Math.max(LEAST_PIXELS, 0.7 * this.pixels);
     } else if (this.mean_ms < FAST_MS) {
       this.crowd.budget = Math.min(MOST_TRIANGLES, this.crowd.budget * 1.03);
     }
