@@ -38,14 +38,18 @@ struct alignas(64) OrdopTable {
   explicit OrdopTable(std::span<const Eigen::Vector3f> points);
   /// The paper's or-DOP: slabs as fitted, recentred but in metres (half_box 1).
   explicit OrdopTable(const Slabs& fitted);
-  // Sixteen entries, the second eight a copy of the first: one register of any width up to 512
-  // bits.
+  // Eight corners by sign bits, then a copy: one register of any width up to 512 bits.
   float corner_half[16], corner_centre[16];
-  float edge_half[3][16], edge_centre[3][16];  ///< by the axis that the edge direction leaves out
+  // Edges by the axis that the direction leaves out, times 8, plus sign bits; the last 8 are
+  // padding: two registers of 512 bits.
+  float edge_half[32], edge_centre[32];
   Slabs slabs;
   float origin[3];
   float half_box[3], per_half_box[3];  ///< positive; and their inverses
   float length[13];                    ///< of the direction as it stands in the part, per metre
+  // How far the slabs reach from the origin, inverted, downwards with a minus sign.
+  float per_reach_up[13], per_reach_down[13];
+  bool holds_origin;  ///< strictly inside every slab
 
   /// How far directions of `own` reach in units of this: half_box[i] / own.half_box[j].
   struct Ratios {
@@ -60,6 +64,7 @@ struct alignas(64) OrdopTable {
 
  private:
   void fill_lookups();
+  void fill_reaches();
 };
 
 /// The spheres of a frame in slot order (sorted by grid cell), radii inflated by the float margin.

@@ -29,7 +29,7 @@ HWY_INLINE V lookup8(const float* HWY_RESTRICT table, U index) {
     const auto upper = hn::Eq(hn::And(index, hn::Set(du, 4)), hn::Set(du, 4));
     return hn::IfThenElse(hn::RebindMask(d, upper), high, low);
   } else {
-    return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, index));
+    return hn::TableLookupLanes(hn::LoadU(d, table), hn::IndicesFromVec(d, index));
   }
 }
 
@@ -58,9 +58,10 @@ HWY_INLINE Sorted sorted(const V3& d) {
   s.smallest_is_z = hn::Eq(z, s.smallest);
   s.smallest_is_y = hn::Eq(y, s.smallest);
   const U x_sign = hn::ShiftRight<31>(hn::BitCast(bits, d.x));
-  const U y_sign = hn::ShiftRight<31>(hn::BitCast(bits, d.y));
-  const U z_sign = hn::ShiftRight<31>(hn::BitCast(bits, d.z));
-  s.signs = hn::Or(x_sign, hn::Or(hn::ShiftLeft<1>(y_sign), hn::ShiftLeft<2>(z_sign)));
+  const U y_sign = hn::ShiftRight<30>(hn::BitCast(bits, d.y));
+  const U z_sign = hn::ShiftRight<29>(hn::BitCast(bits, d.z));
+  s.signs =
+      hn::OrAnd(hn::OrAnd(x_sign, y_sign, hn::Set(bits, 2)), z_sign, hn::Set(bits, 4));
   return s;
 }
 
@@ -82,7 +83,26 @@ HWY_INLINE AxisHalves axis_halves(const OrdopTable& t) {
 }
 
 HWY_INLINE Interval edge_without(const OrdopTable& t, int axis, U signs) {
-  return {lookup8(t.edge_centre[axis], signs), lookup8(t.edge_half[axis], signs)};
+  return {lookup8(t.edge_centre + axis * 8, signs), lookup8(t.edge_half + axis * 8, signs)};
+}
+
+/// The edge without the axis of the smallest component.
+HWY_INLINE Interval edge_without_smallest(const OrdopTable& t, const Sorted& s) {
+#if HWY_TARGET <= HWY_AVX3
+  // One lookup in two registers, which Highway 1.0 has no name for.
+  const LaneBits bits;
+  const auto y_or_x = hn::IfThenElseZero(hn::RebindMask(bits, s.smallest_is_y), hn::Set(bits, 8));
+  const auto index = hn::Or(s.signs, hn::IfThenElse(hn::RebindMask(bits, s.smallest_is_z),
+                                                    hn::Set(bits, 16), y_or_x));
+  const auto lookup = [&](const float* table) {
+    return V{_mm512_permutex2var_ps(_mm512_load_ps(table), index.raw, _mm512_load_ps(table + 16))};
+  };
+  return {lookup(t.edge_centre), lookup(t.edge_half)};
+#else
+  const Interval x = edge_without(t, 0, s.signs), y = edge_without(t, 1, s.signs),
+                 z = edge_without(t, 2, s.signs);
+  return {by_smallest(s, x.centre, y.centre, z.centre), by_smallest(s, x.half, y.half, z.half)};
+#endif
 }
 
 HWY_INLINE Interval scaled(const Interval& i, V weight) {
@@ -96,18 +116,20 @@ HWY_INLINE Interval operator+(const Interval& a, const Interval& b) {
   return {hn::Add(a.centre, b.centre), hn::Add(a.half, b.half)};
 }
 
+/// How wide an or-DOP is along its three axes: equally in units of the part's box, which saves to
+/// look for the largest component's.
+enum class AxisSlabs { kEqual, kDiffer };
+
 /// Slabs::bound<K> in every lane, by the same operations in the same order.
-template <int K>
+template <int K, AxisSlabs kAxisSlabs = AxisSlabs::kEqual>
 HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
   const Lanes tag;
   const Sorted s = sorted(d);
   const AxisHalves axes = axis_halves(t);
-  const V largest_half = by_largest(s, axes.x, axes.y, axes.z);
+  const V largest_half =
+      kAxisSlabs == AxisSlabs::kEqual ? axes.x : by_largest(s, axes.x, axes.y, axes.z);
   if constexpr (K == 26) {
-    const Interval ex = edge_without(t, 0, s.signs), ey = edge_without(t, 1, s.signs),
-                   ez = edge_without(t, 2, s.signs);
-    const Interval edge = {by_smallest(s, ex.centre, ey.centre, ez.centre),
-                           by_smallest(s, ex.half, ey.half, ez.half)};
+    const Interval edge = edge_without_smallest(t, s);
     const Interval corner = {lookup8(t.corner_centre, s.signs), lookup8(t.corner_half, s.signs)};
     return with_axis(scaled(corner, s.smallest) + scaled(edge, hn::Sub(s.middle, s.smallest)),
                      largest_half, hn::Sub(s.largest, s.middle));

@@ -198,23 +198,39 @@ HWY_INLINE Box splat(const float* low, const float* high) {
   return b;
 }
 
-/// Which of the sixteen parts starting at `rows` overlap the box.
-HWY_INLINE uint32_t overlapping_parts(const float* rows, size_t padded, const Box& box) {
-  const Lanes d;
-  uint32_t bits = 0;
-  for (size_t lane = 0; lane < kBoxLanes; lane += kLanes) {
-    const float* low = rows + lane;
-    const float* high = low + 3 * padded;
-    M hit = hn::Le(hn::Load(d, low), box.high[0]);
-    hit = hn::And(hit, hn::Le(hn::Load(d, low + padded), box.high[1]));
-    hit = hn::And(hit, hn::Le(hn::Load(d, low + 2 * padded), box.high[2]));
-    hit = hn::And(hit, hn::Ge(hn::Load(d, high), box.low[0]));
-    hit = hn::And(hit, hn::Ge(hn::Load(d, high + padded), box.low[1]));
-    hit = hn::And(hit, hn::Ge(hn::Load(d, high + 2 * padded), box.low[2]));
-    bits |= bits_of(hit) << lane;
+/// The boxes of sixteen parts.
+class SixteenBoxes {
+ public:
+  /// rows: of the first of them; moved by shift.
+  HWY_INLINE SixteenBoxes(const float* rows, size_t padded, const V (&shift)[3]) {
+    const Lanes d;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      for (size_t i = 0; i < kRegisters; ++i) {
+        const float* low = rows + axis * padded + i * kLanes;
+        low_[axis][i] = hn::Add(hn::Load(d, low), shift[axis]);
+        high_[axis][i] = hn::Add(hn::Load(d, low + 3 * padded), shift[axis]);
+      }
+    }
   }
-  return bits;
-}
+  /// Bit p: part p overlaps the box.
+  HWY_INLINE uint32_t overlapping(const Box& box) const {
+    uint32_t bits = 0;
+    for (size_t i = 0; i < kRegisters; ++i) {
+      M hit = hn::Le(low_[0][i], box.high[0]);
+      hit = hn::And(hit, hn::Le(low_[1][i], box.high[1]));
+      hit = hn::And(hit, hn::Le(low_[2][i], box.high[2]));
+      hit = hn::And(hit, hn::Ge(high_[0][i], box.low[0]));
+      hit = hn::And(hit, hn::Ge(high_[1][i], box.low[1]));
+      hit = hn::And(hit, hn::Ge(high_[2][i], box.low[2]));
+      bits |= bits_of(hit) << (i * kLanes);
+    }
+    return bits;
+  }
+
+ private:
+  static constexpr size_t kRegisters = kBoxLanes / kLanes;
+  V low_[3][kRegisters], high_[3][kRegisters];
+};
 
 /// Where the body boxes of a pair overlap, in a's coordinates; false where they do not.
 struct Overlap {
@@ -231,13 +247,13 @@ HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift,
   return !apart;
 }
 
-/// The box of part a in b's coordinates.
-HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part, const V (&shift)[3]) {
+/// The box of one part, in every lane.
+HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part) {
   const Lanes d;
   Box b;
   for (size_t axis = 0; axis < 3; ++axis) {
-    b.low[axis] = hn::Sub(hn::Set(d, rows[axis * padded + part]), shift[axis]);
-    b.high[axis] = hn::Sub(hn::Set(d, rows[(axis + 3) * padded + part]), shift[axis]);
+    b.low[axis] = hn::Set(d, rows[axis * padded + part]);
+    b.high[axis] = hn::Set(d, rows[(axis + 3) * padded + part]);
   }
   return b;
 }
@@ -251,16 +267,18 @@ HWY_INLINE Candidate candidate(const BucketRule& bucket, uint32_t index, size_t 
 /// Both bodies have at most kBoxLanes parts. Hits are gathered into words of four rows first: a
 /// loop over the bits of each row would end where no branch predictor expects it.
 HWY_INLINE Candidate* few_parts(const BucketRule& bucket, uint32_t index, const float* rows_a,
-                                const float* rows_b, const Box& overlap_a, const Box& overlap_b,
-                                const V (&shift)[3], Candidate* out) {
-  const uint32_t inside_b = overlapping_parts(rows_b, kBoxLanes, overlap_b);
-  uint32_t inside_a = overlapping_parts(rows_a, kBoxLanes, overlap_a);
+                                const float* rows_b, const Box& overlap, const V (&shift)[3],
+                                Candidate* out) {
+  const Lanes d;
+  const SixteenBoxes boxes_b(rows_b, kBoxLanes, shift);
+  const uint32_t inside_b = boxes_b.overlapping(overlap);
   if (inside_b == 0) return out;
+  const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  uint32_t inside_a = SixteenBoxes(rows_a, kBoxLanes, still).overlapping(overlap);
   uint64_t hits[kBoxLanes / 4] = {};
   for (; inside_a != 0; inside_a &= inside_a - 1) {
     const size_t part_a = static_cast<size_t>(std::countr_zero(inside_a));
-    const Box box = part_box(rows_a, kBoxLanes, part_a, shift);
-    const uint64_t row = inside_b & overlapping_parts(rows_b, kBoxLanes, box);
+    const uint64_t row = inside_b & boxes_b.overlapping(part_box(rows_a, kBoxLanes, part_a));
     hits[part_a / 4] |= row << (part_a % 4 * kBoxLanes);
   }
   for (size_t word = 0; word < kBoxLanes / 4; ++word) {
@@ -277,38 +295,28 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
                                Candidate* out) {
   const float* block_a = frame.blocks + size_t{pair.box_a} * kBoxLanes;
   const float* block_b = frame.blocks + size_t{pair.box_b} * kBoxLanes;
-  Overlap in_a, in_b;
-  if (!body_overlap(block_a, block_b, pair.shift_m, in_a)) return out;
-  for (size_t axis = 0; axis < 3; ++axis) {
-    in_b.low[axis] = in_a.low[axis] - pair.shift_m[axis];
-    in_b.high[axis] = in_a.high[axis] - pair.shift_m[axis];
-  }
+  Overlap both;
+  if (!body_overlap(block_a, block_b, pair.shift_m, both)) return out;
   const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
   const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
   const float* rows_a = block_a + kBoxLanes;
   const float* rows_b = block_b + kBoxLanes;
-  const Box overlap_a = splat(in_a.low, in_a.high), overlap_b = splat(in_b.low, in_b.high);
+  const Box overlap = splat(both.low, both.high);
   const Lanes d;
   const BucketRule bucket(frame, pair.type_a, pair.type_b);
   const V shift[3] = {hn::Set(d, pair.shift_m[0]), hn::Set(d, pair.shift_m[1]),
                       hn::Set(d, pair.shift_m[2])};
   if (padded_a == kBoxLanes && padded_b == kBoxLanes)
-    return few_parts(bucket, index, rows_a, rows_b, overlap_a, overlap_b, shift, out);
+    return few_parts(bucket, index, rows_a, rows_b, overlap, shift, out);
 
-  uint32_t inside_b[256 / kBoxLanes];
-  uint32_t any_b = 0;
-  for (size_t group = 0; group < padded_b; group += kBoxLanes)
-    any_b |= inside_b[group / kBoxLanes] = overlapping_parts(rows_b + group, padded_b, overlap_b);
-  if (any_b == 0) return out;
-
+  const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (size_t group_a = 0; group_a < padded_a; group_a += kBoxLanes) {
-    uint32_t inside_a = overlapping_parts(rows_a + group_a, padded_a, overlap_a);
+    uint32_t inside_a = SixteenBoxes(rows_a + group_a, padded_a, still).overlapping(overlap);
     for (; inside_a != 0; inside_a &= inside_a - 1) {
       const size_t part_a = group_a + static_cast<size_t>(std::countr_zero(inside_a));
-      const Box box = part_box(rows_a, padded_a, part_a, shift);
+      const Box box = part_box(rows_a, padded_a, part_a);
       for (size_t group_b = 0; group_b < padded_b; group_b += kBoxLanes) {
-        uint32_t hits = inside_b[group_b / kBoxLanes];
-        if (hits != 0) hits &= overlapping_parts(rows_b + group_b, padded_b, box);
+        uint32_t hits = SixteenBoxes(rows_b + group_b, padded_b, shift).overlapping(box);
         for (; hits != 0; hits &= hits - 1)
           *out++ = candidate(bucket, index, part_a,
                              group_b + static_cast<size_t>(std::countr_zero(hits)));

@@ -33,7 +33,7 @@ HWY_INLINE bool half_separates(const OrdopLanes& own, const OrdopTable& other,
     const V3 n{hn::Load(tag, kDirectionLanes.x + first), hn::Load(tag, kDirectionLanes.y + first),
                hn::Load(tag, kDirectionLanes.z + first)};
     const V3 d{dot(n, rows[0]), dot(n, rows[1]), dot(n, rows[2])};
-    const Interval far = bound<K>(other, d);
+    const Interval far = bound<K, AxisSlabs::kDiffer>(other, d);
     const V between =
         hn::Sub(hn::Add(dot(n, offset), far.centre), hn::Load(tag, own.centre + first));
     const V along = hn::Mul(set(half.margin), hn::Load(tag, kDirectionLanes.length + first));

@@ -53,7 +53,11 @@ OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
     length[d] =
         std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
   }
+  // The same number already, but for a flat part and the last bit.
+  const float half = std::max({slabs.slab[0].half, slabs.slab[1].half, slabs.slab[2].half});
+  for (size_t axis = 0; axis < 3; ++axis) slabs.slab[axis].half = half;
   fill_lookups();
+  fill_reaches();
 }
 
 OrdopTable::OrdopTable(const Slabs& fitted) {
@@ -70,21 +74,34 @@ OrdopTable::OrdopTable(const Slabs& fitted) {
     length[d] = direction_length(static_cast<int>(d));
   }
   fill_lookups();
+  fill_reaches();
 }
 
 void OrdopTable::fill_lookups() {
+  std::fill_n(edge_half + 24, 8, 0.0f);
+  std::fill_n(edge_centre + 24, 8, 0.0f);
   for (size_t entry = 0; entry < 16; ++entry) {
     const bool negative[3] = {(entry & 1) != 0, (entry & 2) != 0, (entry & 4) != 0};
     for (size_t omitted = 0; omitted < 3; ++omitted) {
       const size_t first = omitted == 0 ? 1 : 0, second = omitted == 2 ? 1 : 2;
       const Slab& slab = slabs.slab[edge_direction(omitted, negative[first] != negative[second])];
-      edge_half[omitted][entry] = slab.half;
-      edge_centre[omitted][entry] = negative[first] ? -slab.centre : slab.centre;
+      edge_half[omitted * 8 + entry % 8] = slab.half;
+      edge_centre[omitted * 8 + entry % 8] = negative[first] ? -slab.centre : slab.centre;
     }
     const Slab& slab =
         slabs.slab[corner_direction(negative[1] != negative[0], negative[2] != negative[0])];
     corner_half[entry] = slab.half;
     corner_centre[entry] = negative[0] ? -slab.centre : slab.centre;
+  }
+}
+
+void OrdopTable::fill_reaches() {
+  holds_origin = true;
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    const Slab& slab = slabs.slab[d];
+    per_reach_up[d] = 1 / (slab.centre + slab.half);
+    per_reach_down[d] = 1 / (slab.centre - slab.half);
+    holds_origin &= std::abs(slab.centre) < slab.half;
   }
 }
 
@@ -166,7 +183,7 @@ void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, c
   }
 }
 
-/// Part boxes of a against part boxes of b, all of them, one by one.
+/// Part boxes of a against part boxes of b, all of them, one by one, in a's coordinates.
 Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index, Candidate* out) {
   const size_t parts_a = frame.type_parts[pair.type_a], padded_a = padded_parts(parts_a);
   const size_t parts_b = frame.type_parts[pair.type_b], padded_b = padded_parts(parts_b);
@@ -177,9 +194,10 @@ Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
     for (size_t b = 0; b < parts_b; ++b) {
       bool overlap = true;
       for (size_t axis = 0; axis < 3; ++axis) {
-        const float low = rows_a[axis * padded_a + a] - pair.shift_m[axis];
-        const float high = rows_a[(axis + 3) * padded_a + a] - pair.shift_m[axis];
-        overlap &= rows_b[axis * padded_b + b] <= high && rows_b[(axis + 3) * padded_b + b] >= low;
+        const float low = rows_b[axis * padded_b + b] + pair.shift_m[axis];
+        const float high = rows_b[(axis + 3) * padded_b + b] + pair.shift_m[axis];
+        overlap &=
+            low <= rows_a[(axis + 3) * padded_a + a] && high >= rows_a[axis * padded_a + a];
       }
       if (!overlap) continue;
       *out++ = {index, static_cast<uint8_t>(a), static_cast<uint8_t>(b),
