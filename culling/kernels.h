@@ -147,6 +147,11 @@ class BucketRule {
   uint32_t shapes_, first_a_, first_b_;
 };
 
+/// The room that box_pairs wants for a pair: kernels write sixteen candidates at once.
+inline size_t worst_candidates(const BoxFrame& frame, const BodyPair& pair) {
+  return size_t{frame.type_parts[pair.type_a]} * frame.type_parts[pair.type_b] + kBoxLanes;
+}
+
 struct OrdopLanes;
 
 struct Kernels {

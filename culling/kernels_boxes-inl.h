@@ -216,13 +216,10 @@ class SixteenBoxes {
   HWY_INLINE uint32_t overlapping(const Box& box) const {
     uint32_t bits = 0;
     for (size_t i = 0; i < kRegisters; ++i) {
-      M hit = hn::Le(low_[0][i], box.high[0]);
-      hit = hn::And(hit, hn::Le(low_[1][i], box.high[1]));
-      hit = hn::And(hit, hn::Le(low_[2][i], box.high[2]));
-      hit = hn::And(hit, hn::Ge(high_[0][i], box.low[0]));
-      hit = hn::And(hit, hn::Ge(high_[1][i], box.low[1]));
-      hit = hn::And(hit, hn::Ge(high_[2][i], box.low[2]));
-      bits |= bits_of(hit) << (i * kLanes);
+      const M x = hn::And(hn::Le(low_[0][i], box.high[0]), hn::Ge(high_[0][i], box.low[0]));
+      const M y = hn::And(hn::Le(low_[1][i], box.high[1]), hn::Ge(high_[1][i], box.low[1]));
+      const M z = hn::And(hn::Le(low_[2][i], box.high[2]), hn::Ge(high_[2][i], box.low[2]));
+      bits |= bits_of(hn::And(hn::And(x, y), z)) << (i * kLanes);
     }
     return bits;
   }
@@ -258,37 +255,66 @@ HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part) {
   return b;
 }
 
-HWY_INLINE Candidate candidate(const BucketRule& bucket, uint32_t index, size_t part_a,
-                               size_t part_b) {
-  return {index, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b),
-          bucket(static_cast<uint32_t>(part_a), static_cast<uint32_t>(part_b))};
-}
+/// Writes the candidates of one pair of bodies.
+class CandidateWriter {
+ public:
+  HWY_INLINE CandidateWriter(const BoxFrame& frame, const BodyPair& pair, uint32_t index)
+      : bucket_(frame, pair.type_a, pair.type_b),
+        index_(index),
+        shapes_(frame.shapes),
+        first_a_(frame.type_first_shape[pair.type_a]),
+        first_b_(frame.type_first_shape[pair.type_b]),
+        all_have_buckets_(first_a_ + frame.type_parts[pair.type_a] <= shapes_ &&
+                          first_b_ + frame.type_parts[pair.type_b] <= shapes_) {}
 
-/// Both bodies have at most kBoxLanes parts. Hits are gathered into words of four rows first: a
-/// loop over the bits of each row would end where no branch predictor expects it.
-HWY_INLINE Candidate* few_parts(const BucketRule& bucket, uint32_t index, const float* rows_a,
-                                const float* rows_b, const Box& overlap, const V (&shift)[3],
-                                Candidate* out) {
-  const Lanes d;
-  const SixteenBoxes boxes_b(rows_b, kBoxLanes, shift);
-  const uint32_t inside_b = boxes_b.overlapping(overlap);
-  if (inside_b == 0) return out;
-  const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  uint32_t inside_a = SixteenBoxes(rows_a, kBoxLanes, still).overlapping(overlap);
-  uint64_t hits[kBoxLanes / 4] = {};
-  for (; inside_a != 0; inside_a &= inside_a - 1) {
-    const size_t part_a = static_cast<size_t>(std::countr_zero(inside_a));
-    const uint64_t row = inside_b & boxes_b.overlapping(part_box(rows_a, kBoxLanes, part_a));
-    hits[part_a / 4] |= row << (part_a % 4 * kBoxLanes);
-  }
-  for (size_t word = 0; word < kBoxLanes / 4; ++word) {
-    for (uint64_t bits = hits[word]; bits != 0; bits &= bits - 1) {
-      const size_t bit = static_cast<size_t>(std::countr_zero(bits));
-      *out++ = candidate(bucket, index, word * 4 + bit / kBoxLanes, bit % kBoxLanes);
+  /// Part a with those of sixteen parts of b, from first_b on, that have a bit. May write beyond
+  /// the new end, kBoxLanes candidates from `out` at most.
+  HWY_INLINE Candidate* add(uint32_t part_a, uint32_t first_b, uint32_t hits,
+                            Candidate* out) const {
+    if (kLanes == kBoxLanes && all_have_buckets_) return add_row(part_a, first_b, hits, out);
+    for (; hits != 0; hits &= hits - 1) {
+      const uint32_t part_b = first_b + static_cast<uint32_t>(std::countr_zero(hits));
+      *out++ = {index_, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b),
+                bucket_(part_a, part_b)};
     }
+    return out;
   }
-  return out;
-}
+
+ private:
+  /// The same without a branch on the bits: the last one ends a loop where no predictor expects it.
+  HWY_INLINE Candidate* add_row(uint32_t part_a, uint32_t first_b, uint32_t hits,
+                                Candidate* out) const {
+    const LaneBits d;
+    const hn::Repartition<uint64_t, LaneBits> wide;
+    const uint32_t shape_a = first_a_ + part_a;
+    HWY_ALIGN static constexpr uint32_t kCount[] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                    8, 9, 10, 11, 12, 13, 14, 15};
+    const auto part_b = hn::Add(hn::Set(d, first_b), hn::Load(d, kCount));
+    const auto a = hn::Set(d, shape_a), b = hn::Add(part_b, hn::Set(d, first_b_));
+    // BucketRule: the lower shape times their number plus the higher.
+    const auto bucket = hn::Add(hn::Min(hn::Set(d, shape_a * shapes_), b * hn::Set(d, shapes_)),
+                                hn::Max(a, b));
+    const auto turn = hn::IfThenElseZero(hn::Lt(b, a), hn::Set(d, uint32_t{Candidate::kTurned}));
+    const auto parts = hn::Or(hn::Set(d, part_a), hn::ShiftLeft<8>(part_b));
+    const auto upper_half = hn::Or3(parts, hn::ShiftLeft<16>(bucket), hn::ShiftLeft<16>(turn));
+    const auto hit = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&hits));
+    const auto packed = hn::Compress(upper_half, hit);
+    const auto with_index = [&](auto half) {
+      return hn::Or(hn::ShiftLeft<32>(hn::PromoteTo(wide, half)), hn::Set(wide, uint64_t{index_}));
+    };
+    static_assert(sizeof(Candidate) == sizeof(uint64_t) && offsetof(Candidate, pair) == 0 &&
+                  offsetof(Candidate, part_b) == 5 && offsetof(Candidate, bucket_and_turn) == 6);
+    const hn::Half<LaneBits> half;
+    hn::StoreU(with_index(hn::LowerHalf(half, packed)), wide, reinterpret_cast<uint64_t*>(out));
+    hn::StoreU(with_index(hn::UpperHalf(half, packed)), wide,
+               reinterpret_cast<uint64_t*>(out + kBoxLanes / 2));
+    return out + std::popcount(hits);
+  }
+
+  BucketRule bucket_;
+  uint32_t index_, shapes_, first_a_, first_b_;
+  bool all_have_buckets_;
+};
 
 /// Appends the overlapping parts of one pair; returns the new end.
 HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
@@ -303,24 +329,29 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   const float* rows_b = block_b + kBoxLanes;
   const Box overlap = splat(both.low, both.high);
   const Lanes d;
-  const BucketRule bucket(frame, pair.type_a, pair.type_b);
   const V shift[3] = {hn::Set(d, pair.shift_m[0]), hn::Set(d, pair.shift_m[1]),
                       hn::Set(d, pair.shift_m[2])};
-  if (padded_a == kBoxLanes && padded_b == kBoxLanes)
-    return few_parts(bucket, index, rows_a, rows_b, overlap, shift, out);
-
   const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  for (size_t group_a = 0; group_a < padded_a; group_a += kBoxLanes) {
+  const CandidateWriter writer(frame, pair, index);
+  if (padded_a == kBoxLanes && padded_b == kBoxLanes) {  // all in registers
+    const SixteenBoxes boxes_a(rows_a, padded_a, still), boxes_b(rows_b, padded_b, shift);
+    const uint32_t inside_b = boxes_b.overlapping(overlap);
+    uint32_t inside_a = inside_b == 0 ? 0 : boxes_a.overlapping(overlap);
+    for (; inside_a != 0; inside_a &= inside_a - 1) {
+      const uint32_t part_a = static_cast<uint32_t>(std::countr_zero(inside_a));
+      const Box box = part_box(rows_a, kBoxLanes, part_a);
+      out = writer.add(part_a, 0, inside_b & boxes_b.overlapping(box), out);
+    }
+    return out;
+  }
+  for (uint32_t group_a = 0; group_a < padded_a; group_a += kBoxLanes) {
     uint32_t inside_a = SixteenBoxes(rows_a + group_a, padded_a, still).overlapping(overlap);
     for (; inside_a != 0; inside_a &= inside_a - 1) {
-      const size_t part_a = group_a + static_cast<size_t>(std::countr_zero(inside_a));
+      const uint32_t part_a = group_a + static_cast<uint32_t>(std::countr_zero(inside_a));
       const Box box = part_box(rows_a, padded_a, part_a);
-      for (size_t group_b = 0; group_b < padded_b; group_b += kBoxLanes) {
-        uint32_t hits = SixteenBoxes(rows_b + group_b, padded_b, shift).overlapping(box);
-        for (; hits != 0; hits &= hits - 1)
-          *out++ = candidate(bucket, index, part_a,
-                             group_b + static_cast<size_t>(std::countr_zero(hits)));
-      }
+      for (uint32_t group_b = 0; group_b < padded_b; group_b += kBoxLanes)
+        out = writer.add(part_a, group_b,
+                         SixteenBoxes(rows_b + group_b, padded_b, shift).overlapping(box), out);
     }
   }
   return out;
@@ -331,8 +362,7 @@ HWY_NOINLINE size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size
   Candidate* const start = out;
   size_t i = first;
   for (; i < count; ++i) {
-    const size_t worst =
-        size_t{frame.type_parts[pairs[i].type_a]} * frame.type_parts[pairs[i].type_b];
+    const size_t worst = worst_candidates(frame, pairs[i]);
     if (room - static_cast<size_t>(out - start) < worst) break;
     out = box_pair(frame, pairs[i], static_cast<uint32_t>(i), out);
   }

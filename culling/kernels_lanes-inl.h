@@ -9,6 +9,8 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
+
 #include "culling/kernels.h"
 
 #if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
@@ -38,9 +40,10 @@ HWY_INLINE V3 operator-(const V3& a, const V3& b) {
 /// The lanes of a mask as bits of an integer.
 HWY_INLINE uint32_t bits_of(M mask) {
   const Lanes d;
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  return static_cast<uint32_t>(bytes[0]) | (static_cast<uint32_t>(bytes[1]) << 8);
+  static_assert(std::endian::native == std::endian::little);
+  uint32_t bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
+  return bits;
 }
 
 /// (a.x * b.x + a.y * b.y) + a.z * b.z, never fused: the same bits on every target.

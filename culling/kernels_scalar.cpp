@@ -212,8 +212,7 @@ size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first, siz
   Candidate* const start = out;
   size_t i = first;
   for (; i < count; ++i) {
-    const size_t worst =
-        size_t{frame.type_parts[pairs[i].type_a]} * frame.type_parts[pairs[i].type_b];
+    const size_t worst = worst_candidates(frame, pairs[i]);
     if (room - static_cast<size_t>(out - start) < worst) break;
     out = box_pair(frame, pairs[i], static_cast<uint32_t>(i), out);
   }

@@ -202,7 +202,7 @@ void PartStage::write_keys(PartPairs& out) const {
 void PartStage::find_candidates(const PartStageFrame& frame) {
   Stopwatch watch;
   candidate_count_ = 0;
-  constexpr size_t kWorstPair = size_t{BodyType::kMaxParts} * BodyType::kMaxParts;
+  constexpr size_t kWorstPair = size_t{BodyType::kMaxParts} * BodyType::kMaxParts + kBoxLanes;
   size_t next = 0;
   while (next < pair_count_) {
     size_t found = 0;
