@@ -225,9 +225,12 @@ struct Undecided {
   HWY_INLINE void add(Relative& relative, const uint32_t* order, M left) {
     const Lanes d;
     const LaneBits bits;
-    relative.each_row([&](size_t row, V v) { hn::CompressStore(v, left, d, rows[row] + count); });
-    count +=
-        hn::CompressStore(hn::LoadU(bits, order), hn::RebindMask(bits, left), bits, index + count);
+    // Whole registers: a masked store costs several times as much.
+    relative.each_row(
+        [&](size_t row, V v) { hn::StoreU(hn::Compress(v, left), d, rows[row] + count); });
+    const auto indices = hn::Compress(hn::LoadU(bits, order), hn::RebindMask(bits, left));
+    hn::StoreU(indices, bits, index + count);
+    count += hn::CountTrue(d, left);
   }
   HWY_INLINE Relative at(size_t first) const {
     const Lanes d;
