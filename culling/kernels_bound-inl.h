@@ -60,8 +60,7 @@ HWY_INLINE Sorted sorted(const V3& d) {
   const U x_sign = hn::ShiftRight<31>(hn::BitCast(bits, d.x));
   const U y_sign = hn::ShiftRight<30>(hn::BitCast(bits, d.y));
   const U z_sign = hn::ShiftRight<29>(hn::BitCast(bits, d.z));
-  s.signs =
-      hn::OrAnd(hn::OrAnd(x_sign, y_sign, hn::Set(bits, 2)), z_sign, hn::Set(bits, 4));
+  s.signs = hn::OrAnd(hn::OrAnd(x_sign, y_sign, hn::Set(bits, 2)), z_sign, hn::Set(bits, 4));
   return s;
 }
 
@@ -92,8 +91,8 @@ HWY_INLINE Interval edge_without_smallest(const OrdopTable& t, const Sorted& s) 
   // One lookup in two registers, which Highway 1.0 has no name for.
   const LaneBits bits;
   const auto y_or_x = hn::IfThenElseZero(hn::RebindMask(bits, s.smallest_is_y), hn::Set(bits, 8));
-  const auto index = hn::Or(s.signs, hn::IfThenElse(hn::RebindMask(bits, s.smallest_is_z),
-                                                    hn::Set(bits, 16), y_or_x));
+  const auto index = hn::Or(
+      s.signs, hn::IfThenElse(hn::RebindMask(bits, s.smallest_is_z), hn::Set(bits, 16), y_or_x));
   const auto lookup = [&](const float* table) {
     return V{_mm512_permutex2var_ps(_mm512_load_ps(table), index.raw, _mm512_load_ps(table + 16))};
   };

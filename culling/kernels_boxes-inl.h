@@ -292,8 +292,8 @@ class CandidateWriter {
     const auto part_b = hn::Add(hn::Set(d, first_b), hn::Load(d, kCount));
     const auto a = hn::Set(d, shape_a), b = hn::Add(part_b, hn::Set(d, first_b_));
     // BucketRule: the lower shape times their number plus the higher.
-    const auto bucket = hn::Add(hn::Min(hn::Set(d, shape_a * shapes_), b * hn::Set(d, shapes_)),
-                                hn::Max(a, b));
+    const auto bucket =
+        hn::Add(hn::Min(hn::Set(d, shape_a * shapes_), b * hn::Set(d, shapes_)), hn::Max(a, b));
     const auto turn = hn::IfThenElseZero(hn::Lt(b, a), hn::Set(d, uint32_t{Candidate::kTurned}));
     const auto parts = hn::Or(hn::Set(d, part_a), hn::ShiftLeft<8>(part_b));
     const auto upper_half = hn::Or3(parts, hn::ShiftLeft<16>(bucket), hn::ShiftLeft<16>(turn));

@@ -73,9 +73,7 @@ struct HalfTest {
     };
     const V3& o = offset;
     V most = hn::Max(in_units(0, o.x), hn::Max(in_units(1, o.y), in_units(2, o.z)));
-    const auto extend = [&](size_t index, V tau) {
-      most = hn::Max(most, in_units(index, tau));
-    };
+    const auto extend = [&](size_t index, V tau) { most = hn::Max(most, in_units(index, tau)); };
     const V plus = hn::Add(o.x, o.y), minus = hn::Sub(o.x, o.y);
     if constexpr (K != 14) {
       extend(3, hn::Add(o.y, o.z)), extend(4, hn::Sub(o.y, o.z));
@@ -215,8 +213,8 @@ struct Relative {
   }
 };
 
-/// The candidates of a chunk that are left undecided: by the box directions, which separate three in
-/// four of all that are apart, and by share_a_point().
+/// The candidates of a chunk that are left undecided: by the box directions, which separate three
+/// in four of all that are apart, and by share_a_point().
 struct Undecided {
   HWY_ALIGN float rows[Relative::kRows][kChunk + kLanes];
   HWY_ALIGN uint32_t index[kChunk + kLanes];

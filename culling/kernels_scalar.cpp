@@ -196,8 +196,7 @@ Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
       for (size_t axis = 0; axis < 3; ++axis) {
         const float low = rows_b[axis * padded_b + b] + pair.shift_m[axis];
         const float high = rows_b[(axis + 3) * padded_b + b] + pair.shift_m[axis];
-        overlap &=
-            low <= rows_a[(axis + 3) * padded_a + a] && high >= rows_a[axis * padded_a + a];
+        overlap &= low <= rows_a[(axis + 3) * padded_a + a] && high >= rows_a[axis * padded_a + a];
       }
       if (!overlap) continue;
       *out++ = {index, static_cast<uint8_t>(a), static_cast<uint8_t>(b),

@@ -300,9 +300,14 @@ NearPairs check_near_pairs(Family family, uint64_t pairs, uint64_t seed) {
     Culler culler(types, options, workers);
     const Couples world(family, kinds, draw);
     culler.step(world.view(), world);
-    const std::string how =
-        fmt::format("{}, seed {}, frame {}, {}, {}", name_of(family), seed, frame,
-                    throng::name_of(options.part_volume), throng::name_of(options.simd));
+    options.simd = SimdTarget::kScalar;
+    Culler reference(types, options, workers);
+    reference.step(world.view(), world);
+    sum.differing += !std::equal(culler.pairs().begin(), culler.pairs().end(),
+                                 reference.pairs().begin(), reference.pairs().end());
+    const std::string how = fmt::format("{}, seed {}, frame {}, {}, {}", name_of(family), seed,
+                                        frame, throng::name_of(options.part_volume),
+                                        throng::name_of(targets[frame / 2 % targets.size()]));
     for (uint32_t a = 0; a < 2 * kCouples; a += 2)
       check_couple(world, a, a + 1, culler.pairs(), how, sum);
   }

@@ -28,9 +28,10 @@ std::string_view name_of(Family family);
 
 struct NearPairs {
   uint64_t near = 0;
-  uint64_t touching = 0;  ///< by their triangles, or one inside the other
-  uint64_t reported = 0;  ///< of the near ones
-  uint64_t missed = 0;    ///< touching and not reported
+  uint64_t touching = 0;   ///< by their triangles, or one inside the other
+  uint64_t reported = 0;   ///< of the near ones
+  uint64_t missed = 0;     ///< touching and not reported
+  uint64_t differing = 0;  ///< frames in which the scalar reference reports other pairs
   std::string first_miss;
 };
 
