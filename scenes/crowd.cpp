@@ -164,7 +164,8 @@ void Crowd::Walkers::carry(Walkers& from, size_t from_slot, size_t slot) {
 void Crowd::Slots::resize(size_t count) {
   for (std::vector<float>* each :
        {&vx_mps, &vy_mps, &radius_m, &wanted_x_mps, &wanted_y_mps, &max_speed_mps, &horizon_s,
-        &urge, &next_x_mps, &next_y_mps, &expected_x_m, &expected_y_m, &swept_x_m, &swept_y_m})
+        &urge, &way_x, &way_y, &next_x_mps, &next_y_mps, &expected_x_m, &expected_y_m, &swept_x_m,
+        &swept_y_m})
     each->resize(count);
   neighbours.resize(count * kMaxNeighbours);
   neighbour_counts.resize(count);

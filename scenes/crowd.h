@@ -124,6 +124,7 @@ class Crowd {
   struct Slots {
     std::vector<float> vx_mps, vy_mps, radius_m, wanted_x_mps, wanted_y_mps, max_speed_mps,
         horizon_s, urge;
+    std::vector<float> way_x, way_y;  ///< where to: a unit vector, or zero
     std::vector<float> next_x_mps, next_y_mps;
     std::vector<uint32_t> neighbours;
     std::vector<uint8_t> neighbour_counts;
@@ -166,6 +167,7 @@ class Crowd {
   Eigen::Vector2d wanted_mps(size_t slot);
   void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;
+  void limit_to_gap(size_t slot);
   void limit_to_density(const SteeringView& people, size_t slot);
   void limit_forward(size_t slot);
   void relax_discs();

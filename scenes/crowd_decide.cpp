@@ -65,6 +65,10 @@ double Crowd::wish(size_t begin, size_t end) {
     slots_.radius_m[slot] = static_cast<float>(walkers_.radius_m[slot]);
     slots_.wanted_x_mps[slot] = wanted.x();
     slots_.wanted_y_mps[slot] = wanted.y();
+    const float length = std::sqrt(wanted.x() * wanted.x() + wanted.y() * wanted.y());
+    const bool walks = length >= static_cast<float>(tuning::kWish_mps);
+    slots_.way_x[slot] = walks ? wanted.x() / length : 0.0f;
+    slots_.way_y[slot] = walks ? wanted.y() / length : 0.0f;
     slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * walkers_.free_speed_mps[slot]);
     slots_.horizon_s[slot] = static_cast<float>(
         stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s : tuning::kHorizon_s);
@@ -107,11 +111,13 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   people.wall_clearance_m = walls.clearance_m.data();
   people.wall_starts = walls.starts.data();
   people.first_slot = begin;
-  if (options_.steering.density_speed)
-    for (size_t slot = begin; slot < end; ++slot) limit_to_density(people, slot);
+  const bool by_density = options_.steering.density_speed;
+  // The other model has a gap in time of its own, and density keeps people apart, too.
+  const bool by_gap = options_.steering.model == SteeringKind::kOrca && !by_density;
+  for (size_t slot = begin; by_density && slot < end; ++slot) limit_to_density(people, slot);
+  for (size_t slot = begin; by_gap && slot < end; ++slot) limit_to_gap(slot);
   model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());
-  if (options_.steering.density_speed)
-    for (size_t slot = begin; slot < end; ++slot) limit_forward(slot);
+  for (size_t slot = begin; (by_density || by_gap) && slot < end; ++slot) limit_forward(slot);
   const float half_period_s = 0.5f * people.period_s;
   for (size_t slot = begin; slot < end; ++slot) {
     const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
@@ -122,6 +128,48 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
     slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
     slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
   }
+}
+
+/// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.
+/// Of two who are ahead of one another, who has the other more ahead keeps it.
+void Crowd::limit_to_gap(size_t slot) {
+  float& wanted_x = slots_.wanted_x_mps[slot];
+  float& wanted_y = slots_.wanted_y_mps[slot];
+  const float way_x = slots_.way_x[slot], way_y = slots_.way_y[slot];
+  const float wanted = wanted_x * way_x + wanted_y * way_y;
+  const auto gap_s = static_cast<float>(tuning::kTimeGap_s);
+  const float* x = grid_.x().data();
+  const float* y = grid_.y().data();
+  const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+  const size_t count = slots_.neighbour_counts[slot];
+  const auto same_way = [&](uint32_t other) {
+    return way_x * slots_.way_x[other] + way_y * slots_.way_y[other];
+  };
+  const float reach_m = slots_.radius_m[slot] + widest_m_ + wanted * gap_s;
+  float speed = wanted;
+  for (size_t k = 0; k < count; ++k) {
+    const uint32_t other = near[k];
+    const float dx = x[other] - x[slot], dy = y[other] - y[slot];
+    const float square = dx * dx + dy * dy;
+    if (square > reach_m * reach_m) break;  // they come nearest first
+    const float ahead = dx * way_x + dy * way_y;
+    const float aside = dx * way_y - dy * way_x;
+    const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
+    const float ahead_of_other = -(dx * slots_.way_x[other] + dy * slots_.way_y[other]);
+    if (ahead <= 0 || ahead <= ahead_of_other || aside * aside >= radius_m * radius_m ||
+        same_way(other) < static_cast<float>(tuning::kSameWay))
+      continue;
+    speed = std::min(speed, (std::sqrt(square) - radius_m) / gap_s);
+  }
+  if (!(speed < wanted)) return;
+  for (size_t k = 0; k < count; ++k)
+    if (same_way(near[k]) < -static_cast<float>(tuning::kSameWay) &&
+        (x[near[k]] - x[slot]) * way_x + (y[near[k]] - y[slot]) * way_y > 0)
+      return;
+  // As with density, the wish keeps its direction.
+  speed = std::max(speed, static_cast<float>(2 * tuning::kWish_mps));
+  wanted_x *= speed / wanted;
+  wanted_y *= speed / wanted;
 }
 
 /// Slows the wish; never so far that it has no direction.
@@ -139,18 +187,17 @@ void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
   y *= limit / wanted;
 }
 
-/// Making way for those behind is no reason to walk faster than the density ahead allows, and a
+/// Making way for those behind is no reason to walk faster than the people ahead allow, and a
 /// little to pass.
 void Crowd::limit_forward(size_t slot) {
-  const float x = slots_.wanted_x_mps[slot], y = slots_.wanted_y_mps[slot];
-  const float wanted = std::sqrt(x * x + y * y);
-  if (wanted < static_cast<float>(tuning::kWish_mps)) return;
-  const float ahead_x = x / wanted, ahead_y = y / wanted;
-  const float excess = slots_.next_x_mps[slot] * ahead_x + slots_.next_y_mps[slot] * ahead_y -
+  const float way_x = slots_.way_x[slot], way_y = slots_.way_y[slot];
+  if (way_x == 0 && way_y == 0) return;
+  const float wanted = slots_.wanted_x_mps[slot] * way_x + slots_.wanted_y_mps[slot] * way_y;
+  const float excess = slots_.next_x_mps[slot] * way_x + slots_.next_y_mps[slot] * way_y -
                        static_cast<float>(tuning::kHaste) * wanted;
   if (excess <= 0) return;
-  slots_.next_x_mps[slot] -= excess * ahead_x;
-  slots_.next_y_mps[slot] -= excess * ahead_y;
+  slots_.next_x_mps[slot] -= excess * way_x;
+  slots_.next_y_mps[slot] -= excess * way_y;
 }
 
 void Crowd::find_walls(size_t slot, Walls& walls) {

@@ -96,10 +96,8 @@ bool Crowd::is_settled(size_t slot) const {
 /// Those behind push nobody forward, beyond where one's own step would have led: a person who is
 /// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
 void Crowd::hold_back(size_t slot, float& to_x, float& to_y) const {
-  const float wanted_x = slots_.wanted_x_mps[slot], wanted_y = slots_.wanted_y_mps[slot];
-  const float wanted = std::sqrt(wanted_x * wanted_x + wanted_y * wanted_y);
-  if (wanted < static_cast<float>(tuning::kWish_mps)) return;
-  const float ahead_x = wanted_x / wanted, ahead_y = wanted_y / wanted;
+  const float ahead_x = slots_.way_x[slot], ahead_y = slots_.way_y[slot];
+  if (ahead_x == 0 && ahead_y == 0) return;
   const float x = grid_.x()[slot], y = grid_.y()[slot];
   const auto half_period_s = static_cast<float>(0.5 * period_s_);
   const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <set>
@@ -139,6 +140,40 @@ TEST(Crowd, TheModelsWalkDifferently) {
       hashes.insert(hash_of(world.crowd));
     }
   EXPECT_EQ(hashes.size(), 4u);
+}
+
+/// Who has passed x = 0, people a second, from the 10th to the 40th.
+double flow_through_a_door(int people) {
+  Scene scene;
+  scene.seed = 3;
+  scene.step_s = 0.05;
+  scene.ground = {{-12, -6}, {4, 6}};
+  scene.obstacles = {box(0, -3.25, 0.2, 5.5), box(0, 3.25, 0.2, 5.5)};
+  scene.groups = {group(people, {{-11.5, -5.5}, {-1, 5.5}}, {{{3, -6}, {4, 6}}})};
+  World world(scene, 1);
+  double first_s = 0, last_s = 0;
+  for (int step = 0; step < 20 * 120 && last_s == 0; ++step) {
+    world.crowd.step();
+    const auto positions = world.crowd.positions_m();
+    const auto through = std::count_if(positions.begin(), positions.end(),
+                                       [](const Eigen::Vector2d& p) { return p.x() > 0; });
+    if (first_s == 0 && through >= 10) first_s = step * scene.step_s;
+    if (through >= 40) last_s = step * scene.step_s;
+  }
+  EXPECT_GT(last_s, 0) << "40 of " << people << " never got through";
+  return 30 / (last_s - first_s);
+}
+
+/// However many press behind, a door of 1 m carries what is observed (1.2 to 1.9 a second).
+TEST(Crowd, AJamPressesNobodyThroughADoor) {
+  const double few = flow_through_a_door(60);
+  const double many = flow_through_a_door(300);
+  std::printf("[ figures ] door of 1 m: %.2f/s of 60 people, %.2f/s of 300\n", few, many);
+  EXPECT_GT(few, 1);
+  EXPECT_LT(few, 2);
+  EXPECT_GT(many, 1);
+  EXPECT_LT(many, 2);
+  EXPECT_LT(many, 1.3 * few);
 }
 
 /// Density slows people as Weidmann observed; without it they keep their free speed.
