@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # One hash a scene, whatever runs it: 1, 2, 3 and 8 threads, every SIMD target of this machine and
 # every pair search, over the builds named: scripts/determinism.sh [PRESET...] (default: release).
-# Other compilers and levels: `scripts/determinism.sh release checked debug o3_clang o2_clang`. A
-# processor without fused multiply-add is made believe through glibc's tunables, because the C
-# library picks its code by the processor. Exit code 1 where two runs differ; --trace-hash of both
+# Another compiler and other levels: `scripts/determinism.sh release debug checked clang`. A processor
+# without fused multiply-add is made believe through glibc's tunables, because the C library picks its
+# code by the processor. Exit code 1 where two runs differ; --trace-hash of both
 # then names the first stage and frame.
 set -euo pipefail
 cd "$(dirname "$0")/.."
