@@ -109,24 +109,30 @@ inline constexpr size_t kChunk = 128;
 /// Where the lanes of a chunk find their input: part a of the bucket first, turned or not.
 struct ChunkInput {
   const BodyPair* pair[kChunk + kLanes];
-  const PartPose* a[kChunk + kLanes];
-  const PartPose* b[kChunk + kLanes];
+  uint32_t pose_a[kChunk + kLanes], pose_b[kChunk + kLanes];
   HWY_ALIGN uint32_t turned[kChunk + kLanes];
   uint32_t order[kChunk + kLanes];
 
   /// Lanes beyond the last candidate, up to a full register, repeat it.
-  ChunkInput(const BodyPair* pairs, const PartPose* poses, const Candidate* candidates,
-             const uint32_t* of_chunk, size_t count) {
-    for (size_t i = 0; i < count + kLanes - 1; ++i) {
-      order[i] = of_chunk[HWY_MIN(i, count - 1)];
-      const Candidate& c = candidates[order[i]];
-      pair[i] = &pairs[c.pair];
-      const PartPose* of[2] = {&poses[pair[i]->pose_a + c.part_a],
-                               &poses[pair[i]->pose_b + c.part_b]};
-      turned[i] = c.is_turned();
-      a[i] = of[turned[i]];
-      b[i] = of[1 - turned[i]];
-    }
+  ChunkInput(const BodyPair* pairs, const Candidate* candidates, const uint32_t* of_chunk,
+             size_t count) {
+    for (size_t i = 0; i < count; ++i) set(i, pairs, candidates, of_chunk[i]);
+    for (size_t i = count; i < count + kLanes - 1; ++i)
+      set(i, pairs, candidates, of_chunk[count - 1]);
+  }
+
+ private:
+  HWY_INLINE void set(size_t i, const BodyPair* pairs, const Candidate* candidates,
+                      uint32_t index) {
+    const Candidate& c = candidates[index];
+    const BodyPair& bodies = pairs[c.pair];
+    const uint32_t a = bodies.pose_a + c.part_a, b = bodies.pose_b + c.part_b;
+    const uint32_t turn = c.is_turned(), exchange = (a ^ b) & (0 - turn);
+    order[i] = index;
+    pair[i] = &bodies;
+    turned[i] = turn;
+    pose_a[i] = a ^ exchange;
+    pose_b[i] = b ^ exchange;
   }
 };
 
@@ -140,10 +146,11 @@ struct Relative {
   V b_over_a, a_over_b;  ///< scales
 
   Relative() = default;
-  Relative(const OrdopTable& a, const OrdopTable& b, const ChunkInput& in, size_t first) {
+  Relative(const OrdopTable& a, const OrdopTable& b, const PartPose* poses, const ChunkInput& in,
+           size_t first) {
     const Lanes d;
-    const Poses pa = load_poses([&](size_t lane) { return in.a[first + lane]; });
-    const Poses pb = load_poses([&](size_t lane) { return in.b[first + lane]; });
+    const Poses pa = load_poses([&](size_t lane) { return &poses[in.pose_a[first + lane]]; });
+    const Poses pb = load_poses([&](size_t lane) { return &poses[in.pose_b[first + lane]]; });
     V shift[4], scales[4];
     load_rows([&](size_t lane) { return &in.pair[first + lane]->shift_m[0]; }, shift);
     load_rows([&](size_t lane) { return &in.pair[first + lane]->scale_a; }, scales);
@@ -255,10 +262,10 @@ HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const Bo
   const LaneBits bits;
   for (size_t chunk = 0; chunk < count; chunk += kChunk, order += kChunk) {
     const size_t in_chunk = HWY_MIN(count - chunk, kChunk);
-    const ChunkInput input(pairs, poses, candidates, order, in_chunk);
+    const ChunkInput input(pairs, candidates, order, in_chunk);
     Undecided undecided;
     for (size_t first = 0; first < in_chunk; first += kLanes) {
-      Relative relative(a, b, input, first);
+      Relative relative(a, b, poses, input, first);
       const HalfTest<K> from_a = relative.from_a<K>(a, b), from_b = relative.from_b<K>(a, b);
       const M apart = hn::Or(from_a.axes(), from_b.axes());
       const M together = share_a_point(from_a, from_b);
