@@ -20,6 +20,7 @@ namespace {
 
 // A task of the narrow phase: enough candidates to fill the registers of most buckets, few enough
 // bodies for their poses and boxes (1.2 kB a person) to stay in a core's cache.
+constexpr uint32_t kRunsAhead = 8;
 constexpr size_t kTaskPairs = 3072, kTaskBlocks = 8;
 constexpr size_t kSortBodies = 1024;  // bodies a task when keys are sorted and compared
 
@@ -253,9 +254,12 @@ void Culler::State::write_pairs(const BodiesView& bodies) {
     const size_t block = static_cast<size_t>(index);
     const size_t first = block * kSortBodies, end = std::min(count, first + kSortBodies);
     PairKey* out = events.incoming() + keys_of_block[block];
+    const uint32_t run_end = start_of_body[end];
     for (size_t body = first; body < end; ++body) {
       for (uint32_t r = start_of_body[body]; r < start_of_body[body + 1]; ++r) {
         const SortedRun& run = runs[r];
+        // Runs lie where their tasks found them, in no order that a cache could know.
+        if (r + kRunsAhead < run_end) __builtin_prefetch(runs[r + kRunsAhead].keys);
         const PairKey pair(bodies.ids[body], bodies.ids[run.body_b], 0, 0);
         for (uint32_t i = 0; i < run.count; ++i) *out++ = run.keys[i].of_bodies(pair);
       }
