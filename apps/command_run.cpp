@@ -276,6 +276,7 @@ int run_scene(const RunOptions& options) {
     log = log_file(options, scene);
     LogOptions log_options;
     log_options.flush_s = options.flush_s;
+    log_options.threads = options.threads;
     listeners.log = std::make_unique<LogSink>(log, log_options);
     listeners.guard = std::make_unique<LogGuard>(*listeners.log);
   }

@@ -24,6 +24,9 @@ constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
 constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 12;
 constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
 
+/// A message takes some hundred microseconds; all slots together fit the second cache.
+constexpr size_t kSlotsAThread = 4;
+
 constexpr int chunks_of(size_t items, size_t per_chunk) {
   return static_cast<int>(items / per_chunk + (items % per_chunk != 0));
 }
@@ -36,21 +39,31 @@ uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
 }  // namespace
 
 RunEncoder::RunEncoder(const EncoderOptions& options, MessageTarget& target)
-    : options_(options), target_(target), buffer_(kMaxMessageBytes) {
+    : options_(options),
+      target_(target),
+      workers_(options.threads),
+      states_(options.threads == 1 ? 1 : kSlotsAThread * static_cast<size_t>(options.threads)),
+      buffer_(kMaxMessageBytes) {
   assert(options.state_every >= 1);
+  for (StatesSlot& slot : states_) slot.bytes.resize(kMaxMessageBytes);
+}
+
+template <class Message>
+void RunEncoder::number(Message& message, int64_t seq, int chunk, int chunk_count) const {
+  message.utime = utime_us_;
+  message.run_id = run_id_;
+  message.instance = instance_;
+  message.frame = frame_;
+  message.seq = seq;
+  message.chunk = chunk;
+  message.chunk_count = chunk_count;
+  message.schema = kSchema;
 }
 
 template <class Message>
 void RunEncoder::send(Channel channel, Message& message, int chunk, int chunk_count) {
   Totals& totals = totals_[static_cast<size_t>(channel)];
-  message.utime = utime_us_;
-  message.run_id = run_id_;
-  message.instance = instance_;
-  message.frame = frame_;
-  message.seq = totals.messages;
-  message.chunk = chunk;
-  message.chunk_count = chunk_count;
-  message.schema = kSchema;
+  number(message, totals.messages, chunk, chunk_count);
   const int size = message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
   assert(size > 0);
   ++totals.messages;
@@ -190,17 +203,35 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
   }
 }
 
+/// Some chunks at a time are encoded side by side, then sent in their order.
 void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
   assert(static_cast<int>(frame.roots.size()) == run.avatar_count());
+  Totals& totals = totals_[static_cast<size_t>(Channel::kStates)];
   const auto chunks = static_cast<int>(state_chunks_.size());
-  for (int chunk = 0; chunk < chunks; ++chunk) {
-    fill_states(run, frame, state_chunks_[static_cast<size_t>(chunk)]);
-    send(Channel::kStates, states_, chunk, chunks);
+  const auto slots = static_cast<int>(states_.size());
+  for (int first = 0; first < chunks; first += slots) {
+    const int count = std::min(slots, chunks - first);
+    workers_.for_blocks(count, [&](int i, int) {
+      StatesSlot& slot = states_[static_cast<size_t>(i)];
+      fill_states(run, frame, state_chunks_[static_cast<size_t>(first + i)], slot.message);
+      number(slot.message, totals.messages + i, first + i, chunks);
+      const int size =
+          slot.message.encode(slot.bytes.data(), 0, static_cast<int>(slot.bytes.size()));
+      assert(size > 0);
+      slot.size = static_cast<size_t>(size);
+    });
+    for (int i = 0; i < count; ++i) {
+      const StatesSlot& slot = states_[static_cast<size_t>(i)];
+      clamped_ += slot.message.clamped;
+      totals.bytes += static_cast<int64_t>(slot.size);
+      target_.message(Channel::kStates, utime_us_, {slot.bytes.data(), slot.size});
+    }
+    totals.messages += count;
   }
 }
 
-void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range) {
-  states_t& m = states_;
+void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
+                             states_t& m) const {
   const auto count = static_cast<size_t>(range.count);
   m.first_avatar = range.first;
   m.avatar_count = range.count;
@@ -234,7 +265,6 @@ void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const Avata
     for (const ColumnRange& column : ranges_[run.model_of_avatar[avatar]])
       m.joint_values[value++] = column.quantised_value(*posture++, m.clamped);
   }
-  clamped_ += m.clamped;
 }
 
 void RunEncoder::send_parts(const RunInfo& run, const Frame& frame) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/workers.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/description.h"
 #include "scenes/sink.h"
@@ -25,6 +26,7 @@ struct EncoderOptions {
   bool with_clock_times = true;  ///< false: everything read from a clock is 0
   int state_every = 1;           ///< avatar states of every n-th frame; events are always complete
   bool part_poses = false;       ///< THRONG_PARTS with every states message
+  int threads = 1;               ///< states are encoded by so many; the bytes are the same
 };
 
 /// Where encoded messages go. The bytes hold during the call.
@@ -66,12 +68,21 @@ class RunEncoder {
     int count = 0;
     int items = 0;  // joint values, or parts
   };
+  /// A states message with room for its bytes.
+  struct StatesSlot {
+    states_t message{};
+    std::vector<uint8_t> bytes;
+    size_t size = 0;
+  };
+  template <class Message>
+  void number(Message& message, int64_t seq, int chunk, int chunk_count) const;
   template <class Message>
   void send(Channel channel, Message& message, int chunk, int chunk_count);
   void send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   void send_states(const RunInfo& run, const Frame& frame);
-  void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range);
+  void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
+                   states_t& m) const;
   void send_parts(const RunInfo& run, const Frame& frame);
   void add_part_poses(const Model& model, const RootPose& root, float scale,
                       std::span<const float> posture);
@@ -94,9 +105,10 @@ class RunEncoder {
   std::vector<AvatarRange> state_chunks_, part_chunks_;
   std::vector<PartPose> poses_;
 
-  // One of each, reused; their vectors keep their capacity.
+  // Some of these and one of each other, reused; their vectors keep their capacity.
+  Workers workers_;
+  std::vector<StatesSlot> states_;
   run_t run_{};
-  states_t states_{};
   events_t events_{};
   touching_t touching_{};
   counters_t counters_{};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lcmtypes/encoder.h"
+#include "lcmtypes/file_writer.h"
 
 namespace throng {
 
@@ -18,10 +19,7 @@ namespace throng {
 class LogFile {
  public:
   /// Creates or empties the file. Throws EnvironmentError naming it.
-  explicit LogFile(const std::filesystem::path& file);
-  ~LogFile();  ///< writes what is left, as far as it can
-  LogFile(const LogFile&) = delete;
-  LogFile& operator=(const LogFile&) = delete;
+  explicit LogFile(const std::filesystem::path& file) : file_(file) {}
 
   /// Throws EnvironmentError when a buffer could not be written.
   void write(std::string_view channel, int64_t stamp_us, std::span<const uint8_t> data) {
@@ -30,21 +28,17 @@ class LogFile {
   /// Writes an event under the number that it had elsewhere.
   void copy(int64_t number, std::string_view channel, int64_t stamp_us,
             std::span<const uint8_t> data);
-  void flush();
-  void close();
+  /// What was written so far goes to the file from now on.
+  void start_writing() { file_.start_writing(); }
+  void flush() { file_.flush(); }
+  void close() { file_.close(); }
 
   uint64_t bytes() const { return bytes_; }  ///< written and buffered
   int64_t events() const { return events_; }
-  size_t buffered() const { return used_; }
+  size_t buffered() const { return file_.buffered(); }
 
  private:
-  void put(const void* data, size_t size);
-  void expect_still_there() const;
-
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-  std::vector<uint8_t> buffer_;
-  size_t used_ = 0;
+  FileWriter file_;
   uint64_t bytes_ = 0;
   int64_t events_ = 0;
 };
@@ -53,6 +47,7 @@ struct LogOptions {
   int state_every = 1;
   bool part_poses = false;
   bool with_clock_times = false;  ///< true: the log differs from run to run
+  int threads = 1;                ///< that encode
   /// What a kill -9 can cost: nothing stays unwritten longer, unless a single frame takes longer.
   double flush_s = 0.25;
 };

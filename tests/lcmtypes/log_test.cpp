@@ -32,6 +32,22 @@ TEST(Log, TheSameRunGivesTheSameBytes) {
   EXPECT_NE(first, log_of(1, 111, {.with_clock_times = true})) << "clock times were asked for";
 }
 
+/// Tens of thousands of avatars take more messages a frame than are encoded at a time.
+TEST(Log, HasTheSameBytesForEveryNumberOfThreads) {
+  std::vector<uint8_t> expected;
+  for (const int threads : {1, 2, 3}) {
+    const ScratchFile file;
+    SyntheticRun run({.avatars = 30'000, .seed = 5});
+    LogSink sink(file.path(), {.threads = threads});
+    run.play(sink, 3);
+    const auto found = bytes_of(file.path());
+    if (threads == 1) expected = found;
+    EXPECT_GT(found.size(), 3'000'000u);
+    EXPECT_TRUE(found == expected) << threads << " threads";
+    EXPECT_TRUE(check_log(file.path()).is_sound()) << threads << " threads";
+  }
+}
+
 TEST(Log, NamesNoPathOfThisMachine) {
   const auto bytes = log_of(1, 1);
   const std::string text(bytes.begin(), bytes.end());

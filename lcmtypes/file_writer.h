@@ -1,0 +1,61 @@
+// Writes a file from a thread of its own, so that a run goes on while the kernel copies.
+// One rule: an error of the file is thrown by the next call that hands bytes over, flush() returns
+// only when everything is written, and a file that is too slow slows the run down.
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace throng {
+
+class FileWriter {
+ public:
+  /// Creates or empties the file. Throws EnvironmentError naming it.
+  explicit FileWriter(const std::filesystem::path& file);
+  ~FileWriter();  ///< writes what is left, as far as it can
+  FileWriter(const FileWriter&) = delete;
+  FileWriter& operator=(const FileWriter&) = delete;
+
+  /// Throws EnvironmentError when earlier bytes could not be written.
+  void put(const void* data, size_t size);
+  /// What was put so far goes to the file from now on. Throws as put().
+  void start_writing();
+  /// Throws EnvironmentError when something could not be written, also where the file was deleted.
+  void flush();
+  void close();
+  size_t buffered() const { return filled().size(); }
+
+ private:
+  /// Two frames of a hundred thousand people.
+  static constexpr size_t kBuffers = 16;
+
+  std::vector<uint8_t>& filled() { return buffers_[handed_ % kBuffers]; }
+  const std::vector<uint8_t>& filled() const { return buffers_[handed_ % kBuffers]; }
+  void wait_until_pending(size_t most);
+  void write(const std::vector<uint8_t>& bytes);
+  void work();
+  [[noreturn]] void fail(const char* what, int error) const;
+
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+
+  /// A ring: those from written_ on are the thread's, the one of handed_ is being filled.
+  std::array<std::vector<uint8_t>, kBuffers> buffers_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  uint64_t handed_ = 0;  ///< buffers; changed by the caller only
+  uint64_t written_ = 0;
+  bool is_over_ = false;
+  bool is_deleted_ = false;
+  int error_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace throng
