@@ -1,6 +1,7 @@
 // The loops that decide the speed of culling, one set a SIMD target, all with the same answers.
-// One rule: kernels_scalar.cpp is the reference; every other set gives the same bits, because each
-// result is computed by the same operations in the same order and nothing is fused.
+// One rule: kernels_scalar.cpp is the reference; every other set gives the same answers, by the
+// same operations in the same order, nothing fused, or by a shortcut that proves what they would
+// give.
 #pragma once
 
 #include <array>
@@ -49,7 +50,7 @@ struct alignas(64) OrdopTable {
   float length[13];                    ///< of the direction as it stands in the part, per metre
   // How far the slabs reach from the origin, inverted, downwards with a minus sign.
   float per_reach_up[13], per_reach_down[13];
-  bool holds_origin;  ///< strictly inside every slab
+  bool holds_origin;  ///< inside every slab, and not by rounding alone
 
   /// How far directions of `own` reach in units of this: half_box[i] / own.half_box[j].
   struct Ratios {

@@ -89,9 +89,9 @@ struct HalfTest {
 };
 
 /// True where the line from centre to centre leaves one or-DOP in the other: they share a point,
-/// so no direction separates them and the rest need not be tried. It settles three in five of all
-/// pairs that overlap. Of the line, own holds the first 1 / m, so both hold a point if 1 / m_a +
-/// 1 / m_b >= 1. What rounding can make of this is less than the margin.
+/// so no direction separates them and the rest need not be tried. It settles most pairs that
+/// overlap (docs/culling.md). Of the line, own holds the first 1 / m, so both hold a point if 1 /
+/// m_a + 1 / m_b >= 1. What rounding can make of this is less than the margin.
 template <int K>
 HWY_INLINE M share_a_point(const HalfTest<K>& from_a, const HalfTest<K>& from_b) {
   if (!from_a.own.holds_origin || !from_b.own.holds_origin)
@@ -268,7 +268,7 @@ HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const Bo
       Relative relative(a, b, poses, input, first);
       const HalfTest<K> from_a = relative.from_a<K>(a, b), from_b = relative.from_b<K>(a, b);
       const M apart = hn::Or(from_a.axes(), from_b.axes());
-      const M together = share_a_point(from_a, from_b);
+      const M together = hn::AndNot(apart, share_a_point(from_a, from_b));
       const size_t in_use = HWY_MIN(kLanes, in_chunk - first);
       const M used = hn::RebindMask(d, hn::FirstN(bits, in_use));
       undecided.add(relative, input.order + first, hn::AndNot(hn::Or(apart, together), used));

@@ -96,12 +96,14 @@ void OrdopTable::fill_lookups() {
 }
 
 void OrdopTable::fill_reaches() {
+  // A part as thin as rounding, whose inverse reach would be infinite, holds nothing.
+  constexpr float kThinnest = 1e-6f;
   holds_origin = true;
   for (size_t d = 0; d < kDirections.size(); ++d) {
     const Slab& slab = slabs.slab[d];
     per_reach_up[d] = 1 / (slab.centre + slab.half);
     per_reach_down[d] = 1 / (slab.centre - slab.half);
-    holds_origin &= std::abs(slab.centre) < slab.half;
+    holds_origin &= slab.half - std::abs(slab.centre) > kThinnest;
   }
 }
 

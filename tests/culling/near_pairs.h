@@ -19,7 +19,7 @@ enum class Family {
   kPoint,    ///< all corners in one place, and segments
   kNested,   ///< small parts inside large closed ones
   kFar,      ///< blobs and plates at 10 km and 100 km from the world's origin
-  kTouching  ///< boxes that share a corner, an edge or a face, to the rounding
+  kTouching  ///< boxes and plates that share a corner, an edge or a face, to the rounding
 };
 inline constexpr Family kFamilies[] = {Family::kBlobs,  Family::kAdult,   Family::kFlat,
                                        Family::kNeedle, Family::kPoint,   Family::kNested,
@@ -32,11 +32,11 @@ struct NearPairs {
   uint64_t reported = 0;   ///< of the near ones
   uint64_t missed = 0;     ///< touching and not reported
   uint64_t differing = 0;  ///< frames in which the scalar reference reports other pairs
-  std::string first_miss;
+  std::string first_miss, first_difference;
 };
 
-/// At least `pairs` near pairs, over all part volumes, pair searches and SIMD targets of this
-/// machine in turn.
+/// At least `pairs` near pairs, in whole rounds over all part volumes and SIMD targets of this
+/// machine, pair searches in turn.
 NearPairs check_near_pairs(Family family, uint64_t pairs, uint64_t seed);
 
 }  // namespace throng::test

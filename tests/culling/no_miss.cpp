@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
     const NearPairs found = check_near_pairs(family, pairs / std::size(kFamilies) + 1, seed);
     line(name_of(family), found);
     if (found.missed > 0) fmt::print("  first miss: {}\n", found.first_miss);
+    if (found.differing > 0) fmt::print("  first difference: {}\n", found.first_difference);
     sum.near += found.near;
     sum.touching += found.touching;
     sum.reported += found.reported;

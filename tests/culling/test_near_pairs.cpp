@@ -18,7 +18,7 @@ TEST_P(NearPairsLaw, WhatTouchesIsReportedAsByTheReference) {
     EXPECT_LT(found.touching, found.near);
   }
   EXPECT_GE(found.reported, found.touching);
-  EXPECT_EQ(found.differing, 0u);
+  EXPECT_EQ(found.differing, 0u) << found.first_difference;
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, NearPairsLaw, testing::ValuesIn(kFamilies),
