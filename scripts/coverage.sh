@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# How many lines of base, culling, kinematics, avatars and lcmtypes the tests of these folders run:
+# scripts/coverage.sh [LEAST], LEAST per cent of each folder (default 90). Prints a line a folder and
+# the lines that no test ran; exit code 1 if a folder has fewer. A page to look at:
+# build/coverage/report/index.html.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+least=${1:-90}
+folders=(base culling kinematics avatars lcmtypes)
+tests=(test_base test_volumes test_exact test_culler test_deadline test_recipe test_allocation
+  test_no_miss test_near_pairs test_kinematics test_model test_primitives test_gait test_tri test_adult
+  test_lcmtypes)
+if ! command -v gcovr >/dev/null; then
+  echo "scripts/coverage.sh: expected gcovr; scripts/setup.sh reliability installs it" >&2
+  exit 3
+fi
+bash scripts/build.sh coverage "${tests[@]}"
+
+build=build/coverage
+find "$build" -name '*.gcda' -delete
+for test in "${tests[@]}"; do
+  "$build/$test" --gtest_brief=1 >"$build/$test.txt" 2>&1 || { cat "$build/$test.txt" >&2; exit 1; }
+done
+
+mkdir -p "$build/report"
+lines=$build/report/lines.json
+filters=()
+for folder in "${folders[@]}"; do filters+=(--filter "$folder/"); done
+# A compiler adds lines for what would clean up behind an exception; nobody wrote them.
+gcovr --root . --object-directory "$build" -j "$(nproc)" "${filters[@]}" --exclude-throw-branches \
+  --json "$lines" "${folders[@]/#/$build/}" "$build/tests"
+gcovr --root . --add-tracefile "$lines" --html-details "$build/report/index.html"
+gcovr --root . --add-tracefile "$lines" | grep '%' | grep -v '100%' || true
+status=0
+for folder in "${folders[@]}"; do
+  # The last figure is that of all files together.
+  percent=$(gcovr --root . --add-tracefile "$lines" --filter "$folder/" --json-summary |
+    sed -n 's/.*"line_percent": *\([0-9.]*\).*/\1/p' | tail -n 1)
+  printf '[ coverage ] %-12s %s %% of lines\n' "$folder" "$percent"
+  if awk -v percent="$percent" -v least="$least" 'BEGIN {exit !(percent < least)}'; then status=1; fi
+done
+[ "$status" -eq 0 ] || echo "scripts/coverage.sh: expected $least % of lines in each folder" >&2
+exit "$status"
