@@ -147,8 +147,9 @@ void add_options(CLI::App& app, RunOptions& options) {
       ->type_name("URL");
   app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
       ->type_name("FILE");
-  app.add_option("--flush-s", options.flush_s,
-                 "The longest that a frame stays out of the log: what kill -9 can cost [0.25]")
+  app.add_option(
+         "--flush-s", options.flush_s,
+         "The longest until a frame goes to the log's file; 0: before the next frame [0.25]")
       ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
       ->type_name("S");
   app.add_option("--json", options.json, "Writes the results for machines")->type_name("FILE");

@@ -39,13 +39,8 @@ uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
 }  // namespace
 
 RunEncoder::RunEncoder(const EncoderOptions& options, MessageTarget& target)
-    : options_(options),
-      target_(target),
-      workers_(options.threads),
-      states_(options.threads == 1 ? 1 : kSlotsAThread * static_cast<size_t>(options.threads)),
-      buffer_(kMaxMessageBytes) {
+    : options_(options), target_(target), workers_(options.threads), buffer_(kMaxMessageBytes) {
   assert(options.state_every >= 1);
-  for (StatesSlot& slot : states_) slot.bytes.resize(kMaxMessageBytes);
 }
 
 template <class Message>
@@ -112,6 +107,9 @@ void RunEncoder::begin(const RunInfo& run) {
   };
   state_chunks_ = plan(kStatesFixed, kStatesPerAvatar, 2,
                        [&](uint16_t model) { return static_cast<int>(ranges_[model].size()); });
+  const auto threads = static_cast<size_t>(options_.threads);
+  states_.resize(threads == 1 ? 1 : std::min(state_chunks_.size(), kSlotsAThread * threads));
+  for (StatesSlot& slot : states_) slot.bytes.resize(kMaxMessageBytes);
   part_chunks_ = plan(kPartsFixed, 0, kPartsPerPart,
                       [&](uint16_t model) { return run.models[model]->part_count(); });
 }

@@ -82,6 +82,16 @@ void FileWriter::put(const void* data, size_t size) {
 void FileWriter::wait_until_pending(size_t most) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return handed_ - written_ <= most; });
+  throw_if_failed();
+}
+
+void FileWriter::check() {
+  const std::lock_guard lock(mutex_);
+  throw_if_failed();
+}
+
+/// With the lock held.
+void FileWriter::throw_if_failed() {
   if (error_ == 0 && !is_deleted_) return;
   filled().clear();  // what is lost is told here; the destructor does not try again
   const int error = std::exchange(error_, 0);
@@ -119,7 +129,7 @@ void FileWriter::work() {
     changed_.wait(lock, [this] { return is_over_ || written_ < handed_; });
     if (written_ == handed_) return;
     std::vector<uint8_t>& bytes = buffers_[written_ % kBuffers];
-    const bool is_sound = error_ == 0 && !is_deleted_;
+    const bool is_sound = !has_failed_;
     lock.unlock();  // this buffer is ours alone
     if (is_sound) write(bytes);
     bytes.clear();
@@ -144,6 +154,7 @@ void FileWriter::write(const std::vector<uint8_t>& bytes) {
   const std::lock_guard lock(mutex_);
   error_ = error;
   is_deleted_ = error == 0 && S_ISREG(status.st_mode) && status.st_nlink == 0;
+  has_failed_ = error_ != 0 || is_deleted_;
 }
 
 }  // namespace throng

@@ -1,6 +1,7 @@
 // Writes a file from a thread of its own, so that a run goes on while the kernel copies.
-// One rule: an error of the file is thrown by the next call that hands bytes over, flush() returns
-// only when everything is written, and a file that is too slow slows the run down.
+// One rule: what the file holds is always the beginning of what was put. After an error nothing
+// more is written, and the next check() tells; flush() returns only when everything is written, and
+// a file that is too slow slows the run down.
 #pragma once
 
 #include <array>
@@ -23,11 +24,12 @@ class FileWriter {
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
 
-  /// Throws EnvironmentError when earlier bytes could not be written.
+  /// Throws EnvironmentError, once, when something could not be written, also where the file was
+  /// deleted. Every call below does so, too.
+  void check();
   void put(const void* data, size_t size);
-  /// What was put so far goes to the file from now on. Throws as put().
+  /// What was put so far goes to the file from now on.
   void start_writing();
-  /// Throws EnvironmentError when something could not be written, also where the file was deleted.
   void flush();
   void close();
   size_t buffered() const { return filled().size(); }
@@ -39,6 +41,7 @@ class FileWriter {
   std::vector<uint8_t>& filled() { return buffers_[handed_ % kBuffers]; }
   const std::vector<uint8_t>& filled() const { return buffers_[handed_ % kBuffers]; }
   void wait_until_pending(size_t most);
+  void throw_if_failed();
   void write(const std::vector<uint8_t>& bytes);
   void work();
   [[noreturn]] void fail(const char* what, int error) const;
@@ -53,8 +56,9 @@ class FileWriter {
   uint64_t handed_ = 0;  ///< buffers; changed by the caller only
   uint64_t written_ = 0;
   bool is_over_ = false;
+  bool has_failed_ = false;  ///< for good: a hole in the file would be worse than its end
   bool is_deleted_ = false;
-  int error_ = 0;
+  int error_ = 0;  ///< not told yet, like is_deleted_
   std::thread thread_;
 };
 

@@ -40,6 +40,7 @@ void LogSink::frame(const RunInfo& run, const Frame& frame) {
 }
 
 void LogSink::flush_if_due() {
+  log_.check();
   const auto now = Clock::now();
   // The next chance comes one frame later: flush now if it would be too late then.
   const auto age_then = (now - oldest_unwritten_) + (now - last_frame_);

@@ -1,6 +1,6 @@
 // Records a run as an LCM log that LCM's own tools read.
 // One rule: the bytes depend on the run alone (stamps are simulation time, instance is 0), and a
-// byte that could not be written is an error at once.
+// byte that could not be written is an error at the next frame.
 #pragma once
 
 #include <chrono>
@@ -28,6 +28,8 @@ class LogFile {
   /// Writes an event under the number that it had elsewhere.
   void copy(int64_t number, std::string_view channel, int64_t stamp_us,
             std::span<const uint8_t> data);
+  /// Throws EnvironmentError, once, when something could not be written.
+  void check() { file_.check(); }
   /// What was written so far goes to the file from now on.
   void start_writing() { file_.start_writing(); }
   void flush() { file_.flush(); }
@@ -48,7 +50,9 @@ struct LogOptions {
   bool part_poses = false;
   bool with_clock_times = false;  ///< true: the log differs from run to run
   int threads = 1;                ///< that encode
-  /// What a kill -9 can cost: nothing stays unwritten longer, unless a single frame takes longer.
+  /// A frame goes to the file after at most this, unless a single frame takes longer; 0: it is
+  /// there before the next one. A kill -9 costs that much, and the 16 MB at most that a slow disk
+  /// has not taken.
   double flush_s = 0.25;
 };
 
@@ -64,6 +68,7 @@ class LogSink final : public Sink, private MessageTarget {
   const RunEncoder& encoder() const { return encoder_; }
   uint64_t bytes() const { return log_.bytes(); }
   int64_t messages() const { return log_.events(); }
+  size_t buffered() const { return log_.buffered(); }  ///< bytes that wait for flush_s
 
  private:
   using Clock = std::chrono::steady_clock;
