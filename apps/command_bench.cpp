@@ -173,8 +173,9 @@ void add_options(CLI::App& app, BenchCommand& command) {
   app.add_option("--threads", options.threads, "For us, and for engines that have threads [1]")
       ->check(whole_option(1, 256, "a whole number from 1 to 256"))
       ->type_name("N");
-  app.add_option("--engines", command.engines, "all, none, or a list like fcl,embree [all]")
-      ->type_name("LIST");
+  auto* engines =
+      app.add_option("--engines", command.engines, "all, none, or a list like fcl,embree [all]")
+          ->type_name("LIST");
   app.add_option("--seed", options.seed, "Of the crowd [1]")
       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
       ->type_name("N");
@@ -187,9 +188,9 @@ void add_options(CLI::App& app, BenchCommand& command) {
   app.add_option("--simd", command.simd, "Force a vector target [best]")
       ->check(name_option(simds))
       ->type_name("TARGET");
-  app.add_option("--pair-search", command.pair_search, "grid, sweep or brute [grid]")
-      ->check(name_option(searches))
-      ->type_name("NAME");
+  auto* search = app.add_option("--pair-search", command.pair_search, "grid, sweep or brute [grid]")
+                     ->check(name_option(searches))
+                     ->type_name("NAME");
   auto* age = app.add_option("--age", command.aged_frames,
                              "Compare fresh structures with ones that followed N frames [300]")
                   ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
@@ -202,14 +203,17 @@ void add_options(CLI::App& app, BenchCommand& command) {
                     ->type_name("VOLUME")
                     ->excludes(age);
   parts->expected(0, 1)->default_str("ordop26");
+  app.add_option("--json", command.json, "Write the numbers as JSON")->type_name("FILE");
+  auto* csv = app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
+                  ->type_name("FILE");
   app.add_flag("--steering", command.steering,
                "A step of each steering model, of 1000, 10000 and 100000 people or --avatars")
       ->excludes(age)
       ->excludes(parts)
-      ->excludes(crowd);
-  app.add_option("--json", command.json, "Write the numbers as JSON")->type_name("FILE");
-  app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
-      ->type_name("FILE");
+      ->excludes(crowd)
+      ->excludes(engines)
+      ->excludes(search)
+      ->excludes(csv);
 }
 
 }  // namespace
