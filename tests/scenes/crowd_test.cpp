@@ -164,7 +164,8 @@ double flow_through_a_door(int people) {
   return 30 / (last_s - first_s);
 }
 
-/// However many press behind, a door of 1 m carries what is observed (1.2 to 1.9 a second).
+/// However many press behind, a door of 1 m carries what is observed, about (Weidmann 1993: 1.2 a
+/// second).
 TEST(Crowd, AJamPressesNobodyThroughADoor) {
   const double few = flow_through_a_door(60);
   const double many = flow_through_a_door(300);
