@@ -109,11 +109,11 @@ void Posing::bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) co
   for (size_t i = 0; i < bodies.size(); ++i) {
     const uint32_t body = view_.empty() ? bodies[i] : view_[bodies[i]];
     const size_t type = states_.types[body];
-    if (type < models_.size()) {
+    if (type < models_.size() && !(body < states_.phases.size() && is_held(body))) {
       gaits_[type].bounds({&states_.phases[body], 1}, {&states_.speeds_mps[body], 1},
                           {&states_.scales[body], 1}, {&out[i], 1});
     } else {
-      out[i] = {};  // an obstacle: its sphere says enough
+      out[i] = {};  // an obstacle, or joints that the gait knows nothing of: the sphere has to do
     }
   }
 }
