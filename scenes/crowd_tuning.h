@@ -16,7 +16,8 @@ inline constexpr double kReach_m = 5.0;
 /// People speed up a little to pass.
 inline constexpr double kHaste = 1.2;
 /// People of the same way keep a gap of so long: a door of 1 m then lets through 1.3 people a
-/// second (Weidmann 1993: 1.2). Halved, a second door after it jams; doubled, doors carry too little.
+/// second (Weidmann 1993: 1.2). Halved, a second door after it jams; doubled, doors carry too
+/// little.
 inline constexpr double kTimeGap_s = 0.2;
 /// Ways count as the same up to 60 degrees, and as opposite from 120 on: the cosine.
 inline constexpr double kSameWay = 0.5;
