@@ -143,6 +143,9 @@ class BucketRule {
     if (high >= shapes_) return static_cast<uint16_t>(bucket_count(shapes_) - 1);
     return static_cast<uint16_t>((low * shapes_ + high) | (b < a ? Candidate::kTurned : 0u));
   }
+  uint32_t shapes() const { return shapes_; }
+  uint32_t first_a() const { return first_a_; }  ///< shape number of body a's first part
+  uint32_t first_b() const { return first_b_; }
 
  private:
   uint32_t shapes_, first_a_, first_b_;

@@ -261,11 +261,8 @@ class CandidateWriter {
   HWY_INLINE CandidateWriter(const BoxFrame& frame, const BodyPair& pair, uint32_t index)
       : bucket_(frame, pair.type_a, pair.type_b),
         index_(index),
-        shapes_(frame.shapes),
-        first_a_(frame.type_first_shape[pair.type_a]),
-        first_b_(frame.type_first_shape[pair.type_b]),
-        all_have_buckets_(first_a_ + frame.type_parts[pair.type_a] <= shapes_ &&
-                          first_b_ + frame.type_parts[pair.type_b] <= shapes_) {}
+        all_have_buckets_(bucket_.first_a() + frame.type_parts[pair.type_a] <= bucket_.shapes() &&
+                          bucket_.first_b() + frame.type_parts[pair.type_b] <= bucket_.shapes()) {}
 
   /// Part a with those of sixteen parts of b, from first_b on, that have a bit. May write beyond
   /// the new end, kBoxLanes candidates from `out` at most.
@@ -286,14 +283,14 @@ class CandidateWriter {
                                 Candidate* out) const {
     const LaneBits d;
     const hn::Repartition<uint64_t, LaneBits> wide;
-    const uint32_t shape_a = first_a_ + part_a;
+    const uint32_t shapes = bucket_.shapes(), shape_a = bucket_.first_a() + part_a;
     HWY_ALIGN static constexpr uint32_t kCount[] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                     8, 9, 10, 11, 12, 13, 14, 15};
     const auto part_b = hn::Add(hn::Set(d, first_b), hn::Load(d, kCount));
-    const auto a = hn::Set(d, shape_a), b = hn::Add(part_b, hn::Set(d, first_b_));
+    const auto a = hn::Set(d, shape_a), b = hn::Add(part_b, hn::Set(d, bucket_.first_b()));
     // BucketRule: the lower shape times their number plus the higher.
     const auto bucket =
-        hn::Add(hn::Min(hn::Set(d, shape_a * shapes_), b * hn::Set(d, shapes_)), hn::Max(a, b));
+        hn::Add(hn::Min(hn::Set(d, shape_a * shapes), b * hn::Set(d, shapes)), hn::Max(a, b));
     const auto turn = hn::IfThenElseZero(hn::Lt(b, a), hn::Set(d, uint32_t{Candidate::kTurned}));
     const auto parts = hn::Or(hn::Set(d, part_a), hn::ShiftLeft<8>(part_b));
     const auto upper_half = hn::Or3(parts, hn::ShiftLeft<16>(bucket), hn::ShiftLeft<16>(turn));
@@ -312,7 +309,7 @@ class CandidateWriter {
   }
 
   BucketRule bucket_;
-  uint32_t index_, shapes_, first_a_, first_b_;
+  uint32_t index_;
   bool all_have_buckets_;
 };
 

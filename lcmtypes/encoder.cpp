@@ -36,6 +36,14 @@ uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
   return levels.empty() ? static_cast<uint8_t>(last) : levels[i];
 }
 
+/// The message in the room of `buffer`, which holds the largest.
+template <class Message>
+std::span<const uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer) {
+  const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
+  assert(size > 0);
+  return {buffer.data(), static_cast<size_t>(size)};
+}
+
 }  // namespace
 
 RunEncoder::RunEncoder(const EncoderOptions& options, MessageTarget& target)
@@ -57,13 +65,15 @@ void RunEncoder::number(Message& message, int64_t seq, int chunk, int chunk_coun
 
 template <class Message>
 void RunEncoder::send(Channel channel, Message& message, int chunk, int chunk_count) {
+  number(message, totals_[static_cast<size_t>(channel)].messages, chunk, chunk_count);
+  hand_over(channel, encoded(message, buffer_));
+}
+
+void RunEncoder::hand_over(Channel channel, std::span<const uint8_t> bytes) {
   Totals& totals = totals_[static_cast<size_t>(channel)];
-  number(message, totals.messages, chunk, chunk_count);
-  const int size = message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
-  assert(size > 0);
   ++totals.messages;
-  totals.bytes += size;
-  target_.message(channel, utime_us_, {buffer_.data(), static_cast<size_t>(size)});
+  totals.bytes += static_cast<int64_t>(bytes.size());
+  target_.message(channel, utime_us_, bytes);
 }
 
 void RunEncoder::begin(const RunInfo& run) {
@@ -204,7 +214,7 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
 /// Some chunks at a time are encoded side by side, then sent in their order.
 void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
   assert(static_cast<int>(frame.roots.size()) == run.avatar_count());
-  Totals& totals = totals_[static_cast<size_t>(Channel::kStates)];
+  const Totals& totals = totals_[static_cast<size_t>(Channel::kStates)];
   const auto chunks = static_cast<int>(state_chunks_.size());
   const auto slots = static_cast<int>(states_.size());
   for (int first = 0; first < chunks; first += slots) {
@@ -213,18 +223,13 @@ void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
       StatesSlot& slot = states_[static_cast<size_t>(i)];
       fill_states(run, frame, state_chunks_[static_cast<size_t>(first + i)], slot.message);
       number(slot.message, totals.messages + i, first + i, chunks);
-      const int size =
-          slot.message.encode(slot.bytes.data(), 0, static_cast<int>(slot.bytes.size()));
-      assert(size > 0);
-      slot.size = static_cast<size_t>(size);
+      slot.size = encoded(slot.message, slot.bytes).size();
     });
     for (int i = 0; i < count; ++i) {
       const StatesSlot& slot = states_[static_cast<size_t>(i)];
       clamped_ += slot.message.clamped;
-      totals.bytes += static_cast<int64_t>(slot.size);
-      target_.message(Channel::kStates, utime_us_, {slot.bytes.data(), slot.size});
+      hand_over(Channel::kStates, {slot.bytes.data(), slot.size});
     }
-    totals.messages += count;
   }
 }
 

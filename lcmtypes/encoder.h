@@ -78,6 +78,7 @@ class RunEncoder {
   void number(Message& message, int64_t seq, int chunk, int chunk_count) const;
   template <class Message>
   void send(Channel channel, Message& message, int chunk, int chunk_count);
+  void hand_over(Channel channel, std::span<const uint8_t> bytes);
   void send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   void send_states(const RunInfo& run, const Frame& frame);

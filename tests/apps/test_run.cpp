@@ -7,23 +7,17 @@
 #include <vector>
 
 #include "tests/apps/cli.h"
+#include "tests/apps/run_json.h"
 
 namespace throng {
 namespace {
 
 using Json = nlohmann::json;
 
-/// `throng run` with the options; its JSON. A failed run fails the test.
-Json run(const std::string& options, const ScratchFolder& folder) {
-  const Outcome outcome = shell("throng run " + options + " --lcm off --json run.json", folder);
-  EXPECT_EQ(outcome.exit_code, 0) << options << ": " << outcome.err;
-  return outcome.exit_code == 0 ? Json::parse(read_file(folder / "run.json")) : Json();
-}
-
 TEST(Run, SameEventsAndSameLogBytesWithOneAndTwoThreads) {
   const ScratchFolder folder;
-  const Json one = run("plaza --seconds 1 --threads 1 --log one.lcmlog", folder);
-  const Json two = run("plaza --seconds 1 --threads 2 --log two.lcmlog", folder);
+  const Json one = run_json("plaza --seconds 1 --threads 1 --log one.lcmlog", folder);
+  const Json two = run_json("plaza --seconds 1 --threads 2 --log two.lcmlog", folder);
   EXPECT_EQ(one["hash"], two["hash"]);
   EXPECT_EQ(one["run_id"], two["run_id"]);
   EXPECT_EQ(one["events"], two["events"]);
@@ -34,8 +28,8 @@ TEST(Run, SameEventsAndSameLogBytesWithOneAndTwoThreads) {
 
 TEST(Run, PaceTiesARunToTheClockAndChangesNothing) {
   const ScratchFolder folder;
-  const Json free = run("corridor --seconds 0.5 --log free.lcmlog", folder);
-  const Json paced = run("corridor --seconds 0.5 --log paced.lcmlog --pace 0.5", folder);
+  const Json free = run_json("corridor --seconds 0.5 --log free.lcmlog", folder);
+  const Json paced = run_json("corridor --seconds 0.5 --log paced.lcmlog --pace 0.5", folder);
   EXPECT_FALSE(free.contains("pace"));
   EXPECT_EQ(paced["pace"]["factor"], 0.5);
   EXPECT_GE(paced["wall_s"], 1.0) << "half of real time takes twice as long";
@@ -45,7 +39,7 @@ TEST(Run, PaceTiesARunToTheClockAndChangesNothing) {
 
 TEST(Run, AFrameThatIsLateIsTold) {
   const ScratchFolder folder;
-  const Json paced = run("plaza --seconds 2 --log off --pace 100000", folder);
+  const Json paced = run_json("plaza --seconds 2 --log off --pace 100000", folder);
   EXPECT_GT(paced["pace"]["late_frames"], 0);
   EXPECT_GT(paced["pace"]["behind_ms"], 0);
   EXPECT_GE(paced["pace"]["worst_ms"], paced["pace"]["behind_ms"]);
@@ -54,9 +48,9 @@ TEST(Run, AFrameThatIsLateIsTold) {
 TEST(Run, SameEventsWithoutSimdAndWithAnyPairSearch) {
   const ScratchFolder folder;
   const std::string base = "plaza --seconds 0.5 --log off";
-  const Json best = run(base, folder);
+  const Json best = run_json(base, folder);
   for (const char* option : {" --simd scalar", " --pair-search brute", " --pair-search sweep"}) {
-    const Json other = run(base + option, folder);
+    const Json other = run_json(base + option, folder);
     EXPECT_EQ(other["hash"], best["hash"]) << option;
     EXPECT_EQ(other["run_id"], best["run_id"]) << option;
   }
@@ -65,9 +59,9 @@ TEST(Run, SameEventsWithoutSimdAndWithAnyPairSearch) {
 TEST(Run, SeedVolumeAndExactChangeTheRunAndItsName) {
   const ScratchFolder folder;
   const std::string base = "plaza --seconds 0.2 --avatars 200 --log off";
-  const Json first = run(base, folder);
+  const Json first = run_json(base, folder);
   for (const char* option : {" --seed 99", " --part-volume sphere", " --exact"}) {
-    const Json other = run(base + option, folder);
+    const Json other = run_json(base + option, folder);
     EXPECT_NE(other["run_id"], first["run_id"]) << option;
     EXPECT_NE(other["hash"], first["hash"]) << option;
   }
@@ -76,9 +70,9 @@ TEST(Run, SeedVolumeAndExactChangeTheRunAndItsName) {
 TEST(Run, TighterVolumesReportNoMorePairs) {
   const ScratchFolder folder;
   const std::string base = "plaza --seconds 0.2 --log off ";
-  const Json sphere = run(base + "--part-volume sphere", folder);
-  const Json ordop = run(base + "--part-volume ordop26", folder);
-  const Json exact = run(base + "--part-volume ordop26 --exact", folder);
+  const Json sphere = run_json(base + "--part-volume sphere", folder);
+  const Json ordop = run_json(base + "--part-volume ordop26", folder);
+  const Json exact = run_json(base + "--part-volume ordop26 --exact", folder);
   EXPECT_LT(ordop["pairs_peak"], sphere["pairs_peak"]);
   EXPECT_LE(exact["pairs_peak"], ordop["pairs_peak"]);
   EXPECT_EQ(ordop["stages"]["part"]["volume"], "ordop26");
@@ -88,7 +82,7 @@ TEST(Run, TighterVolumesReportNoMorePairs) {
 
 TEST(Run, JsonHasEveryPromisedKey) {
   const ScratchFolder folder;
-  const Json json = run("plaza --seconds 0.5 --threads 1 --seed 3 --log run.lcmlog", folder);
+  const Json json = run_json("plaza --seconds 0.5 --threads 1 --seed 3 --log run.lcmlog", folder);
   for (const char* key : {"/scene",
                           "/seed",
                           "/avatars",
@@ -130,7 +124,7 @@ TEST(Run, JsonHasEveryPromisedKey) {
 
 TEST(Run, FiguresAgreeWithEachOther) {
   const ScratchFolder folder;
-  const Json json = run("plaza --seconds 0.5 --threads 1 --seed 3 --log run.lcmlog", folder);
+  const Json json = run_json("plaza --seconds 0.5 --threads 1 --seed 3 --log run.lcmlog", folder);
   EXPECT_EQ(json["scene"], "plaza");
   EXPECT_EQ(json["seed"], 3);
   EXPECT_EQ(json["avatars"], 500);
@@ -154,8 +148,8 @@ TEST(Run, FiguresAgreeWithEachOther) {
 TEST(Run, TakesAsManyPeopleAsAsked) {
   const ScratchFolder folder;
   for (const int people : {1, 7, 1000})
-    EXPECT_EQ(run("plaza --seconds 0.05 --log off --avatars " + std::to_string(people),
-                  folder)["avatars"],
+    EXPECT_EQ(run_json("plaza --seconds 0.05 --log off --avatars " + std::to_string(people),
+                       folder)["avatars"],
               people);
 }
 
@@ -170,7 +164,7 @@ TEST(Run, WithoutTerminalResultsAreOnStdoutAndNothingElseIsSaid) {
 
 TEST(Run, LogIsSoundAndTellsAsManyEvents) {
   const ScratchFolder folder;
-  const Json json = run("corridor --seconds 1 --log run.lcmlog", folder);
+  const Json json = run_json("corridor --seconds 1 --log run.lcmlog", folder);
   const Outcome check = shell("throng check run.lcmlog", folder);
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
   EXPECT_THAT(check.out, testing::HasSubstr(std::to_string(json["events"]["begin"].get<int>())));

@@ -6,25 +6,20 @@
 #include <string>
 
 #include "tests/apps/cli.h"
+#include "tests/apps/run_json.h"
 
 namespace throng {
 namespace {
 
 using Json = nlohmann::json;
 
-Json run(const std::string& options, const ScratchFolder& folder) {
-  const Outcome outcome = shell("throng run " + options + " --lcm off --json run.json", folder);
-  EXPECT_EQ(outcome.exit_code, 0) << options << ": " << outcome.err;
-  return outcome.exit_code == 0 ? Json::parse(read_file(folder / "run.json")) : Json();
-}
-
 TEST(RunStrategy, WhereTrianglesDecideEveryStrategyGivesTheSameEvents) {
   const ScratchFolder folder;
   for (const std::string scene : {"paper_50 --seconds 0.5", "plaza --seconds 0.05 --avatars 40"}) {
     const std::string base = scene + " --exact --log off --strategy ";
-    const Json ours = run(base + "pipeline", folder);
+    const Json ours = run_json(base + "pipeline", folder);
     for (const char* strategy : {"volume", "hybrid-all", "two-pass"}) {
-      const Json found = run(base + strategy, folder);
+      const Json found = run_json(base + strategy, folder);
       EXPECT_EQ(found["hash"], ours["hash"]) << scene << ", " << strategy;
       EXPECT_EQ(found["events"], ours["events"]) << scene << ", " << strategy;
       EXPECT_NE(found["run_id"], ours["run_id"]) << strategy;
@@ -35,19 +30,19 @@ TEST(RunStrategy, WhereTrianglesDecideEveryStrategyGivesTheSameEvents) {
 TEST(RunStrategy, HybridAllAndTwoPassFindTheSameAndCountDifferently) {
   const ScratchFolder folder;
   const std::string base = "paper_350 --seconds 0.2 --log off --strategy ";
-  const Json all = run(base + "hybrid-all", folder), two = run(base + "two-pass", folder);
+  const Json all = run_json(base + "hybrid-all", folder), two = run_json(base + "two-pass", folder);
   EXPECT_EQ(all["hash"], two["hash"]);
   EXPECT_GT(two["events"]["begin"], 0);
   EXPECT_EQ(all["stages"]["avatar"]["tests"], two["stages"]["avatar"]["tests"]);
   EXPECT_EQ(all["stages"]["part"]["tests"], two["stages"]["part"]["tests"]);
   EXPECT_GT(all["stages"]["part"]["updates"], two["stages"]["part"]["updates"]);
-  EXPECT_EQ(run(base + "two-pass --pair-search grid", folder)["hash"], two["hash"]);
-  EXPECT_EQ(run(base + "none", folder)["events"]["begin"], 0);
+  EXPECT_EQ(run_json(base + "two-pass --pair-search grid", folder)["hash"], two["hash"]);
+  EXPECT_EQ(run_json(base + "none", folder)["events"]["begin"], 0);
 }
 
 TEST(RunStrategy, SpheresAloneReportWholeBodiesInASoundLog) {
   const ScratchFolder folder;
-  run("paper_50 --seconds 0.2 --strategy sphere --log s.lcmlog", folder);
+  run_json("paper_50 --seconds 0.2 --strategy sphere --log s.lcmlog", folder);
   const Outcome check = shell("throng check s.lcmlog", folder);
   EXPECT_EQ(check.exit_code, 0) << check.out;
   EXPECT_THAT(check.out, ::testing::HasSubstr("levels     begun by spheres "));
