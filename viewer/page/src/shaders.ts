@@ -35,7 +35,19 @@ Pose pose(float part) {
   vec3 origin = vec3(low(t.x), high(t.x), low(t.y)) * uPartStep;
   return Pose(origin, normalize(vec4(low(t.z), high(t.z), low(t.w), high(t.w))), t.y >> 16u);
 }
+vec3 placed(Person who, Pose p, vec3 local) {
+  return who.root + p.origin + turned(p.q, local * instance.z);
+}
 const vec4 NOWHERE = vec4(2.0, 2.0, 2.0, 1.0);
+`;
+
+/** A point slid along the sun's rays onto z = 0, a little above the ground that is drawn there. */
+const SHADE = /* glsl */ `
+uniform vec3 uSun;
+vec4 shade(vec3 world) {
+  world -= uSun * (max(0.0, world.z) / uSun.z);
+  return vec4(world.xy, 0.004, 1.0);
+}
 `;
 
 const CLOTHES = /* glsl */ `
@@ -74,7 +86,7 @@ void main() {
   Person who = person();
   if (!who.there) { gl_Position = NOWHERE; return; }
   Pose p = pose(partSlot.x);
-  vec3 world = who.root + p.origin + turned(p.q, position * instance.z);
+  vec3 world = placed(who, p, position);
   vNormal = turned(p.q, normal);
   vWorld = world;
   uint mark = max(p.mark, who.mark == 1u || who.mark == 2u ? who.mark : 0u);
@@ -132,18 +144,14 @@ void main() {
   fragment = shown(fogged(color, vWorld), 1.0);
 }`;
 
-/** The shadow on the ground: every vertex slid along the sun's rays onto z = 0. */
-export const SHADOW_VERTEX = POSES + /* glsl */ `
+export const SHADOW_VERTEX = POSES + SHADE + /* glsl */ `
 in vec3 position;
 in vec2 partSlot;
-uniform vec3 uSun;
 void main() {
   Person who = person();
   if (!who.there) { gl_Position = NOWHERE; return; }
   Pose p = pose(partSlot.x);
-  vec3 world = who.root + p.origin + turned(p.q, position * instance.z);
-  world -= uSun * (max(0.0, world.z) / uSun.z);
-  gl_Position = projectionMatrix * viewMatrix * vec4(world.xy, 0.004, 1.0);
+  gl_Position = projectionMatrix * viewMatrix * shade(placed(who, p, position));
 }`;
 
 export const FLAT_SHADOW_VERTEX = /* glsl */ `
@@ -151,12 +159,10 @@ precision highp float;
 uniform mat4 modelMatrix;
 uniform mat4 viewMatrix;
 uniform mat4 projectionMatrix;
-uniform vec3 uSun;
 in vec3 position;
+` + SHADE + /* glsl */ `
 void main() {
-  vec3 world = (modelMatrix * vec4(position, 1.0)).xyz;
-  world -= uSun * (max(0.0, world.z) / uSun.z);
-  gl_Position = projectionMatrix * viewMatrix * vec4(world.xy, 0.004, 1.0);
+  gl_Position = projectionMatrix * viewMatrix * shade((modelMatrix * vec4(position, 1.0)).xyz);
 }`;
 
 export const SHADOW_FRAGMENT = /* glsl */ `
@@ -211,7 +217,7 @@ void main() {
   Person who = person();
   if (!who.there) { gl_Position = NOWHERE; return; }
   Pose p = pose(part);
-  vec3 world = who.root + p.origin + turned(p.q, position * instance.z);
+  vec3 world = placed(who, p, position);
   vColor = p.mark > 0u ? vec4(uMarks[p.mark], 1.0) : vec4(uCalm, 0.55);
   gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
 }`;
