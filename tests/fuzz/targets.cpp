@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <numeric>
 
 #include "avatars/avatars.h"
 #include "avatars/tri.h"
@@ -15,6 +14,7 @@
 #include "scenes/box_world.h"
 #include "scenes/checkpoint.h"
 #include "scenes/scene.h"
+#include "tests/kinematics/finite_poses.h"
 
 namespace throng::fuzz {
 namespace {
@@ -62,19 +62,6 @@ void expect_words(const InputError& error) {
   promise(message.find('\n') == message.npos, "an error on one line");
 }
 
-void expect_finite_poses(const Robot& robot) {
-  std::vector<int> links(robot.links.size());
-  std::iota(links.begin(), links.end(), 0);
-  const FlatModel model(robot, links);
-  std::vector<float> posture;
-  for (const JointColumn& column : model.columns()) posture.push_back(column.upper);
-  const RootFrame root;
-  std::vector<PartPose> poses(links.size());
-  forward_kinematics(model, posture, {&root, 1}, poses);
-  for (const PartPose& pose : poses)
-    promise(to_isometry(pose).matrix().allFinite(), "finite poses");
-}
-
 }  // namespace
 
 bool tri(std::span<const uint8_t> input) {
@@ -103,7 +90,7 @@ bool urdf(std::span<const uint8_t> input) {
       promise(joint.parent_link < joint.child_link && joint.lower <= joint.upper &&
                   std::abs(joint.axis.norm() - 1) < 1e-9,
               "sound joints");
-    expect_finite_poses(robot);
+    promise(has_finite_poses(robot), "finite poses");
     promise(to_kdl(robot).getNrOfSegments() == robot.joints.size(), "a KDL tree of all links");
     return true;
   } catch (const InputError& error) {
