@@ -20,7 +20,7 @@ namespace {
 
 // A task of the narrow phase: enough candidates to fill the registers of most buckets, few enough
 // bodies for their poses and boxes (1.2 kB a person) to stay in a core's cache.
-constexpr size_t kTaskPairs = 3072, kTaskBlocks = 8;
+constexpr size_t kTaskPairs = 2048, kTaskBlocks = 4;
 constexpr size_t kSortBodies = 1024;  // bodies a task when keys are sorted and compared
 constexpr uint32_t kRunsAhead = 8;    // whose keys are fetched before they are copied
 

@@ -92,6 +92,15 @@ struct SlotPair {
   uint32_t a, b;
 };
 
+/// Slots [begin, end).
+struct SlotRun {
+  uint32_t begin, end;
+  /// The first slot that `slot` is tested against: the next one of the run that it lies in.
+  uint32_t first_for(uint32_t slot) const { return begin <= slot && slot < end ? slot + 1 : begin; }
+};
+/// Pairs that a kernel may write beyond those it finds.
+inline constexpr size_t kPairSlack = 16;
+
 /// Two bodies whose spheres overlap, body a before body b, all that the part stages need of them.
 struct alignas(16) BodyPair {
   float shift_m[4];  ///< root of b minus root of a; then the margin that bounds all float rounding
@@ -160,14 +169,18 @@ struct OrdopLanes;
 
 struct Kernels {
   /// Tests slot i against slots [begin, end), spheres and cylinders; appends the overlapping pairs
-  /// to out (which has room for end - begin more); returns how many.
+  /// to out (which has room for end - begin and kPairSlack more); returns how many.
   size_t (*sphere_run)(const SphereRows& spheres, uint32_t i, uint32_t begin, uint32_t end,
                        SlotPair* out);
 
-  /// The same, and of these hits, whose number is added to *spheres, only those whose rectangles
-  /// overlap too. The order of a pair's slots does not matter.
-  size_t (*body_run)(const SphereRows& spheres, const RectangleRows& rectangles, uint32_t i,
-                     uint32_t begin, uint32_t end, SlotPair* out, uint64_t* spheres_passed);
+  /// Tests each slot of `own` against the slots of every run (of a run that it lies in, against
+  /// those after it), spheres, cylinders and rectangles; appends the overlapping pairs to out
+  /// (which has room for all tests and kPairSlack more), by slot, run and other slot; returns how
+  /// many. Adds those whose spheres and cylinders overlap to *spheres_passed. The order of a
+  /// pair's slots does not matter.
+  size_t (*body_runs)(const SphereRows& spheres, const RectangleRows& rectangles, SlotRun own,
+                      const SlotRun* runs, size_t run_count, SlotPair* out,
+                      uint64_t* spheres_passed);
 
   /// Boxes of `bodies` bodies of one type. poses: body-major, parts a row; scales, margins: one a
   /// body; blocks[i]: where the block of body i starts.

@@ -29,10 +29,8 @@ HWY_INLINE UprightSphere splat(const SphereRows& s, uint32_t i) {
           hn::Set(d, s.upright[i])};
 }
 
-/// Which of the slots from j on, end excluded, overlap. The arrays are padded, so a full load is
-/// safe; what lies beyond the end is dropped.
-HWY_INLINE uint32_t sphere_hits(const SphereRows& s, const UprightSphere& own, uint32_t j,
-                                uint32_t end) {
+/// Which of the slots from j on overlap. The arrays are padded, so a full load is safe.
+HWY_INLINE M sphere_hits(const SphereRows& s, const UprightSphere& own, uint32_t j) {
   const Lanes d;
   const V dx = hn::Sub(hn::LoadU(d, s.x + j), own.x);
   const V dy = hn::Sub(hn::LoadU(d, s.y + j), own.y);
@@ -41,8 +39,12 @@ HWY_INLINE uint32_t sphere_hits(const SphereRows& s, const UprightSphere& own, u
   const V around = hn::Add(hn::LoadU(d, s.upright + j), own.upright);
   const V flat2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
   const M spheres = hn::Le(hn::Add(flat2, hn::Mul(dz, dz)), hn::Mul(reach, reach));
-  const uint32_t hits = bits_of(hn::And(spheres, hn::Le(flat2, hn::Mul(around, around))));
-  return end - j < kLanes ? hits & ((1u << (end - j)) - 1) : hits;
+  return hn::And(spheres, hn::Le(flat2, hn::Mul(around, around)));
+}
+
+/// The lanes of the slots from j on that lie before the end.
+HWY_INLINE M before(uint32_t j, uint32_t end) {
+  return hn::RebindMask(Lanes(), hn::FirstN(LaneBits(), end - j));
 }
 
 /// A body's rectangle, the same in every lane.
@@ -57,7 +59,7 @@ HWY_INLINE Rectangle splat(const RectangleRows& r, uint32_t i) {
 
 /// Separating axes along the sides of a and of the rectangles from slot j on. Every sum is formed
 /// so that exchanging the two changes a sign at most.
-HWY_INLINE uint32_t rectangle_hits(const RectangleRows& r, const Rectangle& a, uint32_t j) {
+HWY_INLINE M rectangle_hits(const RectangleRows& r, const Rectangle& a, uint32_t j) {
   const Lanes d;
   const V dx = hn::Sub(hn::LoadU(d, r.mid_x + j), a.mid_x);
   const V dy = hn::Sub(hn::LoadU(d, r.mid_y + j), a.mid_y);
@@ -76,13 +78,20 @@ HWY_INLINE uint32_t rectangle_hits(const RectangleRows& r, const Rectangle& a, u
                          hn::Mul(a.half_y, n));
   const M four = within(hn::Sub(hn::Mul(dy, bx), hn::Mul(dx, by)), half_y, hn::Mul(a.half_x, n),
                         hn::Mul(a.half_y, c));
-  return bits_of(hn::And(hn::And(one, two), hn::And(three, four)));
+  return hn::And(hn::And(one, two), hn::And(three, four));
 }
 
-HWY_INLINE size_t append(uint32_t i, uint32_t j, uint32_t hits, SlotPair* out) {
+/// Writes the pair (i, j + lane) of every lane that hits.
+HWY_INLINE size_t append(uint32_t i, uint32_t j, M hits, SlotPair* out) {
+  if constexpr (kLanes == 16) {  // whole registers: nothing branches on how many hit
+    const LaneBits bits;
+    const U others = hn::Compress(hn::Iota(bits, j), hn::RebindMask(bits, hits));
+    hn::StoreInterleaved2(hn::Set(bits, i), others, bits, &out->a);
+    return hn::CountTrue(Lanes(), hits);
+  }
   size_t found = 0;
-  for (; hits != 0; hits &= hits - 1)
-    out[found++] = {i, j + static_cast<uint32_t>(std::countr_zero(hits))};
+  for (uint32_t left = bits_of(hits); left != 0; left &= left - 1)
+    out[found++] = {i, j + static_cast<uint32_t>(std::countr_zero(left))};
   return found;
 }
 
@@ -90,22 +99,31 @@ HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, 
                                SlotPair* out) {
   const UprightSphere own = splat(s, i);
   size_t found = 0;
-  for (uint32_t j = begin; j < end; j += static_cast<uint32_t>(kLanes))
-    found += append(i, j, sphere_hits(s, own, j, end), out + found);
+  for (uint32_t j = begin; j < end; j += static_cast<uint32_t>(kLanes)) {
+    const M hits = hn::And(sphere_hits(s, own, j), before(j, end));
+    found += append(i, j, hits, out + found);
+  }
   return found;
 }
 
-HWY_NOINLINE size_t body_run(const SphereRows& s, const RectangleRows& r, uint32_t i,
-                             uint32_t begin, uint32_t end, SlotPair* out,
-                             uint64_t* spheres_passed) {
-  const UprightSphere own = splat(s, i);
-  size_t found = 0;
-  for (uint32_t j = begin; j < end; j += static_cast<uint32_t>(kLanes)) {
-    const uint32_t hits = sphere_hits(s, own, j, end);
-    if (hits == 0) continue;
-    *spheres_passed += static_cast<uint64_t>(std::popcount(hits));
-    found += append(i, j, hits & rectangle_hits(r, splat(r, i), j), out + found);
+HWY_NOINLINE size_t body_runs(const SphereRows& s, const RectangleRows& r, SlotRun own,
+                              const SlotRun* runs, size_t run_count, SlotPair* out,
+                              uint64_t* spheres_passed) {
+  size_t found = 0, spheres = 0;
+  for (uint32_t i = own.begin; i < own.end; ++i) {
+    const UprightSphere sphere = splat(s, i);
+    const Rectangle rectangle = splat(r, i);
+    for (size_t run = 0; run < run_count; ++run) {
+      const uint32_t end = runs[run].end;
+      for (uint32_t j = runs[run].first_for(i); j < end; j += static_cast<uint32_t>(kLanes)) {
+        // Both tests at once: which lanes hit is hard to foretell, a branch would cost more.
+        const M hits = hn::And(sphere_hits(s, sphere, j), before(j, end));
+        spheres += hn::CountTrue(Lanes(), hits);
+        found += append(i, j, hn::And(hits, rectangle_hits(r, rectangle, j)), out + found);
+      }
+    }
   }
+  *spheres_passed += spheres;
   return found;
 }
 

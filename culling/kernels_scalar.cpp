@@ -136,13 +136,17 @@ size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end,
   return found;
 }
 
-size_t body_run(const SphereRows& s, const RectangleRows& r, uint32_t i, uint32_t begin,
-                uint32_t end, SlotPair* out, uint64_t* spheres_passed) {
+size_t body_runs(const SphereRows& s, const RectangleRows& r, SlotRun own, const SlotRun* runs,
+                 size_t run_count, SlotPair* out, uint64_t* spheres_passed) {
   size_t found = 0;
-  for (uint32_t j = begin; j < end; ++j) {
-    if (!spheres_overlap(s, i, j)) continue;
-    ++*spheres_passed;
-    if (rectangles_overlap(r, i, j)) out[found++] = {i, j};
+  for (uint32_t i = own.begin; i < own.end; ++i) {
+    for (const SlotRun& run : std::span(runs, run_count)) {
+      for (uint32_t j = run.first_for(i); j < run.end; ++j) {
+        if (!spheres_overlap(s, i, j)) continue;
+        ++*spheres_passed;
+        if (rectangles_overlap(r, i, j)) out[found++] = {i, j};
+      }
+    }
   }
   return found;
 }
@@ -300,7 +304,7 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
 
 const Kernels& scalar_kernels() {
   static constexpr Kernels kernels = {
-      sphere_run,      body_run,        part_boxes,     box_pairs,      ordop_pairs<14>,
+      sphere_run,      body_runs,       part_boxes,     box_pairs,      ordop_pairs<14>,
       ordop_pairs<18>, ordop_pairs<26>, ordop_pair<14>, ordop_pair<18>, ordop_pair<26>};
   return kernels;
 }

@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 extern const Kernels kKernels;
-const Kernels kKernels = {sphere_run,      body_run,        part_boxes,      box_pairs,
+const Kernels kKernels = {sphere_run,      body_runs,       part_boxes,      box_pairs,
                           ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>, ordop_pair<14>,
                           ordop_pair<18>,  ordop_pair<26>};
 }  // namespace throng::HWY_NAMESPACE

@@ -1,6 +1,7 @@
 #include "culling/pair_search.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/counting_sort.h"
@@ -37,7 +38,8 @@ void PairSearcher::build(PairSearch kind, std::span<const PlacedBody> bodies,
   slot_count_ = small.size();
   body_.resize(slot_count_);
   if (slot_count_ == 0) {
-    columns_ = rows_ = strip_columns_ = 1;
+    columns_ = rows_ = 1;
+    strip_shift_ = 0;
     start_.resize(2);
     start_[0] = start_[1] = 0;
     return;
@@ -121,7 +123,8 @@ void PairSearcher::choose_cells(std::span<const PlacedBody> bodies, std::span<co
   per_metre_ = 1 / side;
   columns_ = static_cast<int>(cells(rx));
   rows_ = static_cast<int>(cells(ry));
-  strip_columns_ = std::min(columns_, kStripColumns);
+  strip_shift_ = std::min(kMostStripShift,
+                          static_cast<int>(std::bit_width(static_cast<unsigned>(columns_ - 1))));
 }
 
 void PairSearcher::sort_by_cell(std::span<const PlacedBody> bodies, std::span<const uint32_t> small,
@@ -158,36 +161,50 @@ PairSearcher::Found PairSearcher::search_block(const Kernels& kernels, size_t bl
   const RectangleRows rectangles{c[5].data(), c[6].data(), c[7].data(),
                                  c[8].data(), c[9].data(), c[10].data()};
   const uint32_t end_slot = static_cast<uint32_t>(slot_count_);
-  Found found;
   const uint32_t first = static_cast<uint32_t>(block * kBlockSlots);
   const uint32_t last = std::min(end_slot, first + static_cast<uint32_t>(kBlockSlots));
-  for (uint32_t slot = first; slot < last; ++slot) {
-    const auto run = [&](uint32_t begin, uint32_t end) {
-      if (begin >= end) return;
-      found.tests += end - begin;
-      out.grow(found.pairs + (end - begin), found.pairs);
-      found.pairs += kernels.body_run(spheres, rectangles, slot, begin, end,
-                                      out.data() + found.pairs, &found.spheres);
-    };
+  Found found;
+  const auto test = [&](SlotRun own, std::span<const SlotRun> runs) {
+    uint64_t tests = 0;
+    for (uint32_t slot = own.begin; slot < own.end; ++slot)
+      for (const SlotRun& run : runs) tests += run.end - run.first_for(slot);
+    found.tests += tests;
+    out.grow(found.pairs + tests + kPairSlack, found.pairs);
+    found.pairs += kernels.body_runs(spheres, rectangles, own, runs.data(), runs.size(),
+                                     out.data() + found.pairs, &found.spheres);
+  };
+  for (uint32_t slot = first; slot < last;) {
+    SlotRun own{slot, slot + 1};
     if (kind_ == PairSearch::kBrute) {
-      run(slot + 1, end_slot);
+      test(own, {{SlotRun{slot + 1, end_slot}}});
     } else if (kind_ == PairSearch::kSweep) {
       // The float margin in the radii covers the rounding of both sums.
       const float high = spheres.x[slot] + spheres.upright[slot];
       const float* end =
           std::upper_bound(low_x_.data() + slot + 1, low_x_.data() + slot_count_, high);
-      run(slot + 1, static_cast<uint32_t>(end - low_x_.data()));
+      test(own, {{SlotRun{slot + 1, static_cast<uint32_t>(end - low_x_.data())}}});
     } else {
-      // Half of the neighbourhood: the rest of this cell and the next, and three cells of the next
-      // row.
-      const int column = column_of(spheres.x[slot]), row = row_of(spheres.y[slot]);
-      const int next = std::min(column + 1, columns_ - 1);
-      runs_of_row(column, next, row,
-                  [&](uint32_t begin, uint32_t end) { run(std::max(begin, slot + 1), end); });
-      if (row + 1 < rows_) runs_of_row(std::max(column - 1, 0), next, row + 1, run);
+      const CellRuns runs = later_neighbours(column_of(spheres.x[slot]), row_of(spheres.y[slot]));
+      // A whole cell at a time, unless so many stand in it that their pairs would need much room.
+      const uint32_t most = std::max(1u, kMostTests / runs.slots());
+      own.end = std::min({last, runs.end_of_cell, slot + most});
+      test(own, {runs.run.data(), runs.count});
     }
+    slot = own.end;
   }
   return found;
+}
+
+PairSearcher::CellRuns PairSearcher::later_neighbours(int column, int row) const {
+  CellRuns out;
+  const auto add = [&](uint32_t begin, uint32_t end) {
+    if (begin < end) out.run[out.count++] = {begin, end};
+  };
+  out.end_of_cell = start_[cell(column, row) + 1];
+  const int next = std::min(column + 1, columns_ - 1);
+  runs_of_row(column, next, row, add);
+  if (row + 1 < rows_) runs_of_row(std::max(column - 1, 0), next, row + 1, add);
+  return out;
 }
 
 uint32_t PairSearcher::times_grown() const {

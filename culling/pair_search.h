@@ -58,9 +58,9 @@ class PairSearcher {
 
  private:
   static constexpr size_t kTaskBodies = 4096;
-  /// Columns of cells that lie together in memory: a block of slots is then a patch of the ground
-  /// about as wide as long, and shares few bodies with other blocks.
-  static constexpr int kStripColumns = 16;
+  /// Two to this power columns of cells lie together in memory: a block of slots is then a patch of
+  /// the ground about as wide as long, and shares few bodies with other blocks.
+  static constexpr int kMostStripShift = 4;
   /// Beyond this many columns a float cell coordinate could be off by more than the cell's slack.
   static constexpr int kMaxCellsPerAxis = 8192;
 
@@ -85,22 +85,39 @@ class PairSearcher {
         std::clamp((y - origin_y_) * per_metre_, 0.0f, static_cast<float>(rows_ - 1)));
   }
   size_t cell(int column, int row) const {
-    const int strip = column / strip_columns_;
-    return (static_cast<size_t>(strip) * static_cast<size_t>(rows_) + static_cast<size_t>(row)) *
-               static_cast<size_t>(strip_columns_) +
-           static_cast<size_t>(column % strip_columns_);
+    const int strip = column >> strip_shift_;
+    return ((static_cast<size_t>(strip) * static_cast<size_t>(rows_) + static_cast<size_t>(row))
+            << strip_shift_) +
+           static_cast<size_t>(column & strip_mask());
   }
+  int strip_mask() const { return (1 << strip_shift_) - 1; }
   /// Visits the slots of neighbouring cells of a row, strip by strip.
   template <typename Visit>
   void runs_of_row(int first, int last, int row, const Visit& visit) const {
     while (first <= last) {
-      const int end_of_strip = first - first % strip_columns_ + strip_columns_ - 1;
+      const int end_of_strip = first | strip_mask();
       const size_t from = cell(first, row),
                    count = static_cast<size_t>(std::min(last, end_of_strip) - first + 1);
       visit(start_[from], start_[from + count]);
       first = end_of_strip + 1;
     }
   }
+
+  /// Half of a cell's neighbourhood: itself and the next, and three cells of the next row; each row
+  /// in two runs where a strip ends.
+  struct CellRuns {
+    std::array<SlotRun, 4> run{};
+    size_t count = 0;
+    uint32_t end_of_cell = 0;
+    uint32_t slots() const {
+      uint32_t sum = 0;
+      for (size_t i = 0; i < count; ++i) sum += run[i].end - run[i].begin;
+      return sum;
+    }
+  };
+  CellRuns later_neighbours(int column, int row) const;
+  /// Pairs that a call of the kernel may test, unless one slot alone has more.
+  static constexpr uint32_t kMostTests = 4096;
 
   PairSearch kind_ = PairSearch::kGrid;
   size_t slot_count_ = 0;
@@ -111,7 +128,7 @@ class PairSearcher {
   GrowBuffer<uint32_t> cell_, start_;
   GrowBuffer<Extent> extents_;  // by task
   float origin_x_ = 0, origin_y_ = 0, per_metre_ = 1;
-  int columns_ = 1, rows_ = 1, strip_columns_ = 1;
+  int columns_ = 1, rows_ = 1, strip_shift_ = 0;
 };
 
 }  // namespace throng

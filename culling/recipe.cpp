@@ -247,7 +247,7 @@ class RecipeWith final : public Recipe {
     if (pair_search_ == PairSearch::kBrute) {
       const SphereRows rows{x_.data(), y_.data(), z_.data(), radius_.data(), radius_.data()};
       for (uint32_t a = 0; a + 1 < n_; ++a) {
-        near_.grow(near_count_ + n_ - a + kPadding, near_count_);
+        near_.grow(near_count_ + n_ - a + kPairSlack, near_count_);
         near_count_ += kernels_.sphere_run(rows, a, a + 1, n_, near_.data() + near_count_);
       }
       spheres_.tests += uint64_t{n_} * (n_ - 1) / 2;
