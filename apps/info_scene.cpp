@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <numeric>
 
 #include "apps/info.h"
 #include "scenes/nav_mesh.h"
@@ -46,6 +47,29 @@ void add_way(std::string& text, const Group& group, const NavMesh& mesh) {
   text += '\n';
 }
 
+void add_distribution(std::string& text, const char* what, const Distribution& d,
+                      const char* unit) {
+  fmt::format_to(std::back_inserter(text), "    {:<8} {:g} +- {:g} {}, {:g} to {:g}\n", what,
+                 d.mean, d.deviation, unit, d.min, d.max);
+}
+
+/// What is the same for all of them, and by age what is not.
+void add_people(std::string& text, const Group& group) {
+  const double sum = std::accumulate(group.ages.begin(), group.ages.end(), 0.0);
+  const bool by_age = !group.speed_mps || !group.height_m;
+  for (size_t i = 0; i < kAgeCount && by_age; ++i) {
+    if (group.ages[i] == 0) continue;
+    const AgeGroup& age = age_group(static_cast<Age>(i));
+    if (group.ages != kAdultsOnly)
+      fmt::format_to(std::back_inserter(text), "    {:.0f} % {}\n", 100 * group.ages[i] / sum,
+                     age.name);
+    if (!group.speed_mps) add_distribution(text, "speed", age.speed_mps, "m/s");
+    if (!group.height_m) add_distribution(text, "height", age.height_m, "m");
+  }
+  if (group.speed_mps) add_distribution(text, "speed", *group.speed_mps, "m/s");
+  if (group.height_m) add_distribution(text, "height", *group.height_m, "m");
+}
+
 void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   fmt::format_to(std::back_inserter(text), "  {}: {} of '{}', {} parts each, {} goals\n",
                  group.name, group.total(), group.body->name, group.body->part_count(),
@@ -56,12 +80,7 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
     fmt::format_to(std::back_inserter(text), "    source   {} at {:g} per s from {:g} s on, {}\n",
                    source.count, source.rate_per_s, source.start_s, describe(source.area));
   add_way(text, group, mesh);
-  fmt::format_to(std::back_inserter(text), "    speed    {:g} +- {:g} m/s, {:g} to {:g}\n",
-                 group.speed_mps.mean, group.speed_mps.deviation, group.speed_mps.min,
-                 group.speed_mps.max);
-  fmt::format_to(std::back_inserter(text), "    height   {:g} +- {:g} m, {:g} to {:g}\n",
-                 group.height_m.mean, group.height_m.deviation, group.height_m.min,
-                 group.height_m.max);
+  add_people(text, group);
 }
 
 void add_obstacle(std::string& text, const Obstacle& obstacle) {

@@ -20,6 +20,7 @@ enum class Purpose : uint32_t {
   kStyle = 9,
   kEmission = 10,
   kDelay = 11,
+  kAge = 12,
 };
 
 /// The names of one stream of numbers.

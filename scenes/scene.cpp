@@ -22,8 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Range kSpeedRange{0.1, 4.0};     // from a shuffle to a run
-constexpr Range kHeightRange{0.5, 2.5};    // the gait's curves hold no further
+constexpr Range kSpeedRange{0.1, 4.0};   // from a shuffle to a run
+constexpr Range kHeightRange{0.5, 2.5};  // the gait's curves hold no further
+/// Of one age among others: parts of 1, per cent or people.
+constexpr Range kShareRange{0, 1e6};
 constexpr Range kRadiusRange{0.05, 0.35};  // the grids of spawning and ways hold no wider
 constexpr Range kSizeRange{0, 1e4, true};  // 10 km: a wall around the largest scene
 /// A box: float poses are relative to its middle.
@@ -179,21 +181,49 @@ class SceneReader {
       read_routes(fields, scene_.ground, group);
       bodies += group.total() - group.count;
       require_few(*item, bodies);
-      if (const YamlNode* node = fields.find("speed_mps"))
-        group.speed_mps =
-            read_distribution(file_, *node, "speed_mps", group.speed_mps, kSpeedRange);
-      if (const YamlNode* node = fields.find("height_m"))
-        group.height_m = read_distribution(file_, *node, "height_m", group.height_m, kHeightRange);
+      read_people(fields, group);
       group.radius_m = fields.number_or("radius_m", kRadiusRange, 0);
       read_model(fields, group);
       if (!group.driven.empty() && fields.find("height_m") == nullptr) {
         // What is driven is as large as its model.
         const auto height_m = static_cast<double>(group.body->height_m);
-        group.height_m = {height_m, 0, height_m, height_m};
+        group.height_m = Distribution{height_m, 0, height_m, height_m};
       }
       fields.done();
       scene_.groups.push_back(std::move(group));
     }
+  }
+
+  /// What is said of speeds and heights holds for all ages; what is left out is that of the only
+  /// age, or of adults.
+  void read_people(Fields& fields, Group& group) {
+    if (const YamlNode* node = fields.find("ages")) group.ages = read_ages(fields, *node);
+    const AgeGroup& base = age_group(only_age(group.ages).value_or(Age::kAdult));
+    if (const YamlNode* node = fields.find("speed_mps"))
+      group.speed_mps = read_distribution(file_, *node, "speed_mps", base.speed_mps, kSpeedRange);
+    if (const YamlNode* node = fields.find("height_m"))
+      group.height_m = read_distribution(file_, *node, "height_m", base.height_m, kHeightRange);
+  }
+
+  AgeShares read_ages(Fields& fields, const YamlNode& node) {
+    if (node.kind != YamlNode::Kind::kMap) {
+      const std::optional<AgeShares> named = ages_of(node.scalar);
+      if (named && node.kind == YamlNode::Kind::kScalar) return *named;
+      std::vector<std::string> words = age_names();
+      words.emplace_back("mixed");
+      throw InputError(fields.where(node),
+                       fmt::format("ages ({}) or a map of shares", list_of(words)),
+                       describe(node) + did_you_mean(node.scalar, words));
+    }
+    Fields shares(file_, node, "ages");
+    shares.expect_keys(keys_of("ages"));
+    AgeShares ages{};
+    for (size_t age = 0; age < kAgeCount; ++age)
+      ages[age] = shares.number_or(age_names()[age], kShareRange, 0);
+    shares.done();
+    if (std::all_of(ages.begin(), ages.end(), [](double share) { return share == 0; }))
+      throw InputError(at_line(file_, node.line), "a share above 0 in ages", "none");
+    return ages;
   }
 
   void require_few(const YamlNode& node, int64_t bodies) {
@@ -374,8 +404,12 @@ uint64_t content_hash_of(const Scene& scene) {
       hash.add(uint64_t{source.random});
     }
     add_distribution(group.delay_s);
-    add_distribution(group.speed_mps);
-    add_distribution(group.height_m);
+    add_distribution(group.speed_mps.value_or(age_group(Age::kAdult).speed_mps));
+    add_distribution(group.height_m.value_or(age_group(Age::kAdult).height_m));
+    if (group.ages != kAdultsOnly) {
+      hash.add("ages").add(uint64_t{!group.speed_mps}).add(uint64_t{!group.height_m});
+      for (const double share : group.ages) hash.add(share);
+    }
     hash.add(group.radius_m);
     if (!group.driven.empty()) hash.add("driven").add(group.driven);
   }

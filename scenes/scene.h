@@ -12,6 +12,7 @@
 
 #include "avatars/model.h"
 #include "culling/culler.h"
+#include "scenes/people.h"
 #include "scenes/steering_rule.h"
 
 namespace throng {
@@ -27,14 +28,6 @@ struct Rectangle {
     return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
   }
   bool operator==(const Rectangle&) const = default;
-};
-
-/// A normal distribution cut off at both ends; always min <= mean <= max and deviation >= 0.
-struct Distribution {
-  double mean = 0;
-  double deviation = 0;
-  double min = 0;
-  double max = 0;
 };
 
 /// Somewhere to go: into any one of the areas, whichever has the shortest way.
@@ -70,16 +63,17 @@ struct Source {
 struct Group {
   std::string name;
   std::filesystem::path model;  ///< a URDF, absolute; "adult" in the file means the bundled one
-  std::shared_ptr<const Model> body;              ///< what `model` holds; load_scene() fills it
-  int count = 0;                                  ///< at the start
-  Rectangle spawn;                                ///< where they stand then
-  std::vector<Source> sources;                    ///< of people who enter later
-  std::vector<Goal> goals;                        ///< visited in order
-  OnArrival on_arrival = OnArrival::kLoop;        ///< after the last goal
-  Distribution delay_s{0, 0, 0, 0};               ///< standing still before setting out
-  Distribution speed_mps{1.34, 0.26, 0.5, 2.2};   // Weidmann 1993
-  Distribution height_m{1.70, 0.09, 1.45, 2.00};  // ANSUR II, men and women mixed
-  double radius_m = 0;                            ///< of the steering disc; 0: from the height
+  std::shared_ptr<const Model> body;        ///< what `model` holds; load_scene() fills it
+  int count = 0;                            ///< at the start
+  Rectangle spawn;                          ///< where they stand then
+  std::vector<Source> sources;              ///< of people who enter later
+  std::vector<Goal> goals;                  ///< visited in order
+  OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
+  Distribution delay_s{0, 0, 0, 0};         ///< standing still before setting out
+  AgeShares ages = kAdultsOnly;
+  std::optional<Distribution> speed_mps;  ///< free speed; none: by age
+  std::optional<Distribution> height_m;   ///< none: by age
+  double radius_m = 0;                    ///< of the steering disc; 0: from the height
   /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
   /// goal, its spawn area, and no sources.
   std::string driven;

@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "scenes/people.h"
+
 namespace throng {
 
 const std::vector<std::pair<std::string_view, std::vector<std::string>>>& scene_keys() {
@@ -12,8 +14,9 @@ const std::vector<std::pair<std::string_view, std::vector<std::string>>>& scene_
       {"culling", {"part_volume", "exact"}},
       {"steering", {"model", "density_speed"}},
       {"group",
-       {"name", "count", "spawn", "sources", "goals", "on_arrival", "delay_s", "model", "speed_mps",
-        "height_m", "radius_m", "driven"}},
+       {"name", "count", "spawn", "sources", "goals", "on_arrival", "delay_s", "model", "ages",
+        "speed_mps", "height_m", "radius_m", "driven"}},
+      {"ages", age_names()},
       {"goal", {"min_m", "max_m", "nearest_of", "wait_s", "pass"}},
       {"source", {"area", "count", "rate_per_s", "start_s", "random"}},
       {"obstacle",

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.h"
+
 namespace throng {
 namespace {
 
 /// Gaps between discs, from comfortable to touching; kDarts tries each.
 constexpr double kGaps_m[] = {0.30, 0.12, 0.02};
 constexpr uint32_t kDarts = 60;
-/// A draw that misses [min, max] a thousand times is a distribution almost outside it: take the
-/// mean.
-constexpr uint64_t kDraws = 1000;
 constexpr double kReferenceHeight_m = 1.70;
 constexpr double kReferenceRadius_m = 0.22;
 constexpr uint32_t kNobody = UINT32_MAX;
@@ -104,8 +103,10 @@ Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
   const Group& group = scene.groups[group_index];
   Person person;
   person.group = static_cast<uint32_t>(group_index);
-  person.height_m = draw(group.height_m, scene.seed, id, Purpose::kHeight);
-  person.free_speed_mps = draw(group.speed_mps, scene.seed, id, Purpose::kFreeSpeed);
+  const AgeGroup& age = age_group(draw_age(group.ages, scene.seed, id));
+  person.height_m = draw(group.height_m.value_or(age.height_m), scene.seed, id, Purpose::kHeight);
+  person.free_speed_mps =
+      draw(group.speed_mps.value_or(age.speed_mps), scene.seed, id, Purpose::kFreeSpeed);
   person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
   person.radius_m = group.radius_m > 0 ? group.radius_m : disc_radius_m(person.height_m);
   person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
@@ -132,16 +133,6 @@ void list_source(const Scene& scene, const Ways& ways, size_t group, const Sourc
 }
 
 }  // namespace
-
-double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose) {
-  if (distribution.deviation == 0) return distribution.mean;
-  for (uint64_t attempt = 0; attempt < kDraws; ++attempt) {
-    const double value =
-        random_normal({seed, id, attempt, purpose}, distribution.mean, distribution.deviation);
-    if (value >= distribution.min && value <= distribution.max) return value;
-  }
-  return distribution.mean;
-}
 
 double disc_radius_m(double height_m) {
   return kReferenceRadius_m * (height_m / kReferenceHeight_m);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
+#include "scenes/people.h"
 #include "scenes/scene.h"
 #include "scenes/ways.h"
 
@@ -42,9 +42,6 @@ struct Spawned {
 /// or patience ends. Who enters later is listed, not placed: of each group first those who stand
 /// there, then those of its sources, in the order they enter.
 Spawned spawn(const Scene& scene, const Ways& ways);
-
-/// A draw from a distribution: repeated until it lies inside.
-double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose);
 
 /// Radius of the steering disc: 0.22 m for a person of 1.70 m. Half the shoulder breadth is 0.255
 /// m, so that shoulders and arms touch where discs do not.

@@ -127,28 +127,32 @@ Outcome turn_a_corner(SteeringKind model) {
   return outcome;
 }
 
-struct AgeGroup {
+/// What the test asks of people of one of our ages.
+struct AgeRange {
   const char* name;
+  Age age;
   double min_mps, max_mps;
   int count;
 };
 // Weidmann (1993), as RiMEA 4.1.0 lists it: under 30, 30 to 50, over 50, impaired.
-constexpr AgeGroup kAges[] = {{"under 30", 0.58, 1.61, 15},
-                              {"30 to 50", 1.41, 1.54, 15},
-                              {"over 50", 0.68, 1.41, 14},
-                              {"impaired", 0.46, 0.76, 6}};
+constexpr AgeRange kAges[] = {{"under 30", Age::kYoung, 0.58, 1.61, 15},
+                              {"30 to 50", Age::kMiddleAged, 1.41, 1.54, 15},
+                              {"over 50", Age::kElderly, 0.68, 1.41, 14},
+                              {"impaired", Age::kImpaired, 0.46, 0.76, 6}};
 constexpr double kLane_m = 4;
 
-/// Speeds of people who walk side by side, 4 m apart, over 20 m; 0 for who did not.
-std::vector<double> speeds_of(SteeringKind model, const std::vector<Distribution>& speeds,
-                              uint64_t seed, Outcome& outcome) {
-  const double width_m = kLane_m * static_cast<double>(speeds.size());
+/// Speeds of people who walk side by side, 4 m apart, over 20 m; 0 for who did not. Of a walker
+/// only ages and speed count.
+std::vector<double> speeds_of(SteeringKind model, const std::vector<Group>& walkers, uint64_t seed,
+                              Outcome& outcome) {
+  const double width_m = kLane_m * static_cast<double>(walkers.size());
   Plan plan("lanes", {{0, 0}, {40, width_m}}, {model}, seed);
-  for (size_t i = 0; i < speeds.size(); ++i) {
+  for (size_t i = 0; i < walkers.size(); ++i) {
     const double y = kLane_m * (static_cast<double>(i) + 0.5);
     // One goal for all, so that one set of ways serves them.
     Group& one = plan.people(1, {{1, y - 0.1}, {1.2, y + 0.1}}, {{{36, 0}, {38, width_m}}});
-    one.speed_mps = speeds[i];
+    one.ages = walkers[i].ages;
+    one.speed_mps = walkers[i].speed_mps;
   }
   Trial trial(plan);
   Gate start(Gate::Along::kX, 10, 0, width_m);
@@ -157,7 +161,7 @@ std::vector<double> speeds_of(SteeringKind model, const std::vector<Distribution
     start.watch(trial);
     finish.watch(trial);
   }
-  std::vector<double> begun(speeds.size(), 0), out(speeds.size(), 0);
+  std::vector<double> begun(walkers.size(), 0), out(walkers.size(), 0);
   for (const Gate::Passage& passage : start.passages()) begun[passage.id] = passage.time_s;
   for (const Gate::Passage& passage : finish.passages())
     out[passage.id] = 20 / (passage.time_s - begun[passage.id]);
@@ -166,16 +170,14 @@ std::vector<double> speeds_of(SteeringKind model, const std::vector<Distribution
 }
 
 Outcome speeds_by_age(SteeringKind model) {
-  std::vector<Distribution> wanted;
-  for (const AgeGroup& age : kAges) {
-    // A normal distribution that the range cuts at two deviations.
-    const double mean = 0.5 * (age.min_mps + age.max_mps);
-    const double deviation = 0.25 * (age.max_mps - age.min_mps);
-    for (int i = 0; i < age.count; ++i)
-      wanted.push_back({mean, deviation, age.min_mps, age.max_mps});
+  std::vector<Group> walkers;
+  for (const AgeRange& range : kAges) {
+    Group walker;
+    walker.ages = *ages_of(age_group(range.age).name);
+    walkers.insert(walkers.end(), static_cast<size_t>(range.count), walker);
   }
   Outcome outcome;
-  const std::vector<double> speeds = speeds_of(model, wanted, 1, outcome);
+  const std::vector<double> speeds = speeds_of(model, walkers, 1, outcome);
   int inside = 0;
   size_t id = 0;
   std::string data, ranges;
@@ -189,7 +191,7 @@ Outcome speeds_by_age(SteeringKind model) {
                           static_cast<double>(g) - 0.25 + 0.5 * i / kAges[g].count, speeds[id]);
     }
   }
-  outcome.passed = inside == 50 && wanted.size() == 50;
+  outcome.passed = inside == 50 && walkers.size() == 50;
   outcome.measured =
       fmt::format("{} of 50 walk at a speed inside the range of their group", inside);
   outcome.figures.push_back(
@@ -207,10 +209,11 @@ Outcome speed_distribution(SteeringKind model) {
   constexpr int kRuns = 5;
   Outcome outcome;
   std::vector<double> all;
+  Group walker;
+  walker.speed_mps = Distribution{1.2, 0.2, 0.4, 2.0};
   for (int run = 0; run < kRuns; ++run) {
     const std::vector<double> speeds =
-        speeds_of(model, std::vector<Distribution>(100, {1.2, 0.2, 0.4, 2.0}),
-                  static_cast<uint64_t>(run + 1), outcome);
+        speeds_of(model, std::vector<Group>(100, walker), static_cast<uint64_t>(run + 1), outcome);
     all.insert(all.end(), speeds.begin(), speeds.end());
   }
   double sum = 0, squares = 0;
@@ -274,8 +277,8 @@ std::vector<Test> walking_tests() {
        turn_a_corner},
       {{"rimea_7"},
        {"RiMEA 7: free speeds by age"},
-       "50 adults (15 under 30, 15 of 30 to 50, 14 over 50, 6 impaired), each 4 m from the next, "
-       "over 20 m.",
+       "50 adults (15 `young`, 15 `middle_aged`, 14 `elderly`, 6 `impaired`), each 4 m from the "
+       "next, over 20 m.",
        "everybody's speed inside the range of the age group (Weidmann 1993)",
        speeds_by_age},
       {{"iso_5"},

@@ -90,8 +90,12 @@ class Validator {
 
   bool check_map(const std::string& word, const Json& rule, const Json& schema, const Json& value,
                  const std::string& at, Faults& faults) const {
-    if (word != "properties" && word != "required" && word != "additionalProperties") return false;
+    if (word != "properties" && word != "required" && word != "additionalProperties" &&
+        word != "minProperties")
+      return false;
     if (!value.is_object()) return true;
+    if (word == "minProperties" && value.size() < rule.get<size_t>())
+      faults.push_back(at + ": has too few keys");
     if (word == "required")
       for (const Json& key : rule)
         if (!value.contains(key.get<std::string>()))

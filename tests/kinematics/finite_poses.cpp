@@ -15,9 +15,8 @@ bool has_finite_poses(const Robot& robot) {
   const RootFrame root;
   std::vector<PartPose> poses(links.size());
   forward_kinematics(model, posture, {&root, 1}, poses);
-  return std::all_of(poses.begin(), poses.end(), [](const PartPose& pose) {
-    return to_isometry(pose).matrix().allFinite();
-  });
+  return std::all_of(poses.begin(), poses.end(),
+                     [](const PartPose& pose) { return to_isometry(pose).matrix().allFinite(); });
 }
 
 }  // namespace throng

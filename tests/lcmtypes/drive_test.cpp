@@ -34,7 +34,7 @@ Scene rover_in_crowd() {
   rovers.spawn = {{-0.5, -0.5}, {0.5, 0.5}};
   rovers.goals.emplace_back().areas.push_back(rovers.spawn);
   const auto height_m = static_cast<double>(rover()->height_m);
-  rovers.height_m = {height_m, 0, height_m, height_m};
+  rovers.height_m = Distribution{height_m, 0, height_m, height_m};
   rovers.radius_m = 0.35;
   rovers.driven = kChannel;
   scene.groups.push_back(rovers);
@@ -68,7 +68,7 @@ TEST(Drive, ASceneSaysWhichGroupIsDriven) {
   };
   const Scene scene = load("driven: ROBOT_1");
   EXPECT_EQ(scene.groups[0].driven, "ROBOT_1");
-  EXPECT_EQ(scene.groups[0].height_m.mean, static_cast<double>(rover()->height_m));
+  EXPECT_EQ(scene.groups[0].height_m->mean, static_cast<double>(rover()->height_m));
   EXPECT_NE(load("driven: ROBOT_2").content_hash, scene.content_hash);
   const std::string goals = ", goals: [{min_m: [9, 1], max_m: [10, 9]}]";
   for (const std::string& wrong :

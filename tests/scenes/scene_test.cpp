@@ -77,9 +77,9 @@ TEST_F(SceneFile, SaysWhatItSays) {
   EXPECT_TRUE(scene.exact);
   ASSERT_EQ(scene.groups.size(), 1u);
   EXPECT_EQ(scene.groups[0].count, 3);
-  EXPECT_EQ(scene.groups[0].speed_mps.mean, 1.2);
-  EXPECT_EQ(scene.groups[0].height_m.min, 1.8);
-  EXPECT_EQ(scene.groups[0].height_m.max, 1.8);
+  EXPECT_EQ(scene.groups[0].speed_mps->mean, 1.2);
+  EXPECT_EQ(scene.groups[0].height_m->min, 1.8);
+  EXPECT_EQ(scene.groups[0].height_m->max, 1.8);
   ASSERT_NE(scene.groups[0].body, nullptr);
   EXPECT_EQ(scene.groups[0].body->part_count(), 15);
   ASSERT_EQ(scene.obstacles.size(), 2u);
@@ -139,6 +139,22 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
        "s.yaml:6: expected a list for 'goals', found a list of 0"},
       {"mean outside", kGround + kGroup + "    speed_mps: {mean: 3, max: 2}\n",
        "s.yaml:7: expected min <= mean <= max in speed_mps, found min 0.5, mean 3, max 2"},
+      {"unknown age", kGround + kGroup + "    ages: elderlies\n",
+       "s.yaml:7: expected ages (adults, children, young, middle_aged, elderly, impaired, mixed) "
+       "or "
+       "a map of shares, found 'elderlies' (did you mean 'elderly'?)"},
+      {"a list of ages", kGround + kGroup + "    ages: [elderly]\n",
+       "s.yaml:7: expected ages (adults, children, young, middle_aged, elderly, impaired, mixed) "
+       "or "
+       "a map of shares, found a list of 1"},
+      {"unknown age among others", kGround + kGroup + "    ages: {young: 1, old: 1}\n",
+       "s.yaml:7: expected a key of ages, found 'old'"},
+      {"a mix among ages", kGround + kGroup + "    ages: {mixed: 1}\n",
+       "s.yaml:7: expected a key of ages, found 'mixed'"},
+      {"nobody of any age", kGround + kGroup + "    ages: {young: 0}\n",
+       "s.yaml:7: expected a share above 0 in ages, found none"},
+      {"negative share", kGround + kGroup + "    ages: {young: -1}\n",
+       "s.yaml:7: expected 'young' from 0 to 1000000, found -1"},
       {"no such model", kGround + kGroup + "    model: nobody.urdf\n",
        "s.yaml:7: expected 'adult' or a URDF file, found 'nobody.urdf', and no such file at "},
       {"obstacle off the ground",
