@@ -22,7 +22,7 @@ namespace {
 // bodies for their poses and boxes (1.2 kB a person) to stay in a core's cache.
 constexpr size_t kTaskPairs = 2048, kTaskBlocks = 4;
 constexpr size_t kSortBodies = 1024;  // bodies a task when keys are sorted and compared
-constexpr uint32_t kRunsAhead = 8;    // whose keys are fetched before they are copied
+constexpr uint32_t kRunsAhead = 8;    // whose parts are fetched before they are copied
 
 }  // namespace
 
@@ -68,10 +68,10 @@ struct Culler::State {
   std::vector<Task> tasks;
   size_t task_count = 0;
 
-  /// The keys of a pair of bodies; runs lie in the order of body a.
+  /// The parts of a pair of bodies; runs lie in the order of body a.
   struct SortedRun {
     uint32_t body_b, count;
-    const PairKey* keys;
+    const uint16_t* parts;
   };
   GrowBuffer<SortedRun> runs;
   GrowBuffer<uint32_t> start_of_body, keys_of_block;
@@ -218,7 +218,7 @@ void Culler::State::sort_runs(size_t bodies) {
         for (size_t t = 0; t < task_count; ++t) {
           const PartPairs& found = tasks[t].found;
           for (size_t i = 0; i < found.run_count; ++i)
-            visit(std::pair(&found.runs[i], found.keys.data()));
+            visit(std::pair(&found.runs[i], found.parts.data()));
         }
       },
       [](const auto& run) { return run.first->body_a; },
@@ -259,9 +259,9 @@ void Culler::State::write_pairs(const BodiesView& bodies) {
       for (uint32_t r = start_of_body[body]; r < start_of_body[body + 1]; ++r) {
         const SortedRun& run = runs[r];
         // Runs lie where their tasks found them, in no order that a cache could know.
-        if (r + kRunsAhead < run_end) __builtin_prefetch(runs[r + kRunsAhead].keys);
-        const PairKey pair(bodies.ids[body], bodies.ids[run.body_b], 0, 0);
-        for (uint32_t i = 0; i < run.count; ++i) *out++ = run.keys[i].of_bodies(pair);
+        if (r + kRunsAhead < run_end) __builtin_prefetch(runs[r + kRunsAhead].parts);
+        const PairKey bodies_of_run(bodies.ids[body], bodies.ids[run.body_b], 0, 0);
+        for (uint32_t i = 0; i < run.count; ++i) *out++ = bodies_of_run.with_parts(run.parts[i]);
       }
     }
     // Bodies that have left since the last frame lie between two ids, or beyond the ends.

@@ -30,10 +30,10 @@ class PairKey {
   auto operator<=>(const PairKey&) const = default;
   /// Greater than every key of two bodies.
   static PairKey beyond_all() { return {kMaxId, kMaxId, 0xff, 0xff}; }
-  /// The same parts of other bodies; `bodies` names them with parts 0.
-  PairKey of_bodies(PairKey bodies) const {
+  /// The same bodies with other parts, part_a << 8 | part_b; has parts 0.
+  PairKey with_parts(uint16_t parts) const {
     PairKey out;
-    out.bits_ = bodies.bits_ | (bits_ & 0xffff);
+    out.bits_ = bits_ | parts;
     return out;
   }
 

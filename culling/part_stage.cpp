@@ -145,7 +145,7 @@ void PartStage::finish(const PartStageFrame& frame, PartPairs& out) {
   find_candidates(frame);
   test_parts(frame);
   if (frame.exact) decide_by_triangles(frame, candidate_count_);
-  write_keys(out);
+  write_runs(out);
 }
 
 PairKey PartStage::key_of(const Candidate& candidate) const {
@@ -180,22 +180,30 @@ void PartStage::test_parts(const PartStageFrame& frame) {
   counters_.part.test_ns += watch.lap_ns();
 }
 
-/// Candidates of a pair are consecutive and sorted, and so are its keys.
-void PartStage::write_keys(PartPairs& out) const {
-  out.keys.resize(candidate_count_ + 1);  // one more: written before it is known to count
-  out.runs.resize(pair_count_);
-  out.key_count = out.run_count = 0;
-  for (size_t i = 0; i < candidate_count_;) {
-    const uint32_t index = candidates_[i].pair;
-    const BodyPair& pair = pairs_[index];
-    const size_t first = out.key_count;
-    for (; i < candidate_count_ && candidates_[i].pair == index; ++i) {
-      out.keys[out.key_count] = key_of(candidates_[i]);
-      out.key_count += overlaps_[i];
-    }
-    if (out.key_count > first)
-      out.runs[out.run_count++] = {pair.body_a, pair.body_b, static_cast<uint32_t>(first),
-                                   static_cast<uint32_t>(out.key_count - first)};
+/// Candidates of a pair are consecutive and sorted, and so are its parts. No branch: which
+/// candidates overlap, and where a pair ends, is hard to foretell.
+void PartStage::write_runs(PartPairs& out) const {
+  out.parts.resize(candidate_count_ + 1);  // one more: written before it is known to count
+  out.runs.resize(candidate_count_ == 0 ? 0 : pair_count_);
+  uint16_t* const parts = out.parts.data();
+  PartRun* run = out.runs.data();
+  uint32_t count = 0, first = 0, pair = 0;
+  for (size_t i = 0; i < candidate_count_; ++i) {
+    const Candidate& c = candidates_[i];
+    const bool is_next = c.pair != pair;
+    run += is_next & (count != first);  // one without parts is overwritten
+    first = is_next ? count : first;
+    pair = c.pair;
+    parts[count] = static_cast<uint16_t>(c.part_a << 8 | c.part_b);
+    count += overlaps_[i];
+    *run = {pair, 0, first, count - first};
+  }
+  out.run_count = static_cast<size_t>(run - out.runs.data()) + (count != first);
+  for (size_t i = 0; i < out.run_count; ++i) {
+    PartRun& named = out.runs[i];
+    const BodyPair& bodies = pairs_[named.body_a];
+    named.body_a = bodies.body_a;
+    named.body_b = bodies.body_b;
   }
 }
 

@@ -37,18 +37,18 @@ struct PartStageCounters {
   void add(const PartStageCounters& other);
 };
 
-/// The keys of one pair of bodies, consecutive and sorted.
-struct KeyRun {
+/// The overlapping parts of one pair of bodies, consecutive and sorted.
+struct PartRun {
   uint32_t body_a, body_b;  ///< indices into the BodiesView, a < b
   uint32_t first, count;
 };
 
-/// What a task yields; keys name bodies by their indices.
+/// What a task yields.
 struct PartPairs {
-  GrowBuffer<PairKey> keys;
-  GrowBuffer<KeyRun> runs;
-  size_t key_count = 0, run_count = 0;
-  uint32_t times_grown() const { return keys.times_grown() + runs.times_grown(); }
+  GrowBuffer<uint16_t> parts;  ///< as in the low bits of a PairKey
+  GrowBuffer<PartRun> runs;
+  size_t run_count = 0;
+  uint32_t times_grown() const { return parts.times_grown() + runs.times_grown(); }
 };
 
 /// Tests that the part boxes of two bodies take.
@@ -90,7 +90,7 @@ class PartStage {
   void test_ordops(const PartStageFrame& frame, OrdopKernel kernel);
   void sort_into_buckets();
   void test_others(const PartStageFrame& frame);
-  void write_keys(PartPairs& out) const;
+  void write_runs(PartPairs& out) const;
 
   const PosedBodies* bodies_ = nullptr;
   BoxFrame boxes_{};
