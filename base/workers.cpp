@@ -8,7 +8,30 @@
 
 #include <cassert>
 
+#ifdef THRONG_TELLS_TSAN
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace throng {
+namespace {
+
+/// What one thread did before pass_on() is done for whoever takes it over. oneTBB sees to that;
+/// this only tells the thread sanitizer, which cannot see into a library that it did not compile.
+class Handover {
+ public:
+#ifdef THRONG_TELLS_TSAN
+  void pass_on() { __tsan_release(this); }
+  void take_over() { __tsan_acquire(this); }
+
+ private:
+  char address_ = 0;
+#else
+  void pass_on() {}
+  void take_over() {}
+#endif
+};
+
+}  // namespace
 
 struct Workers::Arena {
   explicit Arena(int threads)
@@ -28,15 +51,20 @@ Workers::Workers(int threads) : threads_(threads) {
 Workers::~Workers() = default;
 
 void Workers::run(int blocks, const std::function<void(int, int)>& body) {
+  Handover begun, done;
+  begun.pass_on();
   arena_->arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<int>(0, blocks, 1),
         [&](const tbb::blocked_range<int>& range) {
+          begun.take_over();
           const int worker = tbb::this_task_arena::current_thread_index();
           for (int block = range.begin(); block < range.end(); ++block) body(block, worker);
+          done.pass_on();
         },
         tbb::simple_partitioner());
   });
+  done.take_over();
 }
 
 }  // namespace throng

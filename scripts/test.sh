@@ -10,9 +10,6 @@ bash scripts/setup.sh test
 bash scripts/setup.sh page || echo "scripts/test.sh: no browser: the page is tested in node only" >&2
 bash scripts/build.sh "$preset"
 
-# Sanitizers are for finding faults: the first one ends the test that has it.
-export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1:strict_string_checks=1}
-export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 export GTEST_COLOR=no
 
 report=$PWD/build/$preset/tests.xml

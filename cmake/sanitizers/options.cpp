@@ -1,0 +1,17 @@
+// What the sanitizers ask every program for before it starts; TSAN_OPTIONS and the like still have
+// the last word. Linked into everything by cmake/Sanitizers.cmake.
+
+extern "C" {
+
+#ifdef __SANITIZE_THREAD__
+const char* __tsan_default_options() { return "suppressions=" THRONG_TSAN_SUPPRESSIONS; }
+#endif
+
+#ifdef __SANITIZE_ADDRESS__
+const char* __asan_default_options() {
+  return "detect_stack_use_after_return=1:strict_string_checks=1";
+}
+const char* __ubsan_default_options() { return "print_stacktrace=1"; }
+#endif
+
+}  // extern "C"
