@@ -102,6 +102,26 @@ double run_frame(Contender& contender, const BoxList& boxes, bool first,
   return ms;
 }
 
+std::vector<Quarter> quarters_of(const std::vector<double>& ours,
+                                 const std::vector<uint64_t>& pairs,
+                                 const std::vector<Contender>& rivals) {
+  std::vector<Quarter> out;
+  const size_t frames = ours.size();
+  if (frames < 4) return out;
+  for (size_t quarter = 0; quarter < 4; ++quarter) {
+    const size_t first = quarter * frames / 4, end = (quarter + 1) * frames / 4;
+    const auto median = [&](const std::vector<double>& values) {
+      const auto begin = values.begin();
+      return spread_of({begin + static_cast<ptrdiff_t>(first), begin + static_cast<ptrdiff_t>(end)})
+          .median;
+    };
+    out.push_back(
+        {static_cast<int>(first) + 1, static_cast<int>(end), pairs[end - 1], median(ours)});
+    for (const Contender& rival : rivals) out.back().ratios.push_back(median(rival.ratios));
+  }
+  return out;
+}
+
 }  // namespace
 
 std::unique_ptr<Crowd> make_crowd(BenchOptions& options) {
@@ -128,6 +148,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress) {
   std::vector<Contender> rivals = contenders(options, out.skipped);
   StageTable stages;
   std::vector<double> ours, ours_boxes;
+  std::vector<uint64_t> pairs;
   std::vector<BoxPair> found;
   for (int frame = -options.warm_up_frames; frame < options.frames; ++frame) {
     crowd.advance();
@@ -138,6 +159,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress) {
     const double boxes_ms = ms - (c.part.test_ns / options.threads + c.events_ns) * 1e-6;
     if (frame >= 0) {
       ours.push_back(ms);
+      pairs.push_back(culler.pairs().size());
       ours_boxes.push_back(boxes_ms);
       stages.add(c, options.threads);
     }
@@ -165,6 +187,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress) {
                 .hash = culler.hash(),
                 .simd = std::string(name_of(resolved(options.simd))),
                 .stages = stages.rows()};
+  out.quarters = quarters_of(ours, pairs, rivals);
   for (Contender& rival : rivals) {
     rival.result.ms = spread_of(rival.ms);
     rival.result.ratio = spread_of(rival.ratios).median;

@@ -45,6 +45,15 @@ struct ThrongResult {
   std::vector<StageRow> stages;
 };
 
+/// A quarter of the frames. People start in a jittered square and mix as they walk on, so pairs and
+/// everybody's times grow before they settle: a median over all says only half of it.
+struct Quarter {
+  int first = 0, last = 0;       ///< frames, from 1
+  uint64_t pairs = 0;            ///< or-DOP pairs of its last frame
+  double ms = 0;                 ///< median of our whole pass
+  std::vector<double> ratios{};  ///< median of each engine's, in the order of the engines
+};
+
 struct EngineResult {
   std::string name{}, version{}, what{};
   Spread ms;
@@ -63,7 +72,8 @@ struct BenchResult {
   ThrongResult throng;
   std::vector<EngineResult> engines;
   std::vector<Skipped> skipped;
-  uint64_t reference_pairs = 0;  ///< box pairs of the last frame, by the slow reference
+  std::vector<Quarter> quarters;  ///< none for fewer than four frames
+  uint64_t reference_pairs = 0;   ///< box pairs of the last frame, by the slow reference
 
   /// Ratio to the engine with the least median that agrees, and to FCL; 0 without one.
   double ratio_fastest() const;

@@ -33,6 +33,35 @@ void put_engine(Text to, const EngineResult& engine) {
                    engine.name + " " + engine.version, engine.pairs);
 }
 
+void put_quarters(Text to, const BenchResult& r) {
+  if (r.quarters.empty()) return;
+  fmt::format_to(to, "\n  {:<22}{:>9}{:>11}", "as the crowd mixes", "ours ms", "pairs");
+  for (const EngineResult& engine : r.engines) fmt::format_to(to, "{:>9}", engine.name);
+  for (const Quarter& quarter : r.quarters) {
+    fmt::format_to(to, "\n  {:<22}{:>9.3f}{:>11}",
+                   fmt::format("frames {} to {}", quarter.first, quarter.last), quarter.ms,
+                   quarter.pairs);
+    for (size_t i = 0; i < r.engines.size(); ++i)
+      fmt::format_to(to, "{:>9}",
+                     r.engines[i].agrees ? fmt::format("{:.2f}", quarter.ratios[i]) : "-");
+  }
+  fmt::format_to(to, "\n");
+}
+
+Json quarters_json(const BenchResult& r) {
+  Json out = Json::array();
+  for (const Quarter& quarter : r.quarters) {
+    Json row = {{"first_frame", quarter.first},
+                {"last_frame", quarter.last},
+                {"pairs", quarter.pairs},
+                {"ms", quarter.ms}};
+    for (size_t i = 0; i < r.engines.size(); ++i)
+      if (r.engines[i].agrees) row["ratio"][r.engines[i].name] = quarter.ratios[i];
+    out.push_back(row);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string to_text(const BenchResult& r, const MachineLine& machine) {
@@ -55,6 +84,7 @@ std::string to_text(const BenchResult& r, const MachineLine& machine) {
   for (const EngineResult& engine : r.engines) put_engine(to, engine);
   for (const Skipped& skipped : r.skipped)
     fmt::format_to(to, "  {:<22}skipped: {}\n", skipped.name, skipped.reason);
+  put_quarters(to, r);
   fmt::format_to(to, "\n  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10}\n", "our stages", "volume",
                  "updates", "tests", "passed", "ms");
   for (const StageRow& stage : t.stages)
@@ -85,6 +115,7 @@ std::string to_json(const BenchResult& r, const MachineLine& machine) {
                     {"box_pairs", r.throng.box_pairs},
                     {"hash", fmt::format("{:016x}", r.throng.hash)},
                     {"stages", stages}};
+  json["quarters"] = quarters_json(r);
   json["engines"] = Json::array();
   for (const EngineResult& e : r.engines) {
     Json row = {{"name", e.name}, {"version", e.version}, {"what", e.what}};

@@ -29,6 +29,20 @@ TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
   EXPECT_GT(json["peak_rss_bytes"].get<uint64_t>(), 1'000'000u);
 }
 
+TEST(BenchCommand, TellsHowTheLoadGrowsWhileTheCrowdMixes) {
+  const ScratchFolder folder;
+  const Outcome run = shell(
+      "throng bench --avatars 400 --density 4 --frames 10 --engines none --json b.json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("frames 1 to 2 "));
+  EXPECT_THAT(run.out, HasSubstr("frames 8 to 10 "));
+  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  ASSERT_EQ(json["quarters"].size(), 4u);
+  EXPECT_EQ(json["quarters"][3]["last_frame"], 10);
+  EXPECT_EQ(json["quarters"][3]["pairs"], json["throng"]["pairs"]);
+  EXPECT_LT(json["quarters"][0]["pairs"], json["quarters"][3]["pairs"]);
+}
+
 TEST(BenchCommand, ThePlazaSteersAndHasItsOwnDensity) {
   const ScratchFolder folder;
   const Outcome run = shell(
