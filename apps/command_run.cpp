@@ -165,6 +165,9 @@ SimulationOptions simulation_options(const RunOptions& options) {
   out.deadline_tests = options.deadline_tests;
   out.strategy = strategy_of(options.strategy).value();
   if (out.strategy != Strategy::kPipeline) out.pair_search = PairSearch::kBrute;
+  // Who touches whom needs the joint angles of few; everybody's are for those who tell them on.
+  out.postures = options.log != "off" || options.lcm != "off" || !options.recorders.html.empty() ||
+                 !options.recorders.trace.empty();
   for (const auto& [name, search] : kPairSearches)
     if (options.pair_search == name) out.pair_search = search;
   return out;
