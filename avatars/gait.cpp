@@ -1,6 +1,7 @@
 #include "avatars/gait.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -61,17 +62,39 @@ struct Gait::Table : GaitTable {
     const int speed = std::clamp(static_cast<int>(y), 0, speeds - 2);
     return {speed, phase, x - static_cast<float>(phase), y - static_cast<float>(speed)};
   }
+
+  void fetch(const Place& at) const {
+    for (const int speed : {at.speed, at.speed + 1})
+      for (const float* line = row(speed, at.phase); line < row(speed, at.phase + 2); line += 16)
+        __builtin_prefetch(line);
+  }
+
+  void blend(const Place& at, float* out) const {
+    const float* a = row(at.speed, at.phase);
+    if (leg_length_m == 0) {
+      std::copy_n(a, columns, out);
+      return;
+    }
+    const float* b = a + row_floats;
+    const float* c = row(at.speed + 1, at.phase);
+    const float* d = c + row_floats;
+    for (int i = 0; i < columns; ++i) {
+      const float slow = a[i] + at.u * (b[i] - a[i]);
+      const float fast = c[i] + at.u * (d[i] - c[i]);
+      out[i] = slow + at.v * (fast - slow);
+    }
+  }
 };
 
-Gait::Gait(const Model& model) : column_count_(model.kinematics.column_count()) {
+Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics.column_count()) {
   const PosableModel posable(model);
-  if (const std::optional<Walker> walker = Walker::find(posable)) {
+  if (const std::optional<Walker> walker = Walker::find(posable, style)) {
     table_ = std::make_unique<Table>(column_count_, kPhases, kSpeeds);
     const double highest = std::sqrt(kFastestRelativeSpeed);
     table_->leg_length_m = static_cast<float>(walker->leg_length_m());
     table_->highest_root_speed = static_cast<float>(highest);
     table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
-    table_->strides_per_root_speed = static_cast<float>(kStridePerRootSpeed);
+    table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
     for (int speed = 0; speed < kSpeeds; ++speed) {
       const double root_speed = highest * speed / (kSpeeds - 1);
       const std::vector<std::vector<double>> postures =
@@ -107,24 +130,36 @@ void Gait::postures(std::span<const float> phases, std::span<const float> speeds
   assert(speeds_mps.size() == phases.size() && scales.size() == phases.size());
   assert(rows.size() == phases.size() * static_cast<size_t>(column_count_));
   const Table& table = *table_;
-  const int columns = column_count_;
   float* out = rows.data();
-  if (table.leg_length_m == 0) {
-    for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += columns)
-      std::copy_n(table.row(0, 0), columns, out);
-    return;
+  for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += column_count_) {
+    Table::Place place{};
+    if (table.leg_length_m != 0)
+      place = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
+    table.blend(place, out);
   }
-  for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += columns) {
-    const auto [speed, phase, u, v] =
-        table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-    const float* a = table.row(speed, phase);
-    const float* b = a + table.row_floats;
-    const float* c = table.row(speed + 1, phase);
-    const float* d = c + table.row_floats;
-    for (int i = 0; i < columns; ++i) {
-      const float slow = a[i] + u * (b[i] - a[i]);
-      const float fast = c[i] + u * (d[i] - c[i]);
-      out[i] = slow + v * (fast - slow);
+}
+
+void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> phases,
+                    std::span<const float> speeds_mps, std::span<const float> scales,
+                    std::span<float> rows) {
+  // The tables of all styles are larger than a core's own cache: ask for rows before they are
+  // needed.
+  constexpr size_t kAhead = 16;
+  std::array<Table::Place, kAhead> places;
+  for (size_t first = 0; first < gaits.size(); first += kAhead) {
+    const size_t count = std::min(kAhead, gaits.size() - first);
+    for (size_t i = 0; i < count; ++i) {
+      const size_t avatar = first + i;
+      const Table& table = *gaits[avatar]->table_;
+      places[i] = {};
+      if (table.leg_length_m == 0) continue;
+      places[i] = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
+      table.fetch(places[i]);
+    }
+    for (size_t i = 0; i < count; ++i) {
+      const Gait& gait = *gaits[first + i];
+      const auto columns = static_cast<size_t>(gait.column_count_);
+      gait.table_->blend(places[i], rows.data() + (first + i) * columns);
     }
   }
 }

@@ -6,15 +6,16 @@
 #include <span>
 #include <vector>
 
+#include "avatars/gait_style.h"
 #include "avatars/model.h"
 
 namespace throng {
 
 class Gait {
  public:
-  /// Tabulates the gait of a model over phase and speed. Joints are found by the adult's names; a
-  /// model without them (a robot on wheels) gets a gait that keeps the zero posture.
-  explicit Gait(const Model& model);
+  /// Tabulates one style of a model's gait over phase and speed. Joints are found by the adult's
+  /// names; a model without them (a robot on wheels) gets a gait that keeps the zero posture.
+  explicit Gait(const Model& model, GaitStyle style = GaitStyle::kPlain);
   ~Gait();
   Gait(Gait&&) noexcept;
   Gait& operator=(Gait&&) noexcept;
@@ -30,6 +31,11 @@ class Gait {
   /// allocation.
   void postures(std::span<const float> phases, std::span<const float> speeds_mps,
                 std::span<const float> scales, std::span<float> rows) const;
+
+  /// The same for avatars of one model that walk in styles of their own: a gait each.
+  static void postures(std::span<const Gait* const> gaits, std::span<const float> phases,
+                       std::span<const float> speeds_mps, std::span<const float> scales,
+                       std::span<float> rows);
 
   /// Writes a box each that holds every part in the posture that postures() gives for the same
   /// phase, speed and scale; looked up, not computed. No allocation.

@@ -67,9 +67,9 @@ PeriodicCurve thorax_curve(double rv) {
 // soon after toe-off, level again at 0.86, 21 at 0.95. Its scale with speed is that of the stride,
 // sqrt(RV). The foot here has no toe joint: rolling over its tip to 45 degrees lifts the ankle as
 // far as rolling over the ball to the measured 58.
-PeriodicCurve foot_pitch_curve(double rv) {
-  const double stride = std::sqrt(rv);
-  const double toe_off = stance_fraction(rv);
+PeriodicCurve foot_pitch_curve(double rv, GaitStyle style) {
+  const double stride = figures_of(style).stride * std::sqrt(rv);
+  const double toe_off = stance_fraction(rv, style);
   return curve_of_degrees({{0, 16 * stride},
                            {0.09, 0},
                            {0.57 * toe_off, 0},
@@ -108,33 +108,45 @@ double PeriodicCurve::operator()(double t) const {
          knots_[i + 1].value * u * u * (1 + 2 * v) - slopes_[i + 1] * h * u * u * v;
 }
 
-double stance_fraction(double relative_speed) {
+double stance_fraction(double relative_speed, GaitStyle style) {
   // (0.752 T - 0.143 s) / T with T = 1.346 / sqrt(RV)
-  return 0.752 - 0.143 / kStridePerRootSpeed * std::sqrt(relative_speed);
+  return 0.752 - 0.143 / kStridePerRootSpeed * std::sqrt(relative_speed) +
+         figures_of(style).stance_more;
 }
 
-GaitCurves::GaitCurves(double relative_speed)
+double stride_per_root_speed(GaitStyle style) {
+  return figures_of(style).stride * kStridePerRootSpeed;
+}
+
+GaitCurves::GaitCurves(double relative_speed, GaitStyle style)
     : relative_speed_(relative_speed),
+      style_(&figures_of(style)),
       knee_(knee_curve(relative_speed)),
       elbow_(elbow_curve(relative_speed)),
       thorax_(thorax_curve(relative_speed)),
-      foot_pitch_(foot_pitch_curve(relative_speed)) {
+      foot_pitch_(foot_pitch_curve(relative_speed, style)) {
   assert(relative_speed >= 0 && relative_speed <= kFastest + 1e-9);
 }
 
+double GaitCurves::elbow_flexion(double t) const {
+  return style_->arm_swing * elbow_(t) + style_->elbow_bent_deg * kDegree;
+}
+
 double GaitCurves::shoulder_flexion(double t) const {
-  const double amplitude = 9.88 * relative_speed_;
-  return (3 - amplitude / 2 - amplitude * sin_cos(kTurn * t).cos) * kDegree;
+  const double amplitude = style_->arm_swing * 9.88 * relative_speed_;
+  return (3 + style_->shoulder_ahead_deg - amplitude / 2 - amplitude * sin_cos(kTurn * t).cos) *
+         kDegree;
 }
 
 double GaitCurves::pelvis_yaw(double t) const {
-  return 4 * relative_speed_ * sin_cos(kTurn * t).cos * kDegree;
+  return style_->twist * 4 * relative_speed_ * sin_cos(kTurn * t).cos * kDegree;
 }
 
 double GaitCurves::pelvis_pitch(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
   const double amplitude = 8 * rv * (1 - rv);
-  return (amplitude - amplitude * sin_cos(kTurn * (2 * t - 0.1)).sin) * kDegree;
+  const double lean_deg = style_->lean_deg * slow_share(relative_speed_);
+  return (amplitude - amplitude * sin_cos(kTurn * (2 * t - 0.1)).sin + lean_deg) * kDegree;
 }
 
 double GaitCurves::pelvis_roll(double t) const {
@@ -143,12 +155,12 @@ double GaitCurves::pelvis_roll(double t) const {
   const double half = t < 0.5 ? t : t - 0.5;
   const double drop = half < 0.15 ? 1 - sin_cos(kTurn * half / 0.3).cos
                                   : 1 + sin_cos(kTurn * (half - 0.15) / 0.7).cos;
-  return (t < 0.5 ? -1 : 1) * kRollShare * 1.66 * relative_speed_ * drop * kDegree;
+  return (t < 0.5 ? -1 : 1) * style_->sway * kRollShare * 1.66 * relative_speed_ * drop * kDegree;
 }
 
 double GaitCurves::pelvis_lateral(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
-  return -0.128 * rv * (1 - rv) * sin_cos(kTurn * (t - 0.1)).sin;
+  return -style_->sway * 0.128 * rv * (1 - rv) * sin_cos(kTurn * (t - 0.1)).sin;
 }
 
 }  // namespace throng

@@ -10,6 +10,8 @@
 #include <array>
 #include <span>
 
+#include "avatars/gait_style.h"
+
 namespace throng {
 
 /// A periodic function of the cycle fraction: a monotone cubic (Fritsch & Butland 1984) through its
@@ -38,17 +40,20 @@ class PeriodicCurve {
 inline constexpr double kStridePerRootSpeed = 1.346;
 
 /// The fraction of the cycle that a foot spends on the ground.
-double stance_fraction(double relative_speed);
+double stance_fraction(double relative_speed, GaitStyle style = GaitStyle::kPlain);
+
+/// Cycle length in leg lengths, over sqrt(RV).
+double stride_per_root_speed(GaitStyle style);
 
 /// The curves of one speed. Angles in radians, phase as cycle fraction, 0 = heel strike of the side
 /// asked for (the right one where the trunk is concerned).
 class GaitCurves {
  public:
   /// relative_speed: RV, leg lengths a second, in [0, 3].
-  explicit GaitCurves(double relative_speed);
+  explicit GaitCurves(double relative_speed, GaitStyle style = GaitStyle::kPlain);
 
   double knee_flexion(double t) const { return knee_(t); }
-  double elbow_flexion(double t) const { return elbow_(t); }
+  double elbow_flexion(double t) const;
   /// Positive forward, so backward at heel strike of the same side.
   double shoulder_flexion(double t) const;
   /// Pitch of the sole, toes up positive; zero while the foot is flat.
@@ -61,11 +66,13 @@ class GaitCurves {
   double pelvis_lateral(double t) const;  ///< in leg lengths, positive to the left
   /// Amplitude of the pelvis's rise and fall, in leg lengths.
   double largest_bob() const { return 0.015 * relative_speed_; }
+  const StyleFigures& style() const { return *style_; }
   /// Of the thorax against the root, opposite to the pelvis.
-  double thorax_yaw(double t) const { return -thorax_(t); }
+  double thorax_yaw(double t) const { return -style_->twist * thorax_(t); }
 
  private:
   double relative_speed_;
+  const StyleFigures* style_;
   PeriodicCurve knee_, elbow_, thorax_, foot_pitch_;
 };
 

@@ -92,11 +92,11 @@ struct Walker::Instant {
   std::array<Foot, 2> feet;
 };
 
-std::optional<Walker> Walker::find(const PosableModel& model) {
+std::optional<Walker> Walker::find(const PosableModel& model, GaitStyle style) {
   std::optional<Leg> right = Leg::find(model, "right"), left = Leg::find(model, "left");
   const int vertical = model.joint_of("pelvis_vertical");
   if (!right || !left || vertical < 0 || model.column_of_joint(vertical) < 0) return std::nullopt;
-  Walker walker(model, std::move(*right), std::move(*left));
+  Walker walker(model, style, std::move(*right), std::move(*left));
   const Robot& robot = model.model().robot;
   std::vector<Isometry3d> zero;
   model.pose(std::vector<double>(static_cast<size_t>(model.model().kinematics.column_count()), 0.0),
@@ -134,7 +134,7 @@ Walker::Instant Walker::instant(const GaitCurves& curves, const std::array<Step,
     double own = t + 0.5 * static_cast<double>(side);
     own -= std::floor(own);
     set(columns, name + "_shoulder_flexion", curves.shoulder_flexion(own));
-    set(columns, name + "_shoulder_abduction", kArmsOut);
+    set(columns, name + "_shoulder_abduction", kArmsOut + curves.style().arms_out_deg * kDegree);
     set(columns, name + "_elbow_flexion", curves.elbow_flexion(own));
     const Step& step = steps[side];
     now.feet[side] = {step.track(own),
@@ -251,21 +251,23 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
 
 std::vector<std::vector<double>> Walker::cycle(double relative_speed, int n) const {
   assert(n > 0 && n % 2 == 0);
-  const GaitCurves curves(relative_speed);
+  const GaitCurves curves(relative_speed, style_);
+  const StyleFigures& figures = curves.style();
   const double root_speed = std::sqrt(relative_speed);
   const double walking = smooth(root_speed);
 
   std::array<Step, 2> steps;
   for (size_t side = 0; side < 2; ++side) {
     const Leg& leg = legs_[side];
-    const double width = 1 - walking * (1 - kStepWidthShare);
+    const double width = 1 - walking * (1 - figures.step_width * kStepWidthShare);
+    const double toes_out = kToeOut + walking * figures.toes_out_deg * kDegree;
     steps[side] = {&curves,
                    &leg,
-                   kStridePerRootSpeed * root_speed * leg_length_m(),
-                   stance_fraction(relative_speed),
-                   kClearance * std::min(root_speed, 1.0) * leg_length_m(),
+                   stride_per_root_speed(style_) * root_speed * leg_length_m(),
+                   stance_fraction(relative_speed, style_),
+                   figures.lift * kClearance * std::min(root_speed, 1.0) * leg_length_m(),
                    leg.ankle_m().y() * width,
-                   side == 0 ? -kToeOut : kToeOut};
+                   side == 0 ? -toes_out : toes_out};
   }
   std::vector<Instant> instants;
   instants.reserve(static_cast<size_t>(n));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "avatars/gait_leg.h"
+#include "avatars/gait_style.h"
 
 namespace throng {
 
@@ -16,17 +17,18 @@ class GaitCurves;
 class Walker {
  public:
   /// Empty if the model is no walker: two legs (see Leg) under a pelvis that moves up and down.
-  static std::optional<Walker> find(const PosableModel& model);
+  static std::optional<Walker> find(const PosableModel& model, GaitStyle style);
 
   double leg_length_m() const { return legs_[0].length_m(); }
+  GaitStyle style() const { return style_; }
 
   /// Postures at phases 0, 1/n, ... of a cycle; n even. relative_speed in leg lengths a second, in
   /// [0, 3]; 0 stands still. Angles are inside the joints' limits.
   std::vector<std::vector<double>> cycle(double relative_speed, int n) const;
 
  private:
-  Walker(const PosableModel& model, Leg right, Leg left)
-      : model_(&model), legs_{std::move(right), std::move(left)} {}
+  Walker(const PosableModel& model, GaitStyle style, Leg right, Leg left)
+      : model_(&model), style_(style), legs_{std::move(right), std::move(left)} {}
 
   struct Step;
   struct Instant;
@@ -35,6 +37,7 @@ class Walker {
   void set(std::vector<double>& columns, const std::string& joint, double value) const;
 
   const PosableModel* model_;
+  GaitStyle style_;
   std::array<Leg, 2> legs_;  // right, left
   int pelvis_link_ = -1;
   int vertical_column_ = -1;

@@ -36,10 +36,6 @@ Kinds kinds_of(const Scene& scene) {
   return kinds;
 }
 
-RootSphere gait_sphere(const Gait& gait) {
-  return {gait.sphere_centre_m(), gait.sphere_radius_m(), gait.upright_radius_m()};
-}
-
 RootSphere driven_sphere(const Model& model) {
   const float reach_m = reach_of(model) + kSphereSlack_m;
   return {Eigen::Vector3f::Zero(), reach_m, reach_m};

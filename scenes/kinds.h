@@ -23,8 +23,6 @@ struct Kinds {
 /// are its own. Throws InputError if a model has no parts or too many.
 Kinds kinds_of(const Scene& scene);
 
-/// Around every posture of a gait.
-RootSphere gait_sphere(const Gait& gait);
 /// Around every posture at all.
 RootSphere driven_sphere(const Model& model);
 

@@ -1,4 +1,4 @@
-// Who walks: how fast and how tall people of an age are.
+// Who walks: how fast, how tall and in which style people of an age walk.
 // One rule: what a person is like follows from the group and from random numbers of that person
 // alone.
 #pragma once
@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "avatars/gait_style.h"
 #include "base/random.h"
 
 namespace throng {
@@ -30,15 +31,19 @@ double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpos
 enum class Age : uint8_t { kAdult, kChild, kYoung, kMiddleAged, kElderly, kImpaired };
 inline constexpr size_t kAgeCount = 6;
 
+/// How many walk in each style, relative to the others; at least one is above 0.
+using StyleShares = std::array<double, kGaitStyleCount>;
+
 /// What people of an age are like.
 struct AgeGroup {
   std::string_view name;   ///< in scene files
   Distribution speed_mps;  ///< free speed
   Distribution height_m;
+  StyleShares styles;
 };
 
 /// Free speeds lie in the ranges of Weidmann (1993) that RiMEA test 7 uses: their middle, a quarter
-/// of their width. people.cpp tells where heights come from.
+/// of their width. people.cpp tells where heights and styles come from.
 const AgeGroup& age_group(Age age);
 
 /// How many of each age, relative to the others; at least one is above 0.
@@ -54,5 +59,12 @@ std::optional<Age> only_age(const AgeShares& shares);
 
 /// The age of a person: each as often as its share.
 Age draw_age(const AgeShares& shares, uint64_t seed, uint64_t id);
+
+/// Names of styles in scene files, by GaitStyle.
+const std::vector<std::string>& style_names();
+/// Everybody in the style of this name, if there is one.
+std::optional<StyleShares> styles_of(std::string_view word);
+/// The style of a person: each as often as its share.
+GaitStyle draw_style(const StyleShares& shares, uint64_t seed, uint64_t id);
 
 }  // namespace throng

@@ -23,10 +23,30 @@ std::span<float> scratch_rows(size_t floats) {
 
 }  // namespace
 
-Posing::Posing(std::vector<std::shared_ptr<const Model>> models, const BodyStates& states)
-    : models_(std::move(models)), states_(states) {
-  gaits_.reserve(models_.size());
-  for (const auto& model : models_) gaits_.emplace_back(*model);
+Posing::Posing(std::vector<std::shared_ptr<const Model>> models, std::span<const Styles> styles,
+               const BodyStates& states, Workers& workers)
+    : models_(std::move(models)), gaits_(models_.size()), states_(states) {
+  assert(styles.size() == models_.size());
+  constexpr int kStyles = static_cast<int>(kGaitStyleCount);
+  workers.for_blocks(static_cast<int>(models_.size()) * kStyles, [&](int index, int) {
+    const auto model = static_cast<size_t>(index / kStyles);
+    const auto style = static_cast<size_t>(index % kStyles);
+    if (style > 0 && !styles[model][style]) return;
+    gaits_[model][style] =
+        std::make_unique<const Gait>(*models_[model], static_cast<GaitStyle>(style));
+  });
+}
+
+RootSphere Posing::sphere(size_t model) const {
+  const Gait& plain = *gaits_[model].front();
+  RootSphere sphere{plain.sphere_centre_m(), 0, 0};
+  for (const std::unique_ptr<const Gait>& gait : gaits_[model]) {
+    if (gait == nullptr) continue;
+    const float apart_m = (gait->sphere_centre_m() - sphere.centre_m).norm();
+    sphere.radius_m = std::max(sphere.radius_m, gait->sphere_radius_m() + apart_m);
+    sphere.upright_radius_m = std::max(sphere.upright_radius_m, gait->upright_radius_m());
+  }
+  return sphere;
 }
 
 void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offsets) {
@@ -35,20 +55,19 @@ void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offse
 }
 
 void Posing::postures(uint32_t first, uint32_t count, std::span<float> rows) const {
-  const Gait& gait = gaits_[states_.types[first]];
-  if (is_held(first)) {
-    const auto columns = static_cast<size_t>(gait.column_count());
-    for (size_t i = 0; i < count; ++i)
-      std::copy_n(states_.held_rows[first + i], columns, rows.data() + i * columns);
-    return;
+  const auto columns = static_cast<size_t>(column_count(states_.types[first]));
+  for (uint32_t id = first; id < first + count; ++id, rows = rows.subspan(columns)) {
+    if (is_held(id))
+      std::copy_n(states_.held_rows[id], columns, rows.data());
+    else
+      gait_of(id).postures({&states_.phases[id], 1}, {&states_.speeds_mps[id], 1},
+                           {&states_.scales[id], 1}, rows.first(columns));
   }
-  gait.postures({states_.phases.data() + first, count}, {states_.speeds_mps.data() + first, count},
-                {states_.scales.data() + first, count}, rows);
 }
 
 void Posing::gather_rows(std::span<const uint32_t> bodies, size_t type,
                          std::span<float> rows) const {
-  const auto columns = static_cast<size_t>(gaits_[type].column_count());
+  const auto columns = static_cast<size_t>(column_count(type));
   if (!rows_.empty()) {
     for (size_t i = 0; i < bodies.size(); ++i)
       std::copy_n(rows_.begin() + static_cast<ptrdiff_t>(row_offsets_[bodies[i]]), columns,
@@ -60,16 +79,18 @@ void Posing::gather_rows(std::span<const uint32_t> bodies, size_t type,
       std::copy_n(states_.held_rows[bodies[i]], columns, rows.data() + i * columns);
     return;
   }
+  std::array<const Gait*, kMaxBatch> gaits;
   std::array<float, kMaxBatch> phases;
   std::array<float, kMaxBatch> speeds;
   std::array<float, kMaxBatch> scales;
   for (size_t i = 0; i < bodies.size(); ++i) {
+    gaits[i] = &gait_of(bodies[i]);
     phases[i] = states_.phases[bodies[i]];
     speeds[i] = states_.speeds_mps[bodies[i]];
     scales[i] = states_.scales[bodies[i]];
   }
-  gaits_[type].postures({phases.data(), bodies.size()}, {speeds.data(), bodies.size()},
-                        {scales.data(), bodies.size()}, rows);
+  Gait::postures({gaits.data(), bodies.size()}, {phases.data(), bodies.size()},
+                 {speeds.data(), bodies.size()}, {scales.data(), bodies.size()}, rows);
 }
 
 void Posing::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
@@ -93,7 +114,7 @@ void Posing::poses_of(std::span<const uint32_t> bodies, std::span<PartPose> out)
     return;
   }
   const auto start = Clock::now();
-  const auto columns = static_cast<size_t>(gaits_[type].column_count());
+  const auto columns = static_cast<size_t>(column_count(type));
   const std::span<float> rows = scratch_rows(bodies.size() * columns);
   gather_rows(bodies, type, rows);
   const auto posed = Clock::now();
@@ -110,8 +131,8 @@ void Posing::bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) co
     const uint32_t body = view_.empty() ? bodies[i] : view_[bodies[i]];
     const size_t type = states_.types[body];
     if (type < models_.size() && !(body < states_.phases.size() && is_held(body))) {
-      gaits_[type].bounds({&states_.phases[body], 1}, {&states_.speeds_mps[body], 1},
-                          {&states_.scales[body], 1}, {&out[i], 1});
+      gait_of(body).bounds({&states_.phases[body], 1}, {&states_.speeds_mps[body], 1},
+                           {&states_.scales[body], 1}, {&out[i], 1});
     } else {
       out[i] = {};  // an obstacle, or joints that the gait knows nothing of: the sphere has to do
     }

@@ -2,7 +2,9 @@
 // One rule: what a body gets depends on its own state only, never on who is asked for with it.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <bitset>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -10,6 +12,7 @@
 
 #include "avatars/gait.h"
 #include "avatars/model.h"
+#include "base/workers.h"
 #include "culling/culler.h"
 
 namespace throng {
@@ -23,16 +26,27 @@ struct BodyStates {
   /// The posture row of an avatar that something outside moves, null for others; empty if there are
   /// none.
   std::vector<const float*> held_rows;
+  std::vector<GaitStyle> styles;  ///< empty: everybody walks plainly
   std::vector<float> phases;
   std::vector<float> speeds_mps;
 };
 
 class Posing : public PoseSource {
  public:
-  /// Keeps a reference to `states`. Tabulates a gait for each model.
-  Posing(std::vector<std::shared_ptr<const Model>> models, const BodyStates& states);
+  /// The styles that walkers of a model have.
+  using Styles = std::bitset<kGaitStyleCount>;
 
-  const Gait& gait(size_t model) const { return gaits_[model]; }
+  /// Keeps a reference to `states`. Tabulates the gaits of each model: the plain one and those in
+  /// `styles`, by model.
+  Posing(std::vector<std::shared_ptr<const Model>> models, std::span<const Styles> styles,
+         const BodyStates& states, Workers& workers);
+
+  /// Of an avatar.
+  const Gait& gait_of(uint32_t body) const { return *gaits_[states_.types[body]][style_of(body)]; }
+  /// Every posture row of a model has so many floats.
+  int column_count(size_t model) const { return gaits_[model][0]->column_count(); }
+  /// Around every posture of every style of a model's walkers.
+  RootSphere sphere(size_t model) const;
   const Model& model(size_t model) const { return *models_[model]; }
 
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
@@ -58,13 +72,17 @@ class Posing : public PoseSource {
 
  private:
   void poses_of(std::span<const uint32_t> bodies, std::span<PartPose> out) const;
+  size_t style_of(uint32_t body) const {
+    return states_.styles.empty() ? 0 : static_cast<size_t>(states_.styles[body]);
+  }
   bool is_held(uint32_t body) const {
     return !states_.held_rows.empty() && states_.held_rows[body] != nullptr;
   }
   void gather_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const;
 
   std::vector<std::shared_ptr<const Model>> models_;
-  std::vector<Gait> gaits_;
+  using Gaits = std::array<std::unique_ptr<const Gait>, kGaitStyleCount>;
+  std::vector<Gaits> gaits_;  ///< by model; of styles that nobody has, null
   const BodyStates& states_;
   std::span<const uint32_t> view_;
   std::span<const float> rows_;

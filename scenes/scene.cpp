@@ -203,27 +203,46 @@ class SceneReader {
       group.speed_mps = read_distribution(file_, *node, "speed_mps", base.speed_mps, kSpeedRange);
     if (const YamlNode* node = fields.find("height_m"))
       group.height_m = read_distribution(file_, *node, "height_m", base.height_m, kHeightRange);
+    if (const YamlNode* node = fields.find("styles")) group.styles = read_styles(fields, *node);
   }
 
   AgeShares read_ages(Fields& fields, const YamlNode& node) {
-    if (node.kind != YamlNode::Kind::kMap) {
-      const std::optional<AgeShares> named = ages_of(node.scalar);
-      if (named && node.kind == YamlNode::Kind::kScalar) return *named;
-      std::vector<std::string> words = age_names();
-      words.emplace_back("mixed");
-      throw InputError(fields.where(node),
-                       fmt::format("ages ({}) or a map of shares", list_of(words)),
-                       describe(node) + did_you_mean(node.scalar, words));
-    }
-    Fields shares(file_, node, "ages");
-    shares.expect_keys(keys_of("ages"));
-    AgeShares ages{};
-    for (size_t age = 0; age < kAgeCount; ++age)
-      ages[age] = shares.number_or(age_names()[age], kShareRange, 0);
-    shares.done();
-    if (std::all_of(ages.begin(), ages.end(), [](double share) { return share == 0; }))
-      throw InputError(at_line(file_, node.line), "a share above 0 in ages", "none");
-    return ages;
+    if (node.kind == YamlNode::Kind::kMap) return read_shares<AgeShares>(node, "ages");
+    const std::optional<AgeShares> named = ages_of(node.scalar);
+    if (named && node.kind == YamlNode::Kind::kScalar) return *named;
+    std::vector<std::string> words = age_names();
+    words.emplace_back("mixed");
+    refuse_word(fields, node, "ages", words);
+  }
+
+  StyleShares read_styles(Fields& fields, const YamlNode& node) {
+    if (node.kind == YamlNode::Kind::kMap) return read_shares<StyleShares>(node, "styles");
+    const std::optional<StyleShares> named = styles_of(node.scalar);
+    if (named && node.kind == YamlNode::Kind::kScalar) return *named;
+    refuse_word(fields, node, "styles", style_names());
+  }
+
+  [[noreturn]] void refuse_word(Fields& fields, const YamlNode& node, const std::string& what,
+                                const std::vector<std::string>& words) {
+    throw InputError(fields.where(node),
+                     fmt::format("{} ({}) or a map of shares", what, list_of(words)),
+                     describe(node) + did_you_mean(node.scalar, words));
+  }
+
+  /// A map of shares, in the order of its keys.
+  template <typename Shares>
+  Shares read_shares(const YamlNode& node, const std::string& what) {
+    Fields fields(file_, node, what);
+    const std::vector<std::string>& names = keys_of(what);
+    fields.expect_keys(names);
+    Shares shares{};
+    for (size_t i = 0; i < shares.size(); ++i)
+      shares[i] = fields.number_or(names[i], kShareRange, 0);
+    fields.done();
+    if (std::all_of(shares.begin(), shares.end(), [](double share) { return share == 0; }))
+      throw InputError(at_line(file_, node.line), fmt::format("a share above 0 in {}", what),
+                       "none");
+    return shares;
   }
 
   void require_few(const YamlNode& node, int64_t bodies) {
@@ -409,6 +428,10 @@ uint64_t content_hash_of(const Scene& scene) {
     if (group.ages != kAdultsOnly) {
       hash.add("ages").add(uint64_t{!group.speed_mps}).add(uint64_t{!group.height_m});
       for (const double share : group.ages) hash.add(share);
+    }
+    if (group.styles) {
+      hash.add("styles");
+      for (const double share : *group.styles) hash.add(share);
     }
     hash.add(group.radius_m);
     if (!group.driven.empty()) hash.add("driven").add(group.driven);

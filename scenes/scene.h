@@ -73,6 +73,7 @@ struct Group {
   AgeShares ages = kAdultsOnly;
   std::optional<Distribution> speed_mps;  ///< free speed; none: by age
   std::optional<Distribution> height_m;   ///< none: by age
+  std::optional<StyleShares> styles;      ///< of walking; none: by age
   double radius_m = 0;                    ///< of the steering disc; 0: from the height
   /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
   /// goal, its spawn area, and no sources.

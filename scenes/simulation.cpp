@@ -79,6 +79,13 @@ std::optional<BoxWorld> box_of(const Scene& scene,
                             static_cast<size_t>(box.static_every));
 }
 
+std::vector<Posing::Styles> styles_by_kind(const Kinds& kinds, const Spawned& spawned) {
+  std::vector<Posing::Styles> styles(kinds.models.size());
+  for (const Person& person : spawned.people)
+    styles[kinds.of_group[person.group]].set(static_cast<size_t>(person.style));
+  return styles;
+}
+
 }  // namespace
 
 struct Simulation::State {
@@ -146,15 +153,15 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
             workers),
       box(box_of(scene, models)),
       avatars(box ? box->size() : crowd.size()),
-      posing(models, bodies) {
+      posing(models, styles_by_kind(kinds, spawned), bodies, workers) {
   place_bodies();
   describe_run();
   cut_blocks();
   place_driven();
   std::vector<std::shared_ptr<const BodyType>> types;
   for (size_t i = 0; i < models.size(); ++i)
-    types.push_back(body_type(
-        *models[i], is_driven_kind[i] ? driven_sphere(*models[i]) : gait_sphere(posing.gait(i))));
+    types.push_back(
+        body_type(*models[i], is_driven_kind[i] ? driven_sphere(*models[i]) : posing.sphere(i)));
   for (const Obstacle& obstacle : scene.obstacles) types.push_back(obstacle_type(obstacle));
   CullerOptions culling;
   culling.part_volume = scene.part_volume;
@@ -196,6 +203,7 @@ void Simulation::State::place_people() {
     bodies.scales.push_back(
         static_cast<float>(person.height_m / static_cast<double>(body->height_m)));
     bodies.phases.push_back(static_cast<float>(person.phase));
+    bodies.styles.push_back(person.style);
   }
 }
 
@@ -278,7 +286,7 @@ void Simulation::State::cut_blocks() {
                            bodies.types[blocks.back().first] == bodies.types[id];
     if (!continues) blocks.push_back({id, 0});
     ++blocks.back().count;
-    const auto columns = static_cast<size_t>(posing.gait(bodies.types[id]).column_count());
+    const auto columns = static_cast<size_t>(posing.column_count(bodies.types[id]));
     posture_offsets.push_back(posture_offsets.back() + columns);
   }
   if (options.postures) postures.resize(posture_offsets.back());
@@ -303,7 +311,6 @@ void Simulation::State::update_bodies(bool moved) {
   if (box) return update_parts();
   workers.for_blocks(static_cast<int>(blocks.size()), [&](int index, int) {
     const Block& block = blocks[static_cast<size_t>(index)];
-    const Gait& gait = posing.gait(bodies.types[block.first]);
     for (uint32_t id = block.first; id < block.first + block.count; ++id) {
       const Eigen::Vector2d& position = crowd.positions_m()[id];
       bodies.roots[id].position_m = {position.x(), position.y(), 0};
@@ -312,8 +319,8 @@ void Simulation::State::update_bodies(bool moved) {
       if (crowd.journeys().doing(id) == Doing::kGone) continue;
       bodies.speeds_mps[id] = static_cast<float>(crowd.velocities_mps()[id].norm());
       if (!moved) continue;
-      const double stride_m =
-          static_cast<double>(gait.stride_length_m(bodies.speeds_mps[id], bodies.scales[id]));
+      const double stride_m = static_cast<double>(
+          posing.gait_of(id).stride_length_m(bodies.speeds_mps[id], bodies.scales[id]));
       const double phase = static_cast<double>(bodies.phases[id]) + crowd.walked_m()[id] / stride_m;
       // Rounding to float must not turn 0.99999999 into 1.
       const auto wrapped = static_cast<float>(phase - std::floor(phase));

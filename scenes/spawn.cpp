@@ -110,6 +110,8 @@ Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
   person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
   person.radius_m = group.radius_m > 0 ? group.radius_m : disc_radius_m(person.height_m);
   person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
+  if (group.driven.empty())
+    person.style = draw_style(group.styles.value_or(age.styles), scene.seed, id);
   return person;
 }
 

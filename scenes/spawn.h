@@ -22,7 +22,8 @@ struct Person {
   double radius_m = 0;                                 ///< of the steering disc
   double height_m = 0;
   double free_speed_mps = 0;
-  double phase = 0;    ///< of the gait cycle, in [0, 1)
+  double phase = 0;  ///< of the gait cycle, in [0, 1)
+  GaitStyle style = GaitStyle::kPlain;
   double delay_s = 0;  ///< stands still for so long after entering
   /// Index into Ways::entrances() of somebody who enters later, at enters_s or as soon as there is
   /// room after that; until then the place is the middle of that area.

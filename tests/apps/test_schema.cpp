@@ -154,6 +154,8 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
       {"a share of an age that is none", with_group(goals + ", ages: {old: 1}")},
       {"a negative share", with_group(goals + ", ages: {young: -1}")},
       {"ages of nobody", with_group(goals + ", ages: {}")},
+      {"a style that is none", with_group(goals + ", styles: silly")},
+      {"a share of a style that is none", with_group(goals + ", styles: {silly: 1}")},
       {"a radius too wide", with_group(goals + ", radius_m: 2")},
       {"a corner of one number", with_group("goals: [{min_m: [15], max_m: [19, 9]}]")},
       {"an obstacle of no kind", kGround + kGroup + "obstacles: [{position_m: [5, 5]}]\n"},
@@ -189,6 +191,7 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
       "    on_arrival: leave\n"
       "    delay_s: {mean: 2, deviation: 1, min: 0, max: 5}\n"
       "    ages: {young: 1/2, elderly: 1}\n"
+      "    styles: {plain: 3, brisk: 1}\n"
       "    speed_mps: {mean: 1.2, deviation: 0.1, min: 1, max: 1.5}\n"
       "    height_m: 1.8\n    radius_m: 0.2\n"
       "obstacles:\n"
@@ -215,6 +218,7 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
   EXPECT_EQ(group.on_arrival, OnArrival::kLeave);
   EXPECT_EQ(group.delay_s.max, 5);
   EXPECT_EQ(group.ages, (AgeShares{0, 0, 0.5, 0, 1, 0}));
+  EXPECT_EQ(group.styles, (StyleShares{3, 0, 1, 0, 0, 0}));
 }
 
 }  // namespace

@@ -14,17 +14,28 @@ namespace throng::test {
 
 class Walking {
  public:
-  Walking() : model(load_model(adult_urdf())), gait(*model) {
+  explicit Walking(GaitStyle style_in = GaitStyle::kPlain)
+      : style(style_in), model(load_model(adult_urdf())), gait(*model, style) {
     for (const Part& part : model->parts) {
       if (part.name == "rightFoot") right_foot = static_cast<size_t>(&part - model->parts.data());
       if (part.name == "leftFoot") left_foot = static_cast<size_t>(&part - model->parts.data());
     }
   }
 
-  static const Walking& adult() {
-    static const Walking walking;
-    return walking;
+  static const Walking& adult() { return styles()[0]; }
+
+  /// The adult in every style.
+  static std::span<const Walking> styles() {
+    static const std::vector<Walking> all = [] {
+      std::vector<Walking> walkings;
+      for (size_t i = 0; i < kGaitStyleCount; ++i) walkings.emplace_back(static_cast<GaitStyle>(i));
+      return walkings;
+    }();
+    return all;
   }
+
+  /// Of the style, for messages.
+  std::string name() const { return std::string(figures_of(style).name); }
 
   std::vector<float> posture(float phase, float speed_mps, float scale = 1) const {
     std::vector<float> row(static_cast<size_t>(gait.column_count()));
@@ -55,6 +66,7 @@ class Walking {
     return found;
   }
 
+  GaitStyle style;
   std::shared_ptr<const Model> model;
   Gait gait;
   size_t right_foot = 0, left_foot = 0;

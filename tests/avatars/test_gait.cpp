@@ -24,34 +24,42 @@ float random_float(uint32_t index, float low, float high) {
 }
 
 TEST(Gait, StaysInsideTheJointLimits) {
-  const Walking& walking = Walking::adult();
-  const std::vector<JointColumn>& columns = walking.model->kinematics.columns();
-  for (float speed = 0; speed < 4; speed += 0.04f)
-    for (int i = 0; i < 211; ++i) {
-      const float phase = static_cast<float>(i) / 211;
-      const std::vector<float> row = walking.posture(phase, speed);
-      for (size_t c = 0; c < row.size(); ++c) {
-        ASSERT_GE(row[c], columns[c].lower) << columns[c].name << " at " << speed << ", " << phase;
-        ASSERT_LE(row[c], columns[c].upper) << columns[c].name << " at " << speed << ", " << phase;
+  for (const Walking& walking : Walking::styles()) {
+    SCOPED_TRACE(walking.name());
+    const std::vector<JointColumn>& columns = walking.model->kinematics.columns();
+    for (float speed = 0; speed < 4; speed += 0.04f)
+      for (int i = 0; i < 211; ++i) {
+        const float phase = static_cast<float>(i) / 211;
+        const std::vector<float> row = walking.posture(phase, speed);
+        for (size_t c = 0; c < row.size(); ++c) {
+          ASSERT_GE(row[c], columns[c].lower)
+              << columns[c].name << " at " << speed << ", " << phase;
+          ASSERT_LE(row[c], columns[c].upper)
+              << columns[c].name << " at " << speed << ", " << phase;
+        }
       }
-    }
+  }
 }
 
 TEST(Gait, LeftIsRightHalfACycleLater) {
-  const Walking& walking = Walking::adult();
-  for (const float speed : {0.3f, 1.0f, 1.34f, 2.0f})
-    for (int i = 0; i < 64; ++i) {
-      const float phase = static_cast<float>(i) / 64;
-      const std::vector<float> now = walking.posture(phase, speed);
-      const std::vector<float> later = walking.posture(phase + (i < 32 ? 0.5f : -0.5f), speed);
-      for (const char* joint : {"_hip_flexion", "_hip_adduction", "_hip_rotation", "_knee_flexion",
-                                "_ankle_flexion", "_shoulder_flexion", "_elbow_flexion"}) {
-        const std::string name = joint;
-        // Rotations are about one axis on both sides, or about mirrored ones: internal positive.
-        EXPECT_NEAR(later[walking.column("left" + name)], now[walking.column("right" + name)], 2e-4)
-            << joint << " at " << speed << " m/s, phase " << phase;
+  for (const Walking& walking : Walking::styles()) {
+    SCOPED_TRACE(walking.name());
+    for (const float speed : {0.3f, 1.0f, 1.34f, 2.0f})
+      for (int i = 0; i < 64; ++i) {
+        const float phase = static_cast<float>(i) / 64;
+        const std::vector<float> now = walking.posture(phase, speed);
+        const std::vector<float> later = walking.posture(phase + (i < 32 ? 0.5f : -0.5f), speed);
+        for (const char* joint :
+             {"_hip_flexion", "_hip_adduction", "_hip_rotation", "_knee_flexion", "_ankle_flexion",
+              "_shoulder_flexion", "_elbow_flexion"}) {
+          const std::string name = joint;
+          // Rotations are about one axis on both sides, or about mirrored ones: internal positive.
+          EXPECT_NEAR(later[walking.column("left" + name)], now[walking.column("right" + name)],
+                      2e-4)
+              << joint << " at " << speed << " m/s, phase " << phase;
+        }
       }
-    }
+  }
 }
 
 TEST(Gait, StandsStillAndUprightAtSpeedZero) {
@@ -68,36 +76,41 @@ TEST(Gait, StandsStillAndUprightAtSpeedZero) {
 }
 
 TEST(Gait, RepeatsAndNeverJumps) {
-  const Walking& walking = Walking::adult();
-  // Nothing in a walking body turns faster than 12 radians a cycle: a knee in swing, 60 degrees in
-  // a tenth of it.
-  constexpr float kFastest = 15, kStep = 1.0f / 2000;
-  for (const float speed : {0.1f, 0.5f, 1.34f, 2.2f}) {
-    std::vector<float> before = walking.posture(1 - kStep, speed);
-    for (int i = 0; i < 2000; ++i) {
-      const std::vector<float> now = walking.posture(static_cast<float>(i) * kStep, speed);
-      for (size_t c = 0; c < now.size(); ++c)
-        ASSERT_NEAR(now[c], before[c], kFastest * kStep)
-            << walking.model->kinematics.columns()[c].name << " at " << speed << " m/s, step " << i;
-      before = now;
+  for (const Walking& walking : Walking::styles()) {
+    SCOPED_TRACE(walking.name());
+    // Nothing in a walking body turns faster than 12 radians a cycle: a knee in swing, 60 degrees
+    // in a tenth of it.
+    constexpr float kFastest = 15, kStep = 1.0f / 2000;
+    for (const float speed : {0.1f, 0.5f, 1.34f, 2.2f}) {
+      std::vector<float> before = walking.posture(1 - kStep, speed);
+      for (int i = 0; i < 2000; ++i) {
+        const std::vector<float> now = walking.posture(static_cast<float>(i) * kStep, speed);
+        for (size_t c = 0; c < now.size(); ++c)
+          ASSERT_NEAR(now[c], before[c], kFastest * kStep)
+              << walking.model->kinematics.columns()[c].name << " at " << speed << " m/s, step "
+              << i;
+        before = now;
+      }
     }
   }
 }
 
 TEST(Gait, BlendsFromStandingToWalking) {
-  const Walking& walking = Walking::adult();
-  // Amplitudes grow with the root of the speed, so that is what a posture is smooth in: the knee's
-  // radian of swing is there at 0.5 m/s, and three times as steep where toe-off moves through a
-  // phase.
-  constexpr float kRootStep = 1e-3f, kSteepest = 5;
-  for (const float phase : {0.0f, 0.1f, 0.37f, 0.62f, 0.85f}) {
-    std::vector<float> before = walking.posture(phase, 0);
-    for (float root = kRootStep; root * root < 2.4f; root += kRootStep) {
-      const std::vector<float> now = walking.posture(phase, root * root);
-      for (size_t c = 0; c < now.size(); ++c)
-        ASSERT_NEAR(now[c], before[c], kSteepest * kRootStep)
-            << walking.model->kinematics.columns()[c].name << " at " << root * root << " m/s";
-      before = now;
+  for (const Walking& walking : Walking::styles()) {
+    SCOPED_TRACE(walking.name());
+    // Amplitudes grow with the root of the speed, so that is what a posture is smooth in: the
+    // knee's radian of swing is there at 0.5 m/s, and three times as steep where toe-off moves
+    // through a phase.
+    constexpr float kRootStep = 1e-3f, kSteepest = 5;
+    for (const float phase : {0.0f, 0.1f, 0.37f, 0.62f, 0.85f}) {
+      std::vector<float> before = walking.posture(phase, 0);
+      for (float root = kRootStep; root * root < 2.4f; root += kRootStep) {
+        const std::vector<float> now = walking.posture(phase, root * root);
+        for (size_t c = 0; c < now.size(); ++c)
+          ASSERT_NEAR(now[c], before[c], kSteepest * kRootStep)
+              << walking.model->kinematics.columns()[c].name << " at " << root * root << " m/s";
+        before = now;
+      }
     }
   }
 }
@@ -162,12 +175,14 @@ TEST(Gait, ArmsSwingAgainstLegsAndKneesNeverBendBackwards) {
 }
 
 TEST(Gait, TheHeadLooksAhead) {
-  const Walking& walking = Walking::adult();
-  for (int i = 0; i < 50; ++i) {
-    const std::vector<float> row = walking.posture(static_cast<float>(i) / 50, 1.34f);
-    const float sum = row[walking.column("pelvis_yaw")] + row[walking.column("thorax_yaw")] +
-                      row[walking.column("head_yaw")];
-    EXPECT_NEAR(sum, 0, 1e-4);
+  for (const Walking& walking : Walking::styles()) {
+    SCOPED_TRACE(walking.name());
+    for (int i = 0; i < 50; ++i) {
+      const std::vector<float> row = walking.posture(static_cast<float>(i) / 50, 1.34f);
+      const float sum = row[walking.column("pelvis_yaw")] + row[walking.column("thorax_yaw")] +
+                        row[walking.column("head_yaw")];
+      EXPECT_NEAR(sum, 0, 1e-4);
+    }
   }
 }
 
@@ -216,59 +231,104 @@ TEST(Gait, ABatchGivesTheBitsOfSingleCalls) {
 }
 
 TEST(Gait, TheSphereAndTheCylinderHoldEveryVertexAndAreNoLargerThanTheyMust) {
-  const Walking& walking = Walking::adult();
-  const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
-  EXPECT_EQ(centre.x(), 0);
-  EXPECT_EQ(centre.y(), 0);
-  float farthest = 0, widest = 0;
-  for (uint32_t i = 0; i < 1500; ++i) {
-    const float phase = random_float(2 * i, 0, 1), speed = random_float(2 * i + 1, 0, 2.4f);
-    const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
-    for (size_t part = 0; part < poses.size(); ++part) {
-      const Eigen::Isometry3f pose = to_isometry(poses[part]).cast<float>();
-      for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
-        const Eigen::Vector3f placed = pose * vertex;
-        farthest = std::max(farthest, (placed - centre).norm());
-        widest = std::max(widest, placed.head<2>().norm());
+  for (const Walking& walking : Walking::styles()) {
+    SCOPED_TRACE(walking.name());
+    const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
+    EXPECT_EQ(centre.x(), 0);
+    EXPECT_EQ(centre.y(), 0);
+    float farthest = 0, widest = 0;
+    for (uint32_t i = 0; i < 1500; ++i) {
+      const float phase = random_float(2 * i, 0, 1), speed = random_float(2 * i + 1, 0, 2.4f);
+      const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
+      for (size_t part = 0; part < poses.size(); ++part) {
+        const Eigen::Isometry3f pose = to_isometry(poses[part]).cast<float>();
+        for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
+          const Eigen::Vector3f placed = pose * vertex;
+          farthest = std::max(farthest, (placed - centre).norm());
+          widest = std::max(widest, placed.head<2>().norm());
+        }
       }
+      ASSERT_LE(farthest, walking.gait.sphere_radius_m())
+          << "phase " << phase << ", " << speed << " m/s, seed " << kSeed;
+      ASSERT_LE(widest, walking.gait.upright_radius_m())
+          << "phase " << phase << ", " << speed << " m/s, seed " << kSeed;
     }
-    ASSERT_LE(farthest, walking.gait.sphere_radius_m())
-        << "phase " << phase << ", " << speed << " m/s, seed " << kSeed;
-    ASSERT_LE(widest, walking.gait.upright_radius_m())
-        << "phase " << phase << ", " << speed << " m/s, seed " << kSeed;
+    EXPECT_LT(walking.gait.upright_radius_m() - widest, 0.015f) << "widest vertex " << widest;
+    EXPECT_LT(walking.gait.sphere_radius_m() - farthest, 0.015f) << "farthest vertex " << farthest;
   }
-  EXPECT_LT(walking.gait.upright_radius_m() - widest, 0.015f) << "widest vertex " << widest;
-  EXPECT_LT(walking.gait.sphere_radius_m() - farthest, 0.015f) << "farthest vertex " << farthest;
 }
 
 TEST(Gait, TheBoundsHoldEveryVertexOfTheirPostureAndAreTighterThanTheSphere) {
-  const Walking& walking = Walking::adult();
-  float bounds_area = 0;
-  for (uint32_t i = 0; i < 1500; ++i) {
-    const float phase = random_float(3 * i, 0, 1), speed = random_float(3 * i + 1, 0, 2.4f);
-    const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
-    const float scale = 1;
-    RootBox box;
-    walking.gait.bounds({&phase, 1}, {&speed, 1}, {&scale, 1}, {&box, 1});
-    ASSERT_TRUE(box.is_known());
-    for (size_t part = 0; part < poses.size(); ++part) {
-      const Eigen::Isometry3f pose = to_isometry(poses[part]).cast<float>();
-      for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
-        const Eigen::Vector3f placed = pose * vertex;
-        for (int axis = 0; axis < 3; ++axis) {
-          ASSERT_GE(placed[axis], box.min_m[axis])
-              << walking.model->parts[part].name << ", axis " << axis << ", phase " << phase << ", "
-              << speed << " m/s, seed " << kSeed;
-          ASSERT_LE(placed[axis], box.max_m[axis])
-              << walking.model->parts[part].name << ", axis " << axis << ", phase " << phase << ", "
-              << speed << " m/s, seed " << kSeed;
+  for (const Walking& walking : Walking::styles()) {
+    SCOPED_TRACE(walking.name());
+    float bounds_area = 0;
+    for (uint32_t i = 0; i < 1500; ++i) {
+      const float phase = random_float(3 * i, 0, 1), speed = random_float(3 * i + 1, 0, 2.4f);
+      const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
+      const float scale = 1;
+      RootBox box;
+      walking.gait.bounds({&phase, 1}, {&speed, 1}, {&scale, 1}, {&box, 1});
+      ASSERT_TRUE(box.is_known());
+      for (size_t part = 0; part < poses.size(); ++part) {
+        const Eigen::Isometry3f pose = to_isometry(poses[part]).cast<float>();
+        for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
+          const Eigen::Vector3f placed = pose * vertex;
+          for (int axis = 0; axis < 3; ++axis) {
+            ASSERT_GE(placed[axis], box.min_m[axis])
+                << walking.model->parts[part].name << ", axis " << axis << ", phase " << phase
+                << ", " << speed << " m/s, seed " << kSeed;
+            ASSERT_LE(placed[axis], box.max_m[axis])
+                << walking.model->parts[part].name << ", axis " << axis << ", phase " << phase
+                << ", " << speed << " m/s, seed " << kSeed;
+          }
         }
       }
+      bounds_area += (box.max_m[0] - box.min_m[0]) * (box.max_m[1] - box.min_m[1]) / 1500;
     }
-    bounds_area += (box.max_m[0] - box.min_m[0]) * (box.max_m[1] - box.min_m[1]) / 1500;
+    const float upright_m = walking.gait.upright_radius_m();
+    EXPECT_LT(bounds_area, 0.5f * std::numbers::pi_v<float> * upright_m * upright_m);
   }
-  const float upright_m = walking.gait.upright_radius_m();
-  EXPECT_LT(bounds_area, 0.5f * std::numbers::pi_v<float> * upright_m * upright_m);
+}
+
+TEST(Gait, StylesDifferInStridesAndPosturesButNotInKind) {
+  const std::span<const Walking> styles = Walking::styles();
+  for (size_t a = 0; a < styles.size(); ++a) {
+    SCOPED_TRACE(styles[a].name());
+    const StyleFigures& figures = figures_of(styles[a].style);
+    EXPECT_NEAR(styles[a].gait.stride_length_m(1.34f, 1) / styles[0].gait.stride_length_m(1.34f, 1),
+                figures.stride, 1e-5);
+    for (size_t b = 0; b < a; ++b) {
+      float most = 0;
+      for (int i = 0; i < 32; ++i) {
+        const float phase = static_cast<float>(i) / 32;
+        const std::vector<float> one = styles[a].posture(phase, 1.34f);
+        const std::vector<float> other = styles[b].posture(phase, 1.34f);
+        for (size_t c = 0; c < one.size(); ++c) most = std::max(most, std::abs(one[c] - other[c]));
+      }
+      EXPECT_GT(most, 5 * kDegree) << "not to be told from " << styles[b].name();
+    }
+  }
+}
+
+TEST(Gait, AvatarsOfManyStylesInABatchGetTheBitsOfSingleCalls) {
+  constexpr size_t kAvatars = 77;
+  std::vector<const Gait*> gaits;
+  std::vector<float> phases, speeds, scales;
+  for (uint32_t i = 0; i < kAvatars; ++i) {
+    gaits.push_back(&Walking::styles()[(i * 5) % kGaitStyleCount].gait);
+    phases.push_back(random_float(3 * i, 0, 1));
+    speeds.push_back(random_float(3 * i + 1, 0, 2.5f));
+    scales.push_back(random_float(3 * i + 2, 0.8f, 1.2f));
+  }
+  const size_t columns = static_cast<size_t>(gaits.front()->column_count());
+  std::vector<float> rows(kAvatars * columns), row(columns);
+  Gait::postures(gaits, phases, speeds, scales, rows);
+  for (size_t i = 0; i < kAvatars; ++i) {
+    gaits[i]->postures({&phases[i], 1}, {&speeds[i], 1}, {&scales[i], 1}, row);
+    EXPECT_TRUE(
+        std::equal(row.begin(), row.end(), rows.begin() + static_cast<ptrdiff_t>(i * columns)))
+        << "avatar " << i << ", seed " << kSeed;
+  }
 }
 
 TEST(Gait, BoundsGrowWithTheBody) {
@@ -291,8 +351,10 @@ TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
   EXPECT_EQ(gait.stride_length_m(0, 1), 1);
   EXPECT_EQ(gait.stride_length_m(1.5f, 2), 1);
   const std::array<float, 3> phases = {0, 0.3f, 0.9f}, speeds = {0, 1, 2}, scales = {1, 1, 1};
-  std::vector<float> rows(6, -1);
+  std::vector<float> rows(6, -1), of_batch(6, -1);
   gait.postures(phases, speeds, scales, rows);
+  Gait::postures(std::array{&gait, &gait, &gait}, phases, speeds, scales, of_batch);
+  EXPECT_EQ(of_batch, rows);
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(rows[2 * i + static_cast<size_t>(cart->kinematics.column_of("wheel"))], 0);
     EXPECT_EQ(rows[2 * i + static_cast<size_t>(cart->kinematics.column_of("mast"))], 0.5f)

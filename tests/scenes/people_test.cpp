@@ -102,6 +102,36 @@ TEST(People, OfAGroupAreOfItsAgesUnlessItSaysOtherwise) {
   EXPECT_GT(alike, 20);
 }
 
+TEST(People, WalkInEachStyleAsOftenAsItsShare) {
+  std::map<GaitStyle, int> drawn;
+  const StyleShares& shares = age_group(Age::kAdult).styles;
+  double sum = 0;
+  for (const double share : shares) sum += share;
+  for (uint64_t id = 0; id < kDraws; ++id) ++drawn[draw_style(shares, kSeed, id)];
+  ASSERT_EQ(drawn.size(), kGaitStyleCount) << "a crowd has people of every style";
+  for (const auto& [style, count] : drawn) {
+    const double share = shares[static_cast<size_t>(style)] / sum;
+    const double deviation = std::sqrt(kDraws * share * (1 - share));
+    EXPECT_NEAR(count, kDraws * share, 5 * deviation)
+        << figures_of(style).name << ", seed " << kSeed;
+  }
+}
+
+TEST(People, OfAGroupWalkInItsStylesUnlessDriven) {
+  const std::vector<Person> marching =
+      people_of([](Group& group) { group.styles = styles_of("stiff"); });
+  for (const Person& person : marching) EXPECT_EQ(person.style, GaitStyle::kStiff);
+  const std::vector<Person> driven = people_of([](Group& group) { group.driven = "MINE"; });
+  for (const Person& person : driven) EXPECT_EQ(person.style, GaitStyle::kPlain);
+}
+
+TEST(People, StylesNameTheRun) {
+  Scene scene = load_scene("corridor");
+  const uint64_t by_age = content_hash_of(scene);
+  scene.groups[0].styles = age_group(Age::kAdult).styles;
+  EXPECT_NE(content_hash_of(scene), by_age);
+}
+
 TEST(People, AgesNameTheRun) {
   Scene scene = load_scene("corridor");
   const uint64_t adults = content_hash_of(scene);

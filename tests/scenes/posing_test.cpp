@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <vector>
 
 namespace throng {
 namespace {
@@ -18,12 +20,61 @@ TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
   bodies.phases = {0, 0};
   bodies.speeds_mps = {0, 0};
   bodies.held_rows = {nullptr, row.data()};
-  const Posing posing({adult}, bodies);
+  const std::array<Posing::Styles, 1> plain;
+  Workers workers(1);
+  const Posing posing({adult}, plain, bodies, workers);
   const std::array<uint32_t, 2> both = {0, 1};
   std::array<RootBox, 2> boxes;
   posing.bounds(both, boxes);
   EXPECT_TRUE(boxes[0].is_known());
   EXPECT_FALSE(boxes[1].is_known()) << "an arm may reach out of the gait's box";
+}
+
+TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf());
+  constexpr uint32_t kAvatars = 60;
+  BodyStates bodies;
+  std::vector<uint32_t> ids;
+  for (uint32_t id = 0; id < kAvatars; ++id) {
+    ids.push_back(id);
+    bodies.types.push_back(0);
+    bodies.scales.push_back(1);
+    bodies.styles.push_back(static_cast<GaitStyle>(id % 3 == 0 ? 0 : id % kGaitStyleCount));
+    bodies.phases.push_back(static_cast<float>(id) / kAvatars);
+    bodies.speeds_mps.push_back(1.4f);
+  }
+  bodies.roots.resize(kAvatars);
+  const std::array<Posing::Styles, 1> all = {Posing::Styles().set()};
+  Workers workers(2);
+  const Posing posing({adult}, all, bodies, workers);
+  const auto columns = static_cast<size_t>(posing.column_count(0));
+  std::vector<float> rows(kAvatars * columns), own(columns);
+  posing.postures(0, kAvatars, rows);
+  const size_t parts = adult->parts.size();
+  std::vector<PartPose> poses(ids.size() * parts);
+  posing.poses(ids, poses);
+  std::vector<RootBox> boxes(kAvatars);
+  posing.bounds(ids, boxes);
+  const RootSphere sphere = posing.sphere(0);
+  for (const uint32_t id : ids) {
+    SCOPED_TRACE(id);
+    const Gait gait(*adult, bodies.styles[id]);
+    gait.postures({&bodies.phases[id], 1}, {&bodies.speeds_mps[id], 1}, {&bodies.scales[id], 1},
+                  own);
+    EXPECT_TRUE(
+        std::equal(own.begin(), own.end(), rows.begin() + static_cast<ptrdiff_t>(id * columns)));
+    for (size_t part = 0; part < parts; ++part)
+      for (const Eigen::Vector3f& vertex : adult->parts[part].mesh.vertices) {
+        const Eigen::Vector3f p =
+            (to_isometry(poses[id * parts + part]) * vertex.cast<double>()).cast<float>();
+        ASSERT_LE((p - sphere.centre_m).norm(), sphere.radius_m);
+        ASSERT_LE(p.head<2>().norm(), sphere.upright_radius_m);
+        for (int axis = 0; axis < 3; ++axis) {
+          ASSERT_GE(p[axis], boxes[id].min_m[axis]);
+          ASSERT_LE(p[axis], boxes[id].max_m[axis]);
+        }
+      }
+  }
 }
 
 }  // namespace

@@ -155,6 +155,13 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
        "s.yaml:7: expected a share above 0 in ages, found none"},
       {"negative share", kGround + kGroup + "    ages: {young: -1}\n",
        "s.yaml:7: expected 'young' from 0 to 1000000, found -1"},
+      {"unknown style", kGround + kGroup + "    styles: stif\n",
+       "s.yaml:7: expected styles (plain, relaxed, brisk, stiff, pockets, short_steps) or a map of "
+       "shares, found 'stif' (did you mean 'stiff'?)"},
+      {"unknown style among others", kGround + kGroup + "    styles: {plain: 1, brisque: 1}\n",
+       "s.yaml:7: expected a key of styles, found 'brisque' (did you mean 'brisk'?)"},
+      {"nobody in any style", kGround + kGroup + "    styles: {plain: 0}\n",
+       "s.yaml:7: expected a share above 0 in styles, found none"},
       {"no such model", kGround + kGroup + "    model: nobody.urdf\n",
        "s.yaml:7: expected 'adult' or a URDF file, found 'nobody.urdf', and no such file at "},
       {"obstacle off the ground",
