@@ -1,13 +1,16 @@
 #include "apps/stop_signal.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace throng {
 namespace {
 
-volatile std::sig_atomic_t g_requested = 0;
+// The system gives the signal to any thread; a sig_atomic_t is safe within one only.
+std::atomic<bool> g_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a handler must not wait");
 
-void handle(int) { g_requested = 1; }
+void handle(int) { g_requested = true; }
 
 void install(void (*handler)(int)) {
   struct sigaction action = {};
@@ -21,12 +24,12 @@ void install(void (*handler)(int)) {
 }  // namespace
 
 StopSignal::StopSignal() {
-  g_requested = 0;
+  g_requested = false;
   install(handle);
 }
 
 StopSignal::~StopSignal() { install(SIG_DFL); }
 
-bool StopSignal::requested() { return g_requested != 0; }
+bool StopSignal::requested() { return g_requested; }
 
 }  // namespace throng

@@ -64,10 +64,8 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
   if (channel == Channel::kCounters) {
     counters_t counters;
     if (!decode(event.data, counters).empty() || header.frame <= last_frame_) return;
-    pairs_.resize(static_cast<size_t>(header.frame) + 1);
-    frame_ms_.resize(static_cast<size_t>(header.frame) + 1);
-    pairs_.back() = static_cast<int32_t>(counters.touching);
-    frame_ms_.back() = static_cast<float>(counters.frame_ns * 1e-6);
+    samples_.push_back({header.frame, static_cast<int32_t>(counters.touching),
+                        static_cast<float>(counters.frame_ns * 1e-6)});
     last_frame_ = header.frame;
   }
 }
@@ -108,18 +106,18 @@ std::optional<LogIndex::Start> LogIndex::start_of(int64_t frame) const {
 
 std::string LogIndex::to_json(size_t most) const {
   const std::lock_guard lock(mutex_);
-  const size_t every = pairs_.size() / most + 1;
-  nlohmann::json pairs = nlohmann::json::array(), frame_ms = nlohmann::json::array();
-  for (size_t i = 0; i < pairs_.size(); i += every) {
-    const size_t end = std::min(pairs_.size(), i + every);
+  const auto frames = static_cast<size_t>(last_frame_ + 1);
+  const size_t every = frames / most + 1;
+  std::vector<int32_t> pairs((frames + every - 1) / every);
+  std::vector<float> frame_ms(pairs.size());
+  for (const Sample& sample : samples_) {
     // A peak must not fall between two samples.
-    pairs.push_back(*std::max_element(pairs_.begin() + static_cast<std::ptrdiff_t>(i),
-                                      pairs_.begin() + static_cast<std::ptrdiff_t>(end)));
-    frame_ms.push_back(*std::max_element(frame_ms_.begin() + static_cast<std::ptrdiff_t>(i),
-                                         frame_ms_.begin() + static_cast<std::ptrdiff_t>(end)));
+    const size_t i = static_cast<size_t>(sample.frame) / every;
+    pairs[i] = std::max(pairs[i], sample.pairs);
+    frame_ms[i] = std::max(frame_ms[i], sample.frame_ms);
   }
   return nlohmann::json{{"index",
-                         {{"frames", last_frame_ + 1},
+                         {{"frames", frames},
                           {"complete", complete_.load()},
                           {"problem", problem_},
                           {"first_shown", states_.empty() ? 0 : states_.front().frame},

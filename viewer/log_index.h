@@ -53,6 +53,12 @@ class LogIndex {
   void wait() const;  ///< until the whole log was read
 
  private:
+  /// Of a frame that the log has: a damaged number may leave out any number of frames before it.
+  struct Sample {
+    int64_t frame;
+    int32_t pairs;
+    float frame_ms;
+  };
   void read_on();
   void take(const LogEvent& event, Channel channel);
 
@@ -62,8 +68,7 @@ class LogIndex {
   PairHistory history_;
   mutable std::mutex mutex_;
   std::vector<Mark> states_, touching_;
-  std::vector<int32_t> pairs_;   // by frame
-  std::vector<float> frame_ms_;  // by frame
+  std::vector<Sample> samples_;  // in the order of frames
   std::string problem_;
   std::atomic<int64_t> last_frame_{-1};
   std::atomic<bool> complete_{false}, stopping_{false};

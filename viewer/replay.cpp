@@ -15,6 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr size_t kMostKept = size_t{2} << 30;
+constexpr int64_t kMostFrames = 10'000'000;  // two days; a damaged number must not ask for memory
 
 /// Seven bits a byte, low ones first; signs folded into the lowest bit.
 void put_varint(Bytes& out, int64_t value) {
@@ -94,6 +95,9 @@ void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> byt
       break;
     }
     case RunReader::Update::kCounters:
+      if (run_.counters()->frame >= kMostFrames)
+        throw EnvironmentError(fmt::format("--html shows at most {} frames; found number {}",
+                                           kMostFrames, run_.counters()->frame));
       last_frame_ = std::max(last_frame_, run_.counters()->frame);
       frame_ms_.resize(static_cast<size_t>(last_frame_) + 1);
       frame_ms_.back() = static_cast<float>(run_.counters()->frame_ns * 1e-6);

@@ -24,7 +24,11 @@ WebClient::~WebClient() {
 }
 
 void WebClient::finish() {
-  finished_ = true;
+  {
+    // Between the writer's look at finished_ and its falling asleep nobody else may wake it.
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+  }
   ::shutdown(descriptor_, SHUT_RDWR);
   changed_.notify_all();
 }

@@ -110,6 +110,27 @@ TEST_F(RecordedCrowd, IsKnownToTheEnd) {
   EXPECT_LE(json["pairs"].size(), 50u);
 }
 
+TEST_F(RecordedCrowd, AFrameFarAheadOfAllOthersIsOneMoreFrame) {
+  // The largest number that a message may have; memory for all frames before it has nobody.
+  const int64_t far = int64_t{1} << 53;
+  {
+    SyntheticRun run({.avatars = 10});
+    LogSink sink(log_.path());
+    sink.begin(run.info());
+    for (int i = 0; i < 20; ++i) sink.frame(run.info(), run.step());
+    Frame last = run.step();
+    last.number = far;
+    sink.frame(run.info(), last);
+    sink.end(run.info(), run.finish());
+  }
+  LogIndex index(log_.path());
+  index.wait();
+  EXPECT_EQ(index.last_frame(), far);
+  const auto json = nlohmann::json::parse(index.to_json(50))["index"];
+  EXPECT_EQ(json["frames"], far + 1);
+  EXPECT_LE(json["pairs"].size(), 50u);
+}
+
 TEST_F(RecordedCrowd, PlaysWhatIsSoundOfATornLog) {
   record({.avatars = 10});
   std::vector<uint8_t> bytes = bytes_of(log_.path());

@@ -82,6 +82,20 @@ TEST(Replay, TooLargeIsAnErrorThatSaysWhatWouldFit) {
   EXPECT_FALSE(std::filesystem::exists(html.path()));
 }
 
+TEST(Replay, OfMoreFramesThanAnybodyWatchesIsAnError) {
+  const ScratchFile log, html(".html");
+  {
+    SyntheticRun run({.avatars = 5});
+    LogSink sink(log.path());
+    sink.begin(run.info());
+    Frame frame = run.step();
+    frame.number = int64_t{1} << 53;
+    sink.frame(run.info(), frame);
+    sink.end(run.info(), run.finish());
+  }
+  EXPECT_THROW(write_replay(log.path(), html.path(), kPage, 25), EnvironmentError);
+}
+
 TEST(Replay, OfAFileThatIsNoLogIsAnError) {
   const ScratchFile file, html(".html");
   write_bytes(file.path(), std::vector<uint8_t>(1000, 7));

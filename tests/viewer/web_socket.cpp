@@ -9,6 +9,12 @@
 #include <stdexcept>
 
 namespace throng {
+namespace {
+
+// A busy machine under a sanitizer takes its time for a run's first message.
+constexpr int kPatienceMs = 60'000;
+
+}  // namespace
 
 TestSocket::TestSocket(int port, int receive_buffer_bytes)
     : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)), port_(port) {
@@ -54,7 +60,7 @@ std::string TestSocket::open(const std::string& origin, const std::string& host)
 
 bool TestSocket::fill() {
   pollfd readable{descriptor_, POLLIN, 0};
-  if (::poll(&readable, 1, 2000) <= 0) return false;
+  if (::poll(&readable, 1, kPatienceMs) <= 0) return false;
   char chunk[65536];
   const ssize_t got = ::recv(descriptor_, chunk, sizeof chunk, 0);
   if (got <= 0) return false;
@@ -96,7 +102,7 @@ bool TestSocket::is_closed() {
   buffer_.clear();
   for (;;) {
     pollfd readable{descriptor_, POLLIN, 0};
-    if (::poll(&readable, 1, 2000) <= 0) return false;
+    if (::poll(&readable, 1, kPatienceMs) <= 0) return false;
     char chunk[65536];
     if (::recv(descriptor_, chunk, sizeof chunk, 0) <= 0) return true;
   }
