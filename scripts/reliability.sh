@@ -3,7 +3,7 @@
 # part pairs against triangles (default 1000000; the long form takes 10000000). Prints what it did
 # and a table. Exit code 1 if a promise was broken.
 #
-# What takes a build of its own is not here: scripts/fuzz.sh (clang), scripts/test.sh asan;
+# What takes a build of its own is not here: scripts/fuzz.sh (clang), scripts/sanitize.sh;
 # nor what takes hours: scripts/soak.sh 60.
 set -uo pipefail
 cd "$(dirname "$0")/.."

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, runs every test: scripts/test.sh [PRESET [CTEST OPTION...]], for
-# example `scripts/test.sh asan` or `scripts/test.sh release -R culling`. The last line says how many
+# example `scripts/test.sh debug` or `scripts/test.sh release -R culling`. The last line says how many
 # passed, failed and were skipped; the exit code is 1 if one failed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
