@@ -5,14 +5,20 @@ set -eu
 . "$(dirname "$0")/in_namespace.sh"
 throng=$1
 
-"$throng" monitor --json --until-end --seconds 60 >"$dir/seen.json" &
+"$throng" monitor --json --until-end --seconds 600 >"$dir/seen.json" &
 monitor=$!
 pids=$monitor
 sleep 1
-"$throng" run corridor --seconds 6 --pace 1 --log off --json "$dir/run.json" >"$dir/table" 2>"$dir/err" &
+"$throng" run corridor --seconds 6 --pace 1 --log "$dir/run.lcmlog" --flush-s 0 --json "$dir/run.json" \
+  >"$dir/table" 2>"$dir/err" &
 run=$!
 pids="$pids $run"
-sleep 3
+# Once something is written, the run has loaded its people and keeps to the clock.
+for _ in $(seq 600); do
+  [ "$(stat -c %s "$dir/run.lcmlog" 2>/dev/null || echo 0)" -gt 0 ] && break
+  sleep 0.1
+done
+sleep 2
 ip link set lo down
 sleep 1
 ip link set lo up
