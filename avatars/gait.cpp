@@ -93,6 +93,12 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
     const double highest = std::sqrt(kFastestRelativeSpeed);
     table_->leg_length_m = static_cast<float>(walker->leg_length_m());
     table_->highest_root_speed = static_cast<float>(highest);
+    if (const int look = posable.look_joint(); look >= 0) {
+      look_column_ = posable.column_of_joint(look);
+      const JointColumn& limits = model.kinematics.columns()[static_cast<size_t>(look_column_)];
+      least_look_rad_ = limits.lower;
+      most_look_rad_ = limits.upper;
+    }
     table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
     table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
     for (int speed = 0; speed < kSpeeds; ++speed) {
@@ -162,6 +168,13 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> p
       gait.table_->blend(places[i], rows.data() + (first + i) * columns);
     }
   }
+}
+
+void Gait::look(float look_rad, std::span<float> row) const {
+  if (look_column_ < 0) return;
+  assert(std::abs(look_rad) <= kMostLook_rad);
+  float& angle = row[static_cast<size_t>(look_column_)];
+  angle = std::clamp(angle + look_rad, least_look_rad_, most_look_rad_);
 }
 
 void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_mps,

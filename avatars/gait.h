@@ -37,6 +37,13 @@ class Gait {
                        std::span<const float> speeds_mps, std::span<const float> scales,
                        std::span<float> rows);
 
+  /// The farthest that a head turns away from where the body goes.
+  static constexpr float kMostLook_rad = 0.5f;
+
+  /// Turns the head of a posture row to the left by as much, at most kMostLook_rad to either side;
+  /// the gait's bounds hold that, too. Nothing happens to a model without a head that turns.
+  void look(float look_rad, std::span<float> row) const;
+
   /// Writes a box each that holds every part in the posture that postures() gives for the same
   /// phase, speed and scale; looked up, not computed. No allocation.
   void bounds(std::span<const float> phases, std::span<const float> speeds_mps,
@@ -53,6 +60,8 @@ class Gait {
  private:
   struct Table;
   int column_count_ = 0;
+  int look_column_ = -1;
+  float least_look_rad_ = 0, most_look_rad_ = 0;  ///< the joint's limits
   Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
   float sphere_radius_m_ = 0;
   float upright_radius_m_ = 0;

@@ -28,6 +28,19 @@ int PosableModel::joint_of(const std::string& name) const {
   return found == joints.end() ? -1 : static_cast<int>(found - joints.begin());
 }
 
+int PosableModel::look_joint() const {
+  const int look = joint_of("head_yaw");
+  if (look < 0 || column_of_joint(look) < 0) return -1;
+  const std::vector<Joint>& joints = model_->robot.joints;
+  const Joint& joint = joints[static_cast<size_t>(look)];
+  if (joint.kind == Joint::Kind::kPrismatic || joint.mimic) return -1;
+  for (const Joint& other : joints) {
+    const bool follows = other.mimic && other.mimic->joint == look;
+    if (other.parent_link == joint.child_link || follows) return -1;
+  }
+  return look;
+}
+
 double PosableModel::clamped(int column, double value) const {
   const JointColumn& limits = model_->kinematics.columns()[static_cast<size_t>(column)];
   return std::clamp(value, static_cast<double>(limits.lower), static_cast<double>(limits.upper));

@@ -23,6 +23,10 @@ class PosableModel {
   /// How much the joint moves per unit of its column: 1, or a mimic's multiplier.
   double gain_of_joint(int joint) const { return drives_[static_cast<size_t>(joint)].gain; }
 
+  /// The joint that turns the head alone about an upright axis, or -1: "head_yaw", and nothing
+  /// hangs from the head.
+  int look_joint() const;
+
   /// The zero posture, as near as the limits allow.
   std::vector<double> rest() const;
   double clamped(int column, double value) const;

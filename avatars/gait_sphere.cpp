@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "avatars/gait.h"
 #include "avatars/gait_table.h"
+#include "base/elementary.h"
 #include "culling/slabs.h"
 
 namespace throng {
@@ -155,6 +157,35 @@ double stray_between_nodes(const Sagitta& part, const GaitTable& table) {
   return along_phase + along_speed;
 }
 
+// A part's vertices in its link's frame; of a head that turns those of all its turns: hulls of
+// these points hold every vertex, whichever way it looks. A turn's arc lies inside the polygon
+// around it, whose corners are farther out, and the ends of the arc.
+std::vector<Vector3d> reached_by(const PosableModel& model, const GaitTable& table,
+                                 const Part& part) {
+  const std::vector<Joint>& joints = model.model().robot.joints;
+  const int look = table.speeds > 1 ? model.look_joint() : -1;
+  const bool turns = look >= 0 && joints[static_cast<size_t>(look)].child_link == part.link;
+  constexpr int kCorners = 4;  // to either side
+  const double most = static_cast<double>(Gait::kMostLook_rad);
+  const double half = 0.5 * most / kCorners;
+  std::vector<Vector3d> points;
+  for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
+    const Vector3d p = vertex.cast<double>();
+    if (!turns) {
+      points.push_back(p);
+      continue;
+    }
+    const Vector3d& axis = joints[static_cast<size_t>(look)].axis;
+    const Vector3d along = p.dot(axis) * axis;
+    for (int corner = -kCorners; corner <= kCorners; ++corner) {
+      const Vector3d out = turn_about(axis, 2 * half * corner) * (p - along);
+      points.push_back(along + out / sin_cos(half).cos);
+      if (std::abs(corner) == kCorners) points.push_back(along + out);
+    }
+  }
+  return points;
+}
+
 // Vertices near each other: their sphere tells most postures apart from the farthest one.
 struct Cluster {
   Vector3d middle;
@@ -199,9 +230,7 @@ std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table
   constexpr double kPieces = 8;  // a piece's radius to the part's
   std::vector<Extent> extents;
   for (const Part& part : model.model().parts) {
-    std::vector<Vector3d> points;
-    for (const Eigen::Vector3f& vertex : part.mesh.vertices)
-      points.push_back(vertex.cast<double>());
+    std::vector<Vector3d> points = reached_by(model, table, part);
     if (points.empty()) continue;
     Extent extent{static_cast<size_t>(part.link),
                   stray_between_nodes(Sagitta(model, part), table),
@@ -258,11 +287,14 @@ struct BoundedPart {
 
 std::vector<BoundedPart> bounded_parts(const PosableModel& model, const GaitTable& table) {
   std::vector<BoundedPart> parts;
-  for (const Part& part : model.model().parts)
-    if (!part.mesh.vertices.empty())
-      parts.push_back({static_cast<size_t>(part.link),
-                       stray_between_nodes(Sagitta(model, part), table),
-                       Slabs::around(part.mesh.vertices)});
+  for (const Part& part : model.model().parts) {
+    if (part.mesh.vertices.empty()) continue;
+    std::vector<Eigen::Vector3f> points;
+    for (const Vector3d& point : reached_by(model, table, part))
+      points.push_back(point.cast<float>());
+    parts.push_back({static_cast<size_t>(part.link),
+                     stray_between_nodes(Sagitta(model, part), table), Slabs::around(points)});
+  }
   return parts;
 }
 

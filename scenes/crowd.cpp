@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "avatars/gait.h"
 #include "base/elementary.h"
 #include "scenes/crowd_blocks.h"
 #include "scenes/crowd_tuning.h"
@@ -41,6 +42,7 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
   const size_t count = people.size();
   velocities_mps_.assign(count, Eigen::Vector2d::Zero());
   walked_m_.assign(count, 0);
+  looks_rad_.assign(count, 0);
   slot_of_.assign(count, kNowhere);
   walkers_.resize(count);
   carried_.resize(count);
@@ -92,6 +94,7 @@ void Crowd::start_walking(size_t slot) {
       w.intent_mps[slot] = velocities_mps_[id];
   w.drift_mps[slot].setZero();
   w.clearance_m[slot] = 0;
+  w.look_to_rad[slot] = looks_rad_[id] = 0;
   w.anchor_step[slot] = steps_;
   w.queued_steps[slot] = 0;
   w.queuing[slot] = 0;
@@ -120,10 +123,11 @@ void Crowd::archive(Archive& a) {
     seat_people();
   }
   Walkers& w = walkers_;
-  a(velocities_mps_);
+  a(velocities_mps_, looks_rad_);
   for (auto* speeds : {&w.smooth_mps, &w.old_mps, &w.next_mps, &w.drift_mps, &w.intent_mps})
     archive_by_id(a, *speeds);
   archive_by_id(a, w.clearance_m);
+  archive_by_id(a, w.look_to_rad);
   archive_by_id(a, w.anchor_m);
   archive_by_id(a, w.anchor_step);
   archive_by_id(a, w.queued_steps);
@@ -132,6 +136,10 @@ void Crowd::archive(Archive& a) {
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
     w.velocity_mps[slot] = velocities_mps_[grid_.order()[slot]];
   // Written so that NaN is refused, too.
+  for (const auto* looks : {&looks_rad_, &w.look_to_rad})
+    for (const float look_rad : *looks)
+      if (!(std::abs(look_rad) <= Gait::kMostLook_rad))
+        a.refuse("a head turned as far as heads do", "another");
   for (const auto* speeds : {&velocities_mps_, &headings_, &w.smooth_mps, &w.old_mps, &w.next_mps,
                              &w.drift_mps, &w.intent_mps})
     for (const Eigen::Vector2d& speed : *speeds)
@@ -156,7 +164,8 @@ void Crowd::Walkers::carry(Walkers& from, size_t from_slot, size_t slot) {
   take(old_mps, from.old_mps), take(next_mps, from.next_mps);
   take(drift_mps, from.drift_mps), take(intent_mps, from.intent_mps);
   take(clearance_m, from.clearance_m), take(radius_m, from.radius_m);
-  take(free_speed_mps, from.free_speed_mps), take(anchor_m, from.anchor_m);
+  take(free_speed_mps, from.free_speed_mps), take(look_to_rad, from.look_to_rad);
+  take(anchor_m, from.anchor_m);
   take(anchor_step, from.anchor_step), take(queued_steps, from.queued_steps);
   take(queuing, from.queuing);
 }
@@ -183,6 +192,7 @@ void Crowd::step() {
     for (size_t slot = begin; slot < end; ++slot) {
       move(slot);
       turned_rad += turn(slot);
+      look(slot);
     }
     return turned_rad;
   });
@@ -229,6 +239,12 @@ void Crowd::move(size_t slot) {
   walked_m_[id] = (to - from).norm();
   positions_m_[id] = to;
   velocities_mps_[id] = w.velocity_mps[slot];
+}
+
+void Crowd::look(size_t slot) {
+  const auto share = static_cast<float>(options_.step_s / (tuning::kLook_s + options_.step_s));
+  float& look_rad = looks_rad_[grid_.order()[slot]];
+  look_rad += share * (walkers_.look_to_rad[slot] - look_rad);
 }
 
 double Crowd::turn(size_t slot) {

@@ -82,6 +82,9 @@ class Crowd {
   /// Unit vectors: the way the body faces.
   std::span<const Eigen::Vector2d> headings() const { return headings_; }
   std::span<const Eigen::Vector2d> velocities_mps() const { return velocities_mps_; }
+  /// How far each head is turned away from the heading, to the left: towards where its owner wants
+  /// to go, which the body follows later. At most Gait::kMostLook_rad. Keeps its place in memory.
+  std::span<const float> looks_rad() const { return looks_rad_; }
   /// The way of the latest step.
   std::span<const double> walked_m() const { return walked_m_; }
   const SteeringCounters& counters() const { return counters_; }
@@ -103,6 +106,7 @@ class Crowd {
     std::vector<Eigen::Vector2d> drift_mps;   ///< what disc relaxation adds
     std::vector<Eigen::Vector2d> intent_mps;  ///< the wanted velocity, smoothed
     std::vector<double> clearance_m, radius_m, free_speed_mps;
+    std::vector<float> look_to_rad;  ///< where the head turns
     // Stalls.
     std::vector<Eigen::Vector2d> anchor_m;
     std::vector<int64_t> anchor_step;
@@ -113,7 +117,7 @@ class Crowd {
     void each(const Visit& visit) {
       visit(position_m), visit(velocity_mps), visit(heading), visit(smooth_mps);
       visit(old_mps), visit(next_mps), visit(drift_mps), visit(intent_mps);
-      visit(clearance_m), visit(radius_m), visit(free_speed_mps);
+      visit(clearance_m), visit(radius_m), visit(free_speed_mps), visit(look_to_rad);
       visit(anchor_m), visit(anchor_step), visit(queued_steps), visit(queuing);
     }
     void resize(size_t count);
@@ -176,6 +180,8 @@ class Crowd {
   void hold_back(size_t slot, float& to_x, float& to_y) const;
   void move(size_t slot);
   double turn(size_t slot);  ///< by how much, in radians
+  void look(size_t slot);
+  float look_to_rad(size_t slot) const;
   double stalled_s_of(size_t slot) const;
   double watch_progress(size_t slot);
 
@@ -199,6 +205,7 @@ class Crowd {
   std::vector<Eigen::Vector2d> positions_m_;
   std::vector<Eigen::Vector2d> velocities_mps_;
   std::vector<Eigen::Vector2d> headings_;
+  std::vector<float> looks_rad_;
   std::vector<double> walked_m_;
 
   Journeys journeys_;

@@ -45,6 +45,8 @@ inline constexpr double kMaxTurn_radps = 3.0;
 inline constexpr double kTurnSpeed_mps = 0.2;
 /// The body follows the mean velocity of about this time, so that it does not shake in a throng.
 inline constexpr double kTurnSmoothing_s = 0.5;
+/// The head turns to where its owner wants to go in about this time, before the body does.
+inline constexpr double kLook_s = 0.25;
 /// Whoever made no progress for so long tries another way past, each time for about a second.
 inline constexpr double kStuck_s = 1.5;
 /// Others begin to make way for who has been stuck so long, and do all the way after so long.

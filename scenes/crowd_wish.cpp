@@ -1,6 +1,8 @@
 // What people want: the way of their journey at their free speed, taken up smoothly.
+#include <algorithm>
 #include <cmath>
 
+#include "avatars/gait.h"
 #include "base/random.h"
 #include "scenes/crowd.h"
 #include "scenes/crowd_tuning.h"
@@ -30,6 +32,15 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
     return tuning::kPerturbation_mps * (static_cast<double>(half) * 0x1.0p-31 - 1);
   };
   return intent + Eigen::Vector2d(shake(bits & 0xffffffff), shake(bits >> 32));
+}
+
+/// The sine of the angle from the heading to the way wanted does for it, as far as heads turn.
+float Crowd::look_to_rad(size_t slot) const {
+  const Eigen::Vector2f heading = walkers_.heading[slot].cast<float>();
+  const float x = slots_.way_x[slot], y = slots_.way_y[slot];
+  const float left = heading.x() * y - heading.y() * x, ahead = heading.x() * x + heading.y() * y;
+  if (ahead < 0) return std::copysign(Gait::kMostLook_rad, left);
+  return std::clamp(left, -Gait::kMostLook_rad, Gait::kMostLook_rad);
 }
 
 }  // namespace throng

@@ -57,11 +57,13 @@ void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offse
 void Posing::postures(uint32_t first, uint32_t count, std::span<float> rows) const {
   const auto columns = static_cast<size_t>(column_count(states_.types[first]));
   for (uint32_t id = first; id < first + count; ++id, rows = rows.subspan(columns)) {
-    if (is_held(id))
+    if (is_held(id)) {
       std::copy_n(states_.held_rows[id], columns, rows.data());
-    else
-      gait_of(id).postures({&states_.phases[id], 1}, {&states_.speeds_mps[id], 1},
-                           {&states_.scales[id], 1}, rows.first(columns));
+      continue;
+    }
+    gait_of(id).postures({&states_.phases[id], 1}, {&states_.speeds_mps[id], 1},
+                         {&states_.scales[id], 1}, rows.first(columns));
+    turn_head(id, rows.first(columns));
   }
 }
 
@@ -91,6 +93,8 @@ void Posing::gather_rows(std::span<const uint32_t> bodies, size_t type,
   }
   Gait::postures({gaits.data(), bodies.size()}, {phases.data(), bodies.size()},
                  {speeds.data(), bodies.size()}, {scales.data(), bodies.size()}, rows);
+  for (size_t i = 0; i < bodies.size(); ++i)
+    turn_head(bodies[i], rows.subspan(i * columns, columns));
 }
 
 void Posing::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const {

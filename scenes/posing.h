@@ -26,7 +26,8 @@ struct BodyStates {
   /// The posture row of an avatar that something outside moves, null for others; empty if there are
   /// none.
   std::vector<const float*> held_rows;
-  std::vector<GaitStyle> styles;  ///< empty: everybody walks plainly
+  std::vector<GaitStyle> styles;     ///< empty: everybody walks plainly
+  std::span<const float> looks_rad;  ///< how far heads are turned; empty: they are not
   std::vector<float> phases;
   std::vector<float> speeds_mps;
 };
@@ -77,6 +78,9 @@ class Posing : public PoseSource {
   }
   bool is_held(uint32_t body) const {
     return !states_.held_rows.empty() && states_.held_rows[body] != nullptr;
+  }
+  void turn_head(uint32_t avatar, std::span<float> row) const {
+    if (!states_.looks_rad.empty()) gait_of(avatar).look(states_.looks_rad[avatar], row);
   }
   void gather_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const;
 

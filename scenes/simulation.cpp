@@ -213,6 +213,7 @@ void Simulation::State::place_bodies() {
   else
     place_people();
   bodies.speeds_mps.resize(avatars);
+  if (!box) bodies.looks_rad = crowd.looks_rad();
   bodies.roots.resize(avatars);
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     const SinCos turn = sin_cos(scene.obstacles[i].heading_rad);

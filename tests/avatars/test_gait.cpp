@@ -230,6 +230,35 @@ TEST(Gait, ABatchGivesTheBitsOfSingleCalls) {
         << "avatar " << i << ", seed " << kSeed;
 }
 
+/// A posture with the head turned as far as it goes to a side, or half-way.
+std::vector<float> looking(const Walking& walking, float phase, float speed, uint32_t draw) {
+  std::vector<float> row = walking.posture(phase, speed);
+  const float share = draw % 3 == 0 ? 1 : draw % 3 == 1 ? -1 : random_float(draw, -1, 1);
+  walking.gait.look(share * Gait::kMostLook_rad, row);
+  return row;
+}
+
+TEST(Gait, AHeadTurnsAloneAndWithinItsLimits) {
+  const Walking& walking = Walking::adult();
+  const size_t head = walking.column("head_yaw");
+  for (const float look : {-Gait::kMostLook_rad, -0.2f, 0.0f, 0.3f, Gait::kMostLook_rad}) {
+    const std::vector<float> ahead = walking.posture(0.3f, 1.34f);
+    std::vector<float> row = ahead;
+    walking.gait.look(look, row);
+    for (size_t c = 0; c < row.size(); ++c) {
+      if (c == head) {
+        EXPECT_NEAR(row[c], ahead[c] + look, 1e-6);
+      } else {
+        EXPECT_EQ(row[c], ahead[c]);
+      }
+    }
+  }
+  std::vector<float> row = walking.posture(0.3f, 1.34f);
+  row[head] = walking.model->kinematics.columns()[head].upper - 0.1f;
+  walking.gait.look(0.4f, row);
+  EXPECT_EQ(row[head], walking.model->kinematics.columns()[head].upper);
+}
+
 TEST(Gait, TheSphereAndTheCylinderHoldEveryVertexAndAreNoLargerThanTheyMust) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
@@ -239,7 +268,7 @@ TEST(Gait, TheSphereAndTheCylinderHoldEveryVertexAndAreNoLargerThanTheyMust) {
     float farthest = 0, widest = 0;
     for (uint32_t i = 0; i < 1500; ++i) {
       const float phase = random_float(2 * i, 0, 1), speed = random_float(2 * i + 1, 0, 2.4f);
-      const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
+      const std::vector<PartPose> poses = walking.poses(looking(walking, phase, speed, i));
       for (size_t part = 0; part < poses.size(); ++part) {
         const Eigen::Isometry3f pose = to_isometry(poses[part]).cast<float>();
         for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
@@ -264,7 +293,7 @@ TEST(Gait, TheBoundsHoldEveryVertexOfTheirPostureAndAreTighterThanTheSphere) {
     float bounds_area = 0;
     for (uint32_t i = 0; i < 1500; ++i) {
       const float phase = random_float(3 * i, 0, 1), speed = random_float(3 * i + 1, 0, 2.4f);
-      const std::vector<PartPose> poses = walking.poses(walking.posture(phase, speed));
+      const std::vector<PartPose> poses = walking.poses(looking(walking, phase, speed, i));
       const float scale = 1;
       RootBox box;
       walking.gait.bounds({&phase, 1}, {&speed, 1}, {&scale, 1}, {&box, 1});
@@ -355,6 +384,8 @@ TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
   gait.postures(phases, speeds, scales, rows);
   Gait::postures(std::array{&gait, &gait, &gait}, phases, speeds, scales, of_batch);
   EXPECT_EQ(of_batch, rows);
+  gait.look(0.4f, {rows.data(), 2});
+  EXPECT_EQ(of_batch, rows) << "no head to turn";
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(rows[2 * i + static_cast<size_t>(cart->kinematics.column_of("wheel"))], 0);
     EXPECT_EQ(rows[2 * i + static_cast<size_t>(cart->kinematics.column_of("mast"))], 0.5f)

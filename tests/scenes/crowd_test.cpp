@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "avatars/gait.h"
 #include "scenes/hasher.h"
 #include "tests/scenes/crowd_world.h"
 
@@ -23,7 +24,7 @@ uint64_t hash_of(const Crowd& crowd) {
       hash.add(crowd.positions_m()[i][axis]).add(crowd.velocities_mps()[i][axis]);
       hash.add(crowd.headings()[i][axis]);
     }
-    hash.add(crowd.walked_m()[i]);
+    hash.add(crowd.walked_m()[i]).add(static_cast<double>(crowd.looks_rad()[i]));
   }
   return hash.value();
 }
@@ -43,6 +44,31 @@ TEST(Crowd, SomebodyAloneWalksAtTheFreeSpeed) {
   }
   const double seconds = steps * scene.step_s;
   EXPECT_NEAR(40 / seconds, 1.33, 0.01) << "40 m took " << seconds << " s";
+}
+
+TEST(Crowd, HeadsTurnToTheWayBeforeTheBodyDoesAndNoFartherThanTheyCan) {
+  // East, then north round the corner of a wall.
+  Scene scene;
+  scene.ground = {{0, 0}, {12, 12}};
+  scene.obstacles = {box(4.5, 7, 9, 10)};
+  scene.groups = {group(1, {{0.9, 0.9}, {1.1, 1.1}}, {{{9.5, 10}, {11.5, 11.5}}})};
+  World world(scene, 1);
+  ASSERT_EQ(world.crowd.size(), 1u);
+  double looked = 0, most = 0, before = 1;
+  for (int step = 0; step < 700; ++step) {
+    world.crowd.step();
+    const double look = static_cast<double>(world.crowd.looks_rad()[0]);
+    ASSERT_LE(std::abs(look), static_cast<double>(Gait::kMostLook_rad));
+    const Eigen::Vector2d& at = world.crowd.positions_m()[0];
+    if (at.x() > 2 && at.x() < 5) looked = std::max(looked, std::abs(look));  // straight on
+    if (at.x() > 7 && at.y() < 8 && look > most) {
+      most = look;
+      before = world.crowd.headings()[0].y();
+    }
+  }
+  EXPECT_LT(looked, 0.1) << "nobody looks aside on a straight way";
+  EXPECT_GT(most, 0.2) << "to the left, where the way goes on";
+  EXPECT_LT(before, 0.95) << "while the body has not turned north yet";
 }
 
 TEST(Crowd, WhatIsWalkedIsTheWayBetweenPositions) {

@@ -44,12 +44,19 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
     bodies.speeds_mps.push_back(1.4f);
   }
   bodies.roots.resize(kAvatars);
+  std::vector<float> looks;
+  for (uint32_t id = 0; id < kAvatars; ++id)
+    looks.push_back((id % 5 < 3 ? 0.25f : -0.2f) * static_cast<float>(id % 3));
+  bodies.looks_rad = looks;
   const std::array<Posing::Styles, 1> all = {Posing::Styles().set()};
   Workers workers(2);
   const Posing posing({adult}, all, bodies, workers);
   const auto columns = static_cast<size_t>(posing.column_count(0));
   std::vector<float> rows(kAvatars * columns), own(columns);
   posing.postures(0, kAvatars, rows);
+  std::vector<Gait> gaits;
+  for (size_t style = 0; style < kGaitStyleCount; ++style)
+    gaits.emplace_back(*adult, static_cast<GaitStyle>(style));
   const size_t parts = adult->parts.size();
   std::vector<PartPose> poses(ids.size() * parts);
   posing.poses(ids, poses);
@@ -58,9 +65,10 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
   const RootSphere sphere = posing.sphere(0);
   for (const uint32_t id : ids) {
     SCOPED_TRACE(id);
-    const Gait gait(*adult, bodies.styles[id]);
+    const Gait& gait = gaits[static_cast<size_t>(bodies.styles[id])];
     gait.postures({&bodies.phases[id], 1}, {&bodies.speeds_mps[id], 1}, {&bodies.scales[id], 1},
                   own);
+    gait.look(looks[id], own);
     EXPECT_TRUE(
         std::equal(own.begin(), own.end(), rows.begin() + static_cast<ptrdiff_t>(id * columns)));
     for (size_t part = 0; part < parts; ++part)
