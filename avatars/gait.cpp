@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "avatars/gait_curves.h"
 #include "avatars/gait_cycle.h"
@@ -35,7 +36,7 @@ struct Gait::Table : GaitTable {
   float highest_root_speed = 0;
   float speed_cells_per_root_speed = 0;
   float strides_per_root_speed = 0;
-  std::vector<RootBox> boxes;  // see boxes_around()
+  std::vector<RootBox> boxes;  // see bounds_around()
 
   void set_row(int speed, int phase, const std::vector<double>& posture) {
     for (int c = 0; c < columns; ++c)
@@ -114,11 +115,11 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
     table_->set_row(0, 0, posable.rest());
     table_->set_row(0, 1, posable.rest());
   }
-  const GaitSphere sphere = sphere_around(posable, *table_);
-  sphere_centre_m_.z() = static_cast<float>(sphere.centre_z_m);
-  sphere_radius_m_ = static_cast<float>(sphere.radius_m);
-  upright_radius_m_ = static_cast<float>(sphere.upright_radius_m);
-  table_->boxes = boxes_around(posable, *table_);
+  GaitBounds bounds = bounds_around(posable, *table_);
+  sphere_centre_m_.z() = static_cast<float>(bounds.centre_z_m);
+  sphere_radius_m_ = static_cast<float>(bounds.radius_m);
+  upright_radius_m_ = static_cast<float>(bounds.upright_radius_m);
+  table_->boxes = std::move(bounds.boxes);
 }
 
 Gait::~Gait() = default;

@@ -51,6 +51,18 @@ double squared_radius(const std::vector<Line>& lines, double c) {
   return most + c * c;
 }
 
+// std::max_element would work out every line twice.
+Line uppermost_at(double c, const std::vector<Line>& lines) {
+  const Line* uppermost = &lines.front();
+  double most = uppermost->at(c);
+  for (const Line& line : lines)
+    if (const double height = line.at(c); height > most) {
+      most = height;
+      uppermost = &line;
+    }
+  return *uppermost;
+}
+
 // The lowest point of the convex squared_radius(), by golden-section search.
 double best_centre(const std::vector<Line>& lines, double low, double high) {
   constexpr double kGolden = 0.6180339887498949;
@@ -82,9 +94,7 @@ double centre_height(const PosableModel& model, const GaitTable& table) {
       if (lines.empty()) continue;
       for (int i = 0; i <= kHeights; ++i) {
         const double c = low + (high - low) * i / kHeights;
-        uppermost.push_back(
-            *std::max_element(lines.begin(), lines.end(),
-                              [c](const Line& a, const Line& b) { return a.at(c) < b.at(c); }));
+        uppermost.push_back(uppermost_at(c, lines));
       }
     }
   return best_centre(uppermost, low, high);
@@ -133,10 +143,15 @@ class Sagitta {
   std::vector<Mover> chain_;  // root first
 };
 
-// Of one part over all cells: along the phase, then between the two postures so found along the
+// Of each part over all cells: along the phase, then between the two postures so found along the
 // speed.
-double stray_between_nodes(const Sagitta& part, const GaitTable& table) {
-  double along_phase = 0, along_speed = 0;
+std::vector<double> strays_between_nodes(const PosableModel& model, const GaitTable& table) {
+  std::vector<Sagitta> parts;
+  for (const Part& part : model.model().parts) parts.emplace_back(model, part);
+  std::vector<double> along_phase(parts.size(), 0), along_speed(parts.size(), 0);
+  const auto raise = [&parts](std::vector<double>& most, const std::vector<double>& travel) {
+    for (size_t i = 0; i < parts.size(); ++i) most[i] = std::max(most[i], parts[i].bound(travel));
+  };
   std::vector<double> travel(static_cast<size_t>(table.columns));
   for (int step = 0; step < speed_steps(table); ++step) {
     std::vector<double> next = columns_at(table, step, 0), next_up = next;
@@ -147,14 +162,15 @@ double stray_between_nodes(const Sagitta& part, const GaitTable& table) {
       next = columns_at(table, step, phase + 1);
       next_up = last ? next : columns_at(table, step + 1, phase + 1);
       for (size_t c = 0; c < travel.size(); ++c) travel[c] = std::abs(next[c] - here[c]);
-      along_phase = std::max(along_phase, part.bound(travel));
+      raise(along_phase, travel);
       if (last) continue;
       for (size_t c = 0; c < travel.size(); ++c)
         travel[c] = std::max(std::abs(here_up[c] - here[c]), std::abs(next_up[c] - next[c]));
-      along_speed = std::max(along_speed, part.bound(travel));
+      raise(along_speed, travel);
     }
   }
-  return along_phase + along_speed;
+  for (size_t i = 0; i < parts.size(); ++i) along_phase[i] += along_speed[i];
+  return along_phase;
 }
 
 // A part's vertices in its link's frame; of a head that turns those of all its turns: hulls of
@@ -226,45 +242,41 @@ struct Extent {
   std::vector<Cluster> pieces;
 };
 
-std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table) {
+std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table,
+                               const std::vector<double>& strays) {
   constexpr double kPieces = 8;  // a piece's radius to the part's
   std::vector<Extent> extents;
-  for (const Part& part : model.model().parts) {
+  for (size_t i = 0; i < strays.size(); ++i) {
+    const Part& part = model.model().parts[i];
     std::vector<Vector3d> points = reached_by(model, table, part);
     if (points.empty()) continue;
-    Extent extent{static_cast<size_t>(part.link),
-                  stray_between_nodes(Sagitta(model, part), table),
-                  Cluster(points),
-                  {}};
+    Extent extent{static_cast<size_t>(part.link), strays[i], Cluster(points), {}};
     Cluster::cut(std::move(points), extent.whole.radius / kPieces, extent.pieces);
     extents.push_back(std::move(extent));
   }
   return extents;
 }
 
-// The largest distance of any vertex in any posture; distance(point) grows by at most the length
-// that the point moves.
+// Raises `farthest` to the largest distance of any vertex in a posture; distance(point) grows by at
+// most the length that the point moves.
 template <typename Distance>
-double farthest_m(const PosableModel& model, const GaitTable& table,
-                  const std::vector<Extent>& extents, const Distance& distance) {
-  double farthest = 0;
-  std::vector<Isometry3d> links;
-  for (int step = speed_steps(table) - 1; step >= 0; --step)
-    for (int phase = 0; phase < table.phases; ++phase) {
-      model.pose(columns_at(table, step, phase), links);
-      for (const Extent& extent : extents) {
-        const Isometry3d& pose = links[extent.link];
-        const auto beyond = [&](const Cluster& cluster) {
-          return distance(pose * cluster.middle) + cluster.radius + extent.stray > farthest;
-        };
-        if (!beyond(extent.whole)) continue;
-        for (const Cluster& piece : extent.pieces) {
-          if (!beyond(piece)) continue;
-          for (const Vector3d& vertex : piece.vertices)
-            farthest = std::max(farthest, distance(pose * vertex) + extent.stray);
-        }
-      }
+void raise_farthest(const std::vector<Extent>& extents, const std::vector<Isometry3d>& links,
+                    const Distance& distance, double& farthest) {
+  for (const Extent& extent : extents) {
+    const Isometry3d& pose = links[extent.link];
+    const auto beyond = [&](const Cluster& cluster) {
+      return distance(pose * cluster.middle) + cluster.radius + extent.stray > farthest;
+    };
+    if (!beyond(extent.whole)) continue;
+    for (const Cluster& piece : extent.pieces) {
+      if (!beyond(piece)) continue;
+      for (const Vector3d& vertex : piece.vertices)
+        farthest = std::max(farthest, distance(pose * vertex) + extent.stray);
     }
+  }
+}
+
+double rounded_up(double farthest) {
   return std::ceil((farthest + kFloatMargin) / kGrain) * kGrain;
 }
 
@@ -285,15 +297,16 @@ struct BoundedPart {
   }
 };
 
-std::vector<BoundedPart> bounded_parts(const PosableModel& model, const GaitTable& table) {
+std::vector<BoundedPart> bounded_parts(const PosableModel& model, const GaitTable& table,
+                                       const std::vector<double>& strays) {
   std::vector<BoundedPart> parts;
-  for (const Part& part : model.model().parts) {
+  for (size_t i = 0; i < strays.size(); ++i) {
+    const Part& part = model.model().parts[i];
     if (part.mesh.vertices.empty()) continue;
     std::vector<Eigen::Vector3f> points;
     for (const Vector3d& point : reached_by(model, table, part))
       points.push_back(point.cast<float>());
-    parts.push_back({static_cast<size_t>(part.link),
-                     stray_between_nodes(Sagitta(model, part), table), Slabs::around(points)});
+    parts.push_back({static_cast<size_t>(part.link), strays[i], Slabs::around(points)});
   }
   return parts;
 }
@@ -310,42 +323,59 @@ RootBox root_box(const Eigen::AlignedBox3d& box) {
   return out;
 }
 
+// A box each around the cells that a posture may lie in.
+class CellBoxes {
+ public:
+  explicit CellBoxes(const GaitTable& table)
+      : phases_(table.phases),
+        speeds_(std::max(table.speeds - 1, 1)),
+        boxes_(static_cast<size_t>(speeds_) * static_cast<size_t>(phases_)) {}
+
+  // A node belongs to the cells before and behind it; those at phase 0 are those at the last, too.
+  void add(int step, int phase, const Eigen::AlignedBox3d& node) {
+    const int fast = step / kSpeedSplit, slow = step % kSpeedSplit == 0 ? fast - 1 : fast;
+    const int before = phase == 0 ? phases_ - 1 : phase - 1;
+    for (int s = std::max(slow, 0); s <= std::min(fast, speeds_ - 1); ++s)
+      for (const int p : {before, phase})
+        boxes_[static_cast<size_t>(s) * static_cast<size_t>(phases_) + static_cast<size_t>(p)]
+            .extend(node);
+  }
+
+  std::vector<RootBox> boxes() const {
+    std::vector<RootBox> out;
+    out.reserve(boxes_.size());
+    for (const Eigen::AlignedBox3d& box : boxes_) out.push_back(root_box(box));
+    return out;
+  }
+
+ private:
+  int phases_, speeds_;
+  std::vector<Eigen::AlignedBox3d> boxes_;
+};
+
 }  // namespace
 
-std::vector<RootBox> boxes_around(const PosableModel& model, const GaitTable& table) {
-  const std::vector<BoundedPart> parts = bounded_parts(model, table);
-  const int speeds = std::max(table.speeds - 1, 1);
-  std::vector<Eigen::AlignedBox3d> cells(static_cast<size_t>(speeds) *
-                                         static_cast<size_t>(table.phases));
-  const auto cell = [&](int speed, int phase) -> Eigen::AlignedBox3d& {
-    return cells[static_cast<size_t>(speed) * static_cast<size_t>(table.phases) +
-                 static_cast<size_t>(phase)];
-  };
+GaitBounds bounds_around(const PosableModel& model, const GaitTable& table) {
+  const std::vector<double> strays = strays_between_nodes(model, table);
+  const std::vector<Extent> extents = extents_of(model, table, strays);
+  const std::vector<BoundedPart> parts = bounded_parts(model, table, strays);
+  const Vector3d centre(0, 0, std::nearbyint(centre_height(model, table) / kGrain) * kGrain);
+  double farthest = 0, widest = 0;
+  CellBoxes boxes(table);
   std::vector<Isometry3d> links;
-  for (int step = 0; step < speed_steps(table); ++step) {
-    // A node belongs to the cells before and behind it.
-    const int fast = step / kSpeedSplit, slow = step % kSpeedSplit == 0 ? fast - 1 : fast;
-    for (int phase = 0; phase <= table.phases; ++phase) {
+  // A posture is worked out once for all that is asked of it.
+  for (int step = speed_steps(table) - 1; step >= 0; --step)
+    for (int phase = 0; phase < table.phases; ++phase) {
       model.pose(columns_at(table, step, phase), links);
+      raise_farthest(
+          extents, links, [&](const Vector3d& p) { return (p - centre).norm(); }, farthest);
+      raise_farthest(
+          extents, links, [](const Vector3d& p) { return p.head<2>().norm(); }, widest);
       Eigen::AlignedBox3d node;
       for (const BoundedPart& part : parts) node.extend(part.box(links[part.link]));
-      for (int s = std::max(slow, 0); s <= std::min(fast, speeds - 1); ++s)
-        for (int p = std::max(phase - 1, 0); p <= std::min(phase, table.phases - 1); ++p)
-          cell(s, p).extend(node);
+      boxes.add(step, phase, node);
     }
-  }
-  std::vector<RootBox> boxes;
-  boxes.reserve(cells.size());
-  for (const Eigen::AlignedBox3d& box : cells) boxes.push_back(root_box(box));
-  return boxes;
-}
-
-GaitSphere sphere_around(const PosableModel& model, const GaitTable& table) {
-  const Vector3d centre(0, 0, std::nearbyint(centre_height(model, table) / kGrain) * kGrain);
-  const std::vector<Extent> extents = extents_of(model, table);
-  return {centre.z(),
-          farthest_m(model, table, extents, [&](const Vector3d& p) { return (p - centre).norm(); }),
-          farthest_m(model, table, extents, [](const Vector3d& p) { return p.head<2>().norm(); })};
+  return {centre.z(), rounded_up(farthest), rounded_up(widest), boxes.boxes()};
 }
 
 }  // namespace throng

@@ -36,18 +36,16 @@ struct GaitTable {
   }
 };
 
-struct GaitSphere {
-  double centre_z_m = 0;
+/// What holds every vertex of every part in every posture between the nodes, whichever way the head
+/// is turned.
+struct GaitBounds {
+  double centre_z_m = 0;  ///< of the sphere: on the root's z axis where the radius is smallest
   double radius_m = 0;
   double upright_radius_m = 0;  ///< of the cylinder around the root's z axis
+  /// In the root frame, for each cell between the nodes (speed-major, max(speeds - 1, 1) times
+  /// phases).
+  std::vector<RootBox> boxes;
 };
-
-/// Holds every vertex of every part in every posture between the nodes; centred on the root's z
-/// axis where the radius is smallest.
-GaitSphere sphere_around(const PosableModel& model, const GaitTable& table);
-
-/// A box in the root frame for each cell between the nodes (speed-major, max(speeds - 1, 1) times
-/// phases): holds every vertex of every part in every posture of that cell.
-std::vector<RootBox> boxes_around(const PosableModel& model, const GaitTable& table);
+GaitBounds bounds_around(const PosableModel& model, const GaitTable& table);
 
 }  // namespace throng
