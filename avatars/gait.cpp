@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "avatars/gait_curves.h"
 #include "avatars/gait_cycle.h"
 #include "avatars/gait_table.h"
+#include "avatars/row_blend.h"
 
 namespace throng {
 namespace {
@@ -36,7 +39,8 @@ struct Gait::Table : GaitTable {
   float highest_root_speed = 0;
   float speed_cells_per_root_speed = 0;
   float strides_per_root_speed = 0;
-  std::vector<RootBox> boxes;  // see bounds_around()
+  std::vector<RootBox> boxes;        // see bounds_around()
+  std::optional<Stepping> stepping;  // of a walker
 
   void set_row(int speed, int phase, const std::vector<double>& posture) {
     for (int c = 0; c < columns; ++c)
@@ -51,12 +55,7 @@ struct Gait::Table : GaitTable {
     return std::min(std::sqrt(relative), highest_root_speed);
   }
 
-  // Where a posture lies between the nodes.
-  struct Place {
-    int speed, phase;
-    float u, v;  // shares of the next phase and the next speed
-  };
-  Place place(float phase01, float speed_mps, float scale) const {
+  GaitPlace place(float phase01, float speed_mps, float scale) const {
     const float x = phase01 * static_cast<float>(phases);
     const float y = root_speed(speed_mps, scale) * speed_cells_per_root_speed;
     const int phase = std::clamp(static_cast<int>(x), 0, phases - 1);
@@ -64,13 +63,13 @@ struct Gait::Table : GaitTable {
     return {speed, phase, x - static_cast<float>(phase), y - static_cast<float>(speed)};
   }
 
-  void fetch(const Place& at) const {
+  void fetch(const GaitPlace& at) const {
     for (const int speed : {at.speed, at.speed + 1})
       for (const float* line = row(speed, at.phase); line < row(speed, at.phase + 2); line += 16)
         __builtin_prefetch(line);
   }
 
-  void blend(const Place& at, float* out) const {
+  void blend(const GaitPlace& at, float* out) const {
     const float* a = row(at.speed, at.phase);
     if (leg_length_m == 0) {
       std::copy_n(a, columns, out);
@@ -89,7 +88,11 @@ struct Gait::Table : GaitTable {
 
 Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics.column_count()) {
   const PosableModel posable(model);
-  if (const std::optional<Walker> walker = Walker::find(posable, style)) {
+  std::vector<int> leg_links;
+  std::vector<std::vector<WalkerPose>> cycles;
+  double most_drop_m = 0;
+  const std::optional<Walker> walker = Walker::find(posable, style);
+  if (walker) {
     table_ = std::make_unique<Table>(column_count_, kPhases, kSpeeds);
     const double highest = std::sqrt(kFastestRelativeSpeed);
     table_->leg_length_m = static_cast<float>(walker->leg_length_m());
@@ -104,22 +107,29 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
     table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
     for (int speed = 0; speed < kSpeeds; ++speed) {
       const double root_speed = highest * speed / (kSpeeds - 1);
-      const std::vector<std::vector<double>> postures =
-          walker->cycle(std::min(root_speed * root_speed, kFastestRelativeSpeed), kPhases);
+      cycles.push_back(
+          walker->cycle(std::min(root_speed * root_speed, kFastestRelativeSpeed), kPhases));
+      // Who stands is as still as a number.
+      if (speed == 0) cycles.back().assign(kPhases, WalkerPose(cycles.back().front()));
       for (int phase = 0; phase <= kPhases; ++phase)
-        table_->set_row(speed, phase,
-                        postures[static_cast<size_t>(speed > 0 ? phase % kPhases : 0)]);
+        table_->set_row(speed, phase, cycles.back()[static_cast<size_t>(phase % kPhases)].columns);
     }
+    leg_links.assign(walker->leg_links().begin(), walker->leg_links().end());
+    most_drop_m = Stepping::most_drop_m(*walker);
   } else {
     table_ = std::make_unique<Table>(column_count_, 1, 1);
     table_->set_row(0, 0, posable.rest());
     table_->set_row(0, 1, posable.rest());
   }
-  GaitBounds bounds = bounds_around(posable, *table_);
+  GaitBounds bounds = bounds_around(posable, *table_, leg_links, most_drop_m);
   sphere_centre_m_.z() = static_cast<float>(bounds.centre_z_m);
   sphere_radius_m_ = static_cast<float>(bounds.radius_m);
   upright_radius_m_ = static_cast<float>(bounds.upright_radius_m);
-  table_->boxes = std::move(bounds.boxes);
+  table_->boxes = std::move(bounds.whole);
+  if (!walker) return;
+  table_->stepping.emplace(*walker, posable, cycles, table_->speed_cells_per_root_speed,
+                           kShortestStride, bounds.rest);
+  share_room(sphere_centre_m_.z(), sphere_radius_m_, upright_radius_m_);
 }
 
 Gait::~Gait() = default;
@@ -139,7 +149,7 @@ void Gait::postures(std::span<const float> phases, std::span<const float> speeds
   const Table& table = *table_;
   float* out = rows.data();
   for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += column_count_) {
-    Table::Place place{};
+    GaitPlace place{};
     if (table.leg_length_m != 0)
       place = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
     table.blend(place, out);
@@ -152,7 +162,7 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> p
   // The tables of all styles are larger than a core's own cache: ask for rows before they are
   // needed.
   constexpr size_t kAhead = 16;
-  std::array<Table::Place, kAhead> places;
+  std::array<GaitPlace, kAhead> places;
   for (size_t first = 0; first < gaits.size(); first += kAhead) {
     const size_t count = std::min(kAhead, gaits.size() - first);
     for (size_t i = 0; i < count; ++i) {
@@ -186,7 +196,7 @@ void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_m
   for (size_t avatar = 0; avatar < phases.size(); ++avatar) {
     size_t cell = 0;
     if (table.leg_length_m != 0) {
-      const Table::Place at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
+      const GaitPlace at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
       cell = static_cast<size_t>(at.speed) * static_cast<size_t>(table.phases) +
              static_cast<size_t>(at.phase);
     }
@@ -196,6 +206,91 @@ void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_m
       boxes[avatar].max_m[axis] = scales[avatar] * box.max_m[axis];
     }
   }
+}
+
+bool Gait::has_legs() const { return table_->stepping.has_value(); }
+
+RootBox Gait::box_of(const WalkRoom& room, float scale) const {
+  return table_->stepping->box_of(room, scale);
+}
+
+void Gait::share_room(float centre_z_m, float radius_m, float upright_radius_m) {
+  if (table_->stepping) table_->stepping->set_room(centre_z_m, radius_m, upright_radius_m);
+}
+
+void Gait::postures(std::span<const Gait* const> gaits, std::span<const WalkPosture> all,
+                    std::span<const uint32_t> some, std::span<float> rows, SimdTarget target) {
+  assert(gaits.size() == some.size());
+  if (some.empty()) return;
+  const auto columns = static_cast<size_t>(gaits.front()->column_count_);
+  assert(rows.size() == some.size() * columns);
+  // The tables of all styles are larger than a core's own cache: ask for rows before they are
+  // needed.
+  constexpr size_t kBatch = 64;
+  std::array<RowBlend, kBatch> blends;
+  for (size_t first = 0; first < some.size(); first += kBatch) {
+    const size_t count = std::min(kBatch, some.size() - first);
+    size_t next_phase = 0, next_speed = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const Table& table = *gaits[first + i]->table_;
+      next_phase = static_cast<size_t>(table.row_floats);
+      next_speed = static_cast<size_t>(table.phases + 1) * next_phase;
+      const float* n = all[some[first + i]].numbers;
+      const float* from =
+          table.rows.data() + static_cast<size_t>(n[WalkPosture::kNode]) * next_phase;
+      for (const float* speed : {from, from + next_speed})
+        for (const float* line = speed; line < speed + 2 * next_phase; line += 16)
+          __builtin_prefetch(line);
+      blends[i] = {from, n[WalkPosture::kU], n[WalkPosture::kV]};
+    }
+    float* out = rows.data() + first * columns;
+    blend_rows({blends.data(), count}, next_phase, next_speed, columns, out, target);
+    for (size_t i = 0; i < count; ++i)
+      gaits[first + i]->table_->stepping->put(all[some[first + i]], out + i * columns);
+  }
+}
+
+void Gait::walk(WalkChunk& chunk, SimdTarget target) {
+  if (!chunk.gaits[0]->has_legs()) {
+    for (size_t i = 0; i < chunk.count; ++i) chunk.gaits[i]->roll(chunk, i);
+    return;
+  }
+  for (size_t i = 0; i < chunk.count; ++i)
+    chunk.tables[i] = chunk.gaits[i]->table_->stepping->table();
+  uint64_t lost = chunk.gaits[0]->table_->stepping->walk(chunk, target);
+  for (; lost != 0; lost &= lost - 1) {
+    const auto lane = static_cast<size_t>(std::countr_zero(lost));
+    chunk.gaits[lane]->stand_as_tabled(chunk, lane);
+  }
+}
+
+/// Somebody whom not even the table's own feet suit: fast walkers whose toes touch the room of all
+/// postures. Posture and box are the table's.
+void Gait::stand_as_tabled(WalkChunk& chunk, size_t i) const {
+  constexpr size_t kMostColumns = 256;
+  std::array<float, kMostColumns> row;
+  const std::span<float> columns(row.data(), static_cast<size_t>(column_count_));
+  postures({&chunk.phases[i], 1}, {&chunk.gait_mps[i], 1}, {&chunk.scales[i], 1}, columns);
+  RootBox box;
+  bounds({&chunk.phases[i], 1}, {&chunk.gait_mps[i], 1}, {&chunk.scales[i], 1}, {&box, 1});
+  table_->stepping->take(row.data(), chunk.postures[i]);
+  const WalkRoom room = table_->stepping->room_of(box, chunk.scales[i]);
+  chunk.room_x[i] = room.x;
+  chunk.room_y[i] = room.y;
+  chunk.set_feet(i, {});
+}
+
+void Gait::roll(WalkChunk& chunk, size_t i) const {
+  if (chunk.present[i] == 0) return;
+  const bool fresh = chunk.gait_mps[i] == kNotComeIn;
+  chunk.gait_mps[i] = std::max(chunk.ahead_mps[i], 0.0f);
+  if (fresh) return;
+  const float w = chunk.w_before[i], z = chunk.z_before[i];
+  const float forward_m = (w * w - z * z) * chunk.way_x_m[i] + 2 * (w * z) * chunk.way_y_m[i];
+  const float next =
+      chunk.phases[i] + forward_m / stride_length_m(chunk.gait_mps[i], chunk.scales[i]);
+  const float rest = next - std::floor(next);
+  chunk.phases[i] = rest < 1 ? rest : 0;
 }
 
 }  // namespace throng

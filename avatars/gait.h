@@ -8,6 +8,7 @@
 
 #include "avatars/gait_style.h"
 #include "avatars/model.h"
+#include "avatars/stepping.h"
 
 namespace throng {
 
@@ -49,6 +50,21 @@ class Gait {
   void bounds(std::span<const float> phases, std::span<const float> speeds_mps,
               std::span<const float> scales, std::span<RootBox> boxes) const;
 
+  /// Walks avatars on by a step, each by its own of chunk.gaits, all of one model: see
+  /// Stepping::walk(). Who has no human legs rolls on by the way walked. No allocation.
+  static void walk(WalkChunk& chunk, SimdTarget target);
+  /// Whether walk() gives postures, which then stand in for phase, speed and scale.
+  bool has_legs() const;
+  /// Writes the posture rows of some of all, whose gaits are given. No allocation.
+  static void postures(std::span<const Gait* const> gaits, std::span<const WalkPosture> all,
+                       std::span<const uint32_t> some, std::span<float> rows,
+                       SimdTarget target = SimdTarget::kBest);
+  /// A box that holds every part.
+  RootBox box_of(const WalkRoom& room, float scale) const;
+  /// What walk() keeps bodies in, metres unscaled: at first this gait's own sphere and cylinder.
+  /// All gaits of a model that walk together share one that holds those of each.
+  void share_room(float centre_z_m, float radius_m, float upright_radius_m);
+
   /// A sphere in the root frame (metres, unscaled) that bounds every part in every posture the gait
   /// can produce: its centre lies on the root's z axis, the radius includes the interpolation
   /// error.
@@ -58,6 +74,9 @@ class Gait {
   float upright_radius_m() const { return upright_radius_m_; }
 
  private:
+  void roll(WalkChunk& chunk, size_t i) const;
+  void stand_as_tabled(WalkChunk& chunk, size_t i) const;
+
   struct Table;
   int column_count_ = 0;
   int look_column_ = -1;

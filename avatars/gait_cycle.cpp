@@ -22,8 +22,6 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kToeOut = 6 * kDegree;
 // Beyond the model's own hang of the arms, so that hands pass the thighs.
 constexpr double kArmsOut = 1 * kDegree;
-// No knee locks: at less than this, a millimetre of pelvis is worth several degrees of knee.
-constexpr double kStraightestKnee = 2 * kDegree;
 // Height of the lowest sole point at its highest in the swing, in leg lengths; 2.5 cm for an adult.
 constexpr double kClearance = 0.029;
 // Walking feet land nearer to the line of travel than the hips are apart (step width about 0.1 m).
@@ -90,6 +88,7 @@ struct Walker::Instant {
     FootTarget target;
   };
   std::array<Foot, 2> feet;
+  double shift_m = 0;  // of both tracks, forward
 };
 
 std::optional<Walker> Walker::find(const PosableModel& model, GaitStyle style) {
@@ -106,10 +105,15 @@ std::optional<Walker> Walker::find(const PosableModel& model, GaitStyle style) {
   if (lift.kind != Joint::Kind::kPrismatic || up.z() < 1 - 1e-6) return std::nullopt;
   walker.vertical_column_ = model.column_of_joint(vertical);
   // The pelvis is what both legs hang from: the parent of the first joint of a hip.
-  int first_hip = std::numeric_limits<int>::max();
-  for (const char* name : {"right_hip_flexion", "right_hip_adduction", "right_hip_rotation"})
-    first_hip = std::min(first_hip, model.joint_of(name));
-  walker.pelvis_link_ = robot.joints[static_cast<size_t>(first_hip)].parent_link;
+  for (size_t side = 0; side < 2; ++side) {
+    const std::string name = side == 0 ? "right" : "left";
+    int first_hip = std::numeric_limits<int>::max();
+    for (const char* axis : {"_hip_flexion", "_hip_adduction", "_hip_rotation"})
+      first_hip = std::min(first_hip, model.joint_of(name + axis));
+    const Joint& hip = robot.joints[static_cast<size_t>(first_hip)];
+    walker.leg_links_[side] = hip.child_link;
+    if (side == 0) walker.pelvis_link_ = hip.parent_link;
+  }
   walker.pelvis_from_root_ = zero[static_cast<size_t>(walker.pelvis_link_)].inverse();
   return walker;
 }
@@ -234,12 +238,13 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
       for (size_t side = 0; side < 2; ++side)
         ropes.push_back({instants[i].feet[side].target.ankle_m -
                              (legs_[side].hip_m(instants[i].pelvis) + bob[i] * Vector3d::UnitZ()),
-                         legs_[side].reach_m(kStraightestKnee)});
+                         legs_[side].reach_m(kStraightestKnee_rad)});
     const auto highest = [&](double shift) { return highest_lift(ropes, shift); };
     const double shift = highest_point(highest, -0.3 * leg_length_m(), 0.3 * leg_length_m());
     const double lift = highest(shift);
     for (size_t i = 0; i < n; ++i) {
       height[i] = bob[i] + lift;
+      instants[i].shift_m += shift;
       for (Instant::Foot& foot : instants[i].feet) {
         foot.track_m.x() += shift;
         foot.target.ankle_m.x() += shift;
@@ -249,7 +254,7 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
   return height;
 }
 
-std::vector<std::vector<double>> Walker::cycle(double relative_speed, int n) const {
+std::vector<WalkerPose> Walker::cycle(double relative_speed, int n) const {
   assert(n > 0 && n % 2 == 0);
   const GaitCurves curves(relative_speed, style_);
   const StyleFigures& figures = curves.style();
@@ -276,19 +281,27 @@ std::vector<std::vector<double>> Walker::cycle(double relative_speed, int n) con
 
   const std::vector<double> height = fit_to_ground(curves, instants);
 
-  std::vector<std::vector<double>> postures;
+  std::vector<WalkerPose> poses;
   for (size_t i = 0; i < instants.size(); ++i) {
-    std::vector<double>& columns = instants[i].columns;
-    columns[static_cast<size_t>(vertical_column_)] = height[i];
+    WalkerPose pose;
+    std::vector<double>& columns = pose.columns = instants[i].columns;
+    const double allowed = model_->clamped(vertical_column_, height[i]);
+    columns[static_cast<size_t>(vertical_column_)] = allowed;
     Isometry3d pelvis = instants[i].pelvis;
-    pelvis.pretranslate(height[i] * Vector3d::UnitZ());
-    for (size_t side = 0; side < 2; ++side)
-      legs_[side].solve(pelvis, instants[i].feet[side].target, columns);
+    pelvis.pretranslate(allowed * Vector3d::UnitZ());
+    pose.root_from_pelvis = pelvis.linear();
+    for (size_t side = 0; side < 2; ++side) {
+      const Instant::Foot& foot = instants[i].feet[side];
+      legs_[side].solve(pelvis, foot.target, columns);
+      pose.feet[side] = {legs_[side].hip_m(pelvis),
+                         foot.track_m + foot.clearance_m * Vector3d::UnitZ(), foot.target};
+    }
+    pose.shift_m = instants[i].shift_m;
     for (size_t c = 0; c < columns.size(); ++c)
       columns[c] = model_->clamped(static_cast<int>(c), columns[c]);
-    postures.push_back(columns);
+    poses.push_back(std::move(pose));
   }
-  return postures;
+  return poses;
 }
 
 }  // namespace throng

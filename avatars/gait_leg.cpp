@@ -92,10 +92,83 @@ std::optional<Leg> Leg::find(const PosableModel& model, const std::string& side)
   leg.thigh_ = sagittal(chain[3].origin - leg.hip_);
   leg.shank_ = sagittal(leg.ankle_ - chain[3].origin);
   leg.sideways_ = leg.ankle_.y() - leg.hip_.y();
+  leg.knee_side_ = chain[3].origin.y() - leg.hip_.y();
+  leg.read_limbs(model,
+                 {chain[0].joint, chain[1].joint, chain[2].joint, chain[3].joint, chain[4].joint});
   leg.read_foot(model, robot.joints[static_cast<size_t>(chain[4].joint)].child_link);
   if (leg.sole_.size() < 2 || leg.thigh_.norm() < kSquare || leg.shank_.norm() < kSquare)
     return std::nullopt;
   return leg;
+}
+
+namespace {
+
+// The links from this one outwards, those from `end` on left out.
+std::vector<bool> branch_of(const Robot& robot, int link, int end = -1) {
+  std::vector<bool> in_branch(robot.links.size(), false);
+  in_branch[static_cast<size_t>(link)] = true;
+  for (const Joint& joint : robot.joints)
+    if (in_branch[static_cast<size_t>(joint.parent_link)] && joint.child_link != end)
+      in_branch[static_cast<size_t>(joint.child_link)] = true;
+  return in_branch;
+}
+
+double distance_from_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
+  const double share = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+  return (p - a - share * (b - a)).norm();
+}
+
+}  // namespace
+
+void Leg::read_limbs(const PosableModel& model, const std::array<int, 5>& joints) {
+  const Robot& robot = model.model().robot;
+  std::vector<Eigen::Isometry3d> zero;
+  model.pose(std::vector<double>(static_cast<size_t>(model.model().kinematics.column_count()), 0.0),
+             zero);
+  const auto child = [&](size_t i) {
+    return robot.joints[static_cast<size_t>(joints[i])].child_link;
+  };
+  const std::vector<bool> hip = branch_of(robot, child(0), child(2)),
+                          thigh = branch_of(robot, child(2), child(3)),
+                          shank = branch_of(robot, child(3), child(4));
+  const Vector3d knee = zero[static_cast<size_t>(child(3))].translation();
+  for (const Part& part : model.model().parts)
+    for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
+      const auto link = static_cast<size_t>(part.link);
+      const Vector3d p = zero[link] * vertex.cast<double>();
+      // What sits between the hip's axes turns about the hip alone.
+      if (hip[link]) thigh_radius_ = std::max(thigh_radius_, (p - hip_).norm());
+      if (thigh[link])
+        thigh_radius_ = std::max(thigh_radius_, distance_from_segment(p, hip_, knee));
+      if (shank[link])
+        shank_radius_ = std::max(shank_radius_, distance_from_segment(p, knee, ankle_));
+    }
+}
+
+LegShape Leg::shape() const {
+  LegShape shape;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    shape.hip_axes[axis] = hip_axes_[axis].direction;
+    shape.columns[axis] = hip_axes_[axis].column;
+  }
+  shape.columns[3] = knee_axis_.column;
+  shape.columns[4] = ankle_axis_.column;
+  shape.hip_m = hip_;
+  shape.thigh_m = thigh_;
+  shape.shank_m = shank_;
+  shape.knee_side_m = knee_side_;
+  shape.ankle_side_m = sideways_;
+  shape.knee_sign = knee_axis_.direction.y();
+  shape.ankle_sign = ankle_axis_.direction.y();
+  shape.thigh_radius_m = thigh_radius_;
+  shape.shank_radius_m = shank_radius_;
+  for (const Vector3d& point : foot_) shape.foot_m.extend(point);
+  // Of the part of the sole that a flat foot stands on.
+  constexpr double kSole_m = 0.005;
+  for (const Vector3d& point : foot_)
+    if (point.z() < shape.foot_m.min().z() + kSole_m)
+      shape.sole_half_width_m = std::max(shape.sole_half_width_m, std::abs(point.y()));
+  return shape;
 }
 
 void Leg::read_foot(const PosableModel& model, int foot_link) {
@@ -103,11 +176,7 @@ void Leg::read_foot(const PosableModel& model, int foot_link) {
   std::vector<Eigen::Isometry3d> zero;
   model.pose(std::vector<double>(static_cast<size_t>(model.model().kinematics.column_count()), 0.0),
              zero);
-  std::vector<bool> of_foot(robot.links.size(), false);
-  of_foot[static_cast<size_t>(foot_link)] = true;
-  for (const Joint& joint : robot.joints)
-    if (of_foot[static_cast<size_t>(joint.parent_link)])
-      of_foot[static_cast<size_t>(joint.child_link)] = true;
+  const std::vector<bool> of_foot = branch_of(robot, foot_link);
 
   std::vector<Vector2d> outline;
   for (const Part& part : model.model().parts) {

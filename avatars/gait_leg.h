@@ -20,6 +20,22 @@ struct FootTarget {
   double heading_rad = 0;  ///< toes to the left positive
 };
 
+/// A leg as plain numbers: all that bending and bounding it takes. Meshes count as they lie in the
+/// zero posture.
+struct LegShape {
+  std::array<Eigen::Vector3d, 3> hip_axes;  ///< root axes
+  std::array<int, 5> columns{};             ///< of the hip's axes, the knee and the ankle
+  Eigen::Vector3d hip_m = Eigen::Vector3d::Zero();
+  Eigen::Vector2d thigh_m, shank_m;  ///< (x, z), hip to knee to ankle
+  double knee_side_m = 0;            ///< knee left of hip
+  double ankle_side_m = 0;           ///< ankle left of hip
+  double knee_sign = 1, ankle_sign = 1;
+  double thigh_radius_m = 0;   ///< every vertex is so near to the line from hip to knee
+  double shank_radius_m = 0;   ///< and from knee to ankle
+  Eigen::AlignedBox3d foot_m;  ///< from the ankle
+  double sole_half_width_m = 0;
+};
+
 class Leg {
  public:
   /// Reads the leg off the robot's joint frames; empty if a joint is missing or the leg is not a
@@ -29,6 +45,7 @@ class Leg {
   double length_m() const { return thigh_.norm() + shank_.norm(); }
   Eigen::Vector3d hip_m() const { return hip_; }
   Eigen::Vector3d ankle_m() const { return ankle_; }
+  LegShape shape() const;
 
   /// `pelvis` is the pelvis's motion from its zero posture, in root axes.
   Eigen::Vector3d hip_m(const Eigen::Isometry3d& pelvis) const { return pelvis * hip_; }
@@ -44,6 +61,11 @@ class Leg {
   /// `pitch_rad`.
   double roll_m(double pitch_rad) const;
 
+  /// Up, in the plane that the leg bends in to reach `target`.
+  Eigen::Vector3d up_along_leg(const Eigen::Vector3d& hip_m, const FootTarget& target) const {
+    return plane_frame(hip_m, target).col(2);
+  }
+
   /// Sets the leg's five columns; within reach, the foot is where `target` says.
   void solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,
              std::vector<double>& columns) const;
@@ -51,6 +73,7 @@ class Leg {
  private:
   Eigen::Matrix3d plane_frame(const Eigen::Vector3d& hip_m, const FootTarget& target) const;
   void read_foot(const PosableModel& model, int foot_link);
+  void read_limbs(const PosableModel& model, const std::array<int, 5>& joints);
 
   struct Axis {
     Eigen::Vector3d direction = Eigen::Vector3d::UnitY();
@@ -59,8 +82,10 @@ class Leg {
   std::array<Axis, 3> hip_axes_;
   Axis knee_axis_, ankle_axis_;
   Eigen::Vector3d hip_, ankle_;
-  Eigen::Vector2d thigh_, shank_;      // (x, z), hip to knee to ankle
-  double sideways_ = 0;                // ankle left of hip
+  Eigen::Vector2d thigh_, shank_;  // (x, z), hip to knee to ankle
+  double sideways_ = 0;            // ankle left of hip
+  double knee_side_ = 0;           // knee left of hip
+  double thigh_radius_ = 0, shank_radius_ = 0;
   std::vector<Eigen::Vector3d> foot_;  // from the ankle
 
   struct SolePoint {

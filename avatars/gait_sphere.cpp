@@ -238,19 +238,36 @@ struct Cluster {
 struct Extent {
   size_t link;
   double stray;
+  double drop;
   Cluster whole;
   std::vector<Cluster> pieces;
 };
 
+// By link, whether it hangs from one of these.
+std::vector<bool> hanging_from(const PosableModel& model, std::span<const int> roots) {
+  const Robot& robot = model.model().robot;
+  std::vector<bool> hangs(robot.links.size(), false);
+  for (const int root : roots) hangs[static_cast<size_t>(root)] = true;
+  for (const Joint& joint : robot.joints)  // parents first
+    if (hangs[static_cast<size_t>(joint.parent_link)])
+      hangs[static_cast<size_t>(joint.child_link)] = true;
+  return hangs;
+}
+
 std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table,
-                               const std::vector<double>& strays) {
+                               const std::vector<double>& strays, const std::vector<bool>& of_leg,
+                               double most_drop_m) {
   constexpr double kPieces = 8;  // a piece's radius to the part's
   std::vector<Extent> extents;
   for (size_t i = 0; i < strays.size(); ++i) {
     const Part& part = model.model().parts[i];
     std::vector<Vector3d> points = reached_by(model, table, part);
     if (points.empty()) continue;
-    Extent extent{static_cast<size_t>(part.link), strays[i], Cluster(points), {}};
+    Extent extent{static_cast<size_t>(part.link),
+                  strays[i],
+                  of_leg[static_cast<size_t>(part.link)] ? 0 : most_drop_m,
+                  Cluster(points),
+                  {}};
     Cluster::cut(std::move(points), extent.whole.radius / kPieces, extent.pieces);
     extents.push_back(std::move(extent));
   }
@@ -264,14 +281,20 @@ void raise_farthest(const std::vector<Extent>& extents, const std::vector<Isomet
                     const Distance& distance, double& farthest) {
   for (const Extent& extent : extents) {
     const Isometry3d& pose = links[extent.link];
+    // A convex function of the drop: the most is at one of its ends.
+    const auto most = [&](const Vector3d& point) {
+      const double high = distance(point);
+      return extent.drop > 0 ? std::max(high, distance(point - extent.drop * Vector3d::UnitZ()))
+                             : high;
+    };
     const auto beyond = [&](const Cluster& cluster) {
-      return distance(pose * cluster.middle) + cluster.radius + extent.stray > farthest;
+      return most(pose * cluster.middle) + cluster.radius + extent.stray > farthest;
     };
     if (!beyond(extent.whole)) continue;
     for (const Cluster& piece : extent.pieces) {
       if (!beyond(piece)) continue;
       for (const Vector3d& vertex : piece.vertices)
-        farthest = std::max(farthest, distance(pose * vertex) + extent.stray);
+        farthest = std::max(farthest, most(pose * vertex) + extent.stray);
     }
   }
 }
@@ -355,13 +378,15 @@ class CellBoxes {
 
 }  // namespace
 
-GaitBounds bounds_around(const PosableModel& model, const GaitTable& table) {
+GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
+                         std::span<const int> leg_roots, double most_drop_m) {
   const std::vector<double> strays = strays_between_nodes(model, table);
-  const std::vector<Extent> extents = extents_of(model, table, strays);
+  const std::vector<bool> of_leg = hanging_from(model, leg_roots);
+  const std::vector<Extent> extents = extents_of(model, table, strays, of_leg, most_drop_m);
   const std::vector<BoundedPart> parts = bounded_parts(model, table, strays);
   const Vector3d centre(0, 0, std::nearbyint(centre_height(model, table) / kGrain) * kGrain);
   double farthest = 0, widest = 0;
-  CellBoxes boxes(table);
+  CellBoxes whole(table), rest(table);
   std::vector<Isometry3d> links;
   // A posture is worked out once for all that is asked of it.
   for (int step = speed_steps(table) - 1; step >= 0; --step)
@@ -371,11 +396,16 @@ GaitBounds bounds_around(const PosableModel& model, const GaitTable& table) {
           extents, links, [&](const Vector3d& p) { return (p - centre).norm(); }, farthest);
       raise_farthest(
           extents, links, [](const Vector3d& p) { return p.head<2>().norm(); }, widest);
-      Eigen::AlignedBox3d node;
-      for (const BoundedPart& part : parts) node.extend(part.box(links[part.link]));
-      boxes.add(step, phase, node);
+      Eigen::AlignedBox3d body, trunk;
+      for (const BoundedPart& part : parts) {
+        const Eigen::AlignedBox3d box = part.box(links[part.link]);
+        body.extend(box);
+        if (!of_leg[part.link]) trunk.extend(box);
+      }
+      whole.add(step, phase, body);
+      rest.add(step, phase, trunk);
     }
-  return {centre.z(), rounded_up(farthest), rounded_up(widest), boxes.boxes()};
+  return {centre.z(), rounded_up(farthest), rounded_up(widest), whole.boxes(), rest.boxes()};
 }
 
 }  // namespace throng

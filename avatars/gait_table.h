@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "avatars/gait_pose.h"
@@ -36,16 +37,26 @@ struct GaitTable {
   }
 };
 
+/// Where a posture lies between the nodes.
+struct GaitPlace {
+  int speed = 0, phase = 0;
+  float u = 0, v = 0;  ///< shares of the next phase and the next speed
+};
+
 /// What holds every vertex of every part in every posture between the nodes, whichever way the head
 /// is turned.
 struct GaitBounds {
   double centre_z_m = 0;  ///< of the sphere: on the root's z axis where the radius is smallest
   double radius_m = 0;
   double upright_radius_m = 0;  ///< of the cylinder around the root's z axis
-  /// In the root frame, for each cell between the nodes (speed-major, max(speeds - 1, 1) times
-  /// phases).
-  std::vector<RootBox> boxes;
+  // Boxes in the root frame, one for each cell between the nodes (speed-major, max(speeds - 1, 1)
+  // times phases).
+  std::vector<RootBox> whole;  ///< of every part
+  std::vector<RootBox> rest;   ///< of those that do not hang from the legs' roots
 };
-GaitBounds bounds_around(const PosableModel& model, const GaitTable& table);
+/// What does not hang from `leg_roots` (links) may be lowered by up to most_drop_m; the boxes hold
+/// it where it is.
+GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
+                         std::span<const int> leg_roots = {}, double most_drop_m = 0);
 
 }  // namespace throng

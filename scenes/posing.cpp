@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <chrono>
+#include <numeric>
 
 namespace throng {
 namespace {
@@ -32,15 +33,20 @@ Posing::Posing(std::vector<std::shared_ptr<const Model>> models, std::span<const
     const auto model = static_cast<size_t>(index / kStyles);
     const auto style = static_cast<size_t>(index % kStyles);
     if (style > 0 && !styles[model][style]) return;
-    gaits_[model][style] =
-        std::make_unique<const Gait>(*models_[model], static_cast<GaitStyle>(style));
+    gaits_[model][style] = std::make_unique<Gait>(*models_[model], static_cast<GaitStyle>(style));
   });
+  for (size_t model = 0; model < models_.size(); ++model) {
+    const RootSphere room = sphere(model);
+    for (const std::unique_ptr<Gait>& gait : gaits_[model])
+      if (gait != nullptr)
+        gait->share_room(room.centre_m.z(), room.radius_m, room.upright_radius_m);
+  }
 }
 
 RootSphere Posing::sphere(size_t model) const {
   const Gait& plain = *gaits_[model].front();
   RootSphere sphere{plain.sphere_centre_m(), 0, 0};
-  for (const std::unique_ptr<const Gait>& gait : gaits_[model]) {
+  for (const std::unique_ptr<Gait>& gait : gaits_[model]) {
     if (gait == nullptr) continue;
     const float apart_m = (gait->sphere_centre_m() - sphere.centre_m).norm();
     sphere.radius_m = std::max(sphere.radius_m, gait->sphere_radius_m() + apart_m);
@@ -55,46 +61,60 @@ void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offse
 }
 
 void Posing::postures(uint32_t first, uint32_t count, std::span<float> rows) const {
-  const auto columns = static_cast<size_t>(column_count(states_.types[first]));
-  for (uint32_t id = first; id < first + count; ++id, rows = rows.subspan(columns)) {
-    if (is_held(id)) {
-      std::copy_n(states_.held_rows[id], columns, rows.data());
-      continue;
-    }
-    gait_of(id).postures({&states_.phases[id], 1}, {&states_.speeds_mps[id], 1},
-                         {&states_.scales[id], 1}, rows.first(columns));
-    turn_head(id, rows.first(columns));
+  const size_t type = states_.types[first];
+  const auto columns = static_cast<size_t>(column_count(type));
+  std::array<uint32_t, kMaxBatch> some;
+  for (uint32_t done = 0; done < count; done += kMaxBatch) {
+    const size_t batch = std::min<size_t>(kMaxBatch, count - done);
+    std::iota(some.begin(), some.begin() + static_cast<ptrdiff_t>(batch), first + done);
+    make_rows({some.data(), batch}, type, rows.subspan(done * columns, batch * columns));
   }
 }
 
 void Posing::gather_rows(std::span<const uint32_t> bodies, size_t type,
                          std::span<float> rows) const {
+  if (rows_.empty()) return make_rows(bodies, type, rows);
   const auto columns = static_cast<size_t>(column_count(type));
-  if (!rows_.empty()) {
-    for (size_t i = 0; i < bodies.size(); ++i)
-      std::copy_n(rows_.begin() + static_cast<ptrdiff_t>(row_offsets_[bodies[i]]), columns,
-                  rows.begin() + static_cast<ptrdiff_t>(i * columns));
-    return;
-  }
+  for (size_t i = 0; i < bodies.size(); ++i)
+    std::copy_n(rows_.begin() + static_cast<ptrdiff_t>(row_offsets_[bodies[i]]), columns,
+                rows.begin() + static_cast<ptrdiff_t>(i * columns));
+}
+
+/// Of bodies of one type.
+void Posing::make_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const {
+  const auto columns = static_cast<size_t>(column_count(type));
   if (is_held(bodies.front())) {  // all of a type are, or none
     for (size_t i = 0; i < bodies.size(); ++i)
       std::copy_n(states_.held_rows[bodies[i]], columns, rows.data() + i * columns);
     return;
   }
-  std::array<const Gait*, kMaxBatch> gaits;
+  std::array<const Gait*, kMaxBatch> gaits{};
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    gaits[i] = &gait_of(bodies[i]);
+    // Bodies are in the order of the search: far apart.
+    if (!states_.postures.empty()) __builtin_prefetch(&states_.postures[bodies[i]]);
+  }
+  if (has_legs(bodies.front()))
+    Gait::postures({gaits.data(), bodies.size()}, states_.postures, bodies, rows);
+  else
+    make_plain_rows(bodies, {gaits.data(), bodies.size()}, rows);
+  for (size_t i = 0; i < bodies.size() && !states_.looks_rad.empty(); ++i)
+    gaits[i]->look(states_.looks_rad[bodies[i]], rows.subspan(i * columns, columns));
+}
+
+/// As phases, speeds and scales have it, without planted feet.
+void Posing::make_plain_rows(std::span<const uint32_t> bodies, std::span<const Gait* const> gaits,
+                             std::span<float> rows) const {
   std::array<float, kMaxBatch> phases;
   std::array<float, kMaxBatch> speeds;
   std::array<float, kMaxBatch> scales;
   for (size_t i = 0; i < bodies.size(); ++i) {
-    gaits[i] = &gait_of(bodies[i]);
     phases[i] = states_.phases[bodies[i]];
-    speeds[i] = states_.speeds_mps[bodies[i]];
+    speeds[i] = states_.gait_mps[bodies[i]];
     scales[i] = states_.scales[bodies[i]];
   }
-  Gait::postures({gaits.data(), bodies.size()}, {phases.data(), bodies.size()},
-                 {speeds.data(), bodies.size()}, {scales.data(), bodies.size()}, rows);
-  for (size_t i = 0; i < bodies.size(); ++i)
-    turn_head(bodies[i], rows.subspan(i * columns, columns));
+  Gait::postures(gaits, {phases.data(), bodies.size()}, {speeds.data(), bodies.size()},
+                 {scales.data(), bodies.size()}, rows);
 }
 
 void Posing::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
@@ -135,8 +155,12 @@ void Posing::bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) co
     const uint32_t body = view_.empty() ? bodies[i] : view_[bodies[i]];
     const size_t type = states_.types[body];
     if (type < models_.size() && !(body < states_.phases.size() && is_held(body))) {
-      gait_of(body).bounds({&states_.phases[body], 1}, {&states_.speeds_mps[body], 1},
-                           {&states_.scales[body], 1}, {&out[i], 1});
+      const Gait& gait = gait_of(body);
+      if (has_legs(body))
+        out[i] = gait.box_of({states_.room_x[body], states_.room_y[body]}, states_.scales[body]);
+      else
+        gait.bounds({&states_.phases[body], 1}, {&states_.gait_mps[body], 1},
+                    {&states_.scales[body], 1}, {&out[i], 1});
     } else {
       out[i] = {};  // an obstacle, or joints that the gait knows nothing of: the sphere has to do
     }

@@ -29,7 +29,21 @@ struct BodyStates {
   std::vector<GaitStyle> styles;     ///< empty: everybody walks plainly
   std::span<const float> looks_rad;  ///< how far heads are turned; empty: they are not
   std::vector<float> phases;
-  std::vector<float> speeds_mps;
+  // What stepping brings along and gives, see WalkChunk; where feet are not planted, all but the
+  // speed is empty.
+  std::vector<float> gait_mps;
+  std::array<std::vector<float>, WalkChunk::kFeetNumbers> feet;
+  std::vector<WalkPosture> postures;
+  std::vector<float> room_x, room_y;
+
+  /// Makes room for avatars that have not come in yet.
+  void resize_steps(size_t avatars) {
+    gait_mps.assign(avatars, kNotComeIn);
+    for (std::vector<float>& numbers : feet) numbers.assign(avatars, 0);
+    postures.resize(avatars);
+    room_x.resize(avatars);
+    room_y.resize(avatars);
+  }
 };
 
 class Posing : public PoseSource {
@@ -79,13 +93,16 @@ class Posing : public PoseSource {
   bool is_held(uint32_t body) const {
     return !states_.held_rows.empty() && states_.held_rows[body] != nullptr;
   }
-  void turn_head(uint32_t avatar, std::span<float> row) const {
-    if (!states_.looks_rad.empty()) gait_of(avatar).look(states_.looks_rad[avatar], row);
+  bool has_legs(uint32_t body) const {
+    return !states_.postures.empty() && gait_of(body).has_legs();
   }
   void gather_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const;
+  void make_rows(std::span<const uint32_t> bodies, size_t type, std::span<float> rows) const;
+  void make_plain_rows(std::span<const uint32_t> bodies, std::span<const Gait* const> gaits,
+                       std::span<float> rows) const;
 
   std::vector<std::shared_ptr<const Model>> models_;
-  using Gaits = std::array<std::unique_ptr<const Gait>, kGaitStyleCount>;
+  using Gaits = std::array<std::unique_ptr<Gait>, kGaitStyleCount>;
   std::vector<Gaits> gaits_;  ///< by model; of styles that nobody has, null
   const BodyStates& states_;
   std::span<const uint32_t> view_;

@@ -68,6 +68,7 @@ class SceneReader {
     scene_.duration_s = fields_.number_or("duration_s", {0, 1e7, true}, 10);
     read_culling();
     read_steering();
+    scene_.planted_feet = fields_.boolean_or("planted_feet", true);
     if (is_box())
       read_box();
     else
@@ -402,6 +403,7 @@ uint64_t content_hash_of(const Scene& scene) {
   };
   hash.add(scene.name).add(scene.seed).add(scene.step_s);
   hash.add(name_of(scene.part_volume)).add(uint64_t{scene.exact});
+  hash.add(uint64_t{scene.planted_feet});
   hash.add(name_of(scene.steering.model)).add(uint64_t{scene.steering.density_speed});
   add_area(scene.ground);
   hash.add(uint64_t{scene.groups.size()});

@@ -127,6 +127,7 @@ struct Scene {
   SteeringRule steering;
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
+  bool planted_feet = true;  ///< feet stay where they are put on curves, too
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies
 };

@@ -10,7 +10,7 @@ const std::vector<std::pair<std::string_view, std::vector<std::string>>>& scene_
   static const std::vector<std::pair<std::string_view, std::vector<std::string>>> keys = {
       {"scene",
        {"name", "description", "seed", "step_s", "duration_s", "ground", "groups", "obstacles",
-        "culling", "steering", "kind", "box"}},
+        "culling", "steering", "planted_feet", "kind", "box"}},
       {"culling", {"part_volume", "exact"}},
       {"steering", {"model", "density_speed"}},
       {"group",

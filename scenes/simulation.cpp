@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <chrono>
 #include <cmath>
@@ -20,6 +21,7 @@
 #include "scenes/posing.h"
 #include "scenes/shapes.h"
 #include "scenes/spawn.h"
+#include "scenes/walk.h"
 #include "scenes/ways.h"
 
 namespace throng {
@@ -32,20 +34,6 @@ constexpr uint32_t kBlock = 256;
 
 double nanoseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-}
-
-/// Rotation about z of a heading given as unit vector, by half-angle formulas: exact to rounding
-/// and the same on every machine.
-Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
-  const double cosine = std::clamp(heading.x(), -1.0, 1.0);
-  double w = std::sqrt(0.5 * (1 + cosine));
-  double z = std::copysign(std::sqrt(0.5 * (1 - cosine)), heading.y());
-  // The smaller of the two from the larger, which has lost no digits.
-  if (w > std::abs(z))
-    z = 0.5 * heading.y() / w;
-  else
-    w = 0.5 * heading.y() / z;
-  return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
 }
 
 uint64_t random_instance() {
@@ -99,7 +87,8 @@ struct Simulation::State {
   void describe_run();
   void cut_blocks();
   void move();
-  void update_bodies(bool moved);
+  void update_bodies();
+  WalkNow move_root(uint32_t id);
   void update_parts();
   void update_postures();
   BodiesView bodies_there();
@@ -113,6 +102,7 @@ struct Simulation::State {
   };
 
   SimulationOptions options;
+  SimdTarget simd;
   Scene scene;
   Workers workers;
   Kinds kinds;
@@ -123,6 +113,7 @@ struct Simulation::State {
   std::optional<BoxWorld> box;  ///< then the crowd is empty
   size_t avatars;               ///< people, or parts in the box
   BodyStates bodies;
+  std::vector<float> speeds_mps;  ///< of the roots, by avatar
   Posing posing;
   DrivenAvatars driven;
   std::vector<bool> is_driven_kind;  ///< by kind
@@ -143,6 +134,7 @@ struct Simulation::State {
 
 Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
     : options(options_in),
+      simd(resolved(options.simd)),
       scene(with_bodies(std::move(scene_in))),
       workers(options.threads),
       kinds(kinds_of(scene)),
@@ -175,9 +167,16 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
 }
 
 void Simulation::State::archive(Archive& a) {
-  a(frames, begins, ends, frame.utime_us, bodies.phases);
+  a(frames, begins, ends, frame.utime_us, bodies.phases, bodies.gait_mps);
+  for (std::vector<float>& numbers : bodies.feet) a(numbers);
   for (size_t i = 0; i < avatars; ++i)
-    a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, bodies.speeds_mps[i]);
+    a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, speeds_mps[i]);
+  for (const float speed : bodies.gait_mps)
+    if (!(speed >= kNotComeIn && speed < 1000)) a.refuse("a speed to walk at", "another");
+  constexpr float kFarFoot_m = 10;
+  for (const std::vector<float>& numbers : bodies.feet)
+    for (const float number : numbers)
+      if (!(std::abs(number) < kFarFoot_m)) a.refuse("feet near their body", "others");
   for (const float phase : bodies.phases)
     if (!(phase >= 0 && phase <= 1)) a.refuse("a phase from 0 to 1", "another");
   if (box)
@@ -212,7 +211,9 @@ void Simulation::State::place_bodies() {
     place_parts();
   else
     place_people();
-  bodies.speeds_mps.resize(avatars);
+  speeds_mps.resize(avatars);
+  bodies.gait_mps.assign(avatars, kNotComeIn);
+  if (scene.planted_feet) bodies.resize_steps(avatars);
   if (!box) bodies.looks_rad = crowd.looks_rad();
   bodies.roots.resize(avatars);
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
@@ -304,30 +305,43 @@ void Simulation::State::move() {
 void Simulation::State::update_parts() {
   for (size_t i = 0; i < avatars; ++i) {
     bodies.roots[i] = {box->positions_m()[i], box->orientations()[i].cast<float>()};
-    bodies.speeds_mps[i] = static_cast<float>(box->velocities_mps()[i].norm());
+    speeds_mps[i] = static_cast<float>(box->velocities_mps()[i].norm());
   }
 }
 
-void Simulation::State::update_bodies(bool moved) {
+void Simulation::State::update_bodies() {
   if (box) return update_parts();
+  const bool moved = frames > 0;
   workers.for_blocks(static_cast<int>(blocks.size()), [&](int index, int) {
     const Block& block = blocks[static_cast<size_t>(index)];
-    for (uint32_t id = block.first; id < block.first + block.count; ++id) {
-      const Eigen::Vector2d& position = crowd.positions_m()[id];
-      bodies.roots[id].position_m = {position.x(), position.y(), 0};
-      bodies.roots[id].world_from_root = turned_to(crowd.headings()[id]);
-      // Whoever has left keeps the last place and posture.
-      if (crowd.journeys().doing(id) == Doing::kGone) continue;
-      bodies.speeds_mps[id] = static_cast<float>(crowd.velocities_mps()[id].norm());
-      if (!moved) continue;
-      const double stride_m = static_cast<double>(
-          posing.gait_of(id).stride_length_m(bodies.speeds_mps[id], bodies.scales[id]));
-      const double phase = static_cast<double>(bodies.phases[id]) + crowd.walked_m()[id] / stride_m;
-      // Rounding to float must not turn 0.99999999 into 1.
-      const auto wrapped = static_cast<float>(phase - std::floor(phase));
-      bodies.phases[id] = wrapped < 1 ? wrapped : 0;
+    std::array<WalkNow, WalkChunk::kRoom> walk;
+    const uint32_t end = block.first + block.count;
+    if (!scene.planted_feet) {
+      for (uint32_t id = block.first; id < end; ++id)
+        if (move_root(id).is_present)
+          glide_on(posing, speeds_mps[id], moved ? crowd.walked_m()[id] : 0, id, bodies);
+      return;
+    }
+    for (uint32_t first = block.first; first < end; first += WalkChunk::kRoom) {
+      const size_t count = std::min<size_t>(WalkChunk::kRoom, end - first);
+      for (size_t i = 0; i < count; ++i) walk[i] = move_root(first + static_cast<uint32_t>(i));
+      walk_on(posing, {walk.data(), count}, scene.step_s, first, simd, bodies);
     }
   });
+}
+
+/// The root to where steering has the avatar.
+WalkNow Simulation::State::move_root(uint32_t id) {
+  RootPose& root = bodies.roots[id];
+  const Eigen::Vector2d &position = crowd.positions_m()[id], &heading = crowd.headings()[id],
+                        &velocity = crowd.velocities_mps()[id];
+  // Whoever has left keeps the last place and posture.
+  const bool is_present = crowd.journeys().is_present(id);
+  const WalkNow walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
+  root.position_m = {position.x(), position.y(), 0};
+  root.world_from_root = turned_to(heading);
+  if (is_present) speeds_mps[id] = static_cast<float>(velocity.norm());
+  return walk;
 }
 
 void Simulation::State::update_postures() {
@@ -385,7 +399,7 @@ void Simulation::State::fill_frame() {
   frame.utime_us =
       static_cast<int64_t>(std::llround(static_cast<double>(frames) * scene.step_s * 1e6));
   frame.roots = {bodies.roots.data(), avatars};
-  frame.speeds_mps = bodies.speeds_mps;
+  frame.speeds_mps = speeds_mps;
   frame.postures = postures;
   frame.posture_offsets = posture_offsets;
   frame.pairs = culler->pairs();
@@ -411,6 +425,7 @@ const TrafficCounters& Simulation::traffic() const { return state_->crowd.traffi
 std::vector<Stranding> Simulation::strandings() const {
   return state_->crowd.journeys().strandings(state_->crowd.positions_m());
 }
+const BodyStates& Simulation::bodies() const { return state_->bodies; }
 FrameTimes& Simulation::times() { return state_->times; }
 
 int Simulation::unplaced() const {
@@ -422,14 +437,13 @@ int Simulation::unplaced() const {
 const Frame& Simulation::step() {
   State& s = *state_;
   const auto start = Clock::now();
-  const bool moved = s.frames > 0;
-  if (moved) s.move();
-  s.update_bodies(moved);
-  s.driven.place(s.bodies.roots);
+  if (s.frames > 0) s.move();
   const double steering_ns = nanoseconds_since(start);
-  const auto before_postures = Clock::now();
+  const auto before_gait = Clock::now();
+  s.update_bodies();
+  s.driven.place(s.bodies.roots);
   if (s.options.postures) s.update_postures();
-  const double postures_ns = nanoseconds_since(before_postures);
+  const double postures_ns = nanoseconds_since(before_gait);
   if (s.options.culling) s.culler->step(s.bodies_there(), s.posing);
   s.split_times(steering_ns, postures_ns);
   s.fill_frame();

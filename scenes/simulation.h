@@ -16,6 +16,8 @@
 
 namespace throng {
 
+struct BodyStates;  // scenes/posing.h
+
 struct SimulationOptions {
   int threads = 1;
   PairSearch pair_search = PairSearch::kGrid;
@@ -52,6 +54,9 @@ class Simulation {
   const TrafficCounters& traffic() const;
   /// Who cannot reach a goal, as of now.
   std::vector<Stranding> strandings() const;
+
+  /// What poses depend on, as of the latest step: avatars, then obstacles.
+  const BodyStates& bodies() const;
 
   /// The first call delivers frame 0, people where they start; each later one advances by
   /// scene.step_s. The frame's spans hold until the next step.

@@ -7,6 +7,8 @@
 #include <array>
 #include <vector>
 
+#include "scenes/walk.h"
+
 namespace throng {
 namespace {
 
@@ -18,11 +20,12 @@ TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
   bodies.roots.resize(2);
   bodies.scales = {1, 1};
   bodies.phases = {0, 0};
-  bodies.speeds_mps = {0, 0};
+  bodies.resize_steps(2);
   bodies.held_rows = {nullptr, row.data()};
   const std::array<Posing::Styles, 1> plain;
   Workers workers(1);
   const Posing posing({adult}, plain, bodies, workers);
+  walk_on(posing, std::array<WalkNow, 2>{}, 0.1, 0, SimdTarget::kScalar, bodies);
   const std::array<uint32_t, 2> both = {0, 1};
   std::array<RootBox, 2> boxes;
   posing.bounds(both, boxes);
@@ -41,9 +44,9 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
     bodies.scales.push_back(1);
     bodies.styles.push_back(static_cast<GaitStyle>(id % 3 == 0 ? 0 : id % kGaitStyleCount));
     bodies.phases.push_back(static_cast<float>(id) / kAvatars);
-    bodies.speeds_mps.push_back(1.4f);
   }
   bodies.roots.resize(kAvatars);
+  bodies.resize_steps(kAvatars);
   std::vector<float> looks;
   for (uint32_t id = 0; id < kAvatars; ++id)
     looks.push_back((id % 5 < 3 ? 0.25f : -0.2f) * static_cast<float>(id % 3));
@@ -51,6 +54,8 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
   const std::array<Posing::Styles, 1> all = {Posing::Styles().set()};
   Workers workers(2);
   const Posing posing({adult}, all, bodies, workers);
+  const std::vector<WalkNow> comes_in(kAvatars, WalkNow{{}, 1.4f, true});
+  walk_on(posing, comes_in, 0.1, 0, SimdTarget::kScalar, bodies);
   const auto columns = static_cast<size_t>(posing.column_count(0));
   std::vector<float> rows(kAvatars * columns), own(columns);
   posing.postures(0, kAvatars, rows);
@@ -66,11 +71,10 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
   for (const uint32_t id : ids) {
     SCOPED_TRACE(id);
     const Gait& gait = gaits[static_cast<size_t>(bodies.styles[id])];
-    gait.postures({&bodies.phases[id], 1}, {&bodies.speeds_mps[id], 1}, {&bodies.scales[id], 1},
-                  own);
+    gait.postures({&bodies.phases[id], 1}, {&bodies.gait_mps[id], 1}, {&bodies.scales[id], 1}, own);
     gait.look(looks[id], own);
-    EXPECT_TRUE(
-        std::equal(own.begin(), own.end(), rows.begin() + static_cast<ptrdiff_t>(id * columns)));
+    // Legs are bent anew, to the same feet: near a straight knee a millimetre is half a degree.
+    for (size_t c = 0; c < columns; ++c) EXPECT_NEAR(own[c], rows[id * columns + c], 0.02f);
     for (size_t part = 0; part < parts; ++part)
       for (const Eigen::Vector3f& vertex : adult->parts[part].mesh.vertices) {
         const Eigen::Vector3f p =

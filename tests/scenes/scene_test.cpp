@@ -63,7 +63,7 @@ const std::string kGroup =
 TEST_F(SceneFile, SaysWhatItSays) {
   const Scene scene = load(
       "name: test\ndescription: a test\nseed: 7\nstep_s: 1/50\nduration_s: 2.5\n" + kGround +
-      "culling: {part_volume: ordop14, exact: true}\n" + kGroup +
+      "culling: {part_volume: ordop14, exact: true}\nplanted_feet: false\n" + kGroup +
       "    speed_mps: {mean: 1.2, deviation: 0.1, min: 1, max: 1.5}\n"
       "    height_m: 1.8\n"
       "obstacles:\n"
@@ -75,6 +75,7 @@ TEST_F(SceneFile, SaysWhatItSays) {
   EXPECT_EQ(scene.duration_s, 2.5);
   EXPECT_EQ(scene.part_volume, VolumeKind::kOrdop14);
   EXPECT_TRUE(scene.exact);
+  EXPECT_FALSE(scene.planted_feet);
   ASSERT_EQ(scene.groups.size(), 1u);
   EXPECT_EQ(scene.groups[0].count, 3);
   EXPECT_EQ(scene.groups[0].speed_mps->mean, 1.2);

@@ -48,7 +48,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"lcm", {"lcmtypes"}},
     {"fcl", {"culling", "bench"}},
     {"tbb", {"base"}},
-    {"hwy", {"base", "kinematics", "culling", "scenes"}},
+    {"hwy", {"base", "kinematics", "culling", "avatars", "scenes"}},
     {"png.h", {"viewer"}},
     {"webp", {"viewer"}},
     {"CLI", {"apps"}},

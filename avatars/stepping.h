@@ -1,0 +1,136 @@
+// Stepping: where the feet of walking bodies are, and the legs that put them there.
+// One rule: a foot in stance stays where it is on the ground, whatever the root does, and the legs
+// follow; what a body's joints or its bounds do not allow is taken off the foot's place, so that
+// the posture has no jumps and the bounds always hold.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/pose.h"
+#include "base/simd.h"
+
+namespace throng {
+
+class Gait;
+class PosableModel;
+class Walker;
+struct SteppingTables;
+struct WalkerPose;
+
+/// Where a walking body is in its gait, and its legs: all that posing reads, a cache line.
+struct alignas(64) WalkPosture {
+  /// Of the right leg the angles of the hip's three axes, the knee and the ankle, then of the left
+  /// one; then as named.
+  float numbers[16];
+  enum : size_t {
+    kDrop = 10,  ///< the pelvis is so much lower than the gait has it, metres at scale 1
+    kNode,       ///< of the gait's table, the one before in phase and speed
+    kU,          ///< shares of the next phase and the next speed
+    kV,
+  };
+};
+
+/// The room that a body takes, seen from above; see Stepping::box_of().
+struct WalkRoom {
+  float x = 0, y = 0;  ///< low and high in grains
+};
+
+/// Some avatars of one model on their way from one frame to the next, structure of arrays. Its
+/// maker fills what goes in.
+struct WalkChunk {
+  static constexpr size_t kRoom = 64;
+  static constexpr size_t kMostLanes = 32;
+  /// Of the right foot, then of the left, how far it is from where the gait has it, in the root
+  /// frame at scale 1: x and y (metres), turn (radians).
+  static constexpr size_t kFeetNumbers = 6;
+  using Numbers = float[kRoom];
+
+  size_t count;
+  float step_s;
+  // How the root moved: in the world, and its turn before and after (w and z of a quaternion).
+  alignas(64) Numbers way_x_m, way_y_m;
+  alignas(64) Numbers w_before, z_before, w_after, z_after;
+  alignas(64) Numbers ahead_mps;  ///< its speed, forward
+  alignas(64) Numbers scales;
+  alignas(64) Numbers present;  ///< 0: nothing changes, 1: walks
+
+  std::array<const Gait*, kRoom> gaits;
+
+  // Brought along.
+  alignas(64) Numbers gait_mps;  ///< what the gait goes by; kNotComeIn at first
+  alignas(64) Numbers phases;
+  alignas(64) Numbers feet[kFeetNumbers];
+
+  // Comes out. Postures go where their owner wants them, who has room for a multiple of 32.
+  WalkPosture* postures;
+  alignas(64) Numbers room_x, room_y;  ///< of a WalkRoom
+  alignas(64) Numbers lift_m[2];       ///< of a foot that steps where the gait hardly lifts it
+  /// Feet that the legs cannot reach as it is: 1 the right, 2 the left, 3 both.
+  alignas(64) Numbers out_of_reach;
+
+  std::array<float, kFeetNumbers> feet_of(size_t lane) const {
+    std::array<float, kFeetNumbers> out;
+    for (size_t i = 0; i < kFeetNumbers; ++i) out[i] = feet[i][lane];
+    return out;
+  }
+  void set_feet(size_t lane, const std::array<float, kFeetNumbers>& numbers) {
+    for (size_t i = 0; i < kFeetNumbers; ++i) feet[i][lane] = numbers[i];
+  }
+  std::array<const float*, kRoom> tables;  ///< of the gaits; filled by Gait::walk()
+  /// What legs need to know of the step: sides and toes of the track, place in the tables.
+  alignas(64) Numbers track[4], place[4];
+  /// Lanes beyond `count`, up to a full register, do as the last one does.
+  void fill_up();
+};
+
+/// A gait speed that says: this avatar has not come in yet.
+inline constexpr float kNotComeIn = -1;
+
+class Stepping {
+ public:
+  /// One cycle a speed, the nodes of the gait's table; `rest_boxes` of the table's cells hold what
+  /// does not hang from the hips.
+  Stepping(const Walker& walker, const PosableModel& model,
+           std::span<const std::vector<WalkerPose>> cycles, float cells_per_root_speed,
+           float shortest_stride, std::span<const RootBox> rest_boxes);
+  ~Stepping();
+
+  /// The pelvis sinks no farther for a foot that is too far away.
+  static double most_drop_m(const Walker& walker);
+
+  /// See Gait::share_room().
+  void set_room(float centre_z_m, float radius_m, float upright_radius_m);
+  /// What is looked up by speed and phase, for WalkChunk::tables.
+  const float* table() const;
+
+  /// Walks everybody of the chunk on by a step. Who walks ahead advances in the cycle by the way
+  /// walked; who turns on the spot, goes sideways or has just stopped steps until the feet are
+  /// comfortable. Who has just come in, or is more than a metre away all at once, stands as the
+  /// gait has it. Returns the lanes that have no legs even so: they have to take the gait's.
+  uint64_t walk(WalkChunk& chunk, SimdTarget target) const;
+
+  /// Puts the legs into a posture row that the gait gave.
+  void put(const WalkPosture& posture, float* row) const;
+  /// The other way round, for legs and room as the gait has them.
+  void take(const float* row, WalkPosture& posture) const;
+  /// Boxes hold every part, unless joints are moved otherwise.
+  RootBox box_of(const WalkRoom& room, float scale) const;
+  WalkRoom room_of(const RootBox& box, float scale) const;
+
+ private:
+  void read_leg(const Walker& walker, const PosableModel& model, size_t side);
+  void add_node(const Walker& walker, const WalkerPose& pose, float* to);
+  void add_track(const Walker& walker, const std::vector<WalkerPose>& cycle, double root_speed,
+                 float* to);
+  bool settle(WalkChunk& chunk, size_t lane) const;
+
+  std::unique_ptr<SteppingTables> tables_;
+  int vertical_column_ = -1;
+};
+
+}  // namespace throng

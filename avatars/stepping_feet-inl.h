@@ -1,0 +1,344 @@
+// The feet of a step, a person a lane: where they are when the root has moved on, and when they
+// lift. Included after stepping_legs-inl.h, inside the namespace of the lanes F.
+
+// A step is due when a planted foot has come so far from where the gait would have it: the toes
+// turn by 17 degrees, or the leg goes askew by a foot's width. At half of it, it is not.
+inline constexpr float kComfort_rad = 0.3f;
+inline constexpr float kComfortShare = 0.12f;  // of the leg
+inline constexpr float kBeforeLift_s = 0.25f;
+// Cycles a second of such steps: at least, at most, and of one that is begun and has to end.
+inline constexpr float kSteppingRate_hz = 1.2f;
+inline constexpr float kFastestRate_hz = 2.5f;
+inline constexpr float kFinishingRate_hz = 0.9f;
+// Who walks slower finishes steps faster than the way asks for: nobody stands on one leg.
+inline constexpr float kSlow_mps = 0.2f;
+// Who walks this fast takes a step soon enough.
+inline constexpr float kBrisk_mps = 0.8f;
+// A foot turns against the body no farther: the hip's limit of 40 degrees, less what toes that
+// point outwards take. When it lands the pelvis takes some, too.
+inline constexpr float kMostTurn_rad = 0.58f;
+inline constexpr float kMostTurnOutAtLanding_rad = 0.42f;
+// A body turns so far over a foot in stance; who turns faster steps more often.
+inline constexpr float kMostTurnInStance_rad = 0.95f;
+// A foot that the hip forces to turn does so about its contact, which goes so far ahead in a cycle.
+inline constexpr float kContactWay_m = 0.25f;
+inline constexpr float kMostShiftShare = 0.4f;  // of the leg
+// Nobody looks farther ahead for a landing place.
+inline constexpr float kLongestLook_s = 0.9f;
+// How high a foot is lifted on the spot, of the way it goes and at most.
+inline constexpr float kLiftShare = 0.4f;
+inline constexpr float kHighest_m = 0.04f;
+// A gait follows a change of speed so late that the legs' swing dies away with the steps.
+inline constexpr float kEasing_s = 0.25f;
+inline constexpr float kLeastEasing_mps2 = 0.2f;  // so that it comes to rest
+// The time in which the phase makes up for a foot that is left behind as the body slows down.
+inline constexpr float kCatchUp_s = 0.12f;
+inline constexpr float kMostCatchUp_hz = 1;
+// Going sideways, the trailing foot lands so far towards the leading one at most.
+inline constexpr float kMostClosing_m = 0.03f;
+// Nobody walks so far in a step.
+inline constexpr float kJump_m = 1;
+
+THRONG_LANES F clamped(F x, F low, F high) { return min_of(max_of(x, low), high); }
+THRONG_LANES F smooth(F u) { return u * u * (3.0f - 2.0f * u); }
+THRONG_LANES F length(F x, F y) { return sqrt_of(x * x + y * y); }
+/// In [0, 1), for phases that have gone on by less than a cycle.
+THRONG_LANES F wrapped(F phase) {
+  const F rest = phase - floor_of(phase);
+  return select(rest < 1.0f, rest, 0.0f);
+}
+THRONG_LANES F own_phase(F phase, size_t side) { return side == 0 ? phase : wrapped(phase + 0.5f); }
+
+/// How a root moved, in its own axes before, metres of the world.
+struct Motion {
+  F forward, left;
+  F turn, turn_sin, turn_cos;
+  F scale, per_scale;
+  float step_s;
+};
+
+THRONG_LANES Motion motion_of(const WalkChunk& c, size_t i) {
+  // Upright: turned about z alone.
+  const F w = load(c.w_before + i), z = load(c.z_before + i);
+  const F w_after = load(c.w_after + i), z_after = load(c.z_after + i);
+  const F cos = w * w - z * z, sin = 2.0f * (w * z);
+  const F x = load(c.way_x_m + i), y = load(c.way_y_m + i);
+  F half_cos = w * w_after + z * z_after, half_sin = w * z_after - z * w_after;
+  half_sin = select(half_cos < 0.0f, 0.0f - half_sin, half_sin);
+  half_cos = abs_of(half_cos);
+  Motion m;
+  m.forward = cos * x + sin * y;
+  m.left = cos * y - sin * x;
+  const Way half[1] = {{half_sin, half_cos}};
+  F half_turn[1];
+  angles_of(half, half_turn);
+  m.turn = 2.0f * half_turn[0];
+  m.turn_cos = half_cos * half_cos - half_sin * half_sin;
+  m.turn_sin = 2.0f * (half_sin * half_cos);
+  m.scale = load(c.scales + i);
+  m.per_scale = inverse_of(m.scale);
+  m.step_s = c.step_s;
+  return m;
+}
+
+/// The speed to walk at by the gait: it follows the root's own speed ahead, but not at once.
+THRONG_LANES F eased(F gait_mps, F speed_mps, float step_s) {
+  const F change = max_of(speed_mps, 0.0f) - gait_mps;
+  const F size = abs_of(change);
+  const F by =
+      max_of(step_s / (kEasing_s + step_s) * size, min_of(size, kLeastEasing_mps2 * step_s));
+  return select(change > 0.0f, gait_mps + by, gait_mps - by);
+}
+
+/// Cycles a second.
+THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F phase,
+                       const Track& track, const Feet& feet) {
+  const float per_s = 1 / m.step_s, per_comfort_m = 1 / (kComfortShare * t.leg_length_m);
+  const F speed = max_of(m.forward, 0.0f) * per_s;
+  const F per_stride = inverse_of(stride_m);
+  const F finishing_rate = kFinishingRate_hz * max_of(1.0f - speed * (1 / kSlow_mps), 0.0f);
+  F turn_need = 0.0f, way_square = 0.0f, finishing = 0.0f, behind = 0.0f;
+  for (size_t side = 0; side < 2; ++side) {
+    const F own = own_phase(phase, side);
+    const M swings = own >= track.stance;
+    finishing = select(swings, finishing_rate, finishing);
+    const F x = feet.x[side], y = feet.y[side], turned = feet.turn[side];
+    behind =
+        select(own > 0.5f * track.stance, max_of(behind, select(swings, 0.0f, 0.0f - x)), behind);
+    // What it comes to before the foot can be lifted. One that has landed turned into the curve is
+    // where it should be.
+    const F turn_now = abs_of(turned - kBeforeLift_s * per_s * m.turn) * (1 / kComfort_rad);
+    const M lags = (!swings) & (turned * m.turn <= 0.0f),
+            trails = (!swings) & (x * m.forward + y * m.left <= 0.0f);
+    turn_need = max_of(turn_need, select(lags, turn_now, 0.0f));
+    way_square = max_of(way_square, select(trails, x * x + y * y, 0.0f));
+  }
+  const F need = max_of(turn_need, sqrt_of(way_square) * per_comfort_m);
+  // In stance a foot gets from one end of its comfort to the other.
+  const F aside = abs_of(m.left) + max_of(0.0f - m.forward, 0.0f);
+  const F travel = max_of(abs_of(m.turn) * (1 / kComfort_rad), aside * m.per_scale * per_comfort_m);
+  const F stepping =
+      clamped(0.5f * track.stance * travel * per_s, kSteppingRate_hz, kFastestRate_hz);
+  const F slow = max_of(1.0f - speed * (1 / kBrisk_mps), 0.0f);
+  const F catching_up =
+      select(speed > 0.0f,
+             min_of(behind * m.scale * per_stride * (1 / kCatchUp_s), kMostCatchUp_hz), 0.0f);
+  const F turning =
+      min_of(track.stance * abs_of(m.turn) * (per_s / kMostTurnInStance_rad), kFastestRate_hz) *
+      min_of(speed * (1 / kSlow_mps), 1.0f);
+  return max_of(max_of(max_of(speed * per_stride + catching_up, finishing), turning),
+                slow * stepping * clamped(2.0f * need - 1.0f, 0.0f, 1.0f));
+}
+
+/// How far a foot should be turned when it lands if the body turns by twice `turn` over it: as far
+/// to one side as to the other, unless that is too far for the other.
+THRONG_LANES F turn_at_landing(F turn, size_t side) {
+  constexpr float kUsed_rad = 0.95f * kMostTurn_rad;
+  const float left = side == 0 ? kUsed_rad : kMostTurnOutAtLanding_rad,
+              right = side == 0 ? kMostTurnOutAtLanding_rad : kUsed_rad;
+  return clamped(select(turn > 0.0f, max_of(turn, 2.0f * turn - kUsed_rad),
+                        min_of(turn, 2.0f * turn + kUsed_rad)),
+                 -right, left);
+}
+
+/// Where a foot that lands now should: so that the body passes over it in the middle of stance as
+/// the gait has it, if the root goes on as it does.
+struct Landing {
+  F x[2], y[2], turn[2];
+};
+THRONG_LANES Landing landing_of(const Motion& m, F rate, const Track& track) {
+  const F ahead_s = min_of(0.5f * track.stance * inverse_of(max_of(rate, 1e-3f)), kLongestLook_s);
+  const float per_s = 1 / m.step_s;
+  const F turn = clamped(m.turn * per_s * ahead_s, -kMostTurn_rad, kMostTurn_rad);
+  F sin, cos;
+  sin_cos_of(0.5f * turn, sin, cos);
+  const F whole_cos = cos * cos - sin * sin, whole_sin = 2.0f * (sin * cos);
+  // The chord of an arc is shorter than the arc: sin(a/2) / (a/2).
+  const F chord = ahead_s * per_s * m.per_scale * (1.0f - turn * turn * (1.0f / 24));
+  const F forward = chord * m.forward, sideways = chord * m.left;
+  const F lands_x = track.x_at(0.0f), passes_x = track.x_at(0.5f * track.stance);
+  Landing to;
+  for (size_t side = 0; side < 2; ++side) {
+    const F left = side == 0 ? min_of(sideways, kMostClosing_m) : max_of(sideways, -kMostClosing_m);
+    const F y = track.side[side];
+    to.x[side] = cos * forward - sin * left + (whole_cos * passes_x - whole_sin * y) - lands_x;
+    to.y[side] = sin * forward + cos * left + (whole_sin * passes_x + whole_cos * y) - y;
+    to.turn[side] = turn_at_landing(turn, side);
+  }
+  return to;
+}
+
+/// Legs and bounds end somewhere: beyond that a foot is dragged along.
+THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_y, F contact_m,
+                                F& x, F& y, F& turn) {
+  const F allowed = clamped(turn, -kMostTurn_rad, kMostTurn_rad), forced = allowed - turn;
+  x = x + contact_m * forced * allowed;
+  y = y - contact_m * forced;
+  turn = allowed;
+  const float most = kMostShiftShare * t.leg_length_m;
+  const F square = x * x + y * y;
+  if (any(square > most * most)) {
+    const F share = min_of(most * inverse_sqrt_of(max_of(square, 1e-12f)), 1.0f);
+    x = x * share;
+    y = y * share;
+  }
+  const F at_x = natural_x + x, at_y = natural_y + y;
+  const F away = at_x * at_x + at_y * at_y;
+  // Of a foot that has rolled on to its toes this point is behind it.
+  const float farthest_m = 1.2f * t.upright_m;
+  const M beyond = away > farthest_m * farthest_m;
+  if (!any(beyond)) return;
+  const F share = farthest_m * inverse_sqrt_of(max_of(away, 1e-12f));
+  x = select(beyond, share * at_x - natural_x, x);
+  y = select(beyond, share * at_y - natural_y, y);
+}
+
+/// At the share v of a step of which 1 / per_left is left before `off` is gone: a longer step is
+/// higher.
+THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F v) {
+  constexpr float kArm_m = 0.2f;  // half a foot turns by so much, nearly
+  const F step_m = (length(off_x, off_y) + kArm_m * abs_of(off_turn)) * min_of(per_left, 100.0f);
+  return min_of(kLiftShare * step_m, kHighest_m) * 4.0f * v * (1.0f - v);
+}
+
+/// Moves the feet on with the root and returns the next phase.
+THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& before,
+                         const Track& after, F phase, Feet& feet) {
+  const F stride_m = max_of(after.stride, t.shortest_stride_m) * m.scale;
+  const F rate = rate_of(t, m, stride_m, phase, before, feet);
+  const F next = wrapped(phase + rate * m.step_s);
+  const Landing goal = landing_of(m, rate, after);
+  const F forward = m.forward * m.per_scale, left = m.left * m.per_scale;
+  const F per_swing = inverse_of(1.0f - after.stance);
+  const F lifting = max_of(1.0f - after.stride * t.per_leg_length, 0.0f);
+  for (size_t side = 0; side < 2; ++side) {
+    const F own = own_phase(phase, side), own_next = own_phase(next, side);
+    const F natural_x = after.x_at(own_next), natural_y = after.side[side];
+    const F x = feet.x[side], y = feet.y[side], turned = feet.turn[side];
+    // In stance the ground moves back under the body, and the foot with it.
+    const F was_x = before.x_at(own) + x - forward, was_y = before.side[side] + y - left;
+    const M stood = own < before.stance;
+    F stance_x = select(stood, m.turn_cos * was_x + m.turn_sin * was_y - natural_x, x);
+    F stance_y = select(stood, m.turn_cos * was_y - m.turn_sin * was_x - natural_y, y);
+    F stance_turn = select(stood, turned - m.turn, turned);
+    keep_in_reach(t, natural_x, natural_y, kContactWay_m * own_next, stance_x, stance_y,
+                  stance_turn);
+    // In swing what it is off its landing place dies away.
+    const F u = (max_of(own, after.stance) - after.stance) * per_swing;
+    const F v = (own_next - after.stance) * per_swing;
+    const F left_before = 1.0f - smooth(min_of(u, 1.0f)), left_after = 1.0f - smooth(v);
+    const F per_left = inverse_of(max_of(left_before, 1e-6f));
+    const F keep = select(left_before > 0.0f, clamped(left_after * per_left, 0.0f, 1.0f), 0.0f);
+    const F off_x = x - goal.x[side], off_y = y - goal.y[side], off_turn = turned - goal.turn[side];
+    const M stands = own_next < after.stance;
+    feet.x[side] = select(stands, stance_x, goal.x[side] + keep * off_x);
+    feet.y[side] = select(stands, stance_y, goal.y[side] + keep * off_y);
+    feet.turn[side] = select(stands, stance_turn, goal.turn[side] + keep * off_turn);
+    feet.lift[side] = select(stands, 0.0f, lift_of(off_x, off_y, off_turn, per_left, v) * lifting);
+  }
+  return next;
+}
+
+THRONG_LANES Feet load_feet(const WalkChunk& c, size_t i) {
+  Feet feet;
+  for (size_t side = 0; side < 2; ++side) {
+    feet.x[side] = load(c.feet[3 * side] + i);
+    feet.y[side] = load(c.feet[3 * side + 1] + i);
+    feet.turn[side] = load(c.feet[3 * side + 2] + i);
+    feet.lift[side] = load(c.lift_m[side] + i);
+  }
+  return feet;
+}
+
+THRONG_LANES void store_feet(const Feet& feet, WalkChunk& c, size_t i) {
+  for (size_t side = 0; side < 2; ++side) {
+    store(feet.x[side], c.feet[3 * side] + i);
+    store(feet.y[side], c.feet[3 * side + 1] + i);
+    store(feet.turn[side], c.feet[3 * side + 2] + i);
+    store(feet.lift[side], c.lift_m[side] + i);
+  }
+}
+
+THRONG_LANES void store_posture(const F (&posture)[16], const F (&room)[2], WalkChunk& c,
+                                size_t i) {
+  store(room[0], c.room_x + i);
+  store(room[1], c.room_y + i);
+  for (size_t quad = 0; quad < 4; ++quad) {
+    const F four[4] = {posture[4 * quad], posture[4 * quad + 1], posture[4 * quad + 2],
+                       posture[4 * quad + 3]};
+    store_rows(four, [&](size_t lane) { return c.postures[i + lane].numbers + 4 * quad; });
+  }
+}
+
+THRONG_LANES void store_step(const Track& track, const Place& at, WalkChunk& c, size_t i) {
+  const F tracks[4] = {track.side[0], track.side[1], track.toes_out_sin, track.toes_out_cos};
+  const F places[4] = {at.node, at.cell, at.u, at.v};
+  for (size_t n = 0; n < 4; ++n) {
+    store(tracks[n], c.track[n] + i);
+    store(places[n], c.place[n] + i);
+  }
+}
+
+THRONG_LANES void load_step(const WalkChunk& c, size_t i, Track& track, Place& at) {
+  track.side[0] = load(c.track[0] + i);
+  track.side[1] = load(c.track[1] + i);
+  track.toes_out_sin = load(c.track[2] + i);
+  track.toes_out_cos = load(c.track[3] + i);
+  at = {load(c.place[0] + i), load(c.place[1] + i), load(c.place[2] + i), load(c.place[3] + i)};
+}
+
+/// The feet of the lanes from i on. Asks for what their legs will look up.
+THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
+  const M present = load(c.present + i) > 0.0f;
+  const F gait_before = load(c.gait_mps + i), ahead = load(c.ahead_mps + i);
+  const F phase = load(c.phases + i);
+  const Motion motion = motion_of(c, i);
+  const M fresh = (gait_before < 0.0f) |
+                  (motion.forward * motion.forward + motion.left * motion.left > kJump_m * kJump_m);
+  const F before = max_of(gait_before, 0.0f);
+  const F after = select(fresh, max_of(ahead, 0.0f), eased(before, ahead, c.step_s));
+  const Feet was = load_feet(c, i);
+  Feet feet = was;
+  const F gait_now = select(present, after, gait_before);
+  const F root_speed = root_speed_of(t, gait_now, motion.per_scale);
+  const Speeds speeds = speeds_around(t, c.tables.data() + i, root_speed);
+  const Track track = track_of(t, speeds, root_speed);
+  const Track track_before = track_of(t, speeds, root_speed_of(t, before, motion.per_scale));
+  const F next = step_feet(t, motion, track_before, track, phase, feet);
+  const auto settled = [&](F value, F when_fresh, F when_away) {
+    return select(present, select(fresh, when_fresh, value), when_away);
+  };
+  for (size_t side = 0; side < 2; ++side) {
+    feet.x[side] = settled(feet.x[side], 0.0f, was.x[side]);
+    feet.y[side] = settled(feet.y[side], 0.0f, was.y[side]);
+    feet.turn[side] = settled(feet.turn[side], 0.0f, was.turn[side]);
+    // Of who is not there nobody sees it.
+    feet.lift[side] = settled(feet.lift[side], 0.0f, 0.0f);
+  }
+  store_feet(feet, c, i);
+  const F phase_now = settled(next, phase, phase);
+  store(phase_now, c.phases + i);
+  store(gait_now, c.gait_mps + i);
+  const Place at = place_of(t, speeds, phase_now, root_speed);
+  store_step(track, at, c, i);
+  int32_t nodes[kLanes];
+  store_whole(at.node, nodes);
+  for (size_t lane = 0; lane < kLanes; ++lane) {
+    const float* node = c.tables[i + lane] + t.node(nodes[lane]);
+    for (const float* row : {node, node + t.next_speed_node()}) {
+      __builtin_prefetch(row);
+      __builtin_prefetch(row + SteppingTables::kNodeFloats);
+    }
+  }
+}
+
+/// And their legs, when walk_feet() is done.
+THRONG_LANES void walk_legs(const SteppingTables& t, WalkChunk& c, size_t i) {
+  const Feet feet = load_feet(c, i);
+  Track track;
+  Place at;
+  load_step(c, i, track, at);
+  F posture[16], room[2];
+  store(legs_of(t, c.tables.data() + i, feet, at, track, posture, room), c.out_of_reach + i);
+  store_posture(posture, room, c, i);
+}

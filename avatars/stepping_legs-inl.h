@@ -1,0 +1,355 @@
+// Legs bent so that the feet are where stepping has put them, a person a lane: two links in closed
+// form, and the box that holds what comes out.
+// Included by stepping_one.cpp and stepping_simd.cpp, inside the namespace of their lanes F.
+
+struct Feet {
+  F x[2], y[2], turn[2], lift[2];
+};
+
+THRONG_LANES F inverse_of(F a) { return 1.0f / a; }
+THRONG_LANES F inverse_sqrt_of(F a) { return 1.0f / sqrt_of(a); }
+
+/// sin_cos.h for |angle| up to a quarter turn.
+THRONG_LANES void sin_cos_of(F angle, F& sin, F& cos) {
+  using K = SinCosConstants;
+  const F z = angle * angle;
+  const F s = ((K::kSin[3] * z + K::kSin[2]) * z + K::kSin[1]) * z + K::kSin[0];
+  const F c = (((K::kCos[4] * z + K::kCos[3]) * z + K::kCos[2]) * z + K::kCos[1]) * z + K::kCos[0];
+  sin = angle + (angle * z) * s;
+  cos = 1.0f + z * c;
+}
+
+/// A direction whose angle is asked for.
+struct Way {
+  F y, x;
+};
+
+/// The angles of some (x, y), each off by less than 2e-6; 0 for (0, 0). None is longer than 1 or
+/// much shorter, so that one division does for all. Minimax for the arc tangent on [0, 1].
+template <size_t kCount>
+THRONG_LANES void angles_of(const Way (&ways)[kCount], F (&angles)[kCount]) {
+  F longer[kCount], product[kCount];
+  for (size_t i = 0; i < kCount; ++i) {
+    longer[i] = max_of(max_of(abs_of(ways[i].x), abs_of(ways[i].y)), 1e-5f);
+    product[i] = i == 0 ? longer[0] : product[i - 1] * longer[i];
+  }
+  F rest = inverse_of(product[kCount - 1]);  // of those not done yet
+  for (size_t i = kCount; i-- > 0;) {
+    const F inverse = i == 0 ? rest : rest * product[i - 1];
+    rest = rest * longer[i];
+    const F ax = abs_of(ways[i].x), ay = abs_of(ways[i].y);
+    const F t = min_of(ax, ay) * inverse;
+    const F s = t * t;
+    F angle = -0.01172120f * s + 0.05265332f;
+    angle = angle * s + -0.11643287f;
+    angle = angle * s + 0.19354346f;
+    angle = angle * s + -0.33262347f;
+    angle = (angle * s + 0.99997726f) * t;
+    angle = select(ay > ax, 1.57079633f - angle, angle);
+    angle = select(ways[i].x < 0.0f, 3.14159265f - angle, angle);
+    angles[i] = select(ways[i].y < 0.0f, 0.0f - angle, angle);
+  }
+}
+
+/// The direction with this sine, clamped to [-1, 1], and a cosine of at least 0.
+THRONG_LANES Way way_of_sine(F sine) {
+  const F s = max_of(min_of(sine, 1.0f), -1.0f);
+  return {s, sqrt_of(max_of(1.0f - s * s, 0.0f))};
+}
+
+struct Point {
+  F x, y, z;
+};
+THRONG_LANES Point operator+(const Point& a, const Point& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+THRONG_LANES Point operator-(const Point& a, const Point& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+THRONG_LANES Point operator*(F s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
+THRONG_LANES F dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+struct Turn {
+  Point x, y, z;  ///< columns
+};
+THRONG_LANES Point operator*(const Turn& t, const std::array<float, 3>& p) {
+  return F(p[0]) * t.x + F(p[1]) * t.y + F(p[2]) * t.z;
+}
+THRONG_LANES Point operator*(const Turn& t, const SignedAxis& axis) {
+  return F(axis.sign) * (axis.index == 0 ? t.x : axis.index == 1 ? t.y : t.z);
+}
+/// A turn about the zero posture's y axis before `frame`.
+THRONG_LANES Turn turned_y(const Turn& frame, F sin, F cos) {
+  return {cos * frame.x - sin * frame.z, frame.y, sin * frame.x + cos * frame.z};
+}
+
+THRONG_LANES Turn turn_of(F x, F y, F z) {
+  const F w = sqrt_of(max_of(1.0f - (x * x + y * y + z * z), 0.0f));
+  const F x2 = x + x, y2 = y + y, z2 = z + z;
+  const F xx = x * x2, xy = x * y2, xz = x * z2, yy = y * y2, yz = y * z2, zz = z * z2;
+  const F wx = w * x2, wy = w * y2, wz = w * z2;
+  return {{1.0f - (yy + zz), xy + wz, xz - wy},
+          {xy - wz, 1.0f - (xx + zz), yz + wx},
+          {xz + wy, yz - wx, 1.0f - (xx + yy)}};
+}
+
+/// A leg before it is bent.
+struct Reach {
+  Point hip;
+  Turn frame;   ///< forward, the knee's axis, and up in the plane that the leg bends in
+  Point ankle;  ///< from the hip
+  F along, up;  ///< the ankle in that plane
+};
+
+/// The foot leans with its leg, about the point where it stands: hip, knee and foot share a plane,
+/// and that the foot's middle lies as far beside the hip as the leg is made leaves one tilt.
+THRONG_LANES void reach_for(const LegNumbers& leg, const Point& ground, F height, F forward_x,
+                            F forward_y, Reach& r) {
+  const Point d = ground - r.hip;
+  const F y = d.y * forward_x - d.x * forward_y;
+  const F inverse = inverse_sqrt_of(max_of(y * y + d.z * d.z, 1e-6f));
+  const F cos = max_of(min_of(leg.ankle_side_m * inverse, 1.0f), -1.0f);
+  const F sin = sqrt_of(max_of(1.0f - cos * cos, 0.0f));
+  const F tilt_cos = (y * cos - d.z * sin) * inverse;
+  const F tilt_sin = (d.z * cos + y * sin) * inverse;
+  r.frame.x = {forward_x, forward_y, 0.0f};
+  r.frame.y = {0.0f - tilt_cos * forward_y, tilt_cos * forward_x, tilt_sin};
+  r.frame.z = {tilt_sin * forward_y, 0.0f - tilt_sin * forward_x, tilt_cos};
+  // On the sole's edge; sin (1 + sin^2 / 2) is the tangent, nearly.
+  const F lean = abs_of(tilt_sin) * (1.0f + 0.5f * (tilt_sin * tilt_sin));
+  const F over = height + leg.sole_half_width_m * lean;
+  r.ankle = d + over * r.frame.z;
+  r.along = d.x * forward_x + d.y * forward_y;
+  r.up = dot(d, r.frame.z) + over;
+}
+
+/// How far a hip has to sink until its leg is long enough.
+THRONG_LANES F sink_of(const LegNumbers& leg, const Reach& r) {
+  const F aside = r.ankle.x * r.ankle.x + r.ankle.y * r.ankle.y;
+  return 0.0f - r.ankle.z - sqrt_of(max_of(leg.longest_m2 - aside, 0.0f));
+}
+
+/// Seen from above.
+struct Bounds {
+  F low_x, low_y, high_x, high_y;
+  void extend(const Point& middle, F half_x, F half_y) {
+    low_x = min_of(low_x, middle.x - half_x);
+    low_y = min_of(low_y, middle.y - half_y);
+    high_x = max_of(high_x, middle.x + half_x);
+    high_y = max_of(high_y, middle.y + half_y);
+  }
+  void extend(const Point& middle, F radius) { extend(middle, radius, radius); }
+};
+
+// Single precision, arcs good to 2e-6, and nodes blended as positions here and as angles in the
+// table, which turn by less than 0.02 between two of them: a tenth of this was measured.
+inline constexpr float kSlack_m = 1e-3f;
+
+/// Whether sphere and cylinder hold a ball. They are convex: with the balls at its ends they hold a
+/// limb.
+THRONG_LANES M holds(const SteppingTables& t, const Point& p, float radius) {
+  const F across = p.x * p.x + p.y * p.y, up = p.z - t.sphere_z_m;
+  const float upright = t.upright_m - radius - kSlack_m, ball = t.sphere_m - radius - kSlack_m;
+  return (across <= upright * upright) & (across + up * up <= ball * ball);
+}
+
+/// Whether they hold a foot: of a box the corner that is farthest along each of its axes.
+THRONG_LANES M holds_foot(const SteppingTables& t, const LegNumbers& leg, const Point& p,
+                          const Turn& foot) {
+  const std::array<float, 3>& half = leg.foot_half_m;
+  const float square = half[0] * half[0] + half[1] * half[1] + half[2] * half[2];
+  const auto flat = [&p](const Point& axis) { return abs_of(p.x * axis.x + p.y * axis.y); };
+  const Point q = {p.x, p.y, p.z - t.sphere_z_m};
+  const auto full = [&q](const Point& axis) { return abs_of(dot(q, axis)); };
+  const F across =
+      p.x * p.x + p.y * p.y + square +
+      2.0f * (half[0] * flat(foot.x) + half[1] * flat(foot.y) + half[2] * flat(foot.z));
+  const F away = dot(q, q) + square +
+                 2.0f * (half[0] * full(foot.x) + half[1] * full(foot.y) + half[2] * full(foot.z));
+  const float upright = t.upright_m - kSlack_m, ball = t.sphere_m - kSlack_m;
+  return (across <= upright * upright) & (away <= ball * ball);
+}
+
+/// Bends a leg to reach its ankle; angles of the hip's axes, knee and ankle go to `angles`. Where
+/// the knee's limits stop it the ankle is as near as they let it; where the ankle's do, the foot
+/// tilts. Returns whether joints and the room of all postures allow it.
+THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const Reach& r,
+                    const Turn& pelvis, F pitch, F* angles, Bounds& bounds) {
+  // Law of cosines for links that need not be one line in the zero posture.
+  const F wanted = (r.along * r.along + r.up * r.up - leg.square_sum_m2) * leg.per_twice_product;
+  const F bend_cos = max_of(min_of(wanted, leg.straightest_cos), leg.most_bent_cos);
+  const F bend_sin = sqrt_of(max_of(1.0f - bend_cos * bend_cos, 0.0f));
+  const F knee_sin = leg.straight_sin * bend_cos + leg.straight_cos * bend_sin;
+  const F knee_cos = leg.straight_cos * bend_cos - leg.straight_sin * bend_sin;
+  const F chain_x = leg.thigh_m[0] + (knee_cos * leg.shank_m[0] + knee_sin * leg.shank_m[1]);
+  const F chain_z = leg.thigh_m[1] + (knee_cos * leg.shank_m[1] - knee_sin * leg.shank_m[0]);
+  const F across = chain_z * r.along - chain_x * r.up, along = chain_x * r.along + chain_z * r.up;
+  const F inverse = inverse_sqrt_of(max_of(across * across + along * along, 1e-12f));
+  const F sin = across * inverse, cos = along * inverse;
+  const auto in_plane = [&r](F x, F z, float side) {
+    return r.hip + x * r.frame.x + F(side) * r.frame.y + z * r.frame.z;
+  };
+  const Point knee_at = in_plane(cos * leg.thigh_m[0] + sin * leg.thigh_m[1],
+                                 cos * leg.thigh_m[1] - sin * leg.thigh_m[0], leg.knee_side_m);
+  const Point ankle_at =
+      in_plane(cos * chain_x + sin * chain_z, cos * chain_z - sin * chain_x, leg.ankle_side_m);
+  // pelvis^T thigh = turn(a1, q1) turn(a2, q2) turn(a3, q3) over perpendicular axes.
+  const Turn thigh = turned_y(r.frame, sin, cos);
+  const Point end = thigh * leg.axis3, p1 = pelvis * leg.axis1;
+  const Way ways[5] = {{dot(pelvis * leg.axis13, end), dot(pelvis * leg.axis3, end)},
+                       way_of_sine(leg.hand * dot(p1, end)),
+                       {dot(p1, thigh * leg.axis13), dot(p1, thigh * leg.axis1)},
+                       {bend_sin, bend_cos},
+                       {sin, cos}};
+  F turns[5];
+  angles_of(ways, turns);
+  const F knee = leg.straight_rad + turns[3], shank = turns[4] + knee;
+  const F ankle =
+      max_of(min_of((0.0f - pitch - shank) * leg.ankle_sign, leg.upper_rad[4]), leg.lower_rad[4]);
+  for (size_t i = 0; i < 3; ++i) angles[i] = turns[i];
+  angles[3] = knee * leg.knee_sign;
+  angles[4] = ankle;
+
+  F tilt_sin, tilt_cos;
+  sin_cos_of(shank + ankle * leg.ankle_sign, tilt_sin, tilt_cos);
+  const Turn foot = turned_y(r.frame, tilt_sin, tilt_cos);
+  const Point middle = ankle_at + foot * leg.foot_middle_m;
+  bounds.extend(r.hip, leg.thigh_radius_m);
+  bounds.extend(knee_at, leg.knee_radius_m);
+  bounds.extend(ankle_at, leg.shank_radius_m);
+  const std::array<float, 3>& half = leg.foot_half_m;
+  const auto extent = [&half](F x, F y, F z) {
+    return half[0] * abs_of(x) + half[1] * abs_of(y) + half[2] * abs_of(z);
+  };
+  bounds.extend(middle, extent(foot.x.x, foot.y.x, foot.z.x), extent(foot.x.y, foot.y.y, foot.z.y));
+
+  M allowed = holds(t, knee_at, leg.knee_radius_m) & holds(t, ankle_at, leg.shank_radius_m) &
+              holds_foot(t, leg, middle, foot);
+  for (size_t i = 0; i < 3; ++i)
+    allowed = allowed & (angles[i] >= leg.lower_rad[i]) & (angles[i] <= leg.upper_rad[i]);
+  return allowed;
+}
+
+THRONG_LANES F root_speed_of(const SteppingTables& t, F speed_mps, F per_scale) {
+  return min_of(sqrt_of(max_of(speed_mps, 0.0f) * per_scale * t.per_leg_length),
+                t.highest_root_speed);
+}
+
+/// The whole number below x, at most `last`.
+THRONG_LANES F whole_of(F x, int last) { return min_of(floor_of(x), static_cast<float>(last)); }
+
+/// Of both feet at one speed, at scale 1.
+struct Track {
+  F stance, shift, side[2], stride, toes_out_sin, toes_out_cos;
+  F x_at(F own_phase) const { return stride * (0.5f * stance - own_phase) + shift; }
+};
+
+/// Between which speeds of the tables a lane lies.
+struct Speeds {
+  F row;
+  F slow[8], fast[8];
+};
+
+THRONG_LANES Speeds speeds_around(const SteppingTables& t, const float* const* tables,
+                                  F root_speed) {
+  Speeds s;
+  s.row = whole_of(root_speed * t.cells_per_root_speed, t.speeds - 2);
+  int32_t cell[kLanes];
+  store_whole(s.row, cell);
+  for (size_t quad = 0; quad < 8; quad += 4) {
+    F slow[4], fast[4];
+    load_rows([&](size_t lane) { return tables[lane] + t.track(cell[lane]) + quad; }, slow);
+    load_rows([&](size_t lane) { return tables[lane] + t.track(cell[lane] + 1) + quad; }, fast);
+    for (size_t i = 0; i < 4; ++i) {
+      s.slow[quad + i] = slow[i];
+      s.fast[quad + i] = fast[i];
+    }
+  }
+  return s;
+}
+
+/// Straight on where the speed is a little beyond those around.
+THRONG_LANES Track track_of(const SteppingTables& t, const Speeds& s, F root_speed) {
+  const F v = root_speed * t.cells_per_root_speed - s.row;
+  const auto blend = [&](size_t i) { return s.slow[i] + v * (s.fast[i] - s.slow[i]); };
+  return {blend(0), blend(1), {blend(2), blend(3)}, blend(4), blend(5), blend(6)};
+}
+
+/// Between which nodes of the tables a lane's posture lies.
+struct Place {
+  F node, cell;  ///< counted
+  F u, v;        ///< shares of the next phase and the next speed
+};
+
+THRONG_LANES Place place_of(const SteppingTables& t, const Speeds& s, F phase, F root_speed) {
+  const F x = phase * static_cast<float>(t.phases), column = whole_of(x, t.phases - 1);
+  return {s.row * static_cast<float>(t.phases + 1) + column,
+          s.row * static_cast<float>(t.phases) + column, x - column,
+          root_speed * t.cells_per_root_speed - s.row};
+}
+
+/// Two numbers of grains in one: the low one of what is below, the high one of what is above.
+THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
+  constexpr auto kMost = static_cast<float>(SteppingTables::kGrains - 1);
+  const F low = floor_of((low_m - kSlack_m - t.corner_m) * t.per_grain);
+  const F high = floor_of((high_m + kSlack_m - t.corner_m) * t.per_grain) + 1.0f;
+  return max_of(low, 0.0f) * static_cast<float>(SteppingTables::kGrains) + min_of(high, kMost);
+}
+
+/// What WalkPosture and WalkRoom hold. Returns, as WalkChunk has it, which
+/// feet joints or bounds do not allow.
+THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, const Feet& feet,
+                       const Place& at, const Track& track, F (&posture)[16], F (&room)[2]) {
+  int32_t nodes[kLanes], cells[kLanes];
+  store_whole(at.node, nodes);
+  store_whole(at.cell, cells);
+  F node[SteppingTables::kNodeFloats];
+  blend_rows([&](size_t lane) { return tables[lane] + t.node(nodes[lane]); }, t.next_speed_node(),
+             at.u, at.v, node);
+  const Turn pelvis = turn_of(node[10], node[11], node[12]);
+  const Point middle = {node[13], node[14], node[15]};
+  Point grounds[2];
+  F forward_x[2], forward_y[2];
+  Reach reach[2];
+  F drop = 0.0f;
+  for (size_t side = 0; side < 2; ++side) {
+    const LegNumbers& leg = t.legs[side];
+    const F* foot = node + 5 * side;
+    F sin, cos;
+    sin_cos_of(feet.turn[side], sin, cos);
+    const F toes_sin = side == 0 ? 0.0f - track.toes_out_sin : track.toes_out_sin;
+    forward_x[side] = cos * track.toes_out_cos - sin * toes_sin;
+    forward_y[side] = sin * track.toes_out_cos + cos * toes_sin;
+    reach[side].hip = middle + pelvis * leg.hip_m;
+    // A foot turns about where it landed, not about where it has rolled to.
+    grounds[side] = {foot[0] + feet.x[side] + foot[3] * forward_x[side],
+                     track.side[side] + feet.y[side] + foot[3] * forward_y[side],
+                     foot[1] + feet.lift[side]};
+    reach_for(leg, grounds[side], foot[2], forward_x[side], forward_y[side], reach[side]);
+    drop = max_of(drop, sink_of(leg, reach[side]));
+  }
+  drop = min_of(drop, t.most_drop_m);
+  if (any(drop > 0.0f))
+    for (size_t side = 0; side < 2; ++side) {
+      reach[side].hip.z = reach[side].hip.z - drop;
+      reach_for(t.legs[side], grounds[side], node[5 * side + 2], forward_x[side], forward_y[side],
+                reach[side]);
+    }
+  F rest[4];
+  load_rows([&](size_t lane) { return tables[lane] + t.box(cells[lane]); }, rest);
+  Bounds bounds = {rest[0], rest[1], rest[2], rest[3]};
+  F out_of_reach = 0.0f;
+  for (size_t side = 0; side < 2; ++side) {
+    const M allowed =
+        bend(t, t.legs[side], reach[side], pelvis, node[5 * side + 4], posture + 5 * side, bounds);
+    out_of_reach = out_of_reach + select(allowed, 0.0f, static_cast<float>(side + 1));
+  }
+  posture[WalkPosture::kDrop] = drop;
+  posture[WalkPosture::kNode] = at.node;
+  posture[WalkPosture::kU] = at.u;
+  posture[WalkPosture::kV] = at.v;
+  posture[14] = posture[15] = 0.0f;
+  room[0] = grains_of(t, bounds.low_x, bounds.high_x);
+  room[1] = grains_of(t, bounds.low_y, bounds.high_y);
+  return out_of_reach;
+}
