@@ -63,26 +63,22 @@ struct Gait::Table : GaitTable {
     return {speed, phase, x - static_cast<float>(phase), y - static_cast<float>(speed)};
   }
 
-  void fetch(const GaitPlace& at) const {
-    for (const int speed : {at.speed, at.speed + 1})
-      for (const float* line = row(speed, at.phase); line < row(speed, at.phase + 2); line += 16)
+  RowBlend between(const GaitPlace& at) const { return {row(at.speed, at.phase), at.u, at.v}; }
+
+  /// The tables of all styles are larger than a core's own cache: rows are asked for before they
+  /// are needed.
+  void fetch(const RowBlend& blend) const {
+    for (const float* speed : {blend.from, blend.from + next_speed()})
+      for (const float* line = speed; line < speed + 2 * next_phase(); line += 16)
         __builtin_prefetch(line);
   }
 
-  void blend(const GaitPlace& at, float* out) const {
-    const float* a = row(at.speed, at.phase);
-    if (leg_length_m == 0) {
-      std::copy_n(a, columns, out);
-      return;
-    }
-    const float* b = a + row_floats;
-    const float* c = row(at.speed + 1, at.phase);
-    const float* d = c + row_floats;
-    for (int i = 0; i < columns; ++i) {
-      const float slow = a[i] + at.u * (b[i] - a[i]);
-      const float fast = c[i] + at.u * (d[i] - c[i]);
-      out[i] = slow + at.v * (fast - slow);
-    }
+  /// Of any tables of this one's shape.
+  void blend(std::span<const RowBlend> blends, float* out, SimdTarget target) const {
+    const auto floats = static_cast<size_t>(columns);
+    if (leg_length_m != 0)
+      return blend_rows(blends, next_phase(), next_speed(), floats, out, target);
+    for (const RowBlend& still : blends) out = std::copy_n(still.from, floats, out);
   }
 };
 
@@ -152,32 +148,31 @@ void Gait::postures(std::span<const float> phases, std::span<const float> speeds
     GaitPlace place{};
     if (table.leg_length_m != 0)
       place = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-    table.blend(place, out);
+    const RowBlend blend = table.between(place);
+    table.blend({&blend, 1}, out, SimdTarget::kBest);
   }
 }
 
 void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> phases,
                     std::span<const float> speeds_mps, std::span<const float> scales,
                     std::span<float> rows) {
-  // The tables of all styles are larger than a core's own cache: ask for rows before they are
-  // needed.
-  constexpr size_t kAhead = 16;
-  std::array<GaitPlace, kAhead> places;
-  for (size_t first = 0; first < gaits.size(); first += kAhead) {
-    const size_t count = std::min(kAhead, gaits.size() - first);
+  if (gaits.empty()) return;
+  const auto columns = static_cast<size_t>(gaits.front()->column_count_);
+  constexpr size_t kBatch = 16;
+  std::array<RowBlend, kBatch> blends;
+  for (size_t first = 0; first < gaits.size(); first += kBatch) {
+    const size_t count = std::min(kBatch, gaits.size() - first);
     for (size_t i = 0; i < count; ++i) {
       const size_t avatar = first + i;
       const Table& table = *gaits[avatar]->table_;
-      places[i] = {};
-      if (table.leg_length_m == 0) continue;
-      places[i] = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-      table.fetch(places[i]);
+      GaitPlace place{};
+      if (table.leg_length_m != 0)
+        place = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
+      blends[i] = table.between(place);
+      if (table.leg_length_m != 0) table.fetch(blends[i]);
     }
-    for (size_t i = 0; i < count; ++i) {
-      const Gait& gait = *gaits[first + i];
-      const auto columns = static_cast<size_t>(gait.column_count_);
-      gait.table_->blend(places[i], rows.data() + (first + i) * columns);
-    }
+    gaits.front()->table_->blend({blends.data(), count}, rows.data() + first * columns,
+                                 SimdTarget::kBest);
   }
 }
 
@@ -224,27 +219,20 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const WalkPost
   if (some.empty()) return;
   const auto columns = static_cast<size_t>(gaits.front()->column_count_);
   assert(rows.size() == some.size() * columns);
-  // The tables of all styles are larger than a core's own cache: ask for rows before they are
-  // needed.
   constexpr size_t kBatch = 64;
   std::array<RowBlend, kBatch> blends;
   for (size_t first = 0; first < some.size(); first += kBatch) {
     const size_t count = std::min(kBatch, some.size() - first);
-    size_t next_phase = 0, next_speed = 0;
     for (size_t i = 0; i < count; ++i) {
       const Table& table = *gaits[first + i]->table_;
-      next_phase = static_cast<size_t>(table.row_floats);
-      next_speed = static_cast<size_t>(table.phases + 1) * next_phase;
       const float* n = all[some[first + i]].numbers;
-      const float* from =
-          table.rows.data() + static_cast<size_t>(n[WalkPosture::kNode]) * next_phase;
-      for (const float* speed : {from, from + next_speed})
-        for (const float* line = speed; line < speed + 2 * next_phase; line += 16)
-          __builtin_prefetch(line);
-      blends[i] = {from, n[WalkPosture::kU], n[WalkPosture::kV]};
+      blends[i] = {
+          table.rows.data() + static_cast<size_t>(n[WalkPosture::kNode]) * table.next_phase(),
+          n[WalkPosture::kU], n[WalkPosture::kV]};
+      table.fetch(blends[i]);
     }
     float* out = rows.data() + first * columns;
-    blend_rows({blends.data(), count}, next_phase, next_speed, columns, out, target);
+    gaits.front()->table_->blend({blends.data(), count}, out, target);
     for (size_t i = 0; i < count; ++i)
       gaits[first + i]->table_->stepping->put(all[some[first + i]], out + i * columns);
   }

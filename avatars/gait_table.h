@@ -35,6 +35,9 @@ struct GaitTable {
   const float* row(int speed, int phase) const {
     return const_cast<GaitTable*>(this)->row(speed, phase);
   }
+  /// Floats from a row to the next phase's, and to the next speed's.
+  size_t next_phase() const { return static_cast<size_t>(row_floats); }
+  size_t next_speed() const { return static_cast<size_t>(phases + 1) * next_phase(); }
 };
 
 /// Where a posture lies between the nodes.

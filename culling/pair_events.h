@@ -19,7 +19,11 @@ class PairKey {
 
   PairKey() = default;
   PairKey(uint32_t a, uint32_t b, uint32_t part_a, uint32_t part_b)
-      : bits_((uint64_t{a} << 40) | (uint64_t{b} << 16) | (part_a << 8) | part_b) {}
+      : bits_((uint64_t{a} << 40) | (uint64_t{b} << 16) | parts_of(part_a, part_b)) {}
+  /// The low bits, which name the parts.
+  static constexpr uint32_t parts_of(uint32_t part_a, uint32_t part_b) {
+    return (part_a << 8) | part_b;
+  }
 
   uint32_t a() const { return static_cast<uint32_t>(bits_ >> 40); }
   uint32_t b() const { return static_cast<uint32_t>(bits_ >> 16) & kMaxId; }
@@ -30,7 +34,7 @@ class PairKey {
   auto operator<=>(const PairKey&) const = default;
   /// Greater than every key of two bodies.
   static PairKey beyond_all() { return {kMaxId, kMaxId, 0xff, 0xff}; }
-  /// The same bodies with other parts, part_a << 8 | part_b; has parts 0.
+  /// The same bodies with parts, see parts_of(); has parts 0.
   PairKey with_parts(uint16_t parts) const {
     PairKey out;
     out.bits_ = bits_ | parts;

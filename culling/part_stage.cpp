@@ -194,7 +194,7 @@ void PartStage::write_runs(PartPairs& out) const {
     run += is_next & (count != first);  // one without parts is overwritten
     first = is_next ? count : first;
     pair = c.pair;
-    parts[count] = static_cast<uint16_t>(c.part_a << 8 | c.part_b);
+    parts[count] = static_cast<uint16_t>(PairKey::parts_of(c.part_a, c.part_b));
     count += overlaps_[i];
     *run = {pair, 0, first, count - first};
   }

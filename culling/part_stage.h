@@ -45,7 +45,7 @@ struct PartRun {
 
 /// What a task yields.
 struct PartPairs {
-  GrowBuffer<uint16_t> parts;  ///< as in the low bits of a PairKey
+  GrowBuffer<uint16_t> parts;  ///< PairKey::parts_of()
   GrowBuffer<PartRun> runs;
   size_t run_count = 0;
   uint32_t times_grown() const { return parts.times_grown() + runs.times_grown(); }

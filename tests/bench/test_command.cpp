@@ -12,13 +12,22 @@ namespace {
 
 using testing::HasSubstr;
 
+/// What `throng bench` with the options says, to people and to machines; a failure fails the test.
+struct Told {
+  std::string out;
+  nlohmann::json json;
+};
+Told bench_told(const std::string& options, const ScratchFolder& folder) {
+  const Outcome run = shell("throng bench " + options + " --json told.json", folder);
+  EXPECT_EQ(run.exit_code, 0) << options << ": " << run.out << run.err;
+  if (run.exit_code != 0) return {};
+  return {run.out, nlohmann::json::parse(read_file(folder / "told.json"))};
+}
+
 TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
   const ScratchFolder folder;
-  const Outcome run = shell(
-      "throng bench --avatars 100 --density 4 --frames 2 --engines none --json b.json", folder);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("throng ordop26"));
-  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  auto [out, json] = bench_told("--avatars 100 --density 4 --frames 2 --engines none", folder);
+  EXPECT_THAT(out, HasSubstr("throng ordop26"));
   EXPECT_GT(json["throng"]["ms"].get<double>(), 0);
   EXPECT_GT(json["throng"]["pairs"].get<int>(), 0);
   EXPECT_TRUE(json["throng"]["simd"].is_string());
@@ -31,12 +40,9 @@ TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
 
 TEST(BenchCommand, TellsHowTheLoadGrowsWhileTheCrowdMixes) {
   const ScratchFolder folder;
-  const Outcome run = shell(
-      "throng bench --avatars 400 --density 4 --frames 10 --engines none --json b.json", folder);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("frames 1 to 2 "));
-  EXPECT_THAT(run.out, HasSubstr("frames 8 to 10 "));
-  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  auto [out, json] = bench_told("--avatars 400 --density 4 --frames 10 --engines none", folder);
+  EXPECT_THAT(out, HasSubstr("frames 1 to 2 "));
+  EXPECT_THAT(out, HasSubstr("frames 8 to 10 "));
   ASSERT_EQ(json["quarters"].size(), 4u);
   EXPECT_EQ(json["quarters"][3]["last_frame"], 10);
   EXPECT_EQ(json["quarters"][3]["pairs"], json["throng"]["pairs"]);
@@ -45,11 +51,8 @@ TEST(BenchCommand, TellsHowTheLoadGrowsWhileTheCrowdMixes) {
 
 TEST(BenchCommand, ThePlazaSteersAndHasItsOwnDensity) {
   const ScratchFolder folder;
-  const Outcome run = shell(
-      "throng bench --crowd plaza --avatars 200 --frames 3 --engines none --json b.json", folder);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("plaza: 200 avatars"));
-  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  auto [out, json] = bench_told("--crowd plaza --avatars 200 --frames 3 --engines none", folder);
+  EXPECT_THAT(out, HasSubstr("plaza: 200 avatars"));
   EXPECT_EQ(json["crowd"], "plaza");
   EXPECT_GT(json["density_per_m2"].get<double>(), 0.05);
   EXPECT_LT(json["density_per_m2"].get<double>(), 2);
@@ -58,10 +61,7 @@ TEST(BenchCommand, ThePlazaSteersAndHasItsOwnDensity) {
 
 TEST(BenchCommand, EveryEngineIsComparedOrNamedWithTheReason) {
   const ScratchFolder folder;
-  const Outcome run =
-      shell("throng bench --avatars 60 --density 4 --frames 2 --json b.json", folder);
-  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
-  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  auto [out, json] = bench_told("--avatars 60 --density 4 --frames 2", folder);
   for (const bench::EngineKind& kind : bench::engine_kinds()) {
     const auto& rows = kind.make != nullptr ? json["engines"] : json["skipped"];
     bool named = false;
@@ -93,10 +93,7 @@ TEST(BenchCommand, CsvGrowsByTheRowsOfEachRun) {
 
 TEST(BenchCommand, AgedAndFreshDoTheSameWork) {
   const ScratchFolder folder;
-  const Outcome run =
-      shell("throng bench --avatars 100 --frames 2 --engines none --age 30 --json a.json", folder);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(read_file(folder / "a.json"));
+  auto [out, json] = bench_told("--avatars 100 --frames 2 --engines none --age 30", folder);
   EXPECT_EQ(json["walked_frames"], 30);
   EXPECT_GT(json["throng"]["aged_work"].get<uint64_t>(), 0u);
   EXPECT_EQ(json["throng"]["aged_work"], json["throng"]["fresh_work"]);
@@ -104,22 +101,16 @@ TEST(BenchCommand, AgedAndFreshDoTheSameWork) {
 
 TEST(BenchCommand, PartsPrintsTheMatrixOfAVolume) {
   const ScratchFolder folder;
-  const Outcome run =
-      shell("throng bench --avatars 40 --density 4 --frames 1 --parts obb --json p.json", folder);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("obb, part by part"));
-  const auto json = nlohmann::json::parse(read_file(folder / "p.json"));
+  auto [out, json] = bench_told("--avatars 40 --density 4 --frames 1 --parts obb", folder);
+  EXPECT_THAT(out, HasSubstr("obb, part by part"));
   EXPECT_EQ(json["matrix"].size(), 15u * 16 / 2);
   EXPECT_EQ(json["volumes"]["ordop26"]["missed"], 0);
 }
 
 TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
   const ScratchFolder folder;
-  const Outcome run =
-      shell("throng bench --steering --avatars 1000 --frames 2 --json s.json", folder);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("It did not run here"));
-  const auto json = nlohmann::json::parse(read_file(folder / "s.json"));
+  auto [out, json] = bench_told("--steering --avatars 1000 --frames 2", folder);
+  EXPECT_THAT(out, HasSubstr("It did not run here"));
   ASSERT_EQ(json["steering"].size(), 2u);
   EXPECT_EQ(json["steering"][0]["model"], "orca");
   EXPECT_EQ(json["steering"][1]["model"], "speed");
