@@ -173,8 +173,8 @@ struct Kernels {
   size_t (*sphere_run)(const SphereRows& spheres, uint32_t i, uint32_t begin, uint32_t end,
                        SlotPair* out);
 
-  /// Tests each slot of `own` against the slots of every run (of a run that it lies in, against
-  /// those after it), spheres, cylinders and rectangles; appends the overlapping pairs to out
+  /// Tests each slot of `own` against the slots of every run (of the first run, if it lies there,
+  /// against those after it; it lies in no other), spheres, cylinders and rectangles; appends the overlapping pairs to out
   /// (which has room for all tests and kPairSlack more), by slot, run and other slot; returns how
   /// many. Adds those whose spheres and cylinders overlap to *spheres_passed. The order of a
   /// pair's slots does not matter.

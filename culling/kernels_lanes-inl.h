@@ -37,6 +37,14 @@ HWY_INLINE V3 operator-(const V3& a, const V3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 
+/// first, first + 1, ... Highway's Iota writes the lanes to memory one by one and waits for them.
+HWY_INLINE U counting_from(uint32_t first) {
+  HWY_ALIGN static constexpr uint32_t kCount[] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                  8, 9, 10, 11, 12, 13, 14, 15};
+  const LaneBits d;
+  return hn::Add(hn::Set(d, first), hn::Load(d, kCount));
+}
+
 /// The lanes of a mask as bits of an integer.
 HWY_INLINE uint32_t bits_of(M mask) {
   const Lanes d;

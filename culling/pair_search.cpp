@@ -186,8 +186,10 @@ PairSearcher::Found PairSearcher::search_block(const Kernels& kernels, size_t bl
     } else {
       const CellRuns runs = later_neighbours(column_of(spheres.x[slot]), row_of(spheres.y[slot]));
       // A whole cell at a time, unless so many stand in it that their pairs would need much room.
-      const uint32_t most = std::max(1u, kMostTests / runs.slots());
-      own.end = std::min({last, runs.end_of_cell, slot + most});
+      own.end = std::min(last, runs.end_of_cell);
+      const uint32_t others = runs.slots();
+      if (uint64_t{own.end - slot} * others > kMostTests)
+        own.end = slot + std::max(1u, kMostTests / others);
       test(own, {runs.run.data(), runs.count});
     }
     slot = own.end;
