@@ -39,7 +39,7 @@ void BroadPhase::run(const BodiesView& bodies, const PoseSource& source, Slots& 
   place(bodies, source);
   split_by_size();
   searcher_.build(kind_, {placed_.data(), body_count_}, {small_.data(), small_count_}, workers_);
-  fill_slots(bodies, slots);
+  slots.begin_frame(bodies, searcher_.bodies(), {large_.data(), large_count_});
   counters_.updates = body_count_;
   counters_.update_ns = watch.lap_ns();
 
@@ -157,16 +157,6 @@ void BroadPhase::split_by_size() {
   }
 }
 
-void BroadPhase::fill_slots(const BodiesView& bodies, Slots& slots) {
-  slots.begin_frame(body_count_);
-  workers_.for_blocks(tasks_of(small_count_), [&](int task, int) {
-    const size_t first = static_cast<size_t>(task) * kTaskBodies;
-    for (size_t slot = first; slot < std::min(small_count_, first + kTaskBodies); ++slot)
-      slots.fill(slot, searcher_.body_of_slot(slot), bodies);
-  });
-  for (size_t i = 0; i < large_count_; ++i) slots.fill(small_count_ + i, large_[i], bodies);
-}
-
 void BroadPhase::search_small(const Slots& slots) {
   workers_.for_blocks(static_cast<int>(searcher_.block_count()), [&](int index, int) {
     Block& block = blocks_[static_cast<size_t>(index)];
@@ -226,7 +216,7 @@ void BroadPhase::box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low,
 }
 
 float BroadPhase::depth_m(const SlotPair& pair, const Slots& slots) const {
-  const PlacedBody &a = placed_[slots[pair.a].body], &b = placed_[slots[pair.b].body];
+  const PlacedBody &a = placed_[slots.body(pair.a)], &b = placed_[slots.body(pair.b)];
   const Eigen::Vector3f centre_a(a.x, a.y, a.z), centre_b(b.x, b.y, b.z);
   const bool large_a = pair.a >= small_count_, large_b = pair.b >= small_count_;
   if (!large_a && !large_b) return a.radius + b.radius - (centre_a - centre_b).norm();
@@ -248,7 +238,7 @@ void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen
     for (uint32_t other = first; other < end; ++other) {
       Block& block = blocks_[other / PairSearcher::kBlockSlots];
       ++block.found.tests;
-      const PlacedBody& p = placed_[slots[other].body];
+      const PlacedBody& p = placed_[slots.body(other)];
       const Eigen::Vector3f centre(p.x, p.y, p.z);
       const float distance2 = (centre - centre.cwiseMax(low).cwiseMin(high)).squaredNorm();
       if (distance2 > p.radius * p.radius) continue;

@@ -64,7 +64,6 @@ class BroadPhase {
   void place_one(const RootPose& root, float scale, const TypeSize& type, const RootBox& bounds,
                  PlacedBody& out) const;
   void split_by_size();
-  void fill_slots(const BodiesView& bodies, Slots& slots);
   void search_small(const Slots& slots);
   void search_large(const PoseSource& source, const Slots& slots);
   void box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low, Eigen::Vector3f& high) const;

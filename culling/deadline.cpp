@@ -66,7 +66,7 @@ void Deadline::refine(Clock::time_point start, const BodiesView& bodies,
   const Frame frame{posing, shared};
   while (!queue_.empty() && tests_left_ > 0 && !time_is_up()) refine_wave(frame, next_wave(slots));
   for (const UrgentPair& pair : queue_.rest()) {
-    const uint32_t a = slots[pair.slots.a].body, b = slots[pair.slots.b].body;
+    const uint32_t a = slots.body(pair.slots.a), b = slots.body(pair.slots.b);
     add(PairKey(std::min(a, b), std::max(a, b), kWholeBody, kWholeBody), PairLevel::kSphere);
   }
 }

@@ -31,8 +31,8 @@ class PairSearcher {
   void build(PairSearch kind, std::span<const PlacedBody> bodies, std::span<const uint32_t> small,
              Workers& workers);
 
-  size_t slot_count() const { return slot_count_; }
-  uint32_t body_of_slot(size_t slot) const { return body_[slot]; }
+  /// The bodies in slot order.
+  std::span<const uint32_t> bodies() const { return {body_.data(), slot_count_}; }
 
   /// The blocks in which the search runs; a block may run on any thread.
   static constexpr size_t kBlockSlots = 256;

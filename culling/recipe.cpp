@@ -277,8 +277,8 @@ class RecipeWith final : public Recipe {
       const size_t found = searched.pairs;
       near_.grow(near_count_ + found, near_count_);
       for (size_t i = 0; i < found; ++i) {
-        const uint32_t a = searcher_.body_of_slot(block_[i].a);
-        const uint32_t b = searcher_.body_of_slot(block_[i].b);
+        const uint32_t a = searcher_.bodies()[block_[i].a];
+        const uint32_t b = searcher_.bodies()[block_[i].b];
         near_[near_count_++] = {std::min(a, b), std::max(a, b)};
       }
     }

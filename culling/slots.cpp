@@ -1,5 +1,7 @@
 #include "culling/slots.h"
 
+#include <algorithm>
+
 #include "culling/fitted.h"
 
 namespace throng {
@@ -19,16 +21,13 @@ Slots::Slots(std::span<const std::shared_ptr<const BodyType>> types) {
   }
 }
 
-void Slots::begin_frame(size_t count) {
-  count_ = count;
-  slots_.resize(count);
-}
-
-void Slots::fill(size_t slot, uint32_t body, const BodiesView& bodies) {
-  const uint16_t type = bodies.types[body];
-  const float scale = bodies.scales[body];
-  const Eigen::Vector3d& root = bodies.roots[body].position_m;
-  slots_[slot] = {{root.x(), root.y(), root.z()}, scale, scale * margin_m_[type], body, type};
+void Slots::begin_frame(const BodiesView& bodies, std::span<const uint32_t> searched,
+                        std::span<const uint32_t> large) {
+  bodies_ = bodies;
+  count_ = searched.size() + large.size();
+  body_.resize(count_);
+  std::copy(large.begin(), large.end(),
+            std::copy(searched.begin(), searched.end(), body_.data()));
 }
 
 }  // namespace throng

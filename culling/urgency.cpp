@@ -30,7 +30,7 @@ uint32_t group_of(uint32_t rank) {
 }
 
 std::pair<uint32_t, uint32_t> bodies_of(const UrgentPair& pair, const Slots& slots) {
-  const uint32_t a = slots[pair.slots.a].body, b = slots[pair.slots.b].body;
+  const uint32_t a = slots.body(pair.slots.a), b = slots.body(pair.slots.b);
   return {std::min(a, b), std::max(a, b)};
 }
 
@@ -51,7 +51,7 @@ void UrgencyQueue::fill(const BodiesView& bodies, const BroadPhase& broad, const
     const size_t block = static_cast<size_t>(index);
     UrgentPair* out = found_.data() + first_of_block_[block];
     for (const SlotPair& pair : broad.block(block)) {
-      const uint32_t a = slots[pair.a].body, b = slots[pair.b].body;
+      const uint32_t a = slots.body(pair.a), b = slots.body(pair.b);
       const bool touching = touched_before(std::min(a, b), std::max(a, b), bodies, touched);
       *out++ = {pair, rank_of(touching, broad.depth_m(pair, slots))};
     }
