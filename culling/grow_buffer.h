@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -46,38 +47,53 @@ class GrowBuffer {
 
  private:
   static constexpr size_t kAlignment = 64;  // a cache line, and the widest register
-  /// From here on in huge pages, where the system has them: a frame walks through all of it.
-  static constexpr size_t kHugePage = size_t{2} << 20;
+  /// From here on in pages of its own, which move when it grows: nothing is copied, and only new
+  /// pages cost a fault. Below it, and under the address sanitizer, the allocator's.
+#ifdef __SANITIZE_ADDRESS__
+  static constexpr size_t kPagesFrom = std::numeric_limits<size_t>::max();
+#else
+  static constexpr size_t kPagesFrom = size_t{256} << 10;
+#endif
 
   void reserve(size_t count, size_t kept) {
     if (count <= capacity_) return;
     // A quarter in reserve: crowds get denser a little at a time.
     allocate(count + count / 4 + 16, kept);
   }
+  bool has_pages() const { return capacity_ * sizeof(T) >= kPagesFrom; }
   void allocate(size_t capacity, size_t kept) {
-    const bool huge = capacity * sizeof(T) >= 2 * kHugePage;
-    const std::align_val_t alignment{huge ? kHugePage : kAlignment};
-    T* data = static_cast<T*>(::operator new(capacity * sizeof(T), alignment));
-    if (huge) madvise(data, capacity * sizeof(T) / kHugePage * kHugePage, MADV_HUGEPAGE);
-    if (kept > 0) std::memcpy(static_cast<void*>(data), data_, kept * sizeof(T));
-    release();
-    data_ = data;
-    alignment_ = alignment;
+    const size_t bytes = capacity * sizeof(T);
+    if (has_pages()) {
+      data_ = checked(mremap(data_, capacity_ * sizeof(T), bytes, MREMAP_MAYMOVE));
+    } else {
+      T* const data = bytes >= kPagesFrom
+                          ? checked(mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                                         MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))
+                          : static_cast<T*>(::operator new(bytes, std::align_val_t{kAlignment}));
+      if (kept > 0) std::memcpy(static_cast<void*>(data), data_, kept * sizeof(T));
+      release();
+      data_ = data;
+    }
     capacity_ = capacity;
     ++times_grown_;
   }
+  static T* checked(void* pages) {
+    if (pages == MAP_FAILED) throw std::bad_alloc();
+    return static_cast<T*>(pages);
+  }
   void release() {
-    if (data_ != nullptr) ::operator delete(data_, alignment_);
+    if (has_pages())
+      munmap(data_, capacity_ * sizeof(T));
+    else if (data_ != nullptr)
+      ::operator delete(data_, std::align_val_t{kAlignment});
   }
   void swap(GrowBuffer& other) {
     std::swap(data_, other.data_);
-    std::swap(alignment_, other.alignment_);
     std::swap(capacity_, other.capacity_);
     std::swap(times_grown_, other.times_grown_);
   }
 
   T* data_ = nullptr;
-  std::align_val_t alignment_{kAlignment};
   size_t capacity_ = 0;
   uint32_t times_grown_ = 0;
 };

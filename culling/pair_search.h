@@ -60,7 +60,7 @@ class PairSearcher {
   static constexpr size_t kTaskBodies = 4096;
   /// Two to this power columns of cells lie together in memory: a block of slots is then a patch of
   /// the ground about as wide as long, and shares few bodies with other blocks.
-  static constexpr int kMostStripShift = 4;
+  static constexpr int kMostStripShift = 5;
   /// Beyond this many columns a float cell coordinate could be off by more than the cell's slack.
   static constexpr int kMaxCellsPerAxis = 8192;
 
