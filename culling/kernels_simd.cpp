@@ -11,6 +11,7 @@
 #include "culling/kernels_boxes-inl.h"
 #include "culling/kernels_ordop-inl.h"
 #include "culling/kernels_pair-inl.h"
+#include "culling/kernels_search-inl.h"
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();

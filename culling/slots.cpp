@@ -26,8 +26,7 @@ void Slots::begin_frame(const BodiesView& bodies, std::span<const uint32_t> sear
   bodies_ = bodies;
   count_ = searched.size() + large.size();
   body_.resize(count_);
-  std::copy(large.begin(), large.end(),
-            std::copy(searched.begin(), searched.end(), body_.data()));
+  std::copy(large.begin(), large.end(), std::copy(searched.begin(), searched.end(), body_.data()));
 }
 
 }  // namespace throng
