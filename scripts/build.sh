@@ -7,10 +7,10 @@ cd "$(dirname "$0")/.."
 preset=${1:-release}
 targets=("${@:2}")
 
-# Only the first configuration asks for the preset; later ones are ninja's business. A cache that a
-# copied or moved checkout brought along names other paths and is of no use.
+# Only the first configuration asks for the preset, and one after the presets have changed; the rest is
+# ninja's business. A cache that a copied or moved checkout brought along names other paths and is of no use.
 cache=build/$preset/CMakeCache.txt
-if [ ! -f "build/$preset/build.ninja" ] ||
+if [ ! -f "build/$preset/build.ninja" ] || [ CMakePresets.json -nt "$cache" ] ||
     ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$(pwd -P)" "$cache"; then
   if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
   cmake --fresh --preset "$preset" >&2
