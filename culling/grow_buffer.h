@@ -69,7 +69,7 @@ class GrowBuffer {
       T* const data = bytes >= kPagesFrom
                           ? checked(mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))
-                          : static_cast<T*>(::operator new(bytes, std::align_val_t{kAlignment}));
+                          : static_cast<T*>(::operator new (bytes, std::align_val_t{kAlignment}));
       if (kept > 0) std::memcpy(static_cast<void*>(data), data_, kept * sizeof(T));
       release();
       data_ = data;
@@ -85,7 +85,7 @@ class GrowBuffer {
     if (has_pages())
       munmap(data_, capacity_ * sizeof(T));
     else if (data_ != nullptr)
-      ::operator delete(data_, std::align_val_t{kAlignment});
+      ::operator delete (data_, std::align_val_t{kAlignment});
   }
   void swap(GrowBuffer& other) {
     std::swap(data_, other.data_);

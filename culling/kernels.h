@@ -174,10 +174,10 @@ struct Kernels {
                        SlotPair* out);
 
   /// Tests each slot of `own` against the slots of every run (of the first run, if it lies there,
-  /// against those after it; it lies in no other), spheres, cylinders and rectangles; appends the overlapping pairs to out
-  /// (which has room for all tests and kPairSlack more), by slot, run and other slot; returns how
-  /// many. Adds those whose spheres and cylinders overlap to *spheres_passed. The order of a
-  /// pair's slots does not matter.
+  /// against those after it; it lies in no other), spheres, cylinders and rectangles; appends the
+  /// overlapping pairs to out (which has room for all tests and kPairSlack more), by slot, run and
+  /// other slot; returns how many. Adds those whose spheres and cylinders overlap to
+  /// *spheres_passed. The order of a pair's slots does not matter.
   size_t (*body_runs)(const SphereRows& spheres, const RectangleRows& rectangles, SlotRun own,
                       const SlotRun* runs, size_t run_count, SlotPair* out,
                       uint64_t* spheres_passed);
