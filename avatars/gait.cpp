@@ -56,6 +56,7 @@ struct Gait::Table : GaitTable {
   }
 
   GaitPlace place(float phase01, float speed_mps, float scale) const {
+    if (leg_length_m == 0) return {};  // no legs: one posture
     const float x = phase01 * static_cast<float>(phases);
     const float y = root_speed(speed_mps, scale) * speed_cells_per_root_speed;
     const int phase = std::clamp(static_cast<int>(x), 0, phases - 1);
@@ -63,11 +64,15 @@ struct Gait::Table : GaitTable {
     return {speed, phase, x - static_cast<float>(phase), y - static_cast<float>(speed)};
   }
 
-  RowBlend between(const GaitPlace& at) const { return {row(at.speed, at.phase), at.u, at.v}; }
+  RowBlend between(float phase01, float speed_mps, float scale) const {
+    const GaitPlace at = place(phase01, speed_mps, scale);
+    return {row(at.speed, at.phase), at.u, at.v};
+  }
 
   /// The tables of all styles are larger than a core's own cache: rows are asked for before they
   /// are needed.
   void fetch(const RowBlend& blend) const {
+    if (leg_length_m == 0) return;
     for (const float* speed : {blend.from, blend.from + next_speed()})
       for (const float* line = speed; line < speed + 2 * next_phase(); line += 16)
         __builtin_prefetch(line);
@@ -145,10 +150,7 @@ void Gait::postures(std::span<const float> phases, std::span<const float> speeds
   const Table& table = *table_;
   float* out = rows.data();
   for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += column_count_) {
-    GaitPlace place{};
-    if (table.leg_length_m != 0)
-      place = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-    const RowBlend blend = table.between(place);
+    const RowBlend blend = table.between(phases[avatar], speeds_mps[avatar], scales[avatar]);
     table.blend({&blend, 1}, out, SimdTarget::kBest);
   }
 }
@@ -165,11 +167,8 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> p
     for (size_t i = 0; i < count; ++i) {
       const size_t avatar = first + i;
       const Table& table = *gaits[avatar]->table_;
-      GaitPlace place{};
-      if (table.leg_length_m != 0)
-        place = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-      blends[i] = table.between(place);
-      if (table.leg_length_m != 0) table.fetch(blends[i]);
+      blends[i] = table.between(phases[avatar], speeds_mps[avatar], scales[avatar]);
+      table.fetch(blends[i]);
     }
     gaits.front()->table_->blend({blends.data(), count}, rows.data() + first * columns,
                                  SimdTarget::kBest);
@@ -189,13 +188,8 @@ void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_m
   assert(boxes.size() == phases.size());
   const Table& table = *table_;
   for (size_t avatar = 0; avatar < phases.size(); ++avatar) {
-    size_t cell = 0;
-    if (table.leg_length_m != 0) {
-      const GaitPlace at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-      cell = static_cast<size_t>(at.speed) * static_cast<size_t>(table.phases) +
-             static_cast<size_t>(at.phase);
-    }
-    const RootBox& box = table.boxes[cell];
+    const GaitPlace at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
+    const RootBox& box = table.boxes[static_cast<size_t>(at.speed * table.phases + at.phase)];
     for (int axis = 0; axis < 3; ++axis) {
       boxes[avatar].min_m[axis] = scales[avatar] * box.min_m[axis];
       boxes[avatar].max_m[axis] = scales[avatar] * box.max_m[axis];

@@ -113,7 +113,7 @@ HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, 
   return found;
 }
 
-/// A sphere and a rectangle a lane, and which slots they are.
+/// A sphere and a rectangle a lane.
 struct UprightBody {
   template <typename Load>
   HWY_INLINE UprightBody(const SphereRows& s, const RectangleRows& r, const Load& load)
