@@ -11,6 +11,7 @@
 
 #include "apps/command.h"
 #include "base/errors.h"
+#include "base/version.h"
 
 namespace throng {
 namespace {
@@ -39,7 +40,8 @@ int flushed(int exit_code) {
 int run(int argc, char** argv) {
   CLI::App app(kAbout, "throng");
   app.footer(kFooter);
-  app.set_version_flag("--version", "throng " THRONG_VERSION);
+  app.set_version_flag("-V,--version", fmt::format("throng {} ({})", version(), commit()),
+                       "Display program version information and exit");
   app.get_formatter()->column_width(34);
   const std::vector<Command> commands = {add_run_command(app),     add_scenes_command(app),
                                          add_info_command(app),    add_check_command(app),
