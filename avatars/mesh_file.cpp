@@ -1,67 +1,31 @@
 #include "avatars/mesh_file.h"
 
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <assimp/Importer.hpp>
-#include <cmath>
-#include <numeric>
-#include <system_error>
 
+#include "avatars/assimp_mesh.h"
 #include "avatars/tri.h"
+#include "base/archive.h"
 #include "base/errors.h"
 
 namespace throng {
 namespace {
 
-/// A detailed robot link has 10^5 triangles; beyond this somebody named the wrong file.
-constexpr uintmax_t kMaxBytes = 512u << 20;
 constexpr size_t kMaxVertices = 20'000'000;
+constexpr size_t kMaxTriangles = 40'000'000;
 /// Beyond 10 km a float no longer tells millimetres apart.
 constexpr float kMaxCoordinate_m = 1e4f;
-/// Deeper trees of nodes than any modelling program writes.
-constexpr int kMaxNodeDepth = 200;
-
-void append(const aiMesh& from, const aiMatrix4x4& file_from_mesh, Mesh& to) {
-  const int first = static_cast<int>(to.vertices.size());
-  for (unsigned i = 0; i < from.mNumVertices; ++i) {
-    const aiVector3D v = file_from_mesh * from.mVertices[i];
-    to.vertices.emplace_back(v.x, v.y, v.z);
-  }
-  const bool mirrored = file_from_mesh.Determinant() < 0;
-  for (unsigned i = 0; i < from.mNumFaces; ++i) {
-    const aiFace& face = from.mFaces[i];
-    if (face.mNumIndices != 3) continue;  // lines and points, which triangulation leaves
-    Eigen::Vector3i triangle;
-    for (int k = 0; k < 3; ++k) triangle[k] = first + static_cast<int>(face.mIndices[k]);
-    if (mirrored) std::swap(triangle[1], triangle[2]);
-    to.triangles.push_back(triangle);
-  }
-}
-
-void append_nodes(const aiScene& scene, const aiNode& node, const aiMatrix4x4& file_from_parent,
-                  int depth, const std::string& name, Mesh& to) {
-  if (depth > kMaxNodeDepth)
-    throw InputError(name, fmt::format("nodes nested at most {} deep", kMaxNodeDepth),
-                     "deeper ones");
-  const aiMatrix4x4 file_from_node = file_from_parent * node.mTransformation;
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    append(*scene.mMeshes[node.mMeshes[i]], file_from_node, to);
-    if (to.vertices.size() > kMaxVertices)
-      throw InputError(name, fmt::format("at most {} vertices", kMaxVertices), "more");
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i)
-    append_nodes(scene, *node.mChildren[i], file_from_node, depth + 1, name, to);
-}
 
 /// Joins vertices at equal positions (formats like STL repeat them for each triangle) and drops
 /// those without a triangle, and triangles that became lines.
 Mesh welded(const Mesh& soup) {
-  std::vector<int> order(soup.vertices.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> order;
+  for (const Eigen::Vector3i& triangle : soup.triangles)
+    order.insert(order.end(), triangle.begin(), triangle.end());
+  std::sort(order.begin(), order.end());
+  order.erase(std::unique(order.begin(), order.end()), order.end());
   const auto key = [&](int i) {
     const Eigen::Vector3f& v = soup.vertices[static_cast<size_t>(i)];
     return std::array{v.x(), v.y(), v.z()};
@@ -92,45 +56,56 @@ Mesh welded(const Mesh& soup) {
   return mesh;
 }
 
-Mesh read_by_assimp(const std::filesystem::path& file) {
-  Assimp::Importer importer;
-  const std::string extension = file.extension().string();
-  if (extension.empty() || !importer.IsExtensionSupported(extension))
-    throw InputError(file.string(),
-                     "a mesh in .tri, .stl, .obj, .dae, .ply or another format of assimp",
-                     fmt::format("'{}'", extension));
-  // URDF viewers take a Collada file's axes as they are; assimp would turn z up into y up.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
-  if (!scene || !scene->mRootNode)
-    throw InputError(file.string(), fmt::format("a {} mesh", extension.substr(1)),
-                     importer.GetErrorString());
+/// The child's answer and the parent's reading of it, in one order.
+void archive(Mesh& mesh, Archive& archive) {
+  archive.resized(mesh.vertices, kMaxVertices);
+  archive.resized(mesh.triangles, kMaxTriangles);
+}
+
+/// What came out of a process that a file may have led astray is judged as a file would be.
+Mesh checked(const std::vector<uint8_t>& bytes, const std::string& name) {
   Mesh soup;
-  append_nodes(*scene, *scene->mRootNode, aiMatrix4x4(), 0, file.string(), soup);
-  return welded(soup);
+  Archive in(bytes, name);
+  archive(soup, in);
+  in.expect_end();
+  const auto count = static_cast<int>(soup.vertices.size());
+  for (const Eigen::Vector3i& triangle : soup.triangles) {
+    for (const int corner : triangle) {
+      if (corner < 0 || corner >= count)
+        throw InputError(name, fmt::format("indices of {} vertices", count),
+                         fmt::format("{}", corner));
+      const Eigen::Vector3f& v = soup.vertices[static_cast<size_t>(corner)];
+      if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kMaxCoordinate_m)
+        throw InputError(name, fmt::format("coordinates within {:g} m", kMaxCoordinate_m),
+                         fmt::format("({:g}, {:g}, {:g})", v.x(), v.y(), v.z()));
+    }
+  }
+  return soup;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return text;
 }
 
 }  // namespace
 
-Mesh read_mesh(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error))
-    throw InputError(file.string(), "a mesh file", "a directory");
-  const auto size = std::filesystem::file_size(file, error);
-  if (error) throw InputError(file.string(), "a mesh file", error.message());
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits) {
+  const std::string extension = lower_case(file.extension().string());
   if (extension == ".tri") return read_tri(file).mesh;
-  if (size > kMaxBytes)
-    throw InputError(file.string(), fmt::format("at most {} bytes", kMaxBytes),
-                     fmt::format("{}", size));
-  Mesh mesh = read_by_assimp(file);
+  const ForeignParser assimp = {
+      .library = "assimp",
+      .expected = extension.empty() ? "a mesh file" : fmt::format("a {} mesh", extension.substr(1)),
+      .way_out = "export it again, for example as .stl or .tri"};
+  const auto parse = [&](const RegularFile& opened) {
+    Mesh soup = triangles_by_assimp(opened, limits.most_file_bytes, kMaxVertices, kMaxTriangles);
+    Archive out;
+    archive(soup, out);
+    return out.bytes();
+  };
+  const Mesh mesh = welded(checked(parse_apart(file, assimp, limits, parse), file.string()));
   if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
-  for (const Eigen::Vector3f& v : mesh.vertices)
-    if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kMaxCoordinate_m)
-      throw InputError(file.string(), fmt::format("coordinates within {:g} m", kMaxCoordinate_m),
-                       fmt::format("({:g}, {:g}, {:g})", v.x(), v.y(), v.z()));
   return mesh;
 }
 

@@ -1,4 +1,4 @@
-// Mesh files of any format: .tri by our own reader, the rest by assimp.
+// Mesh files of any format: .tri by our own reader, the rest by assimp in a process of its own.
 // One rule: what comes back is finite, welded and in range, in the file's own frame and unit
 // (metres unless the format states another).
 #pragma once
@@ -6,11 +6,13 @@
 #include <filesystem>
 
 #include "avatars/mesh.h"
+#include "base/foreign.h"
 
 namespace throng {
 
 /// Applies the file's node transforms, splits polygons into triangles and joins equal vertices;
-/// drops colours, normals, lines. Throws InputError naming the file.
-Mesh read_mesh(const std::filesystem::path& file);
+/// drops colours, normals, lines. `limits` are those of assimp's process. Throws InputError naming
+/// the file, whatever its bytes are.
+Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits = {});
 
 }  // namespace throng
