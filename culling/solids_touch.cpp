@@ -153,7 +153,7 @@ bool solids_touch(const TriangleBvh& a, const PartPose& pose_a, float scale_a, c
   const Relative a_from_b(pose_a, scale_a, pose_b, scale_b, a_to_b_m);
   const double ratio = static_cast<double>(scale_b) / static_cast<double>(scale_a);
   if (Traversal(a, b, a_from_b, ratio, counters).surfaces_touch()) return true;
-  // The surfaces do not meet, so each piece lies wholly inside or wholly outside the other.
+  // The surfaces do not meet, so each piece lies wholly inside or wholly outside each solid.
   for (const Eigen::Vector3f& p : b.pieces())
     if (a.contains(a_from_b.linear * p.cast<double>() + a_from_b.offset)) return true;
   for (const Eigen::Vector3f& p : a.pieces())

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/random.h"
 #include "culling/surface.h"
 
 namespace throng {
@@ -147,6 +148,14 @@ int crossing(const Corners& corners, const Vector3d& p) {
   return normal.dot(c[0] - p) * winding > 0 ? winding : 0;
 }
 
+/// What a turn round a solid counts; 0 round what is open. One sum then tells whether any solid is
+/// wound round: turns are few and weights are 64 random bits, so that they cancel with a chance of
+/// about 1 in 2^60 only.
+uint64_t weight_of(uint32_t solid) {
+  if (solid == Surface::kOpen) return 0;
+  return random_bits({0, solid, 0, Purpose::kSymmetryBreaking});
+}
+
 }  // namespace
 
 TriangleBvh::TriangleBvh(std::span<const Eigen::Vector3f> points,
@@ -160,20 +169,25 @@ TriangleBvh::TriangleBvh(std::span<const Eigen::Vector3f> points,
       corners[i][static_cast<size_t>(c)] = points[static_cast<size_t>(index)];
     }
   const Surface surface(corners);
-  is_closed_ = surface.is_closed();
+  solid_count_ = surface.solid_count();
   pieces_ = surface.pieces();
   nodes_.reserve(2 * corners.size());
   const Builder builder(corners, nodes_);
   triangles_.reserve(corners.size());
   for (uint32_t i : builder.order()) triangles_.push_back(corners[i]);
+  const std::vector<uint32_t>& solids = surface.solids();
+  const bool is_one = std::all_of(solids.begin(), solids.end(), [](uint32_t s) { return s == 0; });
+  if (is_one || solid_count_ == 0) return;
+  solids_.reserve(corners.size());
+  for (uint32_t i : builder.order()) solids_.push_back(solids[i]);
 }
 
 bool TriangleBvh::contains(const Eigen::Vector3d& point_m) const {
-  if (!is_closed_) return false;
+  if (solid_count_ == 0) return false;
   uint32_t stack[kMaxDepth + 1];
   int top = 0;
   stack[top++] = 0;
-  int winding = 0;
+  uint64_t winding = 0;
   while (top > 0) {
     const uint32_t at = stack[--top];
     const Node& node = nodes_[at];
@@ -189,8 +203,11 @@ bool TriangleBvh::contains(const Eigen::Vector3d& point_m) const {
       stack[top++] = at + 1;
       continue;
     }
-    for (uint32_t i = node.first; i < node.first + node.count; ++i)
-      winding += crossing(triangles_[i], point_m);
+    for (uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const auto times = static_cast<uint64_t>(int64_t{crossing(triangles_[i], point_m)});
+      if (times == 0) continue;
+      winding += solids_.empty() ? times : times * weight_of(solids_[i]);
+    }
   }
   return winding != 0;
 }

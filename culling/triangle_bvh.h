@@ -45,23 +45,23 @@ class TriangleBvh {
   /// One corner of each connected piece of the surface.
   std::span<const Eigen::Vector3f> pieces() const { return pieces_; }
 
-  /// The surface has no rim: every edge is used as often in one direction as in the other, corners
-  /// at the same place counting as one. Only a closed surface has an inside.
-  bool is_closed() const { return is_closed_; }
-  /// True if the closed surface winds round the point (part's frame, metres), whichever way it is
-  /// oriented. Overlapping closed pieces count as their union. On the surface itself: either.
+  /// How many pieces of the surface are closed, each a solid with an inside; see Surface::solids().
+  uint32_t solid_count() const { return solid_count_; }
+  /// True if one of the solids winds round the point (part's frame, metres), whichever way it is
+  /// oriented: each counts by itself, so overlapping ones are their union, and a cavity, a solid
+  /// inside another, is inside. On the surface itself: either.
   bool contains(const Eigen::Vector3d& point_m) const;
 
  private:
   std::vector<Node> nodes_;
   std::vector<std::array<Eigen::Vector3f, 3>> triangles_;
   std::vector<Eigen::Vector3f> pieces_;
-  bool is_closed_ = false;
+  uint32_t solid_count_ = 0;
+  std::vector<uint32_t> solids_;  ///< by triangle; empty: all bound the one solid there is
 };
 
-/// True if any triangle of A touches any triangle of B, or one lies inside the other where the
-/// outer surface is closed. Poses and scales as in base/pose.h; a_to_b_m is B's root minus A's. No
-/// allocation.
+/// True if any triangle of A touches any triangle of B, or a piece of one lies inside a solid of
+/// the other. Poses and scales as in base/pose.h; a_to_b_m is B's root minus A's. No allocation.
 bool solids_touch(const TriangleBvh& a, const PartPose& pose_a, float scale_a, const TriangleBvh& b,
                   const PartPose& pose_b, float scale_b, const Eigen::Vector3f& a_to_b_m,
                   ExactCounters& counters);

@@ -81,10 +81,12 @@ PartShape random_part(Family family, Draw& draw, bool large) {
 struct Kind {
   std::shared_ptr<const BodyType> type;
   std::vector<TriangleBvh> trees;
+  std::vector<Mixed> mixed;  ///< kMixed: the parts as they were put together
 };
 
-Kind kind_of(std::vector<PartShape> shapes) {
+Kind kind_of(std::vector<PartShape> shapes, std::vector<Mixed> mixed = {}) {
   Kind kind;
+  kind.mixed = std::move(mixed);
   double reach = 0;
   for (const PartShape& shape : shapes) {
     kind.trees.emplace_back(shape.points, shape.triangles);
@@ -111,6 +113,15 @@ std::vector<Kind> kinds_of(Family family, Draw& draw) {
   }
   for (int k = 0; k < 8; ++k) {
     std::vector<PartShape> shapes;
+    if (family == Family::kMixed) {
+      std::vector<Mixed> mixed;
+      for (int part = 0; part < 4; ++part) {
+        mixed.push_back(mixed_part(draw, k % 2 == 0 ? 0.25 : 0.05, k % 2 == 1));
+        shapes.push_back(shape_of(mixed.back().mesh));
+      }
+      kinds.push_back(kind_of(std::move(shapes), std::move(mixed)));
+      continue;
+    }
     for (int part = 0; part < 4; ++part) shapes.push_back(random_part(family, draw, k % 2 == 0));
     kinds.push_back(kind_of(std::move(shapes)));
   }
@@ -129,7 +140,7 @@ class Couples : public PoseSource {
     for (int couple = 0; couple < kCouples; ++couple) {
       const double far = family != Family::kFar ? 0 : draw.integer(0, 1) == 0 ? 1e4 : 1e5;
       const Vector3d home(far + kSpacing_m * (couple % 16), -far + kSpacing_m * (couple / 16), 0);
-      const bool is_nested = family == Family::kNested;
+      const bool is_nested = family == Family::kNested || family == Family::kMixed;
       const bool is_lattice = family == Family::kTouching;
       add(draw, home, is_nested ? 0 : draw.integer(0, 1), is_lattice);
       add(draw, home, 1, is_lattice);
@@ -190,7 +201,7 @@ class Couples : public PoseSource {
       return placed_exactly(parts_of(body)[part], scales_[body], points[i]);
     };
     Vector3d offset = corner(a) - corner(b);
-    if (family == Family::kNested)
+    if (family == Family::kNested || (family == Family::kMixed && draw.integer(0, 1) == 0))
       offset = to_isometry(parts_of(a)[0]).translation() -
                to_isometry(parts_of(b)[0]).translation() + draw.in_box(0.2);
     else if (family != Family::kTouching)
@@ -233,9 +244,40 @@ bool boxes_meet(const Triangle& p, const Triangle& q) {
   return true;
 }
 
+/// Whether a piece of one lies in a solid of the other, or triangles of two touch; tries all.
+bool mixed_touch(const Couples& world, uint32_t a, size_t i, uint32_t b, size_t j) {
+  const PartPose &pose_a = world.parts_of(a)[i], &pose_b = world.parts_of(b)[j];
+  // As the pass has it, for here triangles decide and nothing covers what is rounded.
+  const Vector3d a_to_b = (world.root(b) - world.root(a)).cast<float>().cast<double>();
+  const std::vector<Triangle> of_a =
+      triangles_of(world.kind(a).type->parts()[i], pose_a, world.scale(a), Vector3d::Zero());
+  for (const Triangle& q :
+       triangles_of(world.kind(b).type->parts()[j], pose_b, world.scale(b), a_to_b))
+    for (const Triangle& p : of_a)
+      if (boxes_meet(p, q) && triangles_touch(p, q)) return true;
+  const auto holds = [&](uint32_t outer, size_t part, uint32_t inner, size_t inner_part,
+                         const Vector3d& shift) {
+    const PartPose& pose = world.parts_of(outer)[part];
+    const Mixed& pieces = world.kind(inner).mixed[inner_part];
+    for (const auto* some : {&pieces.solids, &pieces.loose})
+      for (const Solid& piece : *some) {
+        const Vector3d p = shift + placed_exactly(world.parts_of(inner)[inner_part],
+                                                  world.scale(inner), piece.points[0]);
+        const Eigen::Isometry3d frame = to_isometry(pose);
+        if (world.kind(outer).mixed[part].contains(frame.linear().inverse() *
+                                                   (p - frame.translation()) /
+                                                   static_cast<double>(world.scale(outer))))
+          return true;
+      }
+    return false;
+  };
+  return holds(a, i, b, j, a_to_b) || holds(b, j, a, i, -a_to_b);
+}
+
 /// Tries all triangles of small parts in double precision, with the roots as they are; of larger
 /// parts, and for one inside the other, the tree of triangles, with the roots' difference rounded.
 bool truly_touch(const Couples& world, uint32_t a, size_t i, uint32_t b, size_t j) {
+  if (!world.kind(a).mixed.empty()) return mixed_touch(world, a, i, b, j);
   const PartShape& shape_a = world.kind(a).type->parts()[i];
   const PartShape& shape_b = world.kind(b).type->parts()[j];
   const PartPose &pose_a = world.parts_of(a)[i], &pose_b = world.parts_of(b)[j];
@@ -279,8 +321,8 @@ void check_couple(const Couples& world, uint32_t a, uint32_t b, std::span<const 
 }  // namespace
 
 std::string_view name_of(Family family) {
-  constexpr std::array<std::string_view, 8> kNames = {"blobs", "adult",  "flat", "needle",
-                                                      "point", "nested", "far",  "touching"};
+  constexpr std::array<std::string_view, 9> kNames = {
+      "blobs", "adult", "flat", "needle", "point", "nested", "far", "touching", "mixed"};
   return kNames[static_cast<size_t>(family)];
 }
 
@@ -299,6 +341,7 @@ NearPairs check_near_pairs(Family family, uint64_t pairs, uint64_t seed) {
     options.part_volume = kAllVolumes[frame / targets.size() % std::size(kAllVolumes)];
     options.simd = targets[frame % targets.size()];
     options.pair_search = kSearches[frame / 3 % std::size(kSearches)];
+    options.exact = family == Family::kMixed;
     Culler culler(types, options, workers);
     const Couples world(family, kinds, draw);
     culler.step(world.view(), world);

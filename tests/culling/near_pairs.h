@@ -12,18 +12,19 @@
 namespace throng::test {
 
 enum class Family {
-  kBlobs,    ///< bumpy ellipsoids and boxes
-  kAdult,    ///< the parts of the bundled adult
-  kFlat,     ///< plates without thickness, tilted and axis-parallel
-  kNeedle,   ///< a metre long, some micrometres thick
-  kPoint,    ///< all corners in one place, and segments
-  kNested,   ///< small parts inside large closed ones
-  kFar,      ///< blobs and plates at 10 km and 100 km from the world's origin
-  kTouching  ///< boxes and plates that share a corner, an edge or a face, to the rounding
+  kBlobs,     ///< bumpy ellipsoids and boxes
+  kAdult,     ///< the parts of the bundled adult
+  kFlat,      ///< plates without thickness, tilted and axis-parallel
+  kNeedle,    ///< a metre long, some micrometres thick
+  kPoint,     ///< all corners in one place, and segments
+  kNested,    ///< small parts inside large closed ones
+  kFar,       ///< blobs and plates at 10 km and 100 km from the world's origin
+  kTouching,  ///< boxes and plates that share a corner, an edge or a face, to the rounding
+  kMixed      ///< solids and loose triangles in one part; triangles decide, each piece by itself
 };
-inline constexpr Family kFamilies[] = {Family::kBlobs,  Family::kAdult,   Family::kFlat,
-                                       Family::kNeedle, Family::kPoint,   Family::kNested,
-                                       Family::kFar,    Family::kTouching};
+inline constexpr Family kFamilies[] = {Family::kBlobs,  Family::kAdult,    Family::kFlat,
+                                       Family::kNeedle, Family::kPoint,    Family::kNested,
+                                       Family::kFar,    Family::kTouching, Family::kMixed};
 std::string_view name_of(Family family);
 
 struct NearPairs {

@@ -145,4 +145,88 @@ inline Solid box_solid(const Eigen::Vector3d& half_m,
   return out;
 }
 
+/// The same turned inside out: every triangle the other way round.
+inline Solid inside_out(Solid solid) {
+  for (Eigen::Vector3i& t : solid.triangles) std::swap(t[0], t[1]);
+  return solid;
+}
+
+/// One mesh of both, which share no corner.
+inline Solid both(const Solid& a, const Solid& b) {
+  Solid out = a;
+  const int shift = static_cast<int>(a.points.size());
+  out.points.insert(out.points.end(), b.points.begin(), b.points.end());
+  for (const Eigen::Vector3i& t : b.triangles)
+    out.triangles.push_back(t + Eigen::Vector3i::Constant(shift));
+  return out;
+}
+
+/// The solid angle of the surface round a point, in turns of the sphere (Van Oosterom and Strackee
+/// 1983): 1 inside, 0 outside; -1 inside what is turned inside out.
+inline double winding_number(const Solid& solid, const Eigen::Vector3d& p) {
+  double sum = 0;
+  for (const Eigen::Vector3i& t : solid.triangles) {
+    Eigen::Vector3d c[3];
+    for (int i = 0; i < 3; ++i) c[i] = solid.points[static_cast<size_t>(t[i])].cast<double>() - p;
+    const double a = c[0].norm(), b = c[1].norm(), d = c[2].norm();
+    sum += std::atan2(c[0].cross(c[1]).dot(c[2]),
+                      a * b * d + c[0].dot(c[1]) * d + c[1].dot(c[2]) * a + c[2].dot(c[0]) * b);
+  }
+  return sum / (2 * std::numbers::pi);
+}
+
+/// A part of several pieces, and what a test knows of it because it put it together.
+struct Mixed {
+  std::vector<Solid> solids;  ///< closed ones, whichever way they are turned
+  std::vector<Solid> loose;   ///< triangles beside them, or hanging from a corner or an edge
+  Solid mesh;                 ///< all of it, its triangles shuffled
+
+  /// Slow and obvious: each solid by itself.
+  bool contains(const Eigen::Vector3d& p) const {
+    for (const Solid& solid : solids)
+      if (std::fabs(winding_number(solid, p)) > 0.5) return true;
+    return false;
+  }
+};
+
+/// One or two solids of up to `size_m`, apart, overlapping or one in the other, and up to three
+/// loose triangles; or, where `may_be_open`, none but these.
+inline Mixed mixed_part(Draw& draw, double size_m, bool may_be_open) {
+  Mixed out;
+  const auto solid = [&](double size) {
+    const Eigen::Vector3d half(draw.uniform(0.5, 1) * size, draw.uniform(0.5, 1) * size,
+                               draw.uniform(0.5, 1) * size);
+    Solid shape =
+        draw.integer(0, 1) == 0 ? box_solid(half) : bumpy_ellipsoid(draw, 3, 4, half, 0.2);
+    return draw.integer(0, 1) == 0 ? shape : inside_out(std::move(shape));
+  };
+  const bool is_open = may_be_open && draw.integer(0, 1) == 0;
+  if (!is_open) out.solids.push_back(solid(size_m));
+  if (!is_open && draw.integer(0, 1) == 0) {
+    Solid second = solid(draw.uniform(0.2, 1) * size_m);
+    const Eigen::Vector3f aside = draw.in_box(draw.uniform(0, 1.5) * size_m).cast<float>();
+    for (Eigen::Vector3f& point : second.points) point += aside;
+    out.solids.push_back(std::move(second));
+  }
+  const int loose = draw.integer(is_open || out.solids.size() > 1 ? 1 : 0, 3);
+  for (int i = 0; i < loose; ++i) {
+    Solid triangle;
+    for (int c = 0; c < 3; ++c) triangle.points.push_back(draw.in_box(1.5 * size_m).cast<float>());
+    triangle.triangles = {{0, 1, 2}};
+    // From a corner or an edge of a solid, found by place.
+    for (int c = 0; !out.solids.empty() && c < draw.integer(0, 2); ++c) {
+      const Solid& from = out.solids.front();
+      triangle.points[static_cast<size_t>(c)] =
+          from.points[static_cast<size_t>(from.triangles.front()[c])];
+    }
+    out.loose.push_back(std::move(triangle));
+  }
+  for (const auto* pieces : {&out.solids, &out.loose})
+    for (const Solid& piece : *pieces) out.mesh = both(out.mesh, piece);
+  for (int i = static_cast<int>(out.mesh.triangles.size()) - 1; i > 0; --i)
+    std::swap(out.mesh.triangles[static_cast<size_t>(i)],
+              out.mesh.triangles[static_cast<size_t>(draw.integer(0, i))]);
+  return out;
+}
+
 }  // namespace throng::test

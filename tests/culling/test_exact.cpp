@@ -228,7 +228,7 @@ TEST(Solids, AnOpenSurfaceHasNoInside) {
   Solid large = box_solid({0.5, 0.5, 0.5});
   const Solid small = box_solid({0.1, 0.1, 0.1});
   large.triangles.pop_back();
-  EXPECT_FALSE(TriangleBvh(large.points, large.triangles).is_closed());
+  EXPECT_EQ(TriangleBvh(large.points, large.triangles).solid_count(), 0u);
   EXPECT_FALSE(solids_touch_upright(large, small, {0, 0, 0}));
   EXPECT_FALSE(solids_touch_upright(small, large, {0, 0, 0}));
   // But what has no inside can be inside.
@@ -238,18 +238,8 @@ TEST(Solids, AnOpenSurfaceHasNoInside) {
 }
 
 TEST(Solids, InwardOrientationDoesNotMatter) {
-  Solid large = box_solid({0.5, 0.5, 0.5});
-  for (Eigen::Vector3i& t : large.triangles) std::swap(t[0], t[1]);
+  const Solid large = inside_out(box_solid({0.5, 0.5, 0.5}));
   EXPECT_TRUE(solids_touch_upright(large, box_solid({0.1, 0.1, 0.1}), {0, 0, 0}));
-}
-
-Solid both(const Solid& a, const Solid& b) {
-  Solid out = a;
-  const int shift = static_cast<int>(a.points.size());
-  out.points.insert(out.points.end(), b.points.begin(), b.points.end());
-  for (const Eigen::Vector3i& t : b.triangles)
-    out.triangles.push_back(t + Eigen::Vector3i::Constant(shift));
-  return out;
 }
 
 TEST(Solids, EveryPieceCounts) {
@@ -269,6 +259,65 @@ TEST(Solids, OverlappingPiecesAreTheirUnion) {
   EXPECT_TRUE(solids_touch_upright(two, box_solid({0.05, 0.05, 0.05}), {0.1f, 0.05f, 0.02f}));
 }
 
+Solid loose_triangle(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
+  return {{a, b, c}, {{0, 1, 2}}};
+}
+
+TEST(Solids, WhatIsLooseTakesNothingFromASolid) {
+  const Solid box = box_solid({0.5, 0.5, 0.5}), small = box_solid({0.1, 0.1, 0.1});
+  const Eigen::Vector3f far(2, 2, 2), out(1, 1, 1), up(0, 0, 2);
+  const std::pair<const char*, Solid> cases[] = {
+      {"a triangle beside it", loose_triangle(far, far + out, far + up)},
+      {"one inside it", loose_triangle({0.3f, 0, 0}, {0.4f, 0, 0}, {0.3f, 0.1f, 0})},
+      {"one that hangs from a corner", loose_triangle(box.points[7], far, far + up)},
+      {"a fin on an edge", loose_triangle(box.points[7], box.points[6], far)},
+      {"a wall across a face", loose_triangle(box.points[0], box.points[3], box.points[1] + up)},
+      {"a segment", loose_triangle(far, far + up, far)},
+      {"a point", loose_triangle(far, far, far)}};
+  for (const auto& [what, loose] : cases) {
+    SCOPED_TRACE(what);
+    for (const Solid& mesh : {both(box, loose), both(loose, box)}) {
+      EXPECT_TRUE(TriangleBvh(mesh.points, mesh.triangles).contains({0.1, 0.2, 0}));
+      EXPECT_FALSE(TriangleBvh(mesh.points, mesh.triangles).contains({0.6, 0.2, 0}));
+      EXPECT_TRUE(solids_touch_upright(mesh, small, {-0.2f, -0.2f, 0}));
+      EXPECT_TRUE(solids_touch_upright(small, mesh, {0.2f, 0.2f, 0}));
+      EXPECT_FALSE(solids_touch_upright(mesh, small, {-0.7f, 0, 0}));
+    }
+  }
+}
+
+TEST(Solids, ACavityIsInside) {
+  // What is turned inside out may be a hollow, or a mesh that was exported wrongly: nothing is
+  // missed.
+  const Solid shell = both(box_solid({0.5, 0.5, 0.5}), inside_out(box_solid({0.3, 0.3, 0.3})));
+  const TriangleBvh tree(shell.points, shell.triangles);
+  EXPECT_EQ(tree.solid_count(), 2u);
+  EXPECT_TRUE(tree.contains({0.4, 0, 0}));
+  EXPECT_TRUE(tree.contains({0, 0, 0}));
+  EXPECT_FALSE(tree.contains({0.6, 0, 0}));
+  EXPECT_TRUE(solids_touch_upright(shell, box_solid({0.1, 0.1, 0.1}), {0, 0, 0}));
+}
+
+TEST(Surface, SolidsAndLooseTrianglesAreToldApartAsTheyWerePutTogether) {
+  int inside = 0, outside = 0;
+  for (uint64_t seed = 1; seed <= 300; ++seed) {
+    Draw draw(seed, 7);
+    const Mixed part = mixed_part(draw, 0.3, false);
+    const TriangleBvh tree(part.mesh.points, part.mesh.triangles);
+    ASSERT_EQ(tree.solid_count(), part.solids.size()) << "seed " << seed;
+    for (int i = 0; i < 100; ++i) {
+      const Vector3d point = draw.in_box(0.5);
+      const bool expected = part.contains(point);
+      (expected ? inside : outside) += 1;
+      ASSERT_EQ(tree.contains(point), expected)
+          << "at " << point.transpose() << ", seed " << seed << ", " << part.solids.size()
+          << " solids, " << part.loose.size() << " loose triangles";
+    }
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 1000);
+}
+
 TEST(Surface, IsClosedByPlaceNotByIndex) {
   const Solid box = box_solid({0.5, 0.5, 0.5});
   Solid soup;  // every triangle with corners of its own, as STL files have them
@@ -278,25 +327,11 @@ TEST(Surface, IsClosedByPlaceNotByIndex) {
     soup.triangles.push_back({first, first + 1, first + 2});
   }
   const TriangleBvh tree(soup.points, soup.triangles);
-  EXPECT_TRUE(tree.is_closed());
+  EXPECT_EQ(tree.solid_count(), 1u);
   EXPECT_EQ(tree.pieces().size(), 1u);
   Solid flipped = box;
   std::swap(flipped.triangles[0][0], flipped.triangles[0][1]);
-  EXPECT_FALSE(TriangleBvh(flipped.points, flipped.triangles).is_closed());
-}
-
-/// The solid angle of the surface round a point, in turns of the sphere (Van Oosterom and Strackee
-/// 1983): 1 inside, 0 outside.
-double winding_number(const Solid& solid, const Vector3d& p) {
-  double sum = 0;
-  for (const Eigen::Vector3i& t : solid.triangles) {
-    Vector3d c[3];
-    for (int i = 0; i < 3; ++i) c[i] = solid.points[static_cast<size_t>(t[i])].cast<double>() - p;
-    const double a = c[0].norm(), b = c[1].norm(), d = c[2].norm();
-    sum += std::atan2(c[0].cross(c[1]).dot(c[2]),
-                      a * b * d + c[0].dot(c[1]) * d + c[1].dot(c[2]) * a + c[2].dot(c[0]) * b);
-  }
-  return sum / (2 * std::numbers::pi);
+  EXPECT_EQ(TriangleBvh(flipped.points, flipped.triangles).solid_count(), 0u);
 }
 
 TEST(Surface, ContainsWhatItWindsRound) {
@@ -305,7 +340,7 @@ TEST(Surface, ContainsWhatItWindsRound) {
   for (int i = 0; i < 20; ++i) {
     const Solid solid = bumpy_ellipsoid(draw, 8, 10, {0.3, 0.2, 0.4}, 0.2);
     const TriangleBvh tree(solid.points, solid.triangles);
-    ASSERT_TRUE(tree.is_closed());
+    ASSERT_EQ(tree.solid_count(), 1u);
     for (int p = 0; p < 500; ++p) {
       Vector3d point = draw.in_box(0.4);
       // Rays that graze corners and edges, which a careless parity test counts twice.
@@ -391,6 +426,33 @@ TEST(Solids, AgreeWithAllPairsOfTriangles) {
   EXPECT_GT(contained, 25);
   EXPECT_GT(touching, kCasesTried / 4);
   EXPECT_LT(touching, kCasesTried * 3 / 4);
+}
+
+TEST(Solids, OfSeveralPiecesAgreeWithEachPieceByItself) {
+  int touching = 0, contained = 0, apart = 0;
+  for (uint64_t seed = 1; seed <= 1500; ++seed) {
+    Draw draw(seed, 8);
+    const Mixed a = mixed_part(draw, 0.3, false), b = mixed_part(draw, 0.05, true);
+    const Eigen::Vector3f a_to_b = draw.in_box(0.4).cast<float>();
+    bool expected = false;
+    for (const Solid& piece : b.solids)
+      expected = expected || a.contains((piece.points[0] + a_to_b).cast<double>());
+    for (const Solid& piece : b.loose)
+      expected = expected || a.contains((piece.points[0] + a_to_b).cast<double>());
+    const bool surfaces = contact_by_brute_force(a.mesh, kUpright, 1, b.mesh, kUpright, 1,
+                                                 a_to_b) == Contact::kSurfaces;
+    contained += expected && !surfaces;
+    expected = expected || surfaces;
+    for (const auto* pieces : {&a.solids, &a.loose})
+      for (const Solid& piece : *pieces)
+        expected = expected || b.contains((piece.points[0] - a_to_b).cast<double>());
+    (expected ? touching : apart) += 1;
+    ASSERT_EQ(solids_touch_upright(a.mesh, b.mesh, a_to_b), expected) << "seed " << seed;
+    ASSERT_EQ(solids_touch_upright(b.mesh, a.mesh, -a_to_b), expected) << "seed " << seed;
+  }
+  EXPECT_GT(contained, 50);
+  EXPECT_GT(touching, 300);
+  EXPECT_GT(apart, 300);
 }
 
 TEST(Tree, HoldsEveryTriangleOnceAndInsideItsBoxes) {
