@@ -41,15 +41,21 @@ int render_frames(const RenderCommand& command) {
   const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
   const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);
   Animation animation(options.width, options.height, kAnimationQuality);
-  int pictures = 0;
+  int pictures = 0, with_states = 0;
   for (int64_t number = command.frames[0]; number <= command.frames[1]; number += command.every) {
     frame.advance_to(number);
+    with_states += frame.crowd().frame == number;
     animation.add(picture_of(frame, options), static_cast<int>(std::lround(shown_ms)));
     ++pictures;
   }
   const size_t bytes = animation.write(command.out);
   fmt::print("{}: {} pictures, {:.2f} MB\n", command.out, pictures,
              static_cast<double>(bytes) * 1e-6);
+  if (with_states < pictures)
+    fmt::print(stderr,
+               "note: {} of {} frames have states; in the others people stand as in the last that "
+               "had\n",
+               with_states, pictures);
   return kExitFine;
 }
 
@@ -65,6 +71,13 @@ int render_frame(RenderCommand command) {
   write_png(command.out, picture_of(frame, command.picture));
   fmt::print("{}: frame {}, {} avatars, {} pairs of parts touch\n", command.out, command.frame,
              frame.crowd().roots.size(), frame.touching().size());
+  if (const int64_t states = frame.crowd().frame; states < command.frame) {
+    const std::optional<int64_t> next = frame.next_states();
+    fmt::print(stderr, "note: frame {} has no states: people stand as at frame {}; {}\n",
+               command.frame, states,
+               next ? fmt::format("the next states are those of frame {}", *next)
+                    : "no states come later");
+  }
   return kExitFine;
 }
 

@@ -39,6 +39,7 @@ Examples:
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run plaza --pace 1                          as fast as life, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
+  throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
   throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
   throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
 
@@ -65,6 +66,8 @@ struct RunOptions {
   std::string lcm{kDefaultLcmUrl};
   std::string log;
   std::string json;
+  std::optional<double> states_hz;
+  bool publish_parts = false;
   RecorderOptions recorders;
   double flush_s = LogOptions{}.flush_s;
   CheckpointOptions checkpoints;
@@ -152,6 +155,12 @@ void add_options(CLI::App& app, RunOptions& options) {
          "The longest until a frame goes to the log's file; 0: before the next frame [0.25]")
       ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
       ->type_name("S");
+  app.add_option("--states-hz", options.states_hz,
+                 "States so often a simulated second, in log and LCM [every frame]")
+      ->check(number_option(0, 1e6, true, "a number of states a second above 0"))
+      ->type_name("N");
+  app.add_flag("--publish-parts", options.publish_parts,
+               "The pose of every part with the states, in log and LCM");
   app.add_option("--json", options.json, "Writes the results for machines")->type_name("FILE");
   add_recorder_options(app, options.recorders);
   add_checkpoint_options(app, options.checkpoints);
@@ -186,6 +195,18 @@ Scene scene_for(const RunOptions& options) {
     for (const std::string& note : notes) fmt::print(stderr, "note: {}\n", note);
   }
   return scene;
+}
+
+/// Frames from states to states, as --states-hz asks for.
+double state_every(const RunOptions& options, const Scene& scene) {
+  if (!options.states_hz) return 1;
+  const double frames_hz = 1 / scene.step_s;
+  if (*options.states_hz > frames_hz * (1 + 1e-9))
+    throw InputError(
+        "--states-hz",
+        fmt::format("at most {:.6g}, the frames a second of {}", frames_hz, scene.name),
+        fmt::format("{:.6g}", *options.states_hz));
+  return std::max(1.0, frames_hz / *options.states_hz);
 }
 
 /// The path of the log, its folder created where nobody chose one.
@@ -272,6 +293,7 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
 int run_scene(const RunOptions& options) {
   const SimulationOptions simulated = simulation_options(options);
   Scene scene = scene_for(options);
+  const double states = state_every(options, scene);
   if (!options.json.empty()) require_writable(options.json);
 
   Listeners listeners;
@@ -281,12 +303,16 @@ int run_scene(const RunOptions& options) {
     LogOptions log_options;
     log_options.flush_s = options.flush_s;
     log_options.threads = options.threads;
+    log_options.state_every = states;
+    log_options.part_poses = options.publish_parts;
     listeners.log = std::make_unique<LogSink>(log, log_options);
     listeners.guard = std::make_unique<LogGuard>(*listeners.log);
   }
   if (options.lcm != "off") {
     LcmOptions lcm;
     lcm.url = options.lcm;
+    lcm.state_every = states;
+    lcm.part_poses = options.publish_parts;
     listeners.lcm = std::make_unique<LcmSink>(lcm);
   }
   listeners.recorders = std::make_unique<Recorders>(options.recorders);

@@ -20,9 +20,24 @@ void RecordedFrame::advance_to(int64_t number) {
   }
   if (run_.run() == nullptr)
     throw InputError(log_.string(), "a run's description", "none; is it a log of `throng run`?");
-  if (last_frame_ < number || crowd().frame < 0)
+  if (last_frame_ < number)
     throw InputError(log_.string(), fmt::format("frame {}", number),
                      fmt::format("frames 0 to {}", last_frame_));
+  if (crowd().frame < 0) {
+    const std::optional<int64_t> first = next_states();
+    throw InputError(log_.string(), fmt::format("states at or before frame {}", number),
+                     first ? fmt::format("the first at frame {}", *first) : "none");
+  }
+}
+
+std::optional<int64_t> RecordedFrame::next_states() {
+  LogEvent event;
+  MessageHeader header;
+  while (reader_.next(event) == LogReader::Status::kEvent)
+    if (event.channel == name_of(Channel::kStates) &&
+        read_header(Channel::kStates, event.data, header).empty() && header.frame > last_frame_)
+      return header.frame;
+  return std::nullopt;
 }
 
 }  // namespace throng

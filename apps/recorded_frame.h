@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "lcmtypes/log_reader.h"
 #include "lcmtypes/run_reader.h"
@@ -15,11 +16,15 @@ namespace throng {
 class RecordedFrame {
  public:
   /// Reads the log up to the end of frame `number`. Throws InputError if the file is no log, has no
-  /// description, or does not reach so far.
+  /// description, does not reach so far, or has no states until then.
   RecordedFrame(const std::filesystem::path& log, int64_t number);
 
   /// Goes on to a later frame. Throws InputError if the log does not reach so far.
   void advance_to(int64_t number);
+
+  /// The next frame after the one advanced to that has states, if the log has one. Reads on:
+  /// nothing but this may be asked afterwards.
+  std::optional<int64_t> next_states();
 
   RunReader& run() { return run_; }
   const CrowdState& crowd() const { return run_.state(); }

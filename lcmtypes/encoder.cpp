@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <iterator>
 
 #include "base/errors.h"
@@ -139,7 +140,8 @@ void RunEncoder::send_description_chunk(int chunk) {
 }
 
 void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
-  if (run.resumed && last_second_ < 0) {  // what the first events refer to
+  const bool is_first = last_second_ < 0;
+  if (run.resumed && is_first) {  // what the first events refer to
     utime_us_ = run.resumed->utime_us;
     frame_ = run.resumed->frame;
     send_touching(run.resumed->touching, run.resumed->levels);
@@ -151,7 +153,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
     last_second_ = frame.utime_us / kSecond_us;
     send_touching(frame.pairs, frame.levels);
   }
-  if (frame.number % options_.state_every == 0) {
+  if (is_first || states_are_due(frame.number)) {
     send_states(run, frame);
     if (options_.part_poses) send_parts(run, frame);
   }
@@ -209,6 +211,14 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
     }
     send(Channel::kTouching, m, chunk, chunks);
   }
+}
+
+bool RunEncoder::states_are_due(int64_t frame) const {
+  // A multiple that rounding put a hair behind its frame is that frame's all the same.
+  const auto multiples = [this](int64_t number) {
+    return std::floor(static_cast<double>(number) / options_.state_every + 1e-6);
+  };
+  return multiples(frame) > multiples(frame - 1);
 }
 
 /// Some chunks at a time are encoded side by side, then sent in their order.

@@ -24,9 +24,11 @@ namespace throng {
 struct EncoderOptions {
   bool with_instance = true;     ///< false: instance is 0
   bool with_clock_times = true;  ///< false: everything read from a clock is 0
-  int state_every = 1;           ///< avatar states of every n-th frame; events are always complete
-  bool part_poses = false;       ///< THRONG_PARTS with every states message
-  int threads = 1;               ///< states are encoded by so many; the bytes are the same
+  /// Frames from states to states, at least 1 and not always whole: those of the first frame, and
+  /// of each that is the first at or after a multiple of it. Events are always complete.
+  double state_every = 1;
+  bool part_poses = false;  ///< THRONG_PARTS with every states message
+  int threads = 1;          ///< states are encoded by so many; the bytes are the same
 };
 
 /// Where encoded messages go. The bytes hold during the call.
@@ -81,6 +83,7 @@ class RunEncoder {
   void hand_over(Channel channel, std::span<const uint8_t> bytes);
   void send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
+  bool states_are_due(int64_t frame) const;
   void send_states(const RunInfo& run, const Frame& frame);
   void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
                    states_t& m) const;

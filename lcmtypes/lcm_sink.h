@@ -17,7 +17,7 @@ namespace throng {
 
 struct LcmOptions {
   std::string url{kDefaultLcmUrl};
-  int state_every = 1;
+  double state_every = 1;  ///< see EncoderOptions
   bool part_poses = false;
   /// Where warnings go; stderr if empty.
   std::function<void(const std::string&)> warn = {};

@@ -46,7 +46,7 @@ class LogFile {
 };
 
 struct LogOptions {
-  int state_every = 1;
+  double state_every = 1;  ///< see EncoderOptions
   bool part_poses = false;
   bool with_clock_times = false;  ///< true: the log differs from run to run
   int threads = 1;                ///< that encode

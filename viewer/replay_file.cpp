@@ -91,7 +91,7 @@ ReplaySink::ReplaySink(const std::filesystem::path& html, std::string_view page,
 }
 
 void ReplaySink::begin(const RunInfo& run) {
-  const int every = std::max(1, static_cast<int>(std::lround(kReplayKeyPeriod_s / run.step_s)));
+  const double every = std::max(1.0, std::round(kReplayKeyPeriod_s / run.step_s));
   encoder_.emplace(EncoderOptions{.state_every = every}, static_cast<MessageTarget&>(*this));
   encoder_->begin(run);
   for (int chunk = 0; chunk < encoder_->description_chunks(); ++chunk)

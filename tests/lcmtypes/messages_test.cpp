@@ -249,6 +249,35 @@ TEST(Messages, ThinningStatesKeepsEveryEvent) {
     EXPECT_EQ(thin[channel], full[channel]) << name_of(channel);
 }
 
+/// Frames that have states in a run of `frames`, at 60 frames a second.
+std::vector<int64_t> frames_with_states(double states_hz, int frames) {
+  SyntheticRun run({.avatars = 3, .seed = 2});
+  std::vector<int64_t> found;
+  for (const auto& m : messages_of(run, frames, {.state_every = 60 / states_hz})) {
+    MessageHeader header;
+    if (m.channel == Channel::kStates && read_header(m.channel, m.bytes, header).empty())
+      found.push_back(header.frame);
+  }
+  return found;
+}
+
+TEST(Messages, StatesAreThoseOfTheFirstFrameAtOrAfterEachMultiple) {
+  EXPECT_THAT(frames_with_states(10, 20), testing::ElementsAre(0, 6, 12, 18));
+  EXPECT_THAT(frames_with_states(25, 15), testing::ElementsAre(0, 3, 5, 8, 10, 12));
+  EXPECT_THAT(frames_with_states(7, 28), testing::ElementsAre(0, 9, 18, 26));
+  EXPECT_THAT(frames_with_states(0.1, 601), testing::ElementsAre(0, 600));
+}
+
+TEST(Messages, StatesComeAsOftenAsAskedForAtEveryRate) {
+  for (int states_hz = 1; states_hz <= 60; ++states_hz) {
+    const std::vector<int64_t> found = frames_with_states(states_hz, 600);
+    ASSERT_EQ(found.size(), static_cast<size_t>(10 * states_hz)) << states_hz << " a second";
+    for (size_t k = 0; k < found.size(); ++k)
+      EXPECT_EQ(found[k], (static_cast<int64_t>(k) * 60 + states_hz - 1) / states_hz)
+          << "states " << k << " at " << states_hz << " a second";
+  }
+}
+
 TEST(Messages, TheWholeTouchingSetComesOnceASimulatedSecond) {
   SyntheticRun run({.seed = 2});
   std::vector<int64_t> stamps;

@@ -19,7 +19,7 @@ constexpr int kFrames = 200;
 
 class RecordedCrowd : public testing::Test {
  protected:
-  void record(const SyntheticRun::Options& options, int state_every = 1) {
+  void record(const SyntheticRun::Options& options, double state_every = 1) {
     SyntheticRun run(options);
     LogSink sink(log_.path(), {.state_every = state_every});
     run.play(sink, kFrames);
@@ -48,7 +48,7 @@ std::vector<uint8_t> picture_of(const Bytes& message) {
 }
 
 TEST_F(RecordedCrowd, JumpingAndPlayingShowTheSame) {
-  for (const int state_every : {1, 7, 150}) {
+  for (const double state_every : {1.0, 2.4, 7.0, 150.0}) {
     record({.avatars = 30, .seed = 3, .pairs = 60, .comings = true, .deadline = true}, state_every);
     LogIndex index(log_.path());
     index.wait();
