@@ -38,8 +38,12 @@ class Collector {
             fmt::format("mesh {}", node.mMeshes[i]));
       append(*scene_.mMeshes[node.mMeshes[i]], file_from_node);
     }
-    for (unsigned i = 0; i < node.mNumChildren; ++i)
+    for (unsigned i = 0; i < node.mNumChildren; ++i) {
+      // The importer of .raw files loses groups so; half a mesh is none.
+      if (node.mChildren[i] == nullptr)
+        throw Refusal("a mesh that assimp reads whole", "one of which it loses a part");
       append(*node.mChildren[i], file_from_node, depth + 1);
+    }
   }
 
   void append(const aiMesh& mesh, const aiMatrix4x4& file_from_mesh) {

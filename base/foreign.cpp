@@ -195,7 +195,9 @@ std::string signal_name(int number) {
 /// "one that crashes assimp (SIGSEGV)".
 std::string what_happened(Outcome outcome, int status, const std::string& library,
                           const Budget& budget) {
-  const bool was_killed = outcome == Outcome::kEnded && WIFSIGNALED(status);
+  // SIGKILL is ours, in case that it closed its end of the pipe and did not end.
+  const bool was_killed =
+      outcome == Outcome::kEnded && WIFSIGNALED(status) && WTERMSIG(status) != SIGKILL;
   if (outcome == Outcome::kTooSlow)
     return fmt::format("one that keeps {} busy for more than {:g} s", library, budget.wall_s);
   if (was_killed && WTERMSIG(status) == SIGXCPU)

@@ -8,6 +8,7 @@
 #include "lcmtypes/log_format.h"
 #include "scenes/box_world.h"
 #include "scenes/checkpoint.h"
+#include "tests/avatars/mesh_seeds.h"
 #include "tests/fuzz/targets.h"
 #include "tests/lcmtypes/synthetic_run.h"
 
@@ -141,6 +142,20 @@ void add_checkpoints(std::vector<Bytes>& out) {
   out.push_back(hostile);
 }
 
+void add_meshes(std::vector<Bytes>& out) {
+  const auto add = [&](std::string_view extension, const Bytes& file) {
+    const auto* at = std::find(std::begin(kMeshExtensions), std::end(kMeshExtensions), extension);
+    out.push_back({static_cast<uint8_t>(at - std::begin(kMeshExtensions))});
+    out.back().insert(out.back().end(), file.begin(), file.end());
+  };
+  for (const MeshSeed& seed : mesh_seeds()) {
+    add(seed.extension, seed.bytes);
+    // Cut within its vertices: assimp reads on behind its array.
+    if (seed.name == "ply_binary")
+      add(seed.extension, Bytes(seed.bytes.begin(), seed.bytes.begin() + 400));
+  }
+}
+
 }  // namespace
 
 Bytes packed(std::span<const std::pair<uint8_t, Bytes>> messages) {
@@ -165,6 +180,7 @@ std::vector<Bytes> seeds_of(std::string_view target) {
   if (target == "messages") add_messages(out);
   if (target == "log") add_logs(out);
   if (target == "checkpoint") add_checkpoints(out);
+  if (target == "mesh") add_meshes(out);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "avatars/avatars.h"
+#include "avatars/mesh_file.h"
 #include "avatars/tri.h"
 #include "base/errors.h"
 #include "kinematics/kdl_tree.h"
@@ -62,6 +63,15 @@ void expect_words(const InputError& error) {
   promise(message.find('\n') == message.npos, "an error on one line");
 }
 
+void expect_sound(const Mesh& mesh) {
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    promise(vertex.allFinite(), "finite vertices");
+  for (const Eigen::Vector3i& triangle : mesh.triangles)
+    promise(
+        triangle.minCoeff() >= 0 && triangle.maxCoeff() < static_cast<int>(mesh.vertices.size()),
+        "indices in range");
+}
+
 }  // namespace
 
 bool tri(std::span<const uint8_t> input) {
@@ -69,12 +79,7 @@ bool tri(std::span<const uint8_t> input) {
     const TriFile file = parse_tri(text_of(input), "fuzz.tri");
     const std::string written = format_tri(file.mesh);
     promise(format_tri(parse_tri(written, "again.tri").mesh) == written, "a mesh that stays");
-    for (const Eigen::Vector3f& vertex : file.mesh.vertices)
-      promise(vertex.allFinite(), "finite vertices");
-    for (const Eigen::Vector3i& triangle : file.mesh.triangles)
-      promise(triangle.minCoeff() >= 0 &&
-                  triangle.maxCoeff() < static_cast<int>(file.mesh.vertices.size()),
-              "indices in range");
+    expect_sound(file.mesh);
     return true;
   } catch (const InputError& error) {
     expect_words(error);
@@ -177,6 +182,24 @@ bool checkpoint(std::span<const uint8_t> input) {
     expect_words(error);
   }
   return is_accepted;
+}
+
+/// Through the door, as the product reads it: a crash or a hang of assimp is an answer, too.
+bool mesh(std::span<const uint8_t> input) {
+  if (input.empty()) return false;
+  const std::string_view extension = kMeshExtensions[input[0] % std::size(kMeshExtensions)];
+  const File file(("mesh" + std::string(extension)).c_str(), input.subspan(1));
+  constexpr ForeignLimits kQuick = {
+      .cpu_s = 1, .wall_s = 0.5, .most_memory_bytes = 512 << 20, .most_result_bytes = 64 << 20};
+  try {
+    const Mesh read = read_mesh(file.path(), kQuick);
+    promise(!read.triangles.empty(), "triangles");
+    expect_sound(read);
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
 }
 
 }  // namespace throng::fuzz

@@ -28,6 +28,11 @@ bool scene(std::span<const uint8_t> input);
 bool messages(std::span<const uint8_t> input);
 bool log(std::span<const uint8_t> input);
 bool checkpoint(std::span<const uint8_t> input);
+/// A mesh file behind a byte that says which of kMeshExtensions it has.
+bool mesh(std::span<const uint8_t> input);
+inline constexpr std::string_view kMeshExtensions[] = {
+    ".ply", ".stl", ".obj", ".off", ".dae",     ".gltf", ".glb", ".3mf", ".x",   ".3ds",
+    ".nff", ".smd", ".ac",  ".amf", ".md5mesh", ".raw",  ".dxf", ".x3d", ".fbx", ".assbin"};
 
 struct Target {
   std::string_view name;
@@ -35,7 +40,8 @@ struct Target {
 };
 inline constexpr Target kTargets[] = {{"tri", tri},     {"urdf", urdf},
                                       {"scene", scene}, {"messages", messages},
-                                      {"log", log},     {"checkpoint", checkpoint}};
+                                      {"log", log},     {"checkpoint", checkpoint},
+                                      {"mesh", mesh}};
 
 /// Inputs to start from: fixtures, what Throng writes itself, and what is known to have crashed the
 /// libraries underneath. The same on every machine.
