@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Counts, hashes and sizes in README.md and docs/ against the commands that print them:
+# scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example `scripts/docs.sh --update lcm`.
+# --nightly also runs what takes up to a minute; --update writes what is printed now into the documents,
+# to be read and committed. Exit code 1 if a figure is another (with --update: if it could not be mended).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+filter=
+for argument in "$@"; do
+  case "$argument" in
+    --update) export THRONG_DOCS_UPDATE=1 ;;
+    --nightly) export THRONG_DOCS=nightly ;;
+    -*) echo "scripts/docs.sh: expected --update, --nightly or a document, found '$argument'" >&2; exit 2 ;;
+    *) filter=${filter:+$filter:}*/$(basename "$argument" .md) ;;
+  esac
+done
+bash scripts/build.sh release docs_tests throng no_miss stress_tests test_stepping walk_tests fuzz_replay
+exec build/release/docs_tests --gtest_filter="${filter:-*Document*}"

@@ -1,0 +1,231 @@
+#include "tests/apps/figures.h"
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+#include <regex>
+#include <sstream>
+
+namespace throng {
+namespace {
+
+constexpr std::string_view kAnything = "…";
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+/// The number at `at`: digits, and a fraction if there is one.
+size_t number_end(const std::string& line, size_t at) {
+  while (at < line.size() && is_digit(line[at])) ++at;
+  if (at + 1 < line.size() && line[at] == '.' && is_digit(line[at + 1]))
+    for (++at; at < line.size() && is_digit(line[at]);) ++at;
+  return at;
+}
+
+/// 12345 as it may be written: 12345 or 12 345.
+std::string grouped_pattern(const std::string& number) {
+  const size_t whole = std::min(number.find('.'), number.size());
+  std::string out = R"(\b)";
+  for (size_t i = 0; i < number.size(); ++i) {
+    if (i > 0 && i < whole && (whole - i) % 3 == 0) out += " ?";
+    out += number[i] == '.' ? std::string(R"(\.)") : std::string(1, number[i]);
+  }
+  return out + R"((?!\.?[0-9]))";
+}
+
+std::string grouped(const std::string& number) {
+  const size_t whole = std::min(number.find('.'), number.size());
+  std::string out;
+  for (size_t i = 0; i < number.size(); ++i) {
+    if (i > 0 && i < whole && (whole - i) % 3 == 0) out += ' ';
+    out += number[i];
+  }
+  return out;
+}
+
+/// What a printed line looks like in a document; with `any_numbers`, whatever its numbers are. Then
+/// each number is a group, and so is what "…" stands for. Digits of a name (ordop26) are its own.
+struct Pattern {
+  std::regex regex;
+  std::vector<std::string> groups;  ///< the number, or "…"
+};
+
+Pattern pattern_of(const std::string& line, bool any_numbers) {
+  Pattern pattern;
+  std::string text;
+  for (size_t i = 0; i < line.size();) {
+    if (line.compare(i, kAnything.size(), kAnything) == 0) {
+      text += "(.*?)";
+      pattern.groups.emplace_back(kAnything);
+      i += kAnything.size();
+    } else if (line[i] == ' ') {
+      text += R"(\s+)";
+      while (i < line.size() && line[i] == ' ') ++i;
+    } else if (is_digit(line[i])) {
+      const bool is_name = i > 0 && std::isalpha(static_cast<unsigned char>(line[i - 1])) != 0;
+      const size_t end = number_end(line, i);
+      const std::string number = line.substr(i, end - i);
+      if (is_name) {
+        text += number;
+      } else if (any_numbers) {
+        text += R"((\b[0-9]{1,3}(?: [0-9]{3})+|\b[0-9]+(?:\.[0-9]+)?))";
+        pattern.groups.push_back(number);
+      } else {
+        text += grouped_pattern(number);
+      }
+      i = end;
+    } else {
+      if (std::string_view(R"(^$\.*+?()[]{}|/)").find(line[i]) != std::string_view::npos)
+        text += '\\';
+      text += line[i++];
+    }
+  }
+  pattern.regex = std::regex(text);
+  return pattern;
+}
+
+std::string trimmed(const std::string& line) {
+  const size_t first = line.find_first_not_of(' ');
+  return first == std::string::npos ? ""
+                                    : line.substr(first, line.find_last_not_of(' ') + 1 - first);
+}
+
+std::string difference_of_blocks(const std::string& text, const std::string& printed) {
+  const std::vector<std::string> found = lines_of(printed), said = lines_of(text);
+  std::string out;
+  for (size_t i = 0; i < std::max(found.size(), said.size()); ++i) {
+    const std::string now = i < found.size() ? trimmed(found[i]) : "";
+    const std::string then = i < said.size() ? trimmed(said[i]) : "";
+    if (!std::regex_match(then, pattern_of(now, false).regex))
+      out += "  the document: " + then + "\n  the command:  " + now + "\n";
+  }
+  return out;
+}
+
+/// Where `line` stands in `text` but for its numbers: as many of them equal as possible, and not
+/// before `from` if there is a choice.
+std::optional<std::smatch> place_of(const Pattern& line, const std::string& text, size_t from) {
+  std::optional<std::smatch> best;
+  int most = -1;
+  for (std::sregex_iterator at(text.begin(), text.end(), line.regex), end; at != end; ++at) {
+    int equal = static_cast<size_t>(at->position()) >= from ? 1 : 0;
+    for (size_t g = 0; g < line.groups.size(); ++g)
+      equal += 2 * ((*at)[g + 1].str() == line.groups[g]);
+    if (equal > most) {
+      most = equal;
+      best = *at;
+    }
+  }
+  return best;
+}
+
+/// A printed line with what "…" stood for in the old one.
+std::string unmasked(const std::string& line, const std::string& old) {
+  std::smatch match;
+  const Pattern pattern = pattern_of(trimmed(line), true);
+  const std::string text = trimmed(old);
+  if (!std::regex_match(text, match, pattern.regex)) return line;
+  std::string out = line;
+  for (size_t g = 0, at = 0; g < pattern.groups.size(); ++g) {
+    if (pattern.groups[g] != kAnything) continue;
+    at = out.find(kAnything, at);
+    out.replace(at, kAnything.size(), match[g + 1].str());
+    at += match[g + 1].str().size();
+  }
+  return out;
+}
+
+/// The first text behind the comment that ends at `close`, and behind further comments.
+size_t first_text(const std::string& document, size_t close) {
+  for (;;) {
+    const size_t at = document.find_first_not_of("\n ", std::min(close + 3, document.size()));
+    if (at == std::string::npos || document.compare(at, 4, "<!--") != 0)
+      return std::min(at, document.size());
+    close = std::min(document.find("-->", at), document.size());
+  }
+}
+
+}  // namespace
+
+std::vector<Figures> figures_in(const std::string& document) {
+  constexpr std::string_view kEach = "<!-- check: ", kNightly = "<!-- check nightly: ";
+  constexpr std::string_view kClose = "-->", kFence = "```";
+  std::vector<Figures> all;
+  bool is_in_fence = false;
+  size_t next = 0;
+  int number = 0;
+  for (size_t at = 0; at < document.size(); at = next) {
+    ++number;
+    next = std::min(document.find('\n', at), document.size() - 1) + 1;
+    const std::string_view rest = std::string_view(document).substr(at);
+    if (rest.starts_with(kFence)) is_in_fence = !is_in_fence;
+    if (is_in_fence || !(rest.starts_with(kEach) || rest.starts_with(kNightly))) continue;
+    Figures figures;
+    figures.line = number;
+    figures.is_nightly = rest.starts_with(kNightly);
+    const size_t command = at + (figures.is_nightly ? kNightly : kEach).size();
+    const size_t close = std::min(document.find(kClose, at), document.size());
+    figures.command = document.substr(command, close - command);
+    figures.begin = first_text(document, close);
+    figures.is_fenced = document.compare(figures.begin, kFence.size(), kFence) == 0;
+    if (figures.is_fenced) {
+      figures.begin = std::min(document.find('\n', figures.begin), document.size() - 1) + 1;
+      figures.end = document.find(kFence, figures.begin);
+    } else {
+      figures.end = document.find("\n\n", figures.begin);
+    }
+    figures.end = std::min(figures.end, document.size());
+    all.push_back(figures);
+  }
+  return all;
+}
+
+std::string difference(const std::string& text, const std::string& printed, bool is_fenced) {
+  if (trimmed(printed).empty()) return "  the command prints nothing\n";
+  if (is_fenced) return difference_of_blocks(text, printed);
+  std::string out;
+  for (const std::string& line : lines_of(printed)) {
+    if (trimmed(line).empty()) continue;
+    if (std::regex_search(text, pattern_of(trimmed(line), false).regex)) continue;
+    const auto place = place_of(pattern_of(trimmed(line), true), text, 0);
+    out += "  the document: " + (place ? place->str() : "no such line") +
+           "\n  the command:  " + trimmed(line) + "\n";
+  }
+  return out;
+}
+
+std::string mended(const std::string& text, const std::string& printed, bool is_fenced) {
+  std::string out = is_fenced ? "" : text;
+  if (is_fenced) {
+    const std::vector<std::string> old = lines_of(text);
+    const std::vector<std::string> lines = lines_of(printed);
+    for (size_t i = 0; i < lines.size(); ++i)
+      out += unmasked(lines[i], i < old.size() ? old[i] : "") + "\n";
+    return out;
+  }
+  size_t from = 0;
+  for (const std::string& line : lines_of(printed)) {
+    const Pattern pattern = pattern_of(trimmed(line), true);
+    // The iterator's text has to outlive the match.
+    const std::string before = out;
+    const auto place = trimmed(line).empty() ? std::nullopt : place_of(pattern, before, from);
+    if (!place) continue;
+    from = static_cast<size_t>(place->position() + place->length());
+    for (size_t g = pattern.groups.size(); g-- > 0;) {
+      const std::string was = (*place)[g + 1].str();
+      if (pattern.groups[g] == kAnything) continue;
+      const bool has_spaces = was.find(' ') != std::string::npos;
+      out.replace(static_cast<size_t>(place->position(g + 1)), was.size(),
+                  has_spaces ? grouped(pattern.groups[g]) : pattern.groups[g]);
+    }
+  }
+  return out;
+}
+
+}  // namespace throng
