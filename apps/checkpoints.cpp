@@ -26,6 +26,13 @@ void add_checkpoint_options(CLI::App& app, CheckpointOptions& options) {
       ->type_name("FILE");
 }
 
+void plan_checkpoints(const CheckpointOptions& options, OutputPlan& plan) {
+  // The run of a checkpoint may go on to write it: it was read before.
+  if (options.resume.empty() || !(place_of(options.resume) == place_of(options.file)))
+    plan.reads("which --resume reads", options.resume);
+  plan.writes({.option = "--checkpoint", .path = options.file});
+}
+
 void resume_where_asked(const CheckpointOptions& options, Simulation& simulation) {
   if (options.resume.empty()) return;
   resume(simulation, options.resume);

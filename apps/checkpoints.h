@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "apps/output_plan.h"
 #include "scenes/simulation.h"
 
 namespace throng {
@@ -17,6 +18,7 @@ struct CheckpointOptions {
 };
 
 void add_checkpoint_options(CLI::App& app, CheckpointOptions& options);
+void plan_checkpoints(const CheckpointOptions& options, OutputPlan& plan);
 
 /// Puts the simulation where the checkpoint was taken. Throws InputError if the file is none of
 /// this run, or if nothing is left to run.

@@ -3,15 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 
 #include "apps/command.h"
 #include "apps/machine.h"
+#include "apps/output_plan.h"
+#include "apps/text_file.h"
 #include "base/errors.h"
 #include "bench/engines.h"
 #include "bench/report.h"
@@ -75,14 +74,15 @@ std::vector<std::string> engines_of(const std::string& list) {
   return chosen;
 }
 
-void write_text(const std::string& file, const std::string& text,
-                std::ios::openmode mode = std::ios::trunc) {
-  if (file.empty()) return;
-  errno = 0;
-  std::ofstream out(file, mode | std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw EnvironmentError(fmt::format("{}: cannot write: {}", file, std::strerror(errno)));
+void write_json(const BenchCommand& command, const std::string& text) {
+  if (!command.json.empty()) write_text(command.json, text);
+}
+
+OpenOutputs opened_outputs(const BenchCommand& command) {
+  OutputPlan plan;
+  plan.writes_json(command.json);
+  plan.writes({.option = "--csv", .path = command.csv, .writing = Writing::kAppended});
+  return plan.open();
 }
 
 int measure_steering(const BenchCommand& command, const bench::Progress& progress) {
@@ -96,7 +96,7 @@ int measure_steering(const BenchCommand& command, const bench::Progress& progres
   const auto rows = bench::measure_steering(options, progress);
   progress("");
   fmt::print("{}", bench::to_text(rows, options, cpu_name()));
-  write_text(command.json, bench::to_json(rows, options, cpu_name()));
+  write_json(command, bench::to_json(rows, options, cpu_name()));
   return kExitFine;
 }
 
@@ -111,9 +111,7 @@ int measure(BenchCommand& command) {
   options.simd = resolved(*simd_target_of(command.simd));
   for (const auto& [name, search] : kSearches)
     if (command.pair_search == name) options.pair_search = search;
-  write_text(command.json, "");  // what would fail after minutes has to fail before
-  if (!command.csv.empty() && !std::filesystem::exists(command.csv))
-    write_text(command.csv, bench::csv_header());
+  const OpenOutputs outputs = opened_outputs(command);  // fails before it has taken minutes
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const bench::Progress progress = [terminal](const std::string& what) {
     if (terminal) fmt::print(stderr, "\r\033[K{}", what);
@@ -127,7 +125,7 @@ int measure(BenchCommand& command) {
         bench::count_false_positives(options, *volume_of(command.parts), 20, progress);
     done();
     fmt::print("{}", bench::to_text(result));
-    write_text(command.json, bench::to_json(result, options));
+    write_json(command, bench::to_json(result, options));
     const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
     return std::any_of(result.volumes.begin(), result.volumes.end(), misses) ? kExitCheckFailed
                                                                              : kExitFine;
@@ -136,16 +134,19 @@ int measure(BenchCommand& command) {
     const auto result = bench::age(options, command.aged_frames, progress);
     done();
     fmt::print("{}", bench::to_text(result));
-    write_text(command.json,
-               bench::to_json(result, options, {cpu_name(), throng::peak_rss_bytes()}));
+    write_json(command, bench::to_json(result, options, {cpu_name(), throng::peak_rss_bytes()}));
     return result.aged_work == result.fresh_work ? kExitFine : kExitCheckFailed;
   }
   const bench::BenchResult result = bench::compare(options, progress);
   done();
   const bench::MachineLine machine{cpu_name(), throng::peak_rss_bytes()};
   fmt::print("{}", bench::to_text(result, machine));
-  write_text(command.json, bench::to_json(result, machine));
-  write_text(command.csv, bench::to_csv(result), std::ios::app);
+  write_json(command, bench::to_json(result, machine));
+  if (!command.csv.empty()) {
+    std::error_code error;
+    const bool is_new = std::filesystem::file_size(command.csv, error) == 0 && !error;
+    append_text(command.csv, (is_new ? bench::csv_header() : "") + bench::to_csv(result));
+  }
   const auto agrees = [](const bench::EngineResult& engine) { return engine.agrees; };
   return std::all_of(result.engines.begin(), result.engines.end(), agrees) ? kExitFine
                                                                            : kExitCheckFailed;

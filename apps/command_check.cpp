@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/command.h"
+#include "apps/output_plan.h"
 #include "lcmtypes/log_check.h"
 
 namespace throng {
@@ -24,6 +25,13 @@ struct CheckOptions {
 };
 
 int check(const CheckOptions& options) {
+  OutputPlan plan;
+  plan.reads("which is judged", options.log);
+  plan.writes({.option = "--repair",
+               .path = options.repaired,
+               .writing = Writing::kAsItRuns,
+               .is_recording = true});
+  plan.check();
   const LogReport report = check_log(options.log);
   fmt::print("{}: {}\n", options.log,
              !report.is_sound() ? "not sound"
@@ -43,6 +51,8 @@ int check(const CheckOptions& options) {
   const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
   if (untold > 0) fmt::print("  problem    and {} more\n", untold);
   if (!options.repaired.empty()) {
+    const OpenOutputs outputs = plan.open();
+    for (const std::string& note : outputs.notes()) fmt::print(stderr, "note: {}\n", note);
     const int64_t messages = repair_log(options.log, options.repaired);
     fmt::print("  repaired   {}: {} sound messages\n", options.repaired, messages);
   }

@@ -6,7 +6,9 @@
 
 #include "apps/command.h"
 #include "apps/machine.h"
+#include "apps/output_plan.h"
 #include "apps/text_file.h"
+#include "base/figure.h"
 #include "bench/paper/json.h"
 #include "bench/paper/report.h"
 #include "bench/paper/tables.h"
@@ -30,8 +32,11 @@ struct PaperCommand {
 
 int reproduce_paper(const PaperCommand& command) {
   // What would fail after a minute of measuring has to fail before.
-  if (!command.json.empty()) write_text(command.json, "");
-  if (!command.out.empty()) paper::require_report(command.out);
+  OutputPlan plan;
+  plan.writes_json(command.json);
+  plan.fills("--out", command.out, {"report.html", "report.md", "*.svg", "*.png"});
+  if (!command.out.empty()) require_gnuplot();
+  const OpenOutputs outputs = plan.open();
   const auto objects = paper::load_objects();
   const paper::PaperResult result = paper::run_experiments(
       objects, command.options, [](const std::string& what) { fmt::print(stderr, "{}\n", what); });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/output_plan.h"
 #include "apps/picture.h"
 #include "apps/recorded_frame.h"
 #include "viewer/animation.h"
@@ -66,6 +67,10 @@ int render_frame(RenderCommand command) {
   };
   command.picture.eye_m = to_point(command.eye_m);
   command.picture.target_m = to_point(command.target_m);
+  OutputPlan plan;
+  plan.reads("which is drawn", command.log);
+  plan.writes({.option = "--out", .path = command.out});
+  const OpenOutputs outputs = plan.open();
   if (!command.frames.empty()) return render_frames(command);
   RecordedFrame frame(command.log, command.frame);
   write_png(command.out, picture_of(frame, command.picture));

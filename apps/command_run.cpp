@@ -11,12 +11,14 @@
 #include "apps/checkpoints.h"
 #include "apps/command.h"
 #include "apps/log_guard.h"
+#include "apps/output_plan.h"
 #include "apps/pacer.h"
 #include "apps/progress.h"
 #include "apps/recorders.h"
 #include "apps/run_report.h"
 #include "apps/stop_signal.h"
 #include "base/errors.h"
+#include "base/whole_file.h"
 #include "lcmtypes/drive_receiver.h"
 #include "lcmtypes/lcm_sink.h"
 #include "lcmtypes/log_sink.h"
@@ -46,7 +48,10 @@ Examples:
 The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
 and (without --exact) --strategy; never on --threads, --simd, --pair-search or --pace. Under a deadline
 pairs that touched in the last frame are refined first, then those whose spheres overlap deepest; the
-rest is reported as far as it came. Ctrl-C ends the run with its summary and a sound log.)";
+rest is reported as far as it came. Ctrl-C ends the run with its summary and a sound log.
+
+No file is touched before the run is known to be possible. An older log under the name that nobody chose,
+out/SCENE.lcmlog, is kept as out/SCENE.previous.lcmlog; what a named file held is replaced.)";
 
 struct RunOptions {
   std::string scene;
@@ -209,19 +214,50 @@ double state_every(const RunOptions& options, const Scene& scene) {
   return std::max(1.0, frames_hz / *options.states_hz);
 }
 
-/// The path of the log, its folder created where nobody chose one.
-fs::path log_file(const RunOptions& options, const Scene& scene) {
-  if (!options.log.empty()) return options.log;
-  const fs::path folder = "out";
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw EnvironmentError(
-        fmt::format("{}: cannot create the folder for logs: {}; name another with --log",
-                    folder.string(), error.message()));
+/// Where the log goes, or nothing if it is off.
+PlannedFile planned_log(const RunOptions& options) {
+  PlannedFile log{.option = "--log", .writing = Writing::kAsItRuns, .is_recording = true};
+  if (options.log == "off") return log;
+  log.path = options.log;
+  if (!log.path.empty()) return log;
   // The log of the run that was stopped has the other name.
   const char* ending = options.checkpoints.resume.empty() ? ".lcmlog" : "_resumed.lcmlog";
-  return folder / scene.file.stem().concat(ending);
+  log.path = fs::path("out") / fs::path(options.scene).stem().concat(ending);
+  log.makes_folder = true;
+  // Nobody chose the name, so nobody chose to lose what has it.
+  log.keeps = links_followed(log.path).replace_extension(".previous.lcmlog");
+  return log;
+}
+
+/// What the run writes, and what it must not write over as far as the command line tells.
+OutputPlan planned_outputs(const RunOptions& options) {
+  OutputPlan plan;
+  plan.writes(planned_log(options));
+  plan.writes_json(options.json);
+  plan_recorders(options.recorders, plan);
+  plan_checkpoints(options.checkpoints, plan);
+  return plan;
+}
+
+void plan_model(const Model* model, OutputPlan& plan) {
+  if (model == nullptr) return;
+  for (const Link& link : model->robot.links)
+    for (const std::vector<Geometry>* shapes : {&link.collision, &link.visual})
+      for (const Geometry& shape : *shapes) plan.reads("a mesh of the scene", shape.mesh_file);
+}
+
+/// The files that the scene was read from.
+void plan_inputs(const Scene& scene, OutputPlan& plan) {
+  plan.reads("the scene", scene.file);
+  for (const Group& group : scene.groups) {
+    plan.reads("a model of the scene", group.model);
+    plan_model(group.body.get(), plan);
+  }
+  for (const Obstacle& obstacle : scene.obstacles)
+    plan.reads("an obstacle of the scene", obstacle.mesh_file);
+  if (!scene.box) return;
+  plan.reads("the model of the scene", scene.box->model);
+  plan_model(scene.box->body.get(), plan);
 }
 
 /// Everybody who listens to the run.
@@ -292,14 +328,32 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
 
 int run_scene(const RunOptions& options) {
   const SimulationOptions simulated = simulation_options(options);
+  OutputPlan plan = planned_outputs(options);
+  plan.check();  // before what takes its time
   Scene scene = scene_for(options);
   const double states = state_every(options, scene);
-  if (!options.json.empty()) require_writable(options.json);
+  plan_inputs(scene, plan);
+  plan.check();
 
   Listeners listeners;
-  fs::path log;
-  if (options.log != "off") {
-    log = log_file(options, scene);
+  if (options.lcm != "off") {
+    LcmOptions lcm;
+    lcm.url = options.lcm;
+    lcm.state_every = states;
+    lcm.part_poses = options.publish_parts;
+    listeners.lcm = std::make_unique<LcmSink>(lcm);
+  }
+  Simulation simulation(std::move(scene), simulated);
+  for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
+  Pacer pacer(options.pace);
+  const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
+  resume_where_asked(options.checkpoints, simulation);
+
+  // Nothing can refuse the run any more: only now files change.
+  const OpenOutputs outputs = plan.open();
+  for (const std::string& note : outputs.notes()) fmt::print(stderr, "note: {}\n", note);
+  const fs::path log = planned_log(options).path;
+  if (!log.empty()) {
     LogOptions log_options;
     log_options.flush_s = options.flush_s;
     log_options.threads = options.threads;
@@ -308,20 +362,7 @@ int run_scene(const RunOptions& options) {
     listeners.log = std::make_unique<LogSink>(log, log_options);
     listeners.guard = std::make_unique<LogGuard>(*listeners.log);
   }
-  if (options.lcm != "off") {
-    LcmOptions lcm;
-    lcm.url = options.lcm;
-    lcm.state_every = states;
-    lcm.part_poses = options.publish_parts;
-    listeners.lcm = std::make_unique<LcmSink>(lcm);
-  }
   listeners.recorders = std::make_unique<Recorders>(options.recorders);
-
-  Simulation simulation(std::move(scene), simulated);
-  for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
-  Pacer pacer(options.pace);
-  const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
-  resume_where_asked(options.checkpoints, simulation);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
   const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get(), checkpoints);
   for (const Stranding& stranding : summary.strandings)
@@ -336,9 +377,8 @@ int run_scene(const RunOptions& options) {
   if (listeners.lost_log()) fmt::print(stderr, "{}\n", listeners.guard->failure());
   fmt::print(stderr, "{}", listeners.recorders->failures());
   if (const ContactSink* contacts = listeners.recorders->contacts();
-      contacts != nullptr && !contacts->drew_figures() && !listeners.lost_file())
-    fmt::print(stderr, "note: no figures in {}: gnuplot is not installed\n",
-               options.recorders.contacts);
+      contacts != nullptr && !contacts->note().empty() && !listeners.lost_file())
+    fmt::print(stderr, "note: {}\n", contacts->note());
   if (!checkpoints.failure().empty()) fmt::print(stderr, "{}\n", checkpoints.failure());
   if (listeners.lost_file() || !checkpoints.failure().empty()) exit_code = kExitEnvironment;
   if (!options.json.empty()) write_json(report, options.json);

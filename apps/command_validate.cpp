@@ -8,9 +8,11 @@
 #include <thread>
 
 #include "apps/command.h"
+#include "apps/output_plan.h"
 #include "apps/text_file.h"
 #include "apps/validation_report.h"
 #include "base/errors.h"
+#include "base/figure.h"
 #include "base/workers.h"
 
 namespace throng {
@@ -52,8 +54,11 @@ std::vector<ValidationRun> chosen(const ValidateOptions& options) {
 }
 
 int validate(const ValidateOptions& options) {
-  if (!options.json.empty()) write_text(options.json, "");
-  if (!options.out.empty()) require_validation_report(options.out);
+  OutputPlan plan;
+  plan.writes_json(options.json);
+  plan.fills("--out", options.out, {"report.md", "*.svg"});
+  if (!options.out.empty()) require_gnuplot();
+  const OpenOutputs outputs = plan.open();
   std::vector<ValidationRun> runs = chosen(options);
   const SteeringKind model = steering_kind_of(options.steering).value();
   std::mutex progress;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "apps/command.h"
+#include "apps/output_plan.h"
 #include "apps/stop_signal.h"
 #include "base/errors.h"
 #include "viewer/live_view.h"
@@ -51,6 +52,11 @@ int view(const ViewCommand& command) {
     if (command.log.empty())
       throw InputError("throng view --html", "a LOG to put into the file",
                        "none; `throng run SCENE --html FILE` records as it runs");
+    OutputPlan plan;
+    plan.reads("which is recorded", command.log);
+    plan.writes({.option = "--html", .path = command.html, .is_recording = true});
+    const OpenOutputs outputs = plan.open();
+    for (const std::string& note : outputs.notes()) fmt::print(stderr, "note: {}\n", note);
     const ReplayReport report =
         write_replay(command.log, command.html, page_html(), command.html_limit_mb);
     fmt::print("{}: {:.2f} MB, {} people, {:.1f} s\n", command.html,

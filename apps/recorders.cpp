@@ -39,6 +39,21 @@ void add_recorder_options(CLI::App& app, RecorderOptions& options) {
       ->type_name("FILE");
 }
 
+void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
+  for (const std::string& name : options.trajectories) {
+    PlannedFile file{.option = "--trajectory",
+                     .path = name,
+                     .writing = Writing::kAsItRuns,
+                     .is_recording = true};
+    if (file.path.extension() == ".sqlite")
+      for (const char* ending : kBesideSqlite) file.beside.emplace_back(name + ending);
+    plan.writes(std::move(file));
+  }
+  plan.writes({.option = "--trace-hash", .path = options.trace, .writing = Writing::kAsItRuns});
+  plan.writes({.option = "--html", .path = options.html, .is_recording = true});
+  plan.fills("--contacts", options.contacts, contact_files());
+}
+
 template <typename Recorder>
 void Recorders::add(std::unique_ptr<Recorder> recorder) {
   guards_.push_back(std::make_unique<LogGuard>(*recorder));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/log_guard.h"
+#include "apps/output_plan.h"
 #include "scenes/contacts/contact_sink.h"
 #include "scenes/trajectories/trajectory_sink.h"
 
@@ -23,10 +24,11 @@ struct RecorderOptions {
 };
 
 void add_recorder_options(CLI::App& app, RecorderOptions& options);
+void plan_recorders(const RecorderOptions& options, OutputPlan& plan);
 
 class Recorders {
  public:
-  /// Creates the files. Throws InputError or EnvironmentError.
+  /// Opens the files, which are emptied when the run begins. Throws InputError or EnvironmentError.
   explicit Recorders(const RecorderOptions& options);
 
   std::vector<Sink*> sinks() const;

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/machine.h"
+#include "apps/text_file.h"
 #include "base/errors.h"
 
 namespace throng {
@@ -194,10 +195,6 @@ Json to_json(const RunReport& report) {
   return json;
 }
 
-EnvironmentError cannot_write(const std::filesystem::path& file, int error) {
-  return EnvironmentError(fmt::format("{}: cannot write: {}", file.string(), std::strerror(error)));
-}
-
 }  // namespace
 
 std::string format_table(const RunReport& report) {
@@ -265,17 +262,8 @@ std::string format_table(const RunReport& report) {
   return text;
 }
 
-void require_writable(const std::filesystem::path& file) {
-  errno = 0;
-  if (!std::ofstream(file, std::ios::app)) throw cannot_write(file, errno);
-}
-
 void write_json(const RunReport& report, const std::filesystem::path& file) {
-  errno = 0;
-  std::ofstream out(file, std::ios::trunc);
-  out << to_json(report).dump(2) << '\n';
-  out.close();
-  if (!out) throw cannot_write(file, errno);
+  write_text(file, to_json(report).dump(2) + '\n');
 }
 
 }  // namespace throng

@@ -53,11 +53,8 @@ struct RunReport {
 /// A table with a row for each stage, then a line each for time, events, log, messages and hash.
 std::string format_table(const RunReport& report);
 
-/// Creates the file if it is not there. Throws EnvironmentError if it cannot be written, so that
-/// this is known before the run and not after it.
-void require_writable(const std::filesystem::path& file);
-
-/// Throws EnvironmentError if it could not be written completely.
+/// What stood there before is there until all of it is written. Throws EnvironmentError if it could
+/// not be written completely.
 void write_json(const RunReport& report, const std::filesystem::path& file);
 
 }  // namespace throng

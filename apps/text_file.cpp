@@ -7,12 +7,17 @@
 #include <fstream>
 
 #include "base/errors.h"
+#include "base/whole_file.h"
 
 namespace throng {
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
+  write_whole_file(file, text);
+}
+
+void append_text(const std::filesystem::path& file, const std::string& text) {
   errno = 0;
-  std::ofstream out(file, std::ios::trunc | std::ios::binary);
+  std::ofstream out(file, std::ios::app | std::ios::binary);
   out << text;
   out.close();
   if (!out)

@@ -1,4 +1,4 @@
-// Writing a whole file at once.
+// Writing a whole file at once, and adding to one.
 // One rule: a file that is not completely written is an EnvironmentError that names it.
 #pragma once
 
@@ -7,6 +7,8 @@
 
 namespace throng {
 
+/// What stood there before is there until all of the text is.
 void write_text(const std::filesystem::path& file, const std::string& text);
+void append_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace throng

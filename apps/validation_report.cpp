@@ -107,16 +107,6 @@ std::string validation_json(const std::vector<ValidationRun>& runs) {
   return json.dump(2) + "\n";
 }
 
-void require_validation_report(const fs::path& folder) {
-  require_gnuplot();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw EnvironmentError(
-        fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
-  write_text(folder / "report.md", "");
-}
-
 void write_validation_report(const std::vector<ValidationRun>& runs, const fs::path& folder) {
   const ValidationCount count = count_of(runs);
   std::string text = fmt::format(

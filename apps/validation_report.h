@@ -28,9 +28,7 @@ std::string verdict_table(const std::vector<ValidationRun>& runs);
 /// {tests: [{id title verdict measured criterion ...}], passed, failed}
 std::string validation_json(const std::vector<ValidationRun>& runs);
 
-/// Creates the folder and checks that the report can be written. Throws EnvironmentError.
-void require_validation_report(const std::filesystem::path& folder);
-/// Writes report.md and an SVG a figure. Throws EnvironmentError.
+/// Writes report.md and an SVG a figure into a folder that is there. Throws EnvironmentError.
 void write_validation_report(const std::vector<ValidationRun>& runs,
                              const std::filesystem::path& folder);
 

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <memory>
 
 #include "base/errors.h"
 
@@ -20,6 +22,17 @@ std::string quoted(std::string text) {
   for (size_t at = text.find('\''); at != std::string::npos; at = text.find('\'', at + 2))
     text.insert(at, 1, '\'');
   return "'" + text + "'";
+}
+
+/// ": " and what a program said, in one line; "" if it said nothing.
+std::string words_of(FILE* file) {
+  std::string text;
+  if (file != nullptr) std::rewind(file);
+  for (int c; file != nullptr && text.size() < 300 && (c = std::fgetc(file)) != EOF;)
+    if (const bool space = std::isspace(c) != 0; !space || (!text.empty() && text.back() != ' '))
+      text += space ? ' ' : static_cast<char>(c);
+  while (text.ends_with(' ')) text.pop_back();
+  return text.empty() ? "" : ": " + text;
 }
 
 }  // namespace
@@ -35,7 +48,11 @@ void require_gnuplot() {
 
 std::string draw(const Figure& figure, const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / (figure.id + ".svg");
-  FILE* gnuplot = popen("gnuplot", "w");
+  // Its warnings are about what is drawn and of use only where nothing is.
+  const std::unique_ptr<FILE, int (*)(FILE*)> said(std::tmpfile(), std::fclose);
+  const std::string command =
+      said == nullptr ? "gnuplot" : fmt::format("gnuplot 2>/proc/self/fd/{}", fileno(said.get()));
+  FILE* gnuplot = popen(command.c_str(), "w");
   if (gnuplot == nullptr)
     throw EnvironmentError(fmt::format("gnuplot: cannot start: {}", std::strerror(errno)));
   // An id of its own, so that two figures in one page do not share their markers.
@@ -47,7 +64,8 @@ std::string draw(const Figure& figure, const std::filesystem::path& folder) {
   std::ifstream in(file, std::ios::binary);
   std::string svg{std::istreambuf_iterator<char>(in), {}};
   if (status != 0 || !in || svg.find("</svg>") == std::string::npos)
-    throw EnvironmentError(fmt::format("{}: gnuplot could not draw it", file.string()));
+    throw EnvironmentError(
+        fmt::format("{}: gnuplot could not draw it{}", file.string(), words_of(said.get())));
   return svg;
 }
 

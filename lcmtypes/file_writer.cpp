@@ -38,8 +38,7 @@ class WithoutSignals {
 }  // namespace
 
 FileWriter::FileWriter(const std::filesystem::path& file)
-    : file_(file),
-      descriptor_(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)) {
+    : file_(file), descriptor_(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644)) {
   if (descriptor_ < 0) fail("create", errno);
   for (std::vector<uint8_t>& buffer : buffers_) buffer.reserve(kBufferBytes);
   const WithoutSignals inherited;
@@ -48,7 +47,7 @@ FileWriter::FileWriter(const std::filesystem::path& file)
 
 FileWriter::~FileWriter() {
   try {
-    close();
+    if (is_empty_) close();
   } catch (const EnvironmentError&) {
     // An error is already on its way, or the run was given up; close() tells who wants to know.
   }
@@ -66,7 +65,15 @@ void FileWriter::fail(const char* what, int error) const {
       fmt::format("{}: cannot {} the log: {}", file_.string(), what, std::strerror(error)));
 }
 
+void FileWriter::empty() {
+  if (is_empty_) return;
+  // A pipe or device has nothing to lose (EINVAL).
+  if (::ftruncate(descriptor_, 0) != 0 && errno != EINVAL) fail("write", errno);
+  is_empty_ = true;
+}
+
 void FileWriter::put(const void* data, size_t size) {
+  empty();
   const auto* from = static_cast<const uint8_t*>(data);
   while (size > 0) {
     if (filled().size() == kBufferBytes) start_writing();
@@ -118,6 +125,7 @@ void FileWriter::flush() {
 
 void FileWriter::close() {
   if (descriptor_ < 0) return;
+  empty();
   flush();
   const int descriptor = std::exchange(descriptor_, -1);
   if (::close(descriptor) != 0) fail("close", errno);

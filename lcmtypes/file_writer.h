@@ -18,7 +18,8 @@ namespace throng {
 
 class FileWriter {
  public:
-  /// Creates or empties the file. Throws EnvironmentError naming it.
+  /// Opens or creates the file; the first put(), or close(), empties it. Throws EnvironmentError
+  /// naming it.
   explicit FileWriter(const std::filesystem::path& file);
   ~FileWriter();  ///< writes what is left, as far as it can
   FileWriter(const FileWriter&) = delete;
@@ -40,6 +41,7 @@ class FileWriter {
 
   std::vector<uint8_t>& filled() { return buffers_[handed_ % kBuffers]; }
   const std::vector<uint8_t>& filled() const { return buffers_[handed_ % kBuffers]; }
+  void empty();
   void wait_until_pending(size_t most);
   void throw_if_failed();
   void write(const std::vector<uint8_t>& bytes);
@@ -48,6 +50,7 @@ class FileWriter {
 
   std::filesystem::path file_;
   int descriptor_ = -1;
+  bool is_empty_ = false;  ///< of what stood there before
 
   /// A ring: those from written_ on are the thread's, the one of handed_ is being filled.
   std::array<std::vector<uint8_t>, kBuffers> buffers_;

@@ -280,8 +280,7 @@ int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path&
   LogReader log(in);
   std::error_code error;
   if (std::filesystem::equivalent(in, out, error))
-    throw EnvironmentError(out.string() +
-                           ": the repaired log has to be another file than the torn one");
+    throw InputError(out.string(), "another file than the torn log", "the same");
   LogFile repaired(out);
   LogEvent event;
   for (;;) {

@@ -18,7 +18,8 @@ namespace throng {
 /// liblcm's own file provider stamps wall-clock time and does not report a full disk.
 class LogFile {
  public:
-  /// Creates or empties the file. Throws EnvironmentError naming it.
+  /// Opens or creates the file; the first event, or close(), empties it. Throws EnvironmentError
+  /// naming it.
   explicit LogFile(const std::filesystem::path& file) : file_(file) {}
 
   /// Throws EnvironmentError when a buffer could not be written.

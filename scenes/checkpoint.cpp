@@ -1,16 +1,13 @@
 #include "scenes/checkpoint.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <string_view>
 
 #include "base/archive.h"
 #include "base/errors.h"
+#include "base/whole_file.h"
 #include "scenes/hasher.h"
 #include "scenes/simulation.h"
 
@@ -40,49 +37,6 @@ uint64_t checksum_of(std::span<const uint8_t> bytes) {
   }
   return hash.value();
 }
-
-[[noreturn]] void fail(const std::filesystem::path& file, const char* what, int error) {
-  throw EnvironmentError(
-      fmt::format("{}: cannot {} the checkpoint: {}", file.string(), what, std::strerror(error)));
-}
-
-/// Leaves nothing behind unless it is whole.
-class NewFile {
- public:
-  explicit NewFile(std::filesystem::path file)
-      : file_(std::move(file)),
-        descriptor_(::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)) {
-    if (descriptor_ < 0) fail(file_, "create", errno);
-  }
-  ~NewFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!is_kept_) ::unlink(file_.c_str());
-  }
-  NewFile(const NewFile&) = delete;
-  NewFile& operator=(const NewFile&) = delete;
-
-  void write(std::span<const uint8_t> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail(file_, "write", errno);
-      bytes = bytes.subspan(static_cast<size_t>(n));
-    }
-  }
-  void become(const std::filesystem::path& name) {
-    // On the disk before it has the name, so that not even a power cut leaves half a file there. A
-    // pipe has no disk.
-    if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(file_, "write", errno);
-    if (::close(std::exchange(descriptor_, -1)) != 0) fail(file_, "close", errno);
-    if (::rename(file_.c_str(), name.c_str()) != 0) fail(name, "rename", errno);
-    is_kept_ = true;
-  }
-
- private:
-  std::filesystem::path file_;
-  int descriptor_;
-  bool is_kept_ = false;
-};
 
 }  // namespace
 
@@ -127,11 +81,8 @@ Checkpoint parse_checkpoint(std::span<const uint8_t> bytes, const std::string& n
 }
 
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint) {
-  std::filesystem::path beside = file;
-  beside += ".new";
-  NewFile fresh(beside);
-  fresh.write(format_checkpoint(checkpoint));
-  fresh.become(file);
+  write_whole_file(file, format_checkpoint(checkpoint),
+                   {.what = "the checkpoint", .to_disk = true});
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {

@@ -1,5 +1,5 @@
 // The file that a run goes on from after it was stopped or killed.
-// One rule: a file is whole or refused. It is written beside the old one and then takes its name,
+// One rule: a file is whole or refused. It takes its name when it is whole and on the disk,
 // and a checksum covers every byte; what it holds is only ever used for the run that wrote it.
 #pragma once
 

@@ -1,6 +1,8 @@
 #include "scenes/trace.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -44,14 +46,18 @@ uint64_t hash_of(std::span<const PairEvent> events) {
 
 }  // namespace
 
-TraceSink::TraceSink(const std::filesystem::path& file)
-    : file_(file), out_(std::fopen(file.c_str(), "we")) {
+TraceSink::TraceSink(const std::filesystem::path& file) : file_(file) {
+  // Not emptied before there is a first line.
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor >= 0) out_.reset(::fdopen(descriptor, "w"));
   if (out_ == nullptr)
     throw EnvironmentError(
         fmt::format("{}: cannot create the trace: {}", file.string(), std::strerror(errno)));
 }
 
 void TraceSink::begin(const RunInfo& run) {
+  // A pipe or device has nothing to lose (EINVAL).
+  if (::ftruncate(::fileno(out_.get()), 0) != 0 && errno != EINVAL) fail();
   std::fputs(fmt::format("run {:016x}\n", run.run_id).c_str(), out_.get());
   flush();
 }
@@ -94,9 +100,12 @@ uint64_t TraceSink::hash_of_poses(const RunInfo& run, const Frame& frame) {
 }
 
 void TraceSink::flush() {
-  if (std::fflush(out_.get()) != 0 || std::ferror(out_.get()) != 0)
-    throw EnvironmentError(
-        fmt::format("{}: cannot write the trace: {}", file_.string(), std::strerror(errno)));
+  if (std::fflush(out_.get()) != 0 || std::ferror(out_.get()) != 0) fail();
+}
+
+void TraceSink::fail() const {
+  throw EnvironmentError(
+      fmt::format("{}: cannot write the trace: {}", file_.string(), std::strerror(errno)));
 }
 
 }  // namespace throng

@@ -18,7 +18,7 @@ namespace throng {
 /// two files differ names the stage to look at.
 class TraceSink final : public Sink {
  public:
-  /// Throws EnvironmentError naming the file.
+  /// Opens the file; begin() empties it. Throws EnvironmentError naming it.
   explicit TraceSink(const std::filesystem::path& file);
 
   void begin(const RunInfo& run) override;
@@ -30,6 +30,7 @@ class TraceSink final : public Sink {
   void line(int64_t frame, std::string_view stage, uint64_t hash);
   uint64_t hash_of_poses(const RunInfo& run, const Frame& frame);
   void flush();
+  [[noreturn]] void fail() const;
 
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }

@@ -5,11 +5,10 @@
 #include <webp/mux.h>
 
 #include <cassert>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <memory>
 
 #include "base/errors.h"
+#include "base/whole_file.h"
 
 namespace throng {
 
@@ -61,15 +60,9 @@ size_t Animation::write(const std::filesystem::path& file) {
   WebPData data;
   WebPDataInit(&data);
   if (WebPAnimEncoderAssemble(encoder_->webp, &data) == 0) encoder_->fail();
-  std::FILE* out = std::fopen(file.c_str(), "wb");
-  bool good = out != nullptr && std::fwrite(data.bytes, 1, data.size, out) == data.size;
-  const int error = errno;
-  if (out != nullptr) good = std::fclose(out) == 0 && good;
-  const size_t size = data.size;
-  WebPDataClear(&data);
-  if (!good)
-    throw EnvironmentError(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)));
-  return size;
+  const std::unique_ptr<WebPData, void (*)(WebPData*)> owned(&data, WebPDataClear);
+  write_whole_file(file, std::span<const uint8_t>(data.bytes, data.size));
+  return data.size;
 }
 
 }  // namespace throng

@@ -3,9 +3,12 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
 
 #include "base/errors.h"
+#include "base/whole_file.h"
 #include "viewer/raster.h"
 
 namespace throng {
@@ -19,15 +22,17 @@ void write_png(const std::filesystem::path& file, const Image& image) {
   const auto fail = [&](const std::string& why) {
     throw EnvironmentError(fmt::format("cannot write {}: {}", file.string(), why));
   };
-  std::FILE* out = std::fopen(file.c_str(), "wb");
+  char* bytes = nullptr;
+  size_t size = 0;
+  std::FILE* out = open_memstream(&bytes, &size);
   if (out == nullptr) fail(std::strerror(errno));
   const bool written =
       png_image_write_to_stdio(&header, out, 0, image.rgb.data(), image.width * 3, nullptr) != 0;
-  // A full disk may show only when the last bytes leave the buffer.
-  errno = 0;
   const bool closed = std::fclose(out) == 0;
+  const std::unique_ptr<char, void (*)(void*)> owned(bytes, std::free);
   if (!written) fail(header.message);
-  if (!closed) fail(std::strerror(errno));
+  if (!closed) fail(std::strerror(ENOMEM));
+  write_whole_file(file, std::string_view(bytes, size));
 }
 
 }  // namespace throng

@@ -5,13 +5,11 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <memory>
 
 #include "base/errors.h"
+#include "base/whole_file.h"
 #include "lcmtypes/log_reader.h"
 
 namespace throng {
@@ -32,15 +30,6 @@ std::string base64(const Bytes& bytes) {
   const std::unique_ptr<gchar, void (*)(void*)> text(g_base64_encode(bytes.data(), bytes.size()),
                                                      g_free);
   return text.get();
-}
-
-void write_file(const std::filesystem::path& file, std::string_view text) {
-  std::FILE* out = std::fopen(file.c_str(), "wb");
-  bool good = out != nullptr && std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  const int error = errno;
-  if (out != nullptr) good = std::fclose(out) == 0 && good;
-  if (!good)
-    throw EnvironmentError(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)));
 }
 
 }  // namespace
@@ -65,7 +54,7 @@ ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path&
         fmt::format("{:.1f} MB for {} people over {:.1f} s; {:.1f} s of them would fit", mb,
                     recorder.avatars(), recorder.seconds(), 0.95 * share * recorder.seconds()));
   }
-  write_file(html, text);
+  write_whole_file(html, text);
   return {text.size(), recorder.avatars(), recorder.seconds()};
 }
 
@@ -86,9 +75,7 @@ ReplayReport write_replay(const std::filesystem::path& log, const std::filesyste
 }
 
 ReplaySink::ReplaySink(const std::filesystem::path& html, std::string_view page, double limit_mb)
-    : html_(html), page_(page), limit_mb_(limit_mb) {
-  write_file(html, "");  // known now rather than after the run
-}
+    : html_(html), page_(page), limit_mb_(limit_mb) {}
 
 void ReplaySink::begin(const RunInfo& run) {
   const double every = std::max(1.0, std::round(kReplayKeyPeriod_s / run.step_s));

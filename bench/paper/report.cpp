@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <iterator>
-#include <system_error>
 
 #include "base/errors.h"
+#include "base/whole_file.h"
 #include "bench/paper/figures.h"
 #include "bench/paper/pictures.h"
 #include "bench/paper/tables.h"
@@ -33,18 +31,6 @@ constexpr const char* kIntroduction =
     "Manipulation in Massive Rigid Body Simulation, TELKOMNIKA 11(6), 2013, run again on the 15 "
     "parts of Throng's adult, with the paper's numbers beside. docs/paper.md lists what had to be "
     "guessed and why numbers differ.";
-
-EnvironmentError cannot_write(const fs::path& file, int error) {
-  return EnvironmentError(fmt::format("{}: cannot write: {}", file.string(), std::strerror(error)));
-}
-
-void write_file(const fs::path& file, const std::string& text) {
-  errno = 0;
-  std::ofstream out(file, std::ios::trunc | std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw cannot_write(file, errno);
-}
 
 std::string read_file(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -94,14 +80,6 @@ struct Pages {
 
 }  // namespace
 
-void require_report(const fs::path& folder) {
-  require_gnuplot();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw cannot_write(folder, error.value());
-  write_file(folder / "report.md", "");
-}
-
 void write_report(const PaperResult& result, const std::vector<Object>& objects,
                   const std::string& cpu, const fs::path& folder) {
   Pages pages;
@@ -124,8 +102,8 @@ void write_report(const PaperResult& result, const std::vector<Object>& objects,
     pages.add_figure(figure.title, figure.caption, svg, figure.id + ".svg");
   }
   for (const Table& table : tables_of(result)) pages.add_table(table);
-  write_file(folder / "report.html", pages.html + "</body></html>\n");
-  write_file(folder / "report.md", pages.markdown);
+  write_whole_file(folder / "report.html", pages.html + "</body></html>\n");
+  write_whole_file(folder / "report.md", pages.markdown);
 }
 
 }  // namespace throng::paper

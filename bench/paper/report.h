@@ -9,10 +9,8 @@
 
 namespace throng::paper {
 
-/// Creates the folder and checks that the report can be written. Throws EnvironmentError.
-void require_report(const std::filesystem::path& folder);
-
-/// Writes report.html, report.md and the figures. Throws EnvironmentError.
+/// Writes report.html, report.md and the figures into a folder that is there. Throws
+/// EnvironmentError.
 void write_report(const PaperResult& result, const std::vector<Object>& objects,
                   const std::string& cpu, const std::filesystem::path& folder);
 

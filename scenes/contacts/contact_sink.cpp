@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -9,6 +10,7 @@
 #include <iterator>
 
 #include "base/errors.h"
+#include "base/whole_file.h"
 
 namespace throng {
 namespace {
@@ -20,12 +22,18 @@ EnvironmentError cannot_write(const fs::path& file, int error) {
                                       file.string(), std::strerror(error)));
 }
 
-void write_file(const fs::path& file, const std::string& text) {
-  errno = 0;
-  std::ofstream out(file, std::ios::trunc | std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw cannot_write(file, errno);
+constexpr const char* kTables[] = {"contacts.csv", "pairs.csv",        "people.csv",
+                                   "minutes.csv",  "durations.csv",    "parts.csv",
+                                   "density.csv",  "parts_seconds.csv"};
+constexpr const char* kFigures[] = {"contact_rates", "contact_durations", "contact_parts",
+                                    "contact_density"};
+
+/// A name as a field: quoted where it would not be one otherwise (RFC 4180).
+std::string field(const std::string& name) {
+  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
+  std::string quoted = "\"";
+  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
 }
 
 std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) {
@@ -81,10 +89,10 @@ template <typename Value>
 std::string matrix_csv(const PartMatrix& parts, const std::vector<Value>& values,
                        const char* format, const std::vector<uint64_t>* obstacles) {
   std::string text = "part";
-  for (const std::string& name : parts.names) text += fmt::format(",{}", name);
+  for (const std::string& name : parts.names) text += fmt::format(",{}", field(name));
   text += obstacles != nullptr ? ",obstacle\n" : "\n";
   for (size_t row = 0; row < parts.names.size(); ++row) {
-    text += parts.names[row];
+    text += field(parts.names[row]);
     for (size_t column = 0; column < parts.names.size(); ++column)
       text += fmt::format(fmt::runtime(format), values[row * parts.names.size() + column]);
     text += obstacles != nullptr ? fmt::format(",{}\n", (*obstacles)[row]) : "\n";
@@ -106,10 +114,10 @@ std::string density_csv(const ContactStatistics& statistics) {
 }
 
 Figure rate_figure(const ContactStatistics& statistics) {
-  std::vector<double> rates;
+  std::vector<double> rates;  // at least one
   for (const PersonContacts& person : statistics.people())
     if (person.present_s > 0) rates.push_back(60 * person.contacts / person.present_s);
-  const double most = rates.empty() ? 1 : *std::max_element(rates.begin(), rates.end());
+  const double most = *std::max_element(rates.begin(), rates.end());
   // At most 25 bars of a round width.
   double width = 0.1;
   for (int i = 0; most / width > 25; ++i) width *= i % 3 == 1 ? 2.5 : 2;
@@ -191,20 +199,33 @@ Figure density_figure(const ContactStatistics& statistics) {
 }  // namespace
 
 std::vector<Figure> figures_of(const ContactStatistics& statistics) {
-  return {rate_figure(statistics), duration_figure(statistics), part_figure(statistics),
-          density_figure(statistics)};
+  const ContactTotals totals = statistics.totals();
+  std::vector<Figure> figures;
+  if (totals.person_s > 0) figures.push_back(rate_figure(statistics));
+  if (!statistics.durations_s().empty()) figures.push_back(duration_figure(statistics));
+  // A single cell is no picture, and one colour no scale.
+  if (totals.contacts > 0 && statistics.parts().names.size() > 1)
+    figures.push_back(part_figure(statistics));
+  if (totals.contacts > 0) figures.push_back(density_figure(statistics));
+  return figures;
+}
+
+std::vector<std::string> contact_files() {
+  std::vector<std::string> names(std::begin(kTables), std::end(kTables));
+  for (const char* figure : kFigures) names.push_back(fmt::format("{}.svg", figure));
+  return names;
 }
 
 ContactSink::ContactSink(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw cannot_write(folder_, error.value());
-  errno = 0;
-  contacts_.open(folder_ / "contacts.csv", std::ios::trunc | std::ios::binary);
-  if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
 }
 
 void ContactSink::begin(const RunInfo& run) {
+  errno = 0;
+  contacts_.open(folder_ / "contacts.csv", std::ios::trunc | std::ios::binary);
+  if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
   statistics_ = std::make_unique<ContactStatistics>(run);
   contacts_ << "begin_s,duration_s,person_a,person_b,x_m,y_m,density_per_m2,first_part_a,"
                "first_part_b,part_contacts,cut\n";
@@ -214,9 +235,10 @@ void ContactSink::list_ended() {
   for (const Contact& contact : statistics_->ended())
     fmt::print(contacts_, "{:.4f},{:.4f},{},{},{:.3f},{:.3f},{:.3f},{},{},{},{}\n", contact.begin_s,
                contact.duration_s, contact.a, contact.b, contact.place_m.x(), contact.place_m.y(),
-               contact.density_per_m2, statistics_->part_name(contact.a, contact.first_part_a),
-               statistics_->part_name(contact.b, contact.first_part_b), contact.part_contacts,
-               contact.cut ? 1 : 0);
+               contact.density_per_m2,
+               field(statistics_->part_name(contact.a, contact.first_part_a)),
+               field(statistics_->part_name(contact.b, contact.first_part_b)),
+               contact.part_contacts, contact.cut ? 1 : 0);
   if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
 }
 
@@ -231,16 +253,54 @@ void ContactSink::end(const RunInfo& run, const RunEnd& end) {
   errno = 0;
   contacts_.close();
   if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
+  write_pairs();
   const PartMatrix parts = statistics_->parts();
+  const auto write_file = [](const fs::path& file, const std::string& text) {
+    write_whole_file(file, text, {.what = "the contacts"});
+  };
   write_file(folder_ / "people.csv", people_csv(*statistics_, run));
   write_file(folder_ / "minutes.csv", minutes_csv(*statistics_));
   write_file(folder_ / "durations.csv", durations_csv(*statistics_));
   write_file(folder_ / "parts.csv", matrix_csv(parts, parts.counts, ",{}", &parts.obstacle_counts));
   write_file(folder_ / "parts_seconds.csv", matrix_csv(parts, parts.seconds, ",{:.3f}", nullptr));
   write_file(folder_ / "density.csv", density_csv(*statistics_));
-  drew_figures_ = has_gnuplot();
-  if (drew_figures_)
-    for (const Figure& figure : figures_of(*statistics_)) draw(figure, folder_);
+  draw_figures();
+}
+
+void ContactSink::write_pairs() const {
+  const fs::path file = folder_ / "pairs.csv";
+  const double step_s = statistics_->step_s();
+  errno = 0;
+  std::ofstream out(file, std::ios::trunc | std::ios::binary);
+  fmt::print(out, "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n");
+  for (const PartContact& contact : statistics_->part_contacts()) {
+    const PairKey pair = contact.pair;
+    fmt::print(out, "{:.4f},{:.4f},{},{},{},{},{}\n",
+               static_cast<double>(contact.begin_frame) * step_s,
+               static_cast<double>(contact.frames) * step_s, pair.a(),
+               field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
+               field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0);
+  }
+  out.close();
+  if (!out) throw cannot_write(file, errno);
+}
+
+void ContactSink::draw_figures() {
+  // Figures of an earlier run beside the numbers of this one would be wrong.
+  std::error_code error;
+  for (const char* name : kFigures) fs::remove(folder_ / fmt::format("{}.svg", name), error);
+  if (!has_gnuplot()) {
+    note_ = fmt::format("no figures in {}: gnuplot is not installed", folder_.string());
+    return;
+  }
+  std::vector<std::string> missing(std::begin(kFigures), std::end(kFigures));
+  for (const Figure& figure : figures_of(*statistics_)) {
+    draw(figure, folder_);
+    std::erase(missing, figure.id);
+  }
+  if (!missing.empty())
+    note_ = fmt::format("no {}.svg in {}: there was nothing to draw", fmt::join(missing, ".svg, "),
+                        folder_.string());
 }
 
 }  // namespace throng

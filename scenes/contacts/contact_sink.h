@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "base/figure.h"
 #include "scenes/contacts/contact_statistics.h"
@@ -14,8 +16,8 @@ namespace throng {
 
 class ContactSink final : public Sink {
  public:
-  /// Creates the folder and contacts.csv in it. Throws EnvironmentError, here and in all calls, if
-  /// something cannot be written.
+  /// Creates the folder; begin() replaces contacts.csv in it. Throws EnvironmentError, here and in
+  /// all calls, if something cannot be written.
   explicit ContactSink(std::filesystem::path folder);
 
   void begin(const RunInfo& run) override;
@@ -24,18 +26,25 @@ class ContactSink final : public Sink {
 
   /// Null before begin().
   const ContactStatistics* statistics() const { return statistics_.get(); }
-  bool drew_figures() const { return drew_figures_; }
+  /// Which figures there are none of, and why; or "".
+  const std::string& note() const { return note_; }
 
  private:
   void list_ended();
+  void write_pairs() const;
+  void draw_figures();
 
   std::filesystem::path folder_;
   std::ofstream contacts_;
   std::unique_ptr<ContactStatistics> statistics_;
-  bool drew_figures_ = false;
+  std::string note_;
 };
 
-/// How often people touched, how long, with what, and at which density.
+/// The names of all files that it writes into the folder.
+std::vector<std::string> contact_files();
+
+/// How often people touched, how long, with what, and at which density; a figure that has nothing
+/// to show is left out.
 std::vector<Figure> figures_of(const ContactStatistics& statistics);
 
 }  // namespace throng

@@ -45,7 +45,7 @@ void ContactStatistics::place(const Frame& frame) {
 void ContactStatistics::begin(PairKey pair) {
   const uint32_t a = pair.a();
   const uint32_t b = pair.b();
-  open_parts_[pair.bits()] = {frame_};
+  open_parts_[pair.bits()] = {frame_, is_first_};
   const uint32_t row = name_index(a, pair.part_a());
   if (!is_person(b)) {
     ++obstacle_part_counts_[row];
@@ -93,7 +93,8 @@ void ContactStatistics::add_part_time(PairKey pair, double duration_s) {
 void ContactStatistics::finish(PairKey pair, bool cut) {
   const auto part = open_parts_.find(pair.bits());
   if (part == open_parts_.end()) return;
-  const double duration_s = static_cast<double>(frame_ - part->second.frame) * step_s_;
+  const OpenPart touched = part->second;
+  const double duration_s = static_cast<double>(frame_ - touched.frame) * step_s_;
   open_parts_.erase(part);
   const uint64_t key = key_of(pair.a(), pair.b());
   if (!is_person(pair.b())) {
@@ -101,6 +102,7 @@ void ContactStatistics::finish(PairKey pair, bool cut) {
     return;
   }
   add_part_time(pair, duration_s);
+  part_contacts_.push_back({touched.frame, pair, frame_ - touched.frame, touched.is_cut || cut});
   const auto open = open_.find(key);
   if (--open->second.parts > 0) return;
   Contact contact = open->second.contact;
@@ -153,6 +155,10 @@ void ContactStatistics::end(const RunEnd& end) {
   for (const PairEvent& event : end.events)
     if (event.kind == EventKind::kEnd) finish(event.pair, true);
   std::sort(durations_s_.begin(), durations_s_.end());
+  std::sort(
+      part_contacts_.begin(), part_contacts_.end(), [](const PartContact& a, const PartContact& b) {
+        return std::pair(a.begin_frame, a.pair.bits()) < std::pair(b.begin_frame, b.pair.bits());
+      });
 }
 
 ContactTotals ContactStatistics::totals() const {

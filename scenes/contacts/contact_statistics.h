@@ -30,6 +30,14 @@ struct Contact {
   bool cut = false;            ///< touched when the run began or ended: the length is a lower bound
 };
 
+/// One contact of two parts of two people.
+struct PartContact {
+  int64_t begin_frame = 0;
+  PairKey pair;
+  int64_t frames = 0;  ///< so far, if `cut`
+  bool cut = false;    ///< as in Contact
+};
+
 struct PersonContacts {
   double present_s = 0;
   double touching_s = 0;  ///< with anybody
@@ -91,6 +99,9 @@ class ContactStatistics {
   /// Lengths of all contacts that were not cut, ascending; and how many were.
   const std::vector<float>& durations_s() const { return durations_s_; }
   uint64_t cut_count() const { return cut_; }
+  /// After end(): every contact of two parts of people, by begin and pair. 32 bytes each.
+  const std::vector<PartContact>& part_contacts() const { return part_contacts_; }
+  double step_s() const { return step_s_; }
   std::string part_name(uint32_t id, uint32_t part) const;
 
  private:
@@ -100,6 +111,7 @@ class ContactStatistics {
   };
   struct OpenPart {
     int64_t frame = 0;
+    bool is_cut = false;  ///< touched when the run began
   };
 
   static uint64_t key_of(uint32_t a, uint32_t b) { return (uint64_t{a} << 32) | b; }
@@ -128,6 +140,7 @@ class ContactStatistics {
   std::unordered_map<uint64_t, uint32_t> open_obstacles_;  ///< parts of the person that touch it
   std::unordered_set<uint64_t> met_;
   std::vector<Contact> ended_;
+  std::vector<PartContact> part_contacts_;
 
   std::vector<PersonContacts> people_;
   std::vector<MinuteRow> minutes_;

@@ -16,7 +16,8 @@ namespace {
 class CsvWriter final : public TrajectoryWriter {
  public:
   explicit CsvWriter(const std::filesystem::path& file)
-      : file_(file.string()), descriptor_(open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666)) {
+      : file_(file.string()),
+        descriptor_(open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
     if (descriptor_ < 0) fail();
   }
   ~CsvWriter() override {
@@ -26,6 +27,8 @@ class CsvWriter final : public TrajectoryWriter {
   CsvWriter& operator=(const CsvWriter&) = delete;
 
   void begin(const TrajectoryHead& head) override {
+    // A pipe or device has nothing to lose (EINVAL).
+    if (ftruncate(descriptor_, 0) != 0 && errno != EINVAL) fail();
     frame_s_ = 1 / head.fps;
     text_ = "frame,time_s,id,x_m,y_m,heading_rad,speed_mps\n";
     write_out();

@@ -1,7 +1,12 @@
 // Trajectories in the SQLite schema of JuPedSim, version 3, which PedPy reads, too; heading, speed
 // and names are tables of our own beside it, prefixed throng_.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 
 #include "base/errors.h"
 #include "scenes/hasher.h"
@@ -31,13 +36,10 @@ CREATE TABLE throng_people(id INTEGER PRIMARY KEY, name TEXT NOT NULL);
 class SqliteWriter final : public TrajectoryWriter {
  public:
   explicit SqliteWriter(const std::filesystem::path& file) : file_(file.string()) {
-    std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) std::filesystem::remove(file, error);
-    std::filesystem::remove(file_ + "-journal", error);
-    check(sqlite3_open_v2(file_.c_str(), &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
-                          nullptr));
-    execute("PRAGMA synchronous = NORMAL");
-    execute(kSchema);
+    // Not as a database yet: what stands there is only lost when the run begins.
+    const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0) fail(std::strerror(errno));
+    ::close(descriptor);
   }
   ~SqliteWriter() override {
     // What is not committed was not promised.
@@ -47,6 +49,7 @@ class SqliteWriter final : public TrajectoryWriter {
   SqliteWriter& operator=(const SqliteWriter&) = delete;
 
   void begin(const TrajectoryHead& head) override {
+    create();
     execute("BEGIN");
     const auto say = [&](const std::string& key, const std::string& value) {
       sqlite3_stmt* statement = prepare("INSERT INTO metadata VALUES(?, ?)");
@@ -90,6 +93,20 @@ class SqliteWriter final : public TrajectoryWriter {
   }
 
  private:
+  void create() {
+    // Emptied, not removed: its owner, its other names and who has locked it stay.
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file_, error)) {
+      std::filesystem::resize_file(file_, 0, error);
+      if (error) fail(error.message());
+    }
+    for (const char* ending : kBesideSqlite) std::filesystem::remove(file_ + ending, error);
+    check(sqlite3_open_v2(file_.c_str(), &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
+                          nullptr));
+    execute("PRAGMA synchronous = NORMAL");
+    execute(kSchema);
+  }
+
   void add_geometry(const std::string& wkt) {
     geometry_hash_ = static_cast<sqlite3_int64>(Hasher().add(wkt).value());
     sqlite3_stmt* statement = prepare("INSERT INTO geometry VALUES(?, ?)");
@@ -145,6 +162,10 @@ class SqliteWriter final : public TrajectoryWriter {
         database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_);
     close();
     roll_back();
+    fail(reason);
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const {
     throw EnvironmentError(
         fmt::format("{}: cannot write the trajectory: {}; choose another place with --trajectory",
                     file_, reason));

@@ -18,8 +18,8 @@ struct TrajectoryOptions {
 
 class TrajectorySink final : public Sink {
  public:
-  /// Creates the file. Throws InputError for another extension, EnvironmentError if it cannot be
-  /// created; so do all calls if it cannot be written any more.
+  /// Opens the file; begin() empties it. Throws InputError for another extension, EnvironmentError
+  /// if it cannot be opened; so do all calls if it cannot be written any more.
   explicit TrajectorySink(const TrajectoryOptions& options);
 
   void begin(const RunInfo& run) override;

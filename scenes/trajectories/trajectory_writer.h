@@ -40,7 +40,10 @@ class TrajectoryWriter {
   virtual void end() = 0;
 };
 
-/// Replaces the file. Throws EnvironmentError if it cannot be created.
+/// What SQLite keeps beside a database while it is written: these endings are added to its name.
+inline constexpr const char* kBesideSqlite[] = {"-journal", "-wal", "-shm"};
+
+/// Opens the file; begin() empties it. Throws EnvironmentError if it cannot be opened.
 std::unique_ptr<TrajectoryWriter> open_sqlite_trajectory(const std::filesystem::path& file);
 std::unique_ptr<TrajectoryWriter> open_csv_trajectory(const std::filesystem::path& file);
 
