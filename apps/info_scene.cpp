@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "apps/info.h"
+#include "scenes/flow_field.h"
 #include "scenes/nav_mesh.h"
 #include "scenes/scene.h"
 #include "scenes/walkable.h"
@@ -115,7 +116,8 @@ std::string describe_scene(const std::string& path_or_name) {
         box.max_spin_radps);
     return text;
   }
-  const NavMesh mesh(scene.ground, Walkable(scene).footprints());
+  const Walkable walkable(scene);
+  const NavMesh mesh(scene.ground, walkable.footprints(), FlowGrid(walkable).passages());
   fmt::format_to(std::back_inserter(text),
                  "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
                  mesh.polygon_count(), mesh.voxel_m());

@@ -18,20 +18,62 @@ constexpr double kBodyMargin_m = 0.2;
 constexpr double kComfort_m = 0.5;
 /// What a metre at a wall counts, in the open.
 constexpr double kSlowest = 2.5;
+/// Discs of 0.44 m (a person of 1.70 m) pass gaps so wide, with a centimetre to spare for where the
+/// walls stand to the cells.
+constexpr double kNarrowest_m = 0.43;
+/// Two cells whose way may lead through a gap that is too narrow: walls are at most so near to them.
+constexpr double kTight_m = 0.35;
+/// People walk to a place of their own before a gap, not to wherever its corner holds them up: from
+/// so many cells.
+constexpr int kApproach = 2;
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// Neighbours in the order left, right, below, above; -1 where the grid ends.
-struct Neighbours {
-  ptrdiff_t cell[4];
-};
+using Neighbours = std::array<ptrdiff_t, 4>;
 
 Neighbours neighbours_of(const FlowGrid& grid, size_t cell) {
   const auto columns = static_cast<ptrdiff_t>(grid.columns());
   const auto at = static_cast<ptrdiff_t>(cell);
   const ptrdiff_t column = at % columns;
   const ptrdiff_t row = at / columns;
-  return {{column > 0 ? at - 1 : -1, column + 1 < columns ? at + 1 : -1,
-           row > 0 ? at - columns : -1, row + 1 < grid.rows() ? at + columns : -1}};
+  return {column > 0 ? at - 1 : -1, column + 1 < columns ? at + 1 : -1,
+          row > 0 ? at - columns : -1, row + 1 < grid.rows() ? at + columns : -1};
+}
+
+template <typename Value>
+const Value* find_cell(const std::vector<std::pair<size_t, Value>>& by_cell, size_t cell) {
+  const auto at = std::lower_bound(by_cell.begin(), by_cell.end(), cell,
+                                   [](const auto& entry, size_t to) { return entry.first < to; });
+  return at == by_cell.end() || at->first != cell ? nullptr : &at->second;
+}
+
+/// The point within half a cell of a centre for which `worth` is greatest, to a 160th of a cell:
+/// the best of 49, then steps that halve.
+template <typename Worth>
+Eigen::Vector2d best_place(const Eigen::Vector2d& centre, double cell_m, const Worth& worth) {
+  const Eigen::Vector2d low = centre.array() - 0.5 * cell_m;
+  const Eigen::Vector2d high = centre.array() + 0.5 * cell_m;
+  Eigen::Vector2d best = centre;
+  double most = worth(centre);
+  const auto try_around = [&](const Eigen::Vector2d& middle, int reach, double step_m) {
+    for (int i = -reach; i <= reach; ++i)
+      for (int k = -reach; k <= reach; ++k) {
+        const Eigen::Vector2d point =
+            (middle + step_m * Eigen::Vector2d(i, k)).cwiseMax(low).cwiseMin(high);
+        const double found = worth(point);
+        if (found <= most) continue;
+        most = found;
+        best = point;
+      }
+  };
+  try_around(centre, 3, cell_m / 6);
+  for (const double part : {10, 20, 40, 80, 160}) try_around(Eigen::Vector2d(best), 1, cell_m / part);
+  return best;
+}
+
+float slowness_at(double clearance_m) {
+  const double tightness = std::clamp((kComfort_m - clearance_m) / kComfort_m, 0.0, 1.0);
+  return static_cast<float>(1 + (kSlowest - 1) * tightness);
 }
 
 /// Distance from the nearer neighbour along each axis: the upwind scheme's quadratic.
@@ -52,15 +94,125 @@ FlowGrid::FlowGrid(const Walkable& walkable) : origin_m_(walkable.ground().min_m
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
   const double margin = margin_m(cell_m_);
   slowness_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  std::vector<float> clearances_m(slowness_.size());
   for (size_t cell = 0; cell < slowness_.size(); ++cell) {
     const Eigen::Vector2d centre = centre_m(cell);
-    double clearance = Walkable::kReach_m;
-    for (const uint32_t footprint : walkable.near(centre))
-      clearance = std::min(clearance, walkable.nearest(footprint, centre).distance_m);
-    const double tightness = std::clamp((kComfort_m - clearance) / kComfort_m, 0.0, 1.0);
+    const double clearance = walkable.obstacle_clearance_m(centre);
+    clearances_m[cell] = static_cast<float>(clearance);
     if (clearance >= margin && walkable.ground().contains(centre))
-      slowness_[cell] = static_cast<float>(1 + (kSlowest - 1) * tightness);
+      slowness_[cell] = slowness_at(clearance);
   }
+  find_narrow(walkable, clearances_m);
+  link(walkable, clearances_m);
+}
+
+/// Gaps that nobody's cell centre lies in: whoever fits between the walls passes all the same.
+void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clearances_m) {
+  const double margin = margin_m(cell_m_);
+  // Wider gaps hold the centres of cells that are neighbours, whichever way they run.
+  const double widest_m = 2 * margin + 1.5 * cell_m_;
+  const auto clearance = [&](const Eigen::Vector2d& point) {
+    return walkable.obstacle_clearance_m(point);
+  };
+  for (size_t cell = 0; cell < slowness_.size(); ++cell) {
+    const Eigen::Vector2d centre = centre_m(cell);
+    if (is_free(cell) || static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2)
+      continue;
+    // In the gap, walls stand on both sides; seen from inside one of them, too.
+    const auto walls = walkable.near(centre);
+    const auto is_beside = [&](uint32_t wall) {
+      return walkable.nearest(wall, centre).distance_m < widest_m;
+    };
+    if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_beside) < 2) continue;
+    const Eigen::Vector2d place = best_place(centre, cell_m_, clearance);
+    if (clearance(place) >= kNarrowest_m / 2 && walkable.ground().contains(place) &&
+        walkable.gap_m(place, widest_m) < widest_m)
+      narrow_.emplace_back(cell, place);
+  }
+  if (narrow_.empty()) return;
+  for (int round = 0; round < kApproach; ++round) add_mouths(walkable, clearances_m);
+  for (const auto& [cell, place] : narrow_) slowness_[cell] = slowness_at(clearance(place));
+}
+
+/// Before a gap a cell's centre may be too near one of its corners: there the way leads through
+/// whatever place of the cell is best to come to the gap from.
+void FlowGrid::add_mouths(const Walkable& walkable, std::span<const float> clearances_m) {
+  std::vector<std::pair<size_t, Eigen::Vector2d>> mouths;
+  for (const auto& [narrow, gap] : narrow_)
+    for (const ptrdiff_t next : neighbours_of(*this, narrow)) {
+      const auto cell = static_cast<size_t>(next);
+      if (next < 0 || is_free(cell) || is_narrow(cell)) continue;
+      if (static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2) continue;
+      const Eigen::Vector2d place =
+          best_place(centre_m(cell), cell_m_, [&, &middle = gap](const Eigen::Vector2d& point) {
+            return std::min(walkable.obstacle_clearance_m(point), kBodyMargin_m + 0.05) -
+                   0.01 * (point - middle).norm();
+          });
+      if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m && walkable.ground().contains(place))
+        mouths.emplace_back(cell, place);
+    }
+  const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::stable_sort(mouths.begin(), mouths.end(), by_cell);
+  mouths.erase(std::unique(mouths.begin(), mouths.end(),
+                           [](const auto& a, const auto& b) { return a.first == b.first; }),
+               mouths.end());
+  narrow_.insert(narrow_.end(), mouths.begin(), mouths.end());
+  std::sort(narrow_.begin(), narrow_.end(), by_cell);
+}
+
+/// True if somebody can walk straight from the place of one cell to that of another.
+bool FlowGrid::leads(const Walkable& walkable, size_t from, size_t to) const {
+  const Eigen::Vector2d start = place_m(from);
+  const Eigen::Vector2d way = place_m(to) - start;
+  const bool is_new = is_narrow(from) || is_narrow(to);
+  const int steps = static_cast<int>(std::ceil(way.norm() / 0.04));
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector2d point = start + (static_cast<double>(i) / steps) * way;
+    // Round a single corner a shoulder may brush it; between two walls there has to be room.
+    if (is_new && walkable.obstacle_clearance_m(point) < 0.7 * kBodyMargin_m) return false;
+    if (walkable.gap_m(point, kNarrowest_m) < kNarrowest_m) return false;
+  }
+  return true;
+}
+
+void FlowGrid::link(const Walkable& walkable, std::span<const float> clearances_m) {
+  ways_.resize(slowness_.size());
+  const auto join = [&](size_t from, ptrdiff_t next, unsigned side) {
+    const auto to = static_cast<size_t>(next);
+    if (next < 0 || !is_free(from) || !is_free(to)) return;
+    const bool is_tight = std::min(clearances_m[from], clearances_m[to]) < static_cast<float>(kTight_m);
+    if (is_tight && !leads(walkable, from, to)) return;
+    ways_[from] = static_cast<uint8_t>(ways_[from] | (1u << side));
+    ways_[to] = static_cast<uint8_t>(ways_[to] | (1u << (side - 1)));
+  };
+  for (size_t cell = 0; cell < slowness_.size(); ++cell) {
+    const Neighbours around = neighbours_of(*this, cell);
+    join(cell, around[1], 1);
+    join(cell, around[3], 3);
+  }
+}
+
+bool FlowGrid::is_narrow(size_t cell) const { return find_cell(narrow_, cell) != nullptr; }
+
+Eigen::Vector2d FlowGrid::place_m(size_t cell) const {
+  const Eigen::Vector2d* narrow = find_cell(narrow_, cell);
+  return narrow == nullptr ? centre_m(cell) : *narrow;
+}
+
+std::array<ptrdiff_t, 4> FlowGrid::ways_from(size_t cell) const {
+  const auto at = static_cast<ptrdiff_t>(cell);
+  const auto columns = static_cast<ptrdiff_t>(columns_);
+  const unsigned ways = ways_[cell];
+  return {(ways & 1u) != 0 ? at - 1 : -1, (ways & 2u) != 0 ? at + 1 : -1,
+          (ways & 4u) != 0 ? at - columns : -1, (ways & 8u) != 0 ? at + columns : -1};
+}
+
+std::vector<Passage> FlowGrid::passages() const {
+  std::vector<Passage> all;
+  for (const auto& [cell, place] : narrow_)
+    for (const ptrdiff_t next : ways_from(cell))
+      if (next >= 0) all.push_back({place, place_m(static_cast<size_t>(next))});
+  return all;
 }
 
 double FlowGrid::margin_m(double cell_m) { return std::max(kBodyMargin_m, 0.71 * cell_m); }
@@ -85,6 +237,7 @@ FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas)
   march(areas);
   point_downhill();
   lead_out_of_walls();
+  aim_through_gaps();
 }
 
 void FlowField::march(std::span<const Rectangle> areas) {
@@ -109,11 +262,11 @@ void FlowField::march(std::span<const Rectangle> areas) {
     const auto [distance, cell] = queue.top();
     queue.pop();
     if (distance > distance_m_[cell]) continue;
-    for (const ptrdiff_t next : neighbours_of(*grid_, cell).cell) {
-      if (next < 0 || !grid_->is_free(static_cast<size_t>(next))) continue;
-      const Neighbours around = neighbours_of(*grid_, static_cast<size_t>(next));
-      const auto x = static_cast<double>(std::min(value(around.cell[0]), value(around.cell[1])));
-      const auto y = static_cast<double>(std::min(value(around.cell[2]), value(around.cell[3])));
+    for (const ptrdiff_t next : grid_->ways_from(cell)) {
+      if (next < 0) continue;
+      const Neighbours around = grid_->ways_from(static_cast<size_t>(next));
+      const auto x = static_cast<double>(std::min(value(around[0]), value(around[1])));
+      const auto y = static_cast<double>(std::min(value(around[2]), value(around[3])));
       const double step_m = grid_->cell_m() * grid_->slowness(static_cast<size_t>(next));
       const auto found = static_cast<float>(eikonal(x, y, step_m));
       if (!(found < distance_m_[static_cast<size_t>(next)])) continue;
@@ -133,9 +286,9 @@ void FlowField::point_downhill() {
   };
   for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
     if (!(distance_m_[cell] < kFar)) continue;
-    const Neighbours around = neighbours_of(*grid_, cell);
-    const Eigen::Vector2f down(fall(distance_m_[cell], around.cell[0], around.cell[1]),
-                               fall(distance_m_[cell], around.cell[2], around.cell[3]));
+    const Neighbours around = grid_->ways_from(cell);
+    const Eigen::Vector2f down(fall(distance_m_[cell], around[0], around[1]),
+                               fall(distance_m_[cell], around[2], around[3]));
     if (down.squaredNorm() > 0) direction_[cell] = down.normalized();
   }
 }
@@ -149,7 +302,7 @@ void FlowField::lead_out_of_walls() {
     if (known[cell]) front.push_back(cell);
   }
   for (size_t i = 0; i < front.size(); ++i) {
-    for (const ptrdiff_t next : neighbours_of(*grid_, front[i]).cell) {
+    for (const ptrdiff_t next : neighbours_of(*grid_, front[i])) {
       if (next < 0) continue;
       const auto cell = static_cast<size_t>(next);
       if (known[cell] || grid_->is_free(cell)) continue;
@@ -161,6 +314,33 @@ void FlowField::lead_out_of_walls() {
       front.push_back(cell);
     }
   }
+}
+
+/// Cells of 0.2 m tell the way to a gap of half a metre no better than to its corner: there people
+/// walk to the next cell's place.
+void FlowField::aim_through_gaps() {
+  std::vector<size_t> cells;
+  for (const auto& [cell, place] : grid_->narrow()) cells.push_back(cell);
+  for (int round = 0; round < kApproach; ++round)
+    for (size_t i = 0, known = cells.size(); i < known; ++i)
+      for (const ptrdiff_t next : grid_->ways_from(cells[i]))
+        if (next >= 0) cells.push_back(static_cast<size_t>(next));
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  for (const size_t cell : cells) {
+    ptrdiff_t best = -1;
+    float least_m = distance_m_[cell];
+    for (const ptrdiff_t next : grid_->ways_from(cell)) {
+      if (next < 0 || !(distance_m_[static_cast<size_t>(next)] < least_m)) continue;
+      best = next;
+      least_m = distance_m_[static_cast<size_t>(next)];
+    }
+    if (best >= 0) aims_.emplace_back(cell, grid_->place_m(static_cast<size_t>(best)));
+  }
+}
+
+const Eigen::Vector2d* FlowField::aim_at(size_t cell) const {
+  return aims_.empty() ? nullptr : find_cell(aims_, cell);
 }
 
 FlowField::Patch FlowField::patch_at(const Eigen::Vector2d& point) const {
@@ -182,6 +362,11 @@ void FlowField::prefetch(const Eigen::Vector2d& point) const {
 }
 
 Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
+  if (const Eigen::Vector2d* aim = aim_at(grid_->cell_at(point))) {
+    const Eigen::Vector2d way = *aim - point;
+    const double length = way.norm();
+    if (length > 1e-3) return way / length;
+  }
   const auto [cell, right, above, fx, fy] = patch_at(point);
   const auto at = [&](size_t index) -> Eigen::Vector2d { return direction_[index].cast<double>(); };
   const Eigen::Vector2d blend = (1 - fy) * ((1 - fx) * at(cell) + fx * at(cell + right)) +

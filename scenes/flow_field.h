@@ -1,9 +1,14 @@
 // The way to a goal from everywhere: walking distance on a grid around inflated obstacles, and its
-// downhill direction. One rule: built once a goal, O(1) a question, the same on every machine.
+// downhill direction. Gaps too narrow for the grid's cells are looked for between them.
+// One rule: built once a goal, O(1) a question, the same on every machine.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "scenes/walkable.h"
@@ -24,6 +29,14 @@ class FlowGrid {
   /// where nobody passes.
   double slowness(size_t cell) const { return static_cast<double>(slowness_[cell]); }
   Eigen::Vector2d centre_m(size_t cell) const;
+  /// Where one passes through a free cell: its centre, or in a narrow gap the middle of the gap.
+  Eigen::Vector2d place_m(size_t cell) const;
+  /// The cells left, right, below and above that one can walk to; -1 where none is.
+  std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
+  /// The cells in and before gaps that hold no cell's centre; ascending.
+  const std::vector<std::pair<size_t, Eigen::Vector2d>>& narrow() const { return narrow_; }
+  /// The straight ways from narrow cells to their neighbours.
+  std::vector<Passage> passages() const;
   size_t cell_at(const Eigen::Vector2d& point) const;
   const Eigen::Vector2d& origin_m() const { return origin_m_; }
 
@@ -32,11 +45,20 @@ class FlowGrid {
   static double margin_m(double cell_m);
 
  private:
+  void find_narrow(const Walkable& walkable, std::span<const float> clearances_m);
+  void add_mouths(const Walkable& walkable, std::span<const float> clearances_m);
+  void squeeze_in(const Walkable& walkable, size_t cell, const Eigen::Vector2d& place);
+  void link(const Walkable& walkable, std::span<const float> clearances_m);
+  bool leads(const Walkable& walkable, size_t from, size_t to) const;
+  bool is_narrow(size_t cell) const;
+
   Eigen::Vector2d origin_m_;
   double cell_m_ = 0;
   int columns_ = 0;
   int rows_ = 0;
   std::vector<float> slowness_;
+  std::vector<uint8_t> ways_;  ///< by cell, a bit for each of left, right, below, above
+  std::vector<std::pair<size_t, Eigen::Vector2d>> narrow_;
 };
 
 class FlowField {
@@ -66,10 +88,14 @@ class FlowField {
   void march(std::span<const Rectangle> areas);
   void point_downhill();
   void lead_out_of_walls();
+  void aim_through_gaps();
+  const Eigen::Vector2d* aim_at(size_t cell) const;
 
   const FlowGrid* grid_;
   std::vector<float> distance_m_;
   std::vector<Eigen::Vector2f> direction_;
+  /// In and before narrow gaps, the place to walk to next; ascending by cell.
+  std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
 };
 
 }  // namespace throng

@@ -21,6 +21,10 @@ namespace {
 constexpr double kFinestVoxel_m = 0.1;
 /// A million voxels build in about a second.
 constexpr double kMaxVoxels = 1 << 20;
+/// Recast and Detour number the voxels of a row with 16 bits.
+constexpr double kMaxVoxelsARow = 60'000;
+/// A mesh has at most 65 534 corners, and a footprint three of them at least.
+constexpr size_t kMaxFootprints = 65'534;
 constexpr float kVoxelHeight_m = 0.1f;
 /// Corners of a contour may leave it by so many voxels, so that straight walls are one edge.
 constexpr float kContourError = 1.3f;
@@ -28,7 +32,7 @@ constexpr int kCornersAPolygon = 6;
 constexpr int kMergeVoxels = 400;
 constexpr unsigned short kWalk = 1;
 /// How far beside the mesh a point may lie: against a wall, in the margin that bodies keep.
-constexpr float kBeside_m = 0.5f;
+constexpr double kBeside_m = 0.5;
 constexpr int kMaxPolygons = 4096;  // of one path
 constexpr int kMaxCorners = 1024;
 constexpr int kMaxNodes = 65535;  // Detour numbers the nodes of a search with 16 bits
@@ -65,9 +69,12 @@ double Path::length_m() const {
 }
 
 struct NavMesh::State {
-  State(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints);
+  State(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
+        std::span<const Passage> passages);
 
-  bool build(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints);
+  bool build(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
+             std::span<const Passage> passages);
+  void open_up(const Passage& passage, rcCompactHeightfield& open) const;
   bool take(rcPolyMesh& polygons);
   void name_pieces();
 
@@ -90,34 +97,46 @@ struct NavMesh::State {
 };
 
 NavMesh::State::State(const Rectangle& ground,
-                      std::span<const std::vector<Eigen::Vector2d>> footprints)
+                      std::span<const std::vector<Eigen::Vector2d>> footprints,
+                      std::span<const Passage> passages)
     : origin_m(ground.min_m),
-      voxel_m(std::max(kFinestVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels))) {
-  if (build(ground, footprints))
+      voxel_m(std::max({kFinestVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels),
+                        ground.size_m().maxCoeff() / kMaxVoxelsARow})) {
+  if (build(ground, footprints, passages))
     name_pieces();
   else
     mesh.reset();
 }
 
+/// What Recast is handed is right, or it is not called: it checks nothing itself.
 bool NavMesh::State::build(const Rectangle& ground,
-                           std::span<const std::vector<Eigen::Vector2d>> footprints) {
-  const auto width = static_cast<float>(ground.size_m().x());
-  const auto depth = static_cast<float>(ground.size_m().y());
+                           std::span<const std::vector<Eigen::Vector2d>> footprints,
+                           std::span<const Passage> passages) {
+  const Eigen::Vector2d size = ground.size_m();
+  const bool is_ground = origin_m.allFinite() && size.allFinite() && size.minCoeff() > 0 &&
+                         std::isfinite(voxel_m) && footprints.size() <= kMaxFootprints;
+  if (!is_ground) return false;
+  const auto width = static_cast<float>(size.x());
+  const auto depth = static_cast<float>(size.y());
   const auto voxel = static_cast<float>(voxel_m);
   const float low[] = {0, -1, 0};
   const float high[] = {width, 3, depth};
   int columns = 0, rows = 0;
   rcCalcGridSize(low, high, voxel, &columns, &rows);
+  // A ground may be narrower than half a voxel.
+  columns = std::max(1, columns);
+  rows = std::max(1, rows);
   rcContext context(false);
   const Owned<rcHeightfield, rcFreeHeightField> solid(rcAllocHeightfield());
-  if (!rcCreateHeightfield(&context, *solid, columns, rows, low, high, voxel, kVoxelHeight_m))
+  if (!solid ||
+      !rcCreateHeightfield(&context, *solid, columns, rows, low, high, voxel, kVoxelHeight_m))
     return false;
   const float corners[] = {0, 0, 0, width, 0, 0, width, 0, depth, 0, 0, depth};
   const int triangles[] = {0, 2, 1, 0, 3, 2};
   const unsigned char areas[] = {RC_WALKABLE_AREA, RC_WALKABLE_AREA};
   if (!rcRasterizeTriangles(&context, corners, 4, triangles, areas, 2, *solid, 1)) return false;
   const Owned<rcCompactHeightfield, rcFreeCompactHeightfield> open(rcAllocCompactHeightfield());
-  if (!rcBuildCompactHeightfield(&context, 2, 1, *solid, *open)) return false;
+  if (!open || !rcBuildCompactHeightfield(&context, 2, 1, *solid, *open)) return false;
   // Footprints are what steering holds people off; so the mesh takes them, not the triangles.
   const double margin_m = FlowGrid::margin_m(voxel_m);
   for (const std::vector<Eigen::Vector2d>& footprint : footprints) {
@@ -126,16 +145,44 @@ bool NavMesh::State::build(const Rectangle& ground,
       const std::array<float, 3> point = local(corner);
       outline.insert(outline.end(), point.begin(), point.end());
     }
+    const auto is_finite = [](float each) { return std::isfinite(each); };
+    if (outline.empty() || !std::all_of(outline.begin(), outline.end(), is_finite)) return false;
     rcMarkConvexPolyArea(&context, outline.data(), static_cast<int>(outline.size() / 3), -1, 3,
                          RC_NULL_AREA, *open);
   }
+  for (const Passage& passage : passages) open_up(passage, *open);
   const Owned<rcContourSet, rcFreeContourSet> contours(rcAllocContourSet());
   const Owned<rcPolyMesh, rcFreePolyMesh> polygons(rcAllocPolyMesh());
+  if (!contours || !polygons) return false;
   return rcBuildDistanceField(&context, *open) &&
          rcBuildRegions(&context, *open, 0, 0, kMergeVoxels) &&
          rcBuildContours(&context, *open, kContourError, 0, *contours) &&
          rcBuildPolyMesh(&context, *contours, kCornersAPolygon, *polygons) &&
          polygons->npolys > 0 && take(*polygons);
+}
+
+/// Whoever fits through a gap passes it, whatever the voxels made of the margins of its walls.
+void NavMesh::State::open_up(const Passage& passage, rcCompactHeightfield& open) const {
+  const double reach_m = 0.8 * voxel_m;  // no step from voxel to voxel is left out
+  const Eigen::Vector2d from = passage.from_m - origin_m;
+  const Eigen::Vector2d way = passage.to_m - passage.from_m;
+  const auto voxel_at = [&](double offset_m, int count) {
+    return std::clamp(static_cast<int>(std::floor(offset_m / voxel_m)), 0, count - 1);
+  };
+  const Eigen::Vector2d low = from.cwiseMin(from + way).array() - reach_m;
+  const Eigen::Vector2d high = from.cwiseMax(from + way).array() + reach_m;
+  for (int row = voxel_at(low.y(), open.height); row <= voxel_at(high.y(), open.height); ++row)
+    for (int column = voxel_at(low.x(), open.width); column <= voxel_at(high.x(), open.width);
+         ++column) {
+      const Eigen::Vector2d centre = voxel_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+      const double along = way.squaredNorm() > 0
+                               ? std::clamp(way.dot(centre - from) / way.squaredNorm(), 0.0, 1.0)
+                               : 0.0;
+      if ((centre - from - along * way).norm() > reach_m) continue;
+      const rcCompactCell& cell = open.cells[column + row * open.width];
+      const unsigned end = unsigned{cell.index} + unsigned{cell.count};
+      for (unsigned span = cell.index; span < end; ++span) open.areas[span] = RC_WALKABLE_AREA;
+    }
 }
 
 bool NavMesh::State::take(rcPolyMesh& polygons) {
@@ -160,12 +207,12 @@ bool NavMesh::State::take(rcPolyMesh& polygons) {
   int size = 0;
   if (!dtCreateNavMeshData(&params, &data, &size)) return false;
   mesh.reset(dtAllocNavMesh());
-  if (dtStatusFailed(mesh->init(data, size, DT_TILE_FREE_DATA))) {
+  if (!mesh || dtStatusFailed(mesh->init(data, size, DT_TILE_FREE_DATA))) {
     dtFree(data);
     return false;
   }
   query.reset(dtAllocNavMeshQuery());
-  return dtStatusSucceed(query->init(mesh.get(), kMaxNodes));
+  return query != nullptr && dtStatusSucceed(query->init(mesh.get(), kMaxNodes));
 }
 
 /// Floods from every polygon that has no name yet.
@@ -193,16 +240,20 @@ void NavMesh::State::name_pieces() {
 }
 
 dtPolyRef NavMesh::State::polygon_at(const Eigen::Vector2d& point, float* nearest) const {
+  if (!point.allFinite()) return 0;
   const std::array<float, 3> centre = local(point);
-  const float reach[] = {kBeside_m, 2, kBeside_m};
+  // Where voxels are coarse the mesh keeps farther from the rim.
+  const auto beside = static_cast<float>(std::max(kBeside_m, 1.5 * voxel_m));
+  const float reach[] = {beside, 2, beside};
   dtPolyRef polygon = 0;
   if (dtStatusFailed(query->findNearestPoly(centre.data(), reach, &filter, &polygon, nearest)))
     return 0;
   return polygon;
 }
 
-NavMesh::NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints)
-    : state_(std::make_unique<State>(ground, footprints)) {}
+NavMesh::NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
+                 std::span<const Passage> passages)
+    : state_(std::make_unique<State>(ground, footprints, passages)) {}
 NavMesh::~NavMesh() = default;
 NavMesh::NavMesh(NavMesh&&) noexcept = default;
 
@@ -227,24 +278,34 @@ Path NavMesh::path(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const
   if (first == 0) return path;
   if (last == 0) {  // nowhere near the mesh: as near as the polygon we are in
     last = first;
-    s.query->closestPointOnPoly(first, s.local(to).data(), end, nullptr);
+    if (!to.allFinite() ||
+        dtStatusFailed(s.query->closestPointOnPoly(first, s.local(to).data(), end, nullptr)))
+      return path;
   } else {
     path.arrives = true;
   }
   std::vector<dtPolyRef> polygons(kMaxPolygons);
   int count = 0;
-  s.query->findPath(first, last, start, end, &s.filter, polygons.data(), &count, kMaxPolygons);
-  if (count == 0) return path;
+  if (dtStatusFailed(s.query->findPath(first, last, start, end, &s.filter, polygons.data(), &count,
+                                       kMaxPolygons)) ||
+      count == 0) {
+    path.arrives = false;
+    return path;
+  }
   if (polygons[static_cast<size_t>(count - 1)] != last) {
     path.arrives = false;
     float nearest[3];
-    s.query->closestPointOnPoly(polygons[static_cast<size_t>(count - 1)], end, nearest, nullptr);
-    std::copy_n(nearest, 3, end);
+    if (dtStatusSucceed(s.query->closestPointOnPoly(polygons[static_cast<size_t>(count - 1)], end,
+                                                    nearest, nullptr)))
+      std::copy_n(nearest, 3, end);
   }
   std::vector<float> corners(3 * kMaxCorners);
   int corner_count = 0;
-  s.query->findStraightPath(start, end, polygons.data(), count, corners.data(), nullptr, nullptr,
-                            &corner_count, kMaxCorners);
+  if (dtStatusFailed(s.query->findStraightPath(start, end, polygons.data(), count, corners.data(),
+                                               nullptr, nullptr, &corner_count, kMaxCorners))) {
+    path.arrives = false;
+    return path;
+  }
   for (int i = 0; i < corner_count; ++i) path.corners_m.push_back(s.world(corners.data() + 3 * i));
   return path;
 }

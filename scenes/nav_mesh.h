@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
+#include "scenes/walkable.h"
 
 namespace throng {
 
@@ -23,12 +24,15 @@ struct Path {
 class NavMesh {
  public:
   /// Where a person's centre may pass: the ground less footprints (convex, see footprint_of())
-  /// wider by a body. Voxels are 0.1 m, or as fine as a million of them allow.
-  NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints);
+  /// wider by a body, and the passages through gaps that are narrower than that. Voxels are 0.1 m,
+  /// or as fine as a million of them, and 60 000 in a row, allow.
+  NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
+          std::span<const Passage> passages = {});
   ~NavMesh();
   NavMesh(NavMesh&&) noexcept;
 
-  /// False if the scene has more corners than a mesh of Recast can hold (65 534): it knows no ways.
+  /// False if the scene has more corners than a mesh of Recast can hold (65 534), or no ground that
+  /// anybody can stand on: it knows no ways.
   bool is_built() const;
   int polygon_count() const;
   double voxel_m() const;

@@ -27,9 +27,12 @@ constexpr Range kHeightRange{0.5, 2.5};  // the gait's curves hold no further
 /// Of one age among others: parts of 1, per cent or people.
 constexpr Range kShareRange{0, 1e6};
 constexpr Range kRadiusRange{0.05, 0.35};  // the grids of spawning and ways hold no wider
-constexpr Range kSizeRange{0, 1e4, true};  // 10 km: a wall around the largest scene
-/// A box: float poses are relative to its middle.
-constexpr Range kEdgeRange{0, 1000, true};
+// A millimetre is a tape; floats of 10 km, a wall around the largest scene, tell it from nothing.
+constexpr Range kSizeRange{1e-3, 1e4};
+/// A box: float poses are relative to its middle, and parts are as large as hands.
+constexpr Range kEdgeRange{0.1, 1000};
+/// The narrowest ground: two of the smallest radii.
+constexpr double kMinGround_m = 0.1;
 /// Of what flies in a box: speed in m/s, spin in rad/s.
 constexpr Range kFlightRange{0, 100};
 /// Steering turns ten times a second; a longer step would outlive its decisions.
@@ -45,6 +48,12 @@ std::string list_of(const std::vector<std::string>& names) {
     text += name;
   }
   return text;
+}
+
+double lowest_m(const Mesh& mesh) {
+  float lowest = mesh.vertices.front().z();
+  for (const Eigen::Vector3f& vertex : mesh.vertices) lowest = std::min(lowest, vertex.z());
+  return static_cast<double>(lowest);
 }
 
 std::string show(const Rectangle& r) {
@@ -111,6 +120,11 @@ class SceneReader {
 
   void read_crowd() {
     scene_.ground = read_rectangle(file_, fields_.require("ground"), "ground");
+    if (!(scene_.ground.size_m().minCoeff() >= kMinGround_m))
+      throw InputError(at_line(file_, fields_.require("ground").line),
+                       fmt::format("ground of at least {} m x {} m", kMinGround_m, kMinGround_m),
+                       fmt::format("{} m x {} m", scene_.ground.size_m().x(),
+                                   scene_.ground.size_m().y()));
     if (!(scene_.ground.area_m2() <= kMaxGround_m2))
       throw InputError(at_line(file_, fields_.require("ground").line),
                        fmt::format("ground of at most {} m2", kMaxGround_m2),
@@ -328,7 +342,8 @@ class SceneReader {
           fields.number_or("heading_deg", {-360, 360}, 0) * (std::numbers::pi / 180);
       read_shape(fields, obstacle);
       fields.done();
-      const double rise = obstacle.kind == Obstacle::Kind::kMesh ? 0 : 0.5 * obstacle.size_m.z();
+      const bool is_mesh = obstacle.kind == Obstacle::Kind::kMesh;
+      const double rise = is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
       obstacle.centre_m = {place[0], place[1], bottom_m + rise};
       const Eigen::Vector2d rounding = Eigen::Vector2d::Constant(kRounding_m);
       const Rectangle reach{scene_.ground.min_m - rounding, scene_.ground.max_m + rounding};

@@ -1,9 +1,12 @@
 #include "scenes/walkable.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
+#include "base/errors.h"
 #include "scenes/shapes.h"
 
 namespace throng {
@@ -11,6 +14,8 @@ namespace {
 
 /// Lists of footprints a cell; more cells than this would not fit the second cache.
 constexpr double kMaxCells = 1 << 16;
+/// Entries of all those lists, 256 MB: a thousand obstacles as large as the largest ground.
+constexpr size_t kMaxEntries = size_t{1} << 26;
 
 std::vector<std::vector<Eigen::Vector2d>> footprints_of(const Scene& scene) {
   std::vector<std::vector<Eigen::Vector2d>> footprints;
@@ -59,7 +64,7 @@ void Walkable::build_cells() {
   columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
   const auto footprints = static_cast<uint32_t>(edge_starts_.size() - 1);
-  const auto for_each_cell = [&](auto&& visit) {
+  const auto for_each_range = [&](auto&& visit) {
     for (uint32_t f = 0; f < footprints; ++f) {
       Eigen::Vector2d low = edges_of(f).front().start;
       Eigen::Vector2d high = low;
@@ -69,11 +74,23 @@ void Walkable::build_cells() {
       }
       low -= ground_.min_m + Eigen::Vector2d::Constant(kReach_m);
       high -= ground_.min_m - Eigen::Vector2d::Constant(kReach_m);
-      for (int row = cell_of(low.y(), rows_); row <= cell_of(high.y(), rows_); ++row)
-        for (int column = cell_of(low.x(), columns_); column <= cell_of(high.x(), columns_);
-             ++column)
-          visit(static_cast<size_t>(row * columns_ + column), f);
+      visit(f, cell_of(low.x(), columns_), cell_of(high.x(), columns_), cell_of(low.y(), rows_),
+            cell_of(high.y(), rows_));
     }
+  };
+  size_t entries = 0;
+  for_each_range([&](uint32_t, int left, int right, int low, int high) {
+    entries += static_cast<size_t>(right - left + 1) * static_cast<size_t>(high - low + 1);
+  });
+  if (entries > kMaxEntries)
+    throw InputError("obstacles", "fewer or smaller ones", "so many that cover so much of the ground "
+                     "that no memory holds who is near what");
+  const auto for_each_cell = [&](auto&& visit) {
+    for_each_range([&](uint32_t f, int left, int right, int low, int high) {
+      for (int row = low; row <= high; ++row)
+        for (int column = left; column <= right; ++column)
+          visit(static_cast<size_t>(row * columns_ + column), f);
+    });
   };
   cell_starts_.assign(static_cast<size_t>(columns_ * rows_) + 1, 0);
   for_each_cell([&](size_t cell, uint32_t) { ++cell_starts_[cell + 1]; });
@@ -118,12 +135,47 @@ Walkable::Nearest Walkable::nearest(uint32_t footprint, const Eigen::Vector2d& p
 }
 
 double Walkable::clearance_m(const Eigen::Vector2d& point) const {
+  const double edge = std::min((point - ground_.min_m).minCoeff(), (ground_.max_m - point).minCoeff());
+  return std::min(edge, obstacle_clearance_m(point));
+}
+
+double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
   double clearance = kReach_m;
-  clearance = std::min(clearance, (point - ground_.min_m).minCoeff());
-  clearance = std::min(clearance, (ground_.max_m - point).minCoeff());
   for (const uint32_t footprint : near(point))
     clearance = std::min(clearance, nearest(footprint, point).distance_m);
   return clearance;
+}
+
+double Walkable::gap_m(const Eigen::Vector2d& point, double reach_m) const {
+  constexpr double kOpposite = -0.5;  // 120 degrees apart or more, the cosine
+  // Of the walls in one direction, of sixteen, the nearest counts: thousands may stand around.
+  constexpr size_t kSectors = 16;
+  struct Wall {
+    Eigen::Vector2d normal = Eigen::Vector2d::Zero();
+    double distance_m = std::numeric_limits<double>::infinity();
+  };
+  std::array<Wall, kSectors + 4> walls;
+  for (const uint32_t footprint : near(point)) {
+    const Nearest wall = nearest(footprint, point);
+    if (!(wall.distance_m < reach_m)) continue;
+    const Eigen::Vector2d& n = wall.normal;
+    const size_t octant = (n.x() < 0 ? 1u : 0u) + (n.y() < 0 ? 2u : 0u) +
+                          (std::abs(n.x()) < std::abs(n.y()) ? 4u : 0u);
+    const double slope = std::min(std::abs(n.x()), std::abs(n.y()));
+    Wall& nearest_so_far = walls[2 * octant + (slope > 0.38 ? 1u : 0u)];
+    if (wall.distance_m < nearest_so_far.distance_m)
+      nearest_so_far = {n, wall.distance_m};
+  }
+  walls[kSectors] = {Eigen::Vector2d::UnitX(), point.x() - ground_.min_m.x()};
+  walls[kSectors + 1] = {Eigen::Vector2d::UnitY(), point.y() - ground_.min_m.y()};
+  walls[kSectors + 2] = {-Eigen::Vector2d::UnitX(), ground_.max_m.x() - point.x()};
+  walls[kSectors + 3] = {-Eigen::Vector2d::UnitY(), ground_.max_m.y() - point.y()};
+  double gap = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < kSectors; ++i)
+    for (size_t k = i + 1; k < walls.size() && walls[i].distance_m < reach_m; ++k)
+      if (walls[k].distance_m < reach_m && walls[i].normal.dot(walls[k].normal) < kOpposite)
+        gap = std::min(gap, walls[i].distance_m + walls[k].distance_m);
+  return gap;
 }
 
 bool Walkable::crosses(uint32_t footprint, const Eigen::Vector2d& from,

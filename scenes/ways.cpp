@@ -39,10 +39,13 @@ Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walka
       if (std::find(goals.begin(), goals.end(), goal.areas) == goals.end())
         goals.push_back(goal.areas);
   fields_.resize(goals.size());
+  // Nobody walks in a box of parts.
+  if (scene.groups.empty()) return;
   // The mesh first, it takes longest.
   workers.for_blocks(static_cast<int>(goals.size()) + 1, [&](int block, int) {
     if (block == 0) {
-      nav_mesh_ = std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints());
+      nav_mesh_ = std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints(),
+                                            grid_.passages());
     } else {
       const auto goal = static_cast<size_t>(block - 1);
       fields_[goal] = std::make_unique<FlowField>(grid_, goals[goal]);

@@ -37,6 +37,7 @@ class Ways {
   /// The goals of a group, in order; at least one.
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
+  /// Of a scene with groups; a box of parts has none.
   const NavMesh& nav_mesh() const { return *nav_mesh_; }
   /// True if a way leads from a point to a stop, or would but for standing too near an obstacle.
   /// Any thread may ask.

@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/random.h"
 #include "scenes/shapes.h"
@@ -40,24 +44,58 @@ TEST(NavMesh, TurnsAtTheCornersOfAWallAndKeepsABodyAway) {
   EXPECT_NEAR(path.length_m(), 2 * std::hypot(7, 14.2), 0.3);
 }
 
-TEST(NavMesh, ADoorwayOf80CentimetresIsAWayAndAGapOf30IsNone) {
-  for (const double width_m : {0.8, 0.9, 1.0, 1.2, 0.3}) {
-    for (const double shift_m : {0.0, 0.03, 0.07, 0.11}) {
-      Scene scene;
-      scene.ground = {{-6, -5}, {6, 5}};
-      const double wall_m = 5 - 0.5 * width_m;
-      scene.obstacles = {
-          box(0, shift_m + 0.5 * width_m + 0.5 * (wall_m - shift_m), 0.2, wall_m - shift_m),
-          box(0, shift_m - 0.5 * width_m - 0.5 * (wall_m + shift_m), 0.2, wall_m + shift_m)};
-      scene.groups = {group(1, {{-5, -1}, {-4, 1}}, {{{4, -1}, {5, 1}}})};
-      Workers workers(1);
-      const Ways ways(scene, workers);
-      const bool is_way = width_m > 0.5;
-      EXPECT_EQ(ways.route(0)[0].field->reaches({-4, 0}), is_way) << width_m << " " << shift_m;
-      EXPECT_EQ(ways.nav_mesh().path(Eigen::Vector2d(-4, 0), Eigen::Vector2d(4, 0)).arrives, is_way)
-          << width_m << " " << shift_m;
-    }
+/// Two boxes that leave a gap in a wall across the ground, which is turned and shifted against the
+/// cells.
+Scene gap_in_a_wall(double width_m, double thick_m, double shift_m, double turn_rad) {
+  Scene scene;
+  scene.ground = {{-6, -6}, {6, 6}};
+  const Eigen::Vector2d across(-std::sin(turn_rad), std::cos(turn_rad));
+  for (const double side : {-1.0, 1.0}) {
+    const Eigen::Vector2d middle = (shift_m + side * (0.5 * width_m + 10)) * across;
+    scene.obstacles.push_back(box(middle.x(), middle.y(), thick_m, 20, turn_rad));
   }
+  scene.groups = {group(1, {{-5, -1}, {-4, 1}}, {{{4, -1}, {5, 1}}})};
+  return scene;
+}
+
+TEST(NavMesh, WhereADiscOf44CentimetresFitsIsAWayAndWhere40FitIsNone) {
+  for (const double width_m : {0.20, 0.30, 0.35, 0.40, 0.44, 0.45, 0.5, 0.6, 0.7, 0.8, 0.9, 1.2})
+    for (const double thick_m : {0.02, 0.2, 1.0})
+      for (const double shift_m : {0.0, 0.03, 0.07, 0.1, 0.11, 0.15, 0.19})
+        for (const double turn_rad : {0.0, 0.1, 0.4, 0.7854, 1.2}) {
+          if (turn_rad > 1 && thick_m > 0.5) continue;  // its ends leave the ground
+          Workers workers(1);
+          const Ways ways(gap_in_a_wall(width_m, thick_m, shift_m, turn_rad), workers);
+          const bool is_way = width_m > 0.42;
+          const std::string which = ::testing::PrintToString(
+              std::vector<double>{width_m, thick_m, shift_m, turn_rad});
+          const Stop& stop = ways.route(0)[0];
+          EXPECT_EQ(stop.field->reaches({-4.5, 0.1}), is_way) << which;
+          EXPECT_EQ(ways.nav_mesh().path(Eigen::Vector2d(-4.5, 0.1), stop.goal.areas).arrives, is_way)
+              << which;
+        }
+}
+
+TEST(NavMesh, KnowsTheWayOnGroundsOfAnyShape) {
+  for (const auto& [x, y] : {std::pair{0.1, 0.1}, {0.1, 5.0}, {3.0, 0.12}, {1000.0, 0.5},
+                             {20000.0, 0.6}, {0.3, 190000.0}, {3000.0, 3000.0}}) {
+    Scene scene;
+    scene.ground = {{-0.5 * x, -0.5 * y}, {0.5 * x, 0.5 * y}};
+    const Path path = mesh_of(scene).path(Eigen::Vector2d(-0.45 * x, -0.45 * y),
+                                          Eigen::Vector2d(0.45 * x, 0.45 * y));
+    EXPECT_TRUE(path.arrives) << x << " m x " << y << " m";
+    EXPECT_NEAR(path.length_m(), 0.9 * std::hypot(x, y), 0.01 * std::hypot(x, y) + 0.2);
+  }
+}
+
+TEST(NavMesh, RefusesWhatIsNoGround) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const Rectangle& ground : {Rectangle{{0, 0}, {0, 5}}, Rectangle{{1, 1}, {0, 0}},
+                                  Rectangle{{0, 0}, {infinite, 1}}, Rectangle{{NAN, 0}, {1, 1}}})
+    EXPECT_FALSE(NavMesh(ground, {}).is_built());
+  const std::vector<std::vector<Eigen::Vector2d>> footprints = {{{1, 1}, {NAN, 2}, {2, 2}}};
+  EXPECT_FALSE(NavMesh({{0, 0}, {5, 5}}, footprints).is_built());
+  EXPECT_EQ(NavMesh({{0, 0}, {5, 5}}, {}).piece_at({NAN, 1}), -1);
 }
 
 TEST(NavMesh, AgreesWithFlowFieldsAboutWaysAndTheirLengths) {
