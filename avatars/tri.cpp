@@ -8,10 +8,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <optional>
+#include <span>
 
 #include "base/errors.h"
+#include "base/regular_file.h"
 
 namespace throng {
 namespace {
@@ -271,24 +272,10 @@ TriFile parse_tri(std::string_view text, const std::string& file_name) {
 }
 
 TriFile read_tri(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw InputError(name, "a .tri file", "no such file");
-  if (std::filesystem::is_directory(status)) throw InputError(name, "a .tri file", "a directory");
-  // A pipe or a device never ends; only a regular file has a size to judge before reading.
-  if (!std::filesystem::is_regular_file(status))
-    throw InputError(name, "a .tri file", "something that is not a regular file");
-  const uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error) throw InputError(name, "a readable .tri file", error.message());
-  if (bytes > kMaxTriBytes)
-    throw InputError(name, fmt::format("a .tri file of at most {} MiB", kMaxTriBytes >> 20),
-                     fmt::format("{} MiB", bytes >> 20));
-  std::ifstream in(path, std::ios::binary);
-  std::string text(static_cast<size_t>(bytes), '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!in) throw InputError(name, "a readable .tri file", "a file that cannot be read");
-  return parse_tri(text, name);
+  const RegularFile file(path, "a .tri file", kMaxTriBytes);
+  std::string text(static_cast<size_t>(file.size()), '\0');
+  file.read(std::as_writable_bytes(std::span(text)));
+  return parse_tri(text, path.string());
 }
 
 }  // namespace throng

@@ -32,14 +32,18 @@ class Descriptor {
 
 const char* kind_of(mode_t mode) {
   if (S_ISDIR(mode)) return "a directory";
-  if (S_ISFIFO(mode)) return "a named pipe";
-  if (S_ISSOCK(mode)) return "a socket";
-  if (S_ISCHR(mode) || S_ISBLK(mode)) return "a device";
+  if (S_ISFIFO(mode)) return "a named pipe, not a regular file";
+  if (S_ISSOCK(mode)) return "a socket, not a regular file";
+  if (S_ISCHR(mode) || S_ISBLK(mode)) return "a device, not a regular file";
   return "something that is not a regular file";
 }
 
 std::string reason(int error) {
   return error == ENOENT ? "no such file" : std::string(std::strerror(error));
+}
+
+std::string in_words(uint64_t bytes) {
+  return bytes >> 20 > 0 ? fmt::format("{} MiB", bytes >> 20) : fmt::format("{} bytes", bytes);
 }
 
 /// The file behind a descriptor that only names it (O_PATH): opening by name again could meet
@@ -69,9 +73,8 @@ RegularFile::RegularFile(const std::filesystem::path& path, std::string_view exp
   if (!S_ISREG(status.st_mode)) refuse(kind_of(status.st_mode));
   size_ = static_cast<uint64_t>(status.st_size);
   if (size_ > most_bytes)
-    refuse(size_ >> 20 > 0
-               ? fmt::format("{} MiB; at most {} are read", size_ >> 20, most_bytes >> 20)
-               : fmt::format("{} bytes; at most {} are read", size_, most_bytes));
+    throw InputError(path.string(), fmt::format("{} of at most {}", expected, in_words(most_bytes)),
+                     in_words(size_));
   // Whoever has closed standard input must not find a file of ours in its place.
   if (opened.number() > STDERR_FILENO) {
     descriptor_ = opened.release();

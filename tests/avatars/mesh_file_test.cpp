@@ -126,9 +126,10 @@ TEST_F(MeshFiles, AHeaderWithoutAnEndIsRefusedInTime) {
 
 TEST_F(MeshFiles, OnlyRegularFilesAreMeshes) {
   ASSERT_EQ(::mkfifo(file("pipe.stl").c_str(), 0600), 0);
-  EXPECT_THAT(complaint(file("pipe.stl")), EndsWith("expected a stl mesh, found a named pipe"));
+  EXPECT_THAT(complaint(file("pipe.stl")),
+              EndsWith("expected a stl mesh, found a named pipe, not a regular file"));
   fs::create_symlink("/dev/zero", file("device.obj"));
-  EXPECT_THAT(complaint(file("device.obj")), EndsWith("found a device"));
+  EXPECT_THAT(complaint(file("device.obj")), HasSubstr("found a device"));
   fs::create_directory(file("folder.dae"));
   EXPECT_THAT(complaint(file("folder.dae")), EndsWith("found a directory"));
   EXPECT_THAT(complaint(file("none.glb")), EndsWith("found no such file"));

@@ -297,7 +297,8 @@ TEST_F(Apart, OnlyRegularFilesAreOpened) {
   EXPECT_THAT(complaint(as_it_is, {}, "none.foo"), HasSubstr("expected a foo, found no such file"));
   EXPECT_THAT(complaint(as_it_is, {}, "."), HasSubstr("found a directory"));
   ASSERT_EQ(::mkfifo(file("pipe.foo").c_str(), 0600), 0);
-  EXPECT_THAT(complaint(as_it_is, {}, "pipe.foo"), HasSubstr("found a named pipe"));
+  EXPECT_THAT(complaint(as_it_is, {}, "pipe.foo"),
+              HasSubstr("found a named pipe, not a regular file"));
   fs::create_symlink("/dev/zero", file("device.foo"));
   EXPECT_THAT(complaint(as_it_is, {}, "device.foo"), HasSubstr("found a device"));
   fs::create_symlink("loop.foo", file("loop.foo"));
@@ -305,7 +306,7 @@ TEST_F(Apart, OnlyRegularFilesAreOpened) {
   fs::create_symlink("a.foo", file("link.foo"));
   EXPECT_EQ(complaint(as_it_is, {}, "link.foo"), "accepted");
   EXPECT_THAT(complaint(as_it_is, {.most_file_bytes = 9}),
-              HasSubstr("expected a foo, found 10 bytes; at most 9 are read"));
+              HasSubstr("expected a foo of at most 9 bytes, found 10 bytes"));
 }
 
 TEST_F(Apart, SeveralThreadsMayAskAtOnce) {
