@@ -14,6 +14,8 @@ if [ ! -f "build/$preset/build.ninja" ] || [ CMakePresets.json -nt "$cache" ] ||
     ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$(pwd -P)" "$cache"; then
   if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
   cmake --fresh --preset "$preset" >&2
+elif grep -qE '^(JAVAC|JAR|LCM_JAR):.*-NOTFOUND' "$cache" && command -v javac >/dev/null; then
+  cmake "build/$preset" >&2 # a JDK has come since: the message types for Java can be built
 fi
 
 # Two heavy compilations want some 2 GB: never more jobs than cores.

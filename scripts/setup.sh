@@ -2,7 +2,8 @@
 # Installs the Debian 12 packages that Throng builds on, as root or through sudo. Does nothing when
 # all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh
 # test` what only tests need, `scripts/setup.sh page` the browser that tests the page,
-# `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh need.
+# `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh need. Says beforehand how
+# much it downloads, then how far it is; what apt-get and dpkg print is shown where they fail.
 set -euo pipefail
 
 packages=(
@@ -68,11 +69,48 @@ if [ "$(id -u)" -ne 0 ]; then
   as_root=(sudo)
 fi
 
-echo "Installing ${#missing[@]} packages: ${missing[*]}" >&2
-apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+begun=$SECONDS
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -q -o Acquire::Retries=3
   -o Dpkg::Use-Pty=0)
-if ! { "${apt[@]}" update && "${apt[@]}" install -y --no-install-recommends "${missing[@]}"; } \
-    </dev/null >&2; then
+install=(install -y --no-install-recommends "${missing[@]}")
+
+say() { # TEXT: over the last one on a terminal, else a line
+  if [ -t 2 ]; then printf '\r\033[K%s' "$1" >&2; else printf '%s\n' "$1" >&2; fi
+}
+
+# apt-get's own count of how far it is, among what it prints: (dl|pm)status:PACKAGE:PERCENT:TEXT
+show_progress() {
+  local line phase percent shown=
+  while IFS= read -r line; do
+    case $line in
+      dlstatus:*) phase="downloading" ;;
+      pmstatus:*) phase="unpacking and setting up" ;;
+      *) printf '%s\n' "$line" >>"$log"; continue ;;
+    esac
+    percent=$(sed -nE 's/^[a-z]+:[^:]*(:[a-z0-9]+)?:([0-9]+)[.0-9]*:.*/\2/p' <<<"$line")
+    # A line a quarter where nothing can be written over.
+    [ -t 2 ] || percent=$((${percent:-0} / 25 * 25))
+    [ "$shown" = "$phase $percent" ] && continue
+    shown="$phase $percent"
+    say "  $phase: ${percent:-0} %"
+  done
+}
+
+fail() {
+  [ ! -t 2 ] || printf '\n' >&2
+  cat "$log" >&2
   echo "scripts/setup.sh: apt-get could not install: ${missing[*]}" >&2
   exit 3
-fi
+}
+
+"${apt[@]}" update </dev/null >>"$log" 2>&1 || fail
+# What it will cost: apt-get knows, and does nothing yet.
+cost=$("${apt[@]}" install --print-uris --no-install-recommends "${missing[@]}" -y </dev/null 2>>"$log" |
+  sed -nE 's/^.* ([0-9]+) newly installed.*/\1 packages/p; s/^Need to get (.*) of archives.*/\1 to download/p
+    s/^After this operation, (.*) of additional disk space.*/\1 on disk/p' | paste -sd ';' | sed 's/;/, /g') || true
+echo "Installing ${#missing[@]} packages and what they need${cost:+ ($cost)}: ${missing[*]}" >&2
+"${apt[@]}" -o APT::Status-Fd=1 "${install[@]}" </dev/null 2>&1 | show_progress || fail
+say "  installed in $((SECONDS - begun)) s"
+[ ! -t 2 ] || printf '\n' >&2
