@@ -35,7 +35,7 @@ step "checkpoints" "$build/resume_tests" --gtest_filter='*Resume*'
 step "one hash" bash scripts/determinism.sh release
 step "load" "$build/stress_tests"
 step "no misses" "$build/no_miss" "$pairs"
-step "soak" bash scripts/soak.sh 1
+step "soak" bash scripts/soak.sh 1 0
 
 sum() { # the sum of the numbers that a sed expression finds
   sed -n "$1" "$out" | awk '{total += $1} END {printf "%d\n", total}'

@@ -1,0 +1,81 @@
+#!/usr/bin/env bash
+# What is too long for every change: scripts/nightly.sh [STEP...]; all steps unless some are named, for
+# example `scripts/nightly.sh docs soak`. What a step prints is kept in build/nightly/STEP.txt. Ends with
+# a table of steps, times and last words; exit code 1 if one is broken or could not run.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+
+declare -A what=(
+  [docs]="every count and size in the documents whose command takes less than a minute"
+  [no_miss]="no misses over ten million near part pairs, with the day as the seed"
+  [determinism]="one hash over compilers, optimisation, threads and SIMD targets"
+  [meshes]="5000 mutated mesh files"
+  [scenes]="10000 scenes with a field replaced"
+  [urdfs]="3000 mutated URDFs"
+  [fuzz]="ten minutes of libFuzzer for each reader"
+  [tidy]="clang-tidy over all sources"
+  [soak]="an hour of people who walk and touch all the time"
+  [asan]="the whole suite under the address and undefined behaviour sanitizers"
+  [tsan]="the whole suite under the thread sanitizer"
+)
+order=(docs no_miss determinism meshes scenes urdfs fuzz tidy soak asan tsan)
+
+steps=("$@")
+[ ${#steps[@]} -gt 0 ] || steps=("${order[@]}")
+for step in "${steps[@]}"; do
+  if [ -z "${what[$step]:-}" ]; then
+    echo "scripts/nightly.sh: expected ${order[*]}, found '$step'" >&2
+    exit 2
+  fi
+done
+
+generator() { # PROGRAM COUNT: a test program that makes its input up
+  bash scripts/build.sh release throng "$1" && "build/release/$1" "$2"
+}
+
+tidy() {
+  if ! command -v run-clang-tidy >/dev/null; then
+    echo "scripts/nightly.sh: expected run-clang-tidy; apt-get install clang-tidy" >&2
+    return 3
+  fi
+  # Everything is built before: clang-tidy needs the generated headers.
+  bash scripts/build.sh release &&
+    run-clang-tidy -quiet -p build/release -j "$(nproc)" "^$PWD/(apps|avatars|base|bench|culling|kinematics|lcmtypes|scenes|tests|viewer)/"
+}
+
+run_step() {
+  local seed
+  seed=$(date +%Y%m%d)
+  case $1 in
+    docs) bash scripts/docs.sh --nightly ;;
+    no_miss) bash scripts/build.sh release no_miss && echo "seed $seed" && build/release/no_miss 10000000 "$seed" ;;
+    determinism) bash scripts/determinism.sh release clang checked debug ;;
+    meshes) generator mutated_meshes 5000 ;;
+    scenes) generator mutated_scenes 10000 ;;
+    urdfs) generator mutated_urdfs 3000 ;;
+    fuzz) bash scripts/fuzz.sh 600 ;;
+    tidy) tidy ;;
+    soak) bash scripts/soak.sh 60 ;;
+    asan | tsan) bash scripts/sanitize.sh "$1" ;;
+  esac
+}
+
+out=build/nightly
+mkdir -p "$out"
+status=0 table=
+for step in "${steps[@]}"; do
+  echo "== $step: ${what[$step]}"
+  begun=$SECONDS
+  if run_step "$step" >"$out/$step.txt" 2>&1; then
+    verdict=fine
+  else
+    verdict=BROKEN status=1
+    tail -n 20 "$out/$step.txt" >&2
+  fi
+  last=$(tail -n 1 "$out/$step.txt" | cut -c1-90)
+  echo "   $verdict after $((SECONDS - begun)) s: $last"
+  table+=$(printf '%-12s %-7s %6d s  %s' "$step" "$verdict" $((SECONDS - begun)) "$last")$'\n'
+done
+printf '\n%s' "$table"
+[ "$status" -eq 0 ] || echo "broken: what was printed lies in $out/STEP.txt" >&2
+exit "$status"
