@@ -187,19 +187,26 @@ SimulationOptions simulation_options(const RunOptions& options) {
   return out;
 }
 
-Scene scene_for(const RunOptions& options) {
-  Scene scene = load_scene(options.scene);
+/// The scene as it is to run, and how many times longer its plan became.
+struct Prepared {
+  Scene scene;
+  double plan_factor = 1;
+  std::vector<std::string> notes;
+};
+
+Prepared scene_for(const RunOptions& options) {
+  Prepared out{.scene = load_scene(options.scene)};
+  Scene& scene = out.scene;
   if (options.seconds) scene.duration_s = *options.seconds;
   if (options.seed) scene.seed = *options.seed;
   if (!options.part_volume.empty()) scene.part_volume = volume_of(options.part_volume).value();
   if (options.exact) scene.exact = true;
   if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
   if (options.avatars) {
-    std::vector<std::string> notes;
-    scale_to(scene, *options.avatars, notes);
-    for (const std::string& note : notes) fmt::print(stderr, "note: {}\n", note);
+    out.plan_factor = scale_to(scene, *options.avatars, out.notes);
+    for (const std::string& note : out.notes) fmt::print(stderr, "note: {}\n", note);
   }
-  return scene;
+  return out;
 }
 
 /// Frames from states to states, as --states-hz asks for.
@@ -315,6 +322,10 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
   report.deadline_tests = options.deadline_tests;
   report.steering = scene.steering;
   report.summary = summary;
+  for (const Stranding& stranding : summary.strandings)
+    report.stranded.push_back(
+        {scene.groups[stranding.group].name, stranding.stop + 1, stranding.people});
+  report.ground_m = scene.ground.size_m();
   report.lcm.url = "off";
   if (listeners.lcm != nullptr)
     report.lcm = {listeners.lcm->url(), listeners.lcm->messages(), listeners.lcm->bytes(),
@@ -330,7 +341,8 @@ int run_scene(const RunOptions& options) {
   const SimulationOptions simulated = simulation_options(options);
   OutputPlan plan = planned_outputs(options);
   plan.check();  // before what takes its time
-  Scene scene = scene_for(options);
+  Prepared prepared = scene_for(options);
+  Scene& scene = prepared.scene;
   const double states = state_every(options, scene);
   plan_inputs(scene, plan);
   plan.check();
@@ -371,6 +383,9 @@ int run_scene(const RunOptions& options) {
 
   RunReport report = report_of(options, simulated, simulation.scene(), summary, listeners, log);
   if (driver != nullptr) report.driven = driver->counts();
+  report.plan_factor = prepared.plan_factor;
+  report.notes = std::move(prepared.notes);
+  report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
   report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
   fmt::print("{}", format_table(report));
   int exit_code = kExitFine;

@@ -31,8 +31,9 @@ std::string_view kind_name(Obstacle::Kind kind) {
 
 /// The legs of the first way that a group walks, from the middle of where it starts.
 void add_way(std::string& text, const Group& group, const NavMesh& mesh) {
-  Eigen::Vector2d from =
-      group.count > 0 ? group.spawn.middle_m() : group.sources.front().area.middle_m();
+  Eigen::Vector2d from = group.count > 0 || group.sources.empty()
+                             ? group.spawn.middle_m()
+                             : group.sources.front().area.middle_m();
   text += "    way      ";
   for (size_t i = 0; i < group.goals.size(); ++i) {
     const Path path = mesh.path(from, group.goals[i].areas);
@@ -117,7 +118,8 @@ std::string describe_scene(const std::string& path_or_name) {
     return text;
   }
   const Walkable walkable(scene);
-  const NavMesh mesh(scene.ground, walkable.footprints(), FlowGrid(walkable).passages());
+  const FlowGrid grid(walkable);
+  const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures());
   fmt::format_to(std::back_inserter(text),
                  "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
                  mesh.polygon_count(), mesh.voxel_m());

@@ -76,10 +76,29 @@ Json to_json(const StageMedians& stage) {
           {"events", stage.events_ms},         {"publish", stage.publish_ms}};
 }
 
-int stranded(const RunSummary& summary) {
+int stranded(const RunReport& report) {
   int people = 0;
-  for (const Stranding& stranding : summary.strandings) people += stranding.people;
+  for (const RunReport::Stranded& each : report.stranded) people += each.people;
   return people;
+}
+
+Json stranded_json(const RunReport& report) {
+  Json groups = Json::array();
+  for (const RunReport::Stranded& each : report.stranded)
+    groups.push_back({{"group", each.group}, {"goal", each.goal}, {"people", each.people}});
+  return {{"people", stranded(report)}, {"groups", groups}};
+}
+
+std::string stranded_text(const RunReport& report) {
+  const int people = stranded(report);
+  std::string text =
+      fmt::format("{} {} cannot reach a goal", people, people == 1 ? "person" : "people");
+  const char* between = ": ";
+  for (const RunReport::Stranded& each : report.stranded) {
+    text += fmt::format("{}{} of group '{}' goal {}", between, each.people, each.group, each.goal);
+    between = ", ";
+  }
+  return text;
 }
 
 /// What the levels of pairs are called.
@@ -124,10 +143,14 @@ Json to_json(const RunReport& report) {
                     {"left", summary.traffic.left},
                     {"waiting", summary.traffic.waiting},
                     {"to_come", summary.traffic.to_come},
-                    {"stranded", stranded(summary)},
+                    {"stranded", stranded(report)},
                     {"queuing_peak", summary.queuing_peak},
                     {"longest_stall_s", summary.longest_stall_s},
                     {"deepest_overlap_m", summary.deepest_overlap_m}};
+  json["stranded"] = stranded_json(report);
+  json["plan"] = {{"grew", report.plan_factor},
+                  {"ground_m", {report.ground_m.x(), report.ground_m.y()}}};
+  json["notes"] = report.notes;
   json["parts"] = summary.parts;
   json["frames"] = summary.frames;
   json["stopped_early"] = summary.stopped_early;
@@ -143,6 +166,7 @@ Json to_json(const RunReport& report) {
                               {"frames_held", driven.frames_held},
                               {"missing", driven.missing},
                               {"late", driven.late},
+                              {"restarts", driven.restarts},
                               {"refused", driven.refused},
                               {"refusal", driven.refusal},
                               {"clamped", driven.clamped}});
@@ -221,13 +245,14 @@ std::string format_table(const RunReport& report) {
     line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
                                traffic.entered, traffic.left, traffic.present, traffic.waiting,
                                traffic.to_come));
+  line("stranded", stranded_text(report));
   for (const DriveReceiver::Counts& driven : report.driven)
     line("driven",
          fmt::format("{} by {}: {} messages, {} missing, {} late, {} refused{}; the last "
-                     "pose held in {} of {} frames; {} values out of range",
+                     "pose held in {} of {} frames; {} values out of range; started anew {} times",
                      driven.group, driven.channel, driven.messages, driven.missing, driven.late,
                      driven.refused, driven.refusal.empty() ? "" : " (" + driven.refusal + ")",
-                     driven.frames_held, driven.frames, driven.clamped));
+                     driven.frames_held, driven.frames, driven.clamped, driven.restarts));
   if (report.pace.factor > 0)
     line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
                              "{:.0f} ms, {:.0f} ms behind at the end",

@@ -3,6 +3,7 @@
 // unit.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -48,6 +49,17 @@ struct RunReport {
     ContactTotals totals;
   };
   std::optional<Contacts> contacts;  ///< with --contacts
+
+  /// People of one group who cannot reach one of its goals, at the end.
+  struct Stranded {
+    std::string group;
+    uint32_t goal = 0;  ///< from 1
+    int people = 0;
+  };
+  std::vector<Stranded> stranded;
+  double plan_factor = 1;  ///< how many times longer --avatars made the plan
+  Eigen::Vector2d ground_m = Eigen::Vector2d::Zero();
+  std::vector<std::string> notes;  ///< what was said while the run was prepared
 };
 
 /// A table with a row for each stage, then a line each for time, events, log, messages and hash.

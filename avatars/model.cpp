@@ -49,8 +49,8 @@ Shape shape_of(const Geometry& geometry, const std::string& where) {
   if (path.find("://") != std::string::npos)
     throw InputError(
         where,
-        "a package above the URDF or in $ROS_PACKAGE_PATH (a folder of its name, or one "
-        "with its package.xml)",
+        "a package above the URDF, in $ROS_PACKAGE_PATH or in $AMENT_PREFIX_PATH (a folder of its "
+        "name, or one with its package.xml)",
         fmt::format("none for '{}'", path));
   return {read_mesh(geometry.mesh_file), geometry.mesh_file.filename().string()};
 }

@@ -15,14 +15,17 @@
 #include "base/errors.h"
 
 namespace throng {
-namespace {
 
-/// For a gnuplot string in single quotes.
-std::string quoted(std::string text) {
+std::string figure_text(std::string text) {
+  // A line end would end the string, and begin a command.
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   for (size_t at = text.find('\''); at != std::string::npos; at = text.find('\'', at + 2))
     text.insert(at, 1, '\'');
   return "'" + text + "'";
 }
+
+namespace {
 
 /// ": " and what a program said, in one line; "" if it said nothing.
 std::string words_of(FILE* file) {
@@ -59,7 +62,7 @@ std::string draw(const Figure& figure, const std::filesystem::path& folder) {
   fmt::print(gnuplot,
              "set terminal svg size 900,460 font 'sans-serif,12' background rgb 'white' name '{}'\n"
              "set output {}\n{}set output\n",
-             figure.id, quoted(file.string()), figure.script);
+             figure.id, figure_text(file.string()), figure.script);
   const int status = pclose(gnuplot);
   std::ifstream in(file, std::ios::binary);
   std::string svg{std::istreambuf_iterator<char>(in), {}};

@@ -19,6 +19,10 @@ struct Figure {
 inline constexpr const char* kFigureColours[] = {"#4477aa", "#ee6677", "#228833",
                                                  "#ccbb44", "#aa3377", "#66ccee"};
 
+/// A text of any origin (the name of a part, a path) as gnuplot takes it: in quotes that it cannot
+/// leave. Whatever else stands in a script is run as a command.
+std::string figure_text(std::string text);
+
 /// Whether figures can be drawn here at all.
 bool has_gnuplot();
 

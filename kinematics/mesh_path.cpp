@@ -62,6 +62,12 @@ fs::path in_package(const std::string& uri, const std::string& rest, const fs::p
     for (std::string entry; std::getline(list, entry, ':');)
       if (!entry.empty() && holds_file(entry)) return *first_found;
   }
+  // What ROS 2 installs of a package lies in PREFIX/share/PACKAGE.
+  if (const char* prefixes = std::getenv("AMENT_PREFIX_PATH")) {
+    std::istringstream list(prefixes);
+    for (std::string entry; std::getline(list, entry, ':');)
+      if (!entry.empty() && holds_file(fs::path(entry) / "share" / package)) return *first_found;
+  }
   return first_found.value_or(fs::path(uri));
 }
 

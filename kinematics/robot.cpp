@@ -15,6 +15,7 @@
 #include "base/errors.h"
 #include "kinematics/mesh_path.h"
 #include "kinematics/urdf_check.h"
+#include "kinematics/urdf_idle.h"
 
 namespace throng {
 namespace {
@@ -194,8 +195,20 @@ void check_nothing_lost(const std::vector<XmlElement>& elements, const Robot& ro
 
 }  // namespace
 
-Robot parse_urdf(const std::string& text, const std::filesystem::path& file) {
-  const auto elements = scan_xml(text, file.string(), kUrdfCaps);
+Robot parse_urdf(const std::string& whole, const std::filesystem::path& file) {
+  std::vector<std::string> notes;
+  std::string text = whole;
+  // Programs in C that write a string with its end do this.
+  while (!text.empty() && text.back() == '\0') text.pop_back();
+  if (text.size() < whole.size())
+    notes.push_back(fmt::format("the last {} bytes are zero: skipped", whole.size() - text.size()));
+  auto elements = scan_xml(text, file.string(), kUrdfCaps);
+  const size_t notes_before = notes.size();
+  std::string used = without_idle(text, elements, notes);
+  if (notes.size() > notes_before) {
+    text = std::move(used);
+    elements = scan_xml(text, file.string(), kUrdfCaps);
+  }
   check_urdf(elements, file.string());
   Messages messages;
   const auto model = parse_quietly(with_plain_values(text, elements, text.data()), messages);
@@ -226,7 +239,9 @@ Robot parse_urdf(const std::string& text, const std::filesystem::path& file) {
     joint.mimic = {joint_index.at(mimic->joint_name), mimic->multiplier, mimic->offset};
   }
   check_nothing_lost(elements, robot, file.string(), messages.errors);
-  robot.notes = unused_in_urdf(elements);
+  robot.notes = std::move(notes);
+  const std::vector<std::string> unused = unused_in_urdf(elements);
+  robot.notes.insert(robot.notes.end(), unused.begin(), unused.end());
   if (!messages.errors.empty()) robot.notes.push_back("urdfdom says: " + messages.errors);
   return robot;
 }

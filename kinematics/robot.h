@@ -52,7 +52,7 @@ struct Robot {
   std::string name;
   std::vector<Link> links;         ///< parents before children; links[0] is the root
   std::vector<Joint> joints;       ///< joints[i].child_link == i + 1
-  std::vector<std::string> notes;  ///< what the URDF says that we do not use, a line each
+  std::vector<std::string> notes;  ///< what the URDF says that we skip or do not use, a line each
 };
 
 /// Reads and checks a URDF file. The text is checked for size, depth, two parents, loops, zero

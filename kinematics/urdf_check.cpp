@@ -14,25 +14,6 @@
 namespace throng {
 namespace {
 
-/// All numbers of a white-space separated list, or nothing if one of them is not a finite number.
-std::optional<std::vector<double>> finite_numbers(std::string_view text) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (;;) {
-    while (at != end && (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r')) ++at;
-    if (at == end) return numbers;
-    if (*at == '+') ++at;
-    double number = 0;
-    const auto [next, error] = std::from_chars(at, end, number);
-    if (error != std::errc{} || !std::isfinite(number)) return std::nullopt;
-    if (next != end && *next != ' ' && *next != '\t' && *next != '\n' && *next != '\r')
-      return std::nullopt;
-    numbers.push_back(number);
-    at = next;
-  }
-}
-
 /// For an error, which is one line whatever the file holds.
 std::string quoted(std::string_view text) {
   std::string shown(text.substr(0, 60));
@@ -204,7 +185,7 @@ class Check {
            fmt::format("{}: it has several degrees of freedom; the root link moves freely already, "
                        "and elsewhere a chain of single joints says the same",
                        quoted(type)));
-    const std::vector<std::string> known{"fixed", "revolute", "continuous", "prismatic"};
+    static const std::vector<std::string> known{"fixed", "revolute", "continuous", "prismatic"};
     if (std::find(known.begin(), known.end(), type) == known.end())
       fail(joint, "a joint type fixed, revolute, continuous or prismatic",
            quoted(type) + did_you_mean(type, known));
@@ -351,6 +332,24 @@ constexpr std::array kKnownTags{
 
 }  // namespace
 
+std::optional<std::vector<double>> finite_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (;;) {
+    while (at != end && (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r')) ++at;
+    if (at == end) return numbers;
+    if (*at == '+') ++at;
+    double number = 0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc{} || !std::isfinite(number)) return std::nullopt;
+    if (next != end && *next != ' ' && *next != '\t' && *next != '\n' && *next != '\r')
+      return std::nullopt;
+    numbers.push_back(number);
+    at = next;
+  }
+}
+
 void check_urdf(const std::vector<XmlElement>& elements, const std::string& file) {
   Check(elements, file).run();
 }
@@ -372,9 +371,15 @@ std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements)
                       .first->second;
     ++entry.first;
   }
+  constexpr size_t kMostTags = 60;  // a page; the rest is a number
   std::vector<std::string> notes;
-  for (const auto& [tag, count] : counts)
+  for (const auto& [tag, count] : counts) {
+    if (notes.size() == kMostTags) {
+      notes.push_back(fmt::format("and {} more tags: not understood", counts.size() - kMostTags));
+      break;
+    }
     notes.push_back(fmt::format("{} x{}: {}", tag, count.first, count.second));
+  }
   return notes;
 }
 

@@ -2,7 +2,9 @@
 // One rule: whatever urdfdom or KDL would crash on, or accept and get wrong, is refused here.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kinematics/xml_scan.h"
@@ -10,9 +12,14 @@
 namespace throng {
 
 /// A real URDF is below 1 MB and 6 tags deep (a dozen with simulator extensions); tinyxml, which
-/// urdfdom uses, overflows the stack at some 10^5 nested tags.
-inline constexpr XmlCaps kUrdfCaps{
-    .bytes = 16u << 20, .depth = 64, .elements = 200'000, .value_bytes = 4096};
+/// urdfdom uses, overflows the stack at some 10^5 nested tags, and looks through all attributes of
+/// a tag for each further one: a tag of URDF has ten at most.
+inline constexpr XmlCaps kUrdfCaps{.bytes = 16u << 20,
+                                   .depth = 64,
+                                   .elements = 200'000,
+                                   .value_bytes = 4096,
+                                   .attributes = 64,
+                                   .name_bytes = 256};
 /// The largest humanoids with hands have some 200 links.
 inline constexpr int kMaxLinks = 2048;
 /// KDL recurses along a chain and overflows the stack at some 10^4 links; snakes have about 100.
@@ -25,6 +32,9 @@ inline constexpr double kMaxLength_m = 1e4;
 inline constexpr double kMaxAngle_rad = 1e3;
 /// From micrometres to kilometres, in either direction.
 inline constexpr double kMaxMeshScale = 1e6;
+
+/// All numbers of a white-space separated list, or nothing if one of them is not a finite number.
+std::optional<std::vector<double>> finite_numbers(std::string_view text);
 
 /// Throws InputError "file:line: ..." at the first defect.
 void check_urdf(const std::vector<XmlElement>& elements, const std::string& file);

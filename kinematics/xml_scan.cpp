@@ -110,7 +110,11 @@ class Scanner {
   std::string_view name() {
     const size_t start = at_;
     while (at_ < text_.size() && !ends_name(text_[at_])) ++at_;
-    return text_.substr(start, at_ - start);
+    const std::string_view found = text_.substr(start, at_ - start);
+    if (found.size() > caps_.name_bytes)
+      fail(line_, fmt::format("names of at most {} bytes", caps_.name_bytes),
+           fmt::format("'{}...' of {}", shown(found), found.size()));
+    return found;
   }
 
   void close_tag() {
@@ -125,6 +129,7 @@ class Scanner {
     if (opened.name != closed)
       fail(line, fmt::format("</{}>, which closes line {}", shown(opened.name), opened.line),
            fmt::format("</{}>", shown(closed)));
+    elements_[static_cast<size_t>(open_.back())].end = at_;
     open_.pop_back();
   }
 
@@ -142,6 +147,7 @@ class Scanner {
     if (here() != '>')
       fail(line_, fmt::format("'>' to end <{}", shown(element.name)), "something else");
     advance(1);
+    element.end = at_;
     push(std::move(element), empty);
   }
 
@@ -151,6 +157,10 @@ class Scanner {
       if (attribute_name.empty())
         fail(line_, fmt::format("an attribute or '>' in <{}", shown(element.name)),
              at_ < text_.size() ? "something else" : "the end of the file");
+      if (element.attributes.size() == caps_.attributes)
+        fail(line_,
+             fmt::format("at most {} attributes in <{}>", caps_.attributes, shown(element.name)),
+             "more");
       skip_spaces();
       if (here() != '=')
         fail(line_, fmt::format("'=' after the attribute '{}'", shown(attribute_name)),

@@ -19,6 +19,7 @@ struct XmlElement {
   int parent = -1;  ///< index of the enclosing element
   int first_child = -1;
   int next_sibling = -1;
+  size_t end = 0;  ///< offset behind the tag that closes it
 
   /// The attribute's value, or null if it is not there.
   const std::string* attribute(std::string_view attribute_name) const;
@@ -29,6 +30,8 @@ struct XmlCaps {
   int depth;
   int elements;
   size_t value_bytes;  ///< of one attribute
+  size_t attributes;   ///< of one tag
+  size_t name_bytes;   ///< of a tag or an attribute
 };
 
 /// Tags, attributes and line numbers of `text`; character data is skipped. Throws InputError

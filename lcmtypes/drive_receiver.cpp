@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 
 #include "base/errors.h"
@@ -87,15 +88,37 @@ std::string DriveReceiver::defect_of(const Listener& listener, const drive_t& me
 
 bool DriveReceiver::is_current(Listener& listener, const drive_t& message, size_t bytes) {
   const auto now = Clock::now();
-  const bool restarts = message.seq == 0 || now - listener.last > kRestart;
-  listener.last = now;
   ChannelTally& tally = listener.tally;
-  if (restarts && message.seq < tally.next_seq) tally.next_seq = message.seq;
+  const bool is_older = tally.next_seq >= 0 && message.seq < tally.next_seq;
+  if (is_older && message.seq == 0)
+    tally.next_seq = 0;
+  else if (is_older && now - listener.last > kRestart)
+    start_anew(listener, message, std::chrono::duration<double>(now - listener.last).count());
   const bool is_newest = tally.next_seq < 0 || message.seq >= tally.next_seq;
+  const int64_t missing = tally.missing;
   MessageHeader header;
   header.seq = message.seq;
   tally.count(header, bytes);
-  return is_newest;
+  if (!is_newest) return false;
+  // Of messages that are refused or ignored none keeps a channel from starting anew.
+  listener.last = now;
+  listener.last_hole = tally.missing - missing;
+  return true;
+}
+
+void DriveReceiver::start_anew(Listener& listener, const drive_t& message, double silence_s) {
+  ChannelTally& tally = listener.tally;
+  const std::string note = fmt::format(
+      "note: drive channel {}: nothing newer than number {} came for {:.1f} s; counting starts "
+      "anew "
+      "at {}\n",
+      counts_[listener.index].channel, tally.next_seq - 1, silence_s, message.seq);
+  std::fputs(note.c_str(), stderr);
+  ++counts_[listener.index].restarts;
+  // The number that nobody came up to was none: what seemed to be missing before it was never sent.
+  tally.missing -= listener.last_hole;
+  listener.last_hole = 0;
+  tally.next_seq = message.seq;
 }
 
 void DriveReceiver::take(Listener& listener, std::span<const uint8_t> bytes) {

@@ -43,6 +43,7 @@ class DriveReceiver {
     int64_t missing = 0;      ///< holes in seq
     int64_t late = 0;         ///< overtaken by a newer one and not used
     int64_t refused = 0;      ///< damaged, hostile or of avatars that the channel does not drive
+    int64_t restarts = 0;     ///< numbering begun anew after a second in which nothing was accepted
     int64_t clamped = 0;      ///< numbers set to the nearest that is possible
     std::string refusal;      ///< the newest
   };
@@ -57,13 +58,15 @@ class DriveReceiver {
     size_t index = 0;    // into counts_
     uint16_t group = 0;  // of the run
     ChannelTally tally;
-    bool is_new = false;  // something came since the last apply()
-    Clock::time_point last{};
+    bool is_new = false;       // something came since the last apply()
+    Clock::time_point last{};  // when a message was accepted
+    int64_t last_hole = 0;     // in seq, before that message
   };
   void subscribe();
   void take(Listener& listener, std::span<const uint8_t> bytes);
   std::string defect_of(const Listener& listener, const drive_t& message) const;
   bool is_current(Listener& listener, const drive_t& message, size_t bytes);
+  void start_anew(Listener& listener, const drive_t& message, double silence_s);
   void move(Listener& listener, const drive_t& message);
 
   const RunInfo& run_;

@@ -21,7 +21,8 @@ constexpr double kSlowest = 2.5;
 /// Discs of 0.44 m (a person of 1.70 m) pass gaps so wide, with a centimetre to spare for where the
 /// walls stand to the cells.
 constexpr double kNarrowest_m = 0.43;
-/// Two cells whose way may lead through a gap that is too narrow: walls are at most so near to them.
+/// Two cells whose way may lead through a gap that is too narrow: walls are at most so near to
+/// them.
 constexpr double kTight_m = 0.35;
 /// People walk to a place of their own before a gap, not to wherever its corner holds them up: from
 /// so many cells.
@@ -36,8 +37,8 @@ Neighbours neighbours_of(const FlowGrid& grid, size_t cell) {
   const auto at = static_cast<ptrdiff_t>(cell);
   const ptrdiff_t column = at % columns;
   const ptrdiff_t row = at / columns;
-  return {column > 0 ? at - 1 : -1, column + 1 < columns ? at + 1 : -1,
-          row > 0 ? at - columns : -1, row + 1 < grid.rows() ? at + columns : -1};
+  return {column > 0 ? at - 1 : -1, column + 1 < columns ? at + 1 : -1, row > 0 ? at - columns : -1,
+          row + 1 < grid.rows() ? at + columns : -1};
 }
 
 template <typename Value>
@@ -67,7 +68,8 @@ Eigen::Vector2d best_place(const Eigen::Vector2d& centre, double cell_m, const W
       }
   };
   try_around(centre, 3, cell_m / 6);
-  for (const double part : {10, 20, 40, 80, 160}) try_around(Eigen::Vector2d(best), 1, cell_m / part);
+  for (const double part : {10, 20, 40, 80, 160})
+    try_around(Eigen::Vector2d(best), 1, cell_m / part);
   return best;
 }
 
@@ -108,15 +110,17 @@ FlowGrid::FlowGrid(const Walkable& walkable) : origin_m_(walkable.ground().min_m
 
 /// Gaps that nobody's cell centre lies in: whoever fits between the walls passes all the same.
 void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clearances_m) {
-  const double margin = margin_m(cell_m_);
-  // Wider gaps hold the centres of cells that are neighbours, whichever way they run.
-  const double widest_m = 2 * margin + 1.5 * cell_m_;
-  const auto clearance = [&](const Eigen::Vector2d& point) {
-    return walkable.obstacle_clearance_m(point);
+  const double widest_m = widest_gap_m(cell_m_);
+  // As far from walls as one can be between them: before a thin wall there is more room.
+  const auto room = [&](const Eigen::Vector2d& point) {
+    return walkable.gap_at(point, widest_m).width_m < widest_m
+               ? walkable.obstacle_clearance_m(point)
+               : -1.0;
   };
   for (size_t cell = 0; cell < slowness_.size(); ++cell) {
     const Eigen::Vector2d centre = centre_m(cell);
-    if (is_free(cell) || static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2)
+    if (is_free(cell) ||
+        static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2)
       continue;
     // In the gap, walls stand on both sides; seen from inside one of them, too.
     const auto walls = walkable.near(centre);
@@ -124,14 +128,14 @@ void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clea
       return walkable.nearest(wall, centre).distance_m < widest_m;
     };
     if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_beside) < 2) continue;
-    const Eigen::Vector2d place = best_place(centre, cell_m_, clearance);
-    if (clearance(place) >= kNarrowest_m / 2 && walkable.ground().contains(place) &&
-        walkable.gap_m(place, widest_m) < widest_m)
+    const Eigen::Vector2d place = best_place(centre, cell_m_, room);
+    if (room(place) >= kNarrowest_m / 2 && walkable.ground().contains(place))
       narrow_.emplace_back(cell, place);
   }
   if (narrow_.empty()) return;
   for (int round = 0; round < kApproach; ++round) add_mouths(walkable, clearances_m);
-  for (const auto& [cell, place] : narrow_) slowness_[cell] = slowness_at(clearance(place));
+  for (const auto& [cell, place] : narrow_)
+    slowness_[cell] = slowness_at(walkable.obstacle_clearance_m(place));
 }
 
 /// Before a gap a cell's centre may be too near one of its corners: there the way leads through
@@ -148,7 +152,8 @@ void FlowGrid::add_mouths(const Walkable& walkable, std::span<const float> clear
             return std::min(walkable.obstacle_clearance_m(point), kBodyMargin_m + 0.05) -
                    0.01 * (point - middle).norm();
           });
-      if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m && walkable.ground().contains(place))
+      if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m &&
+          walkable.ground().contains(place))
         mouths.emplace_back(cell, place);
     }
   const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
@@ -160,35 +165,45 @@ void FlowGrid::add_mouths(const Walkable& walkable, std::span<const float> clear
   std::sort(narrow_.begin(), narrow_.end(), by_cell);
 }
 
-/// True if somebody can walk straight from the place of one cell to that of another.
-bool FlowGrid::leads(const Walkable& walkable, size_t from, size_t to) const {
-  const Eigen::Vector2d start = place_m(from);
-  const Eigen::Vector2d way = place_m(to) - start;
+/// Makes a way between two free cells, if somebody can walk straight from place to place.
+void FlowGrid::join(const Walkable& walkable, size_t from, size_t to) {
+  const Eigen::Vector2d start = place_m(from), end = place_m(to);
   const bool is_new = is_narrow(from) || is_narrow(to);
-  const int steps = static_cast<int>(std::ceil(way.norm() / 0.04));
+  const double widest_m = widest_gap_m(cell_m_);
+  const int steps = std::max(1, static_cast<int>(std::ceil((end - start).norm() / 0.04)));
+  bool is_gap = is_new;
   for (int i = 0; i <= steps; ++i) {
-    const Eigen::Vector2d point = start + (static_cast<double>(i) / steps) * way;
+    const Eigen::Vector2d point = start + (static_cast<double>(i) / steps) * (end - start);
     // Round a single corner a shoulder may brush it; between two walls there has to be room.
-    if (is_new && walkable.obstacle_clearance_m(point) < 0.7 * kBodyMargin_m) return false;
-    if (walkable.gap_m(point, kNarrowest_m) < kNarrowest_m) return false;
+    if (is_new && walkable.obstacle_clearance_m(point) < 0.7 * kBodyMargin_m) return;
+    const Gap gap = walkable.gap_at(point, widest_m);
+    if (gap.width_m < kNarrowest_m) {
+      closures_.push_back(gap.across);
+      return;
+    }
+    is_gap = is_gap || gap.width_m < widest_m;
   }
-  return true;
+  if (is_gap) passages_.push_back({start, end});
+  const unsigned side = to == from + 1 ? 1 : 3;
+  ways_[from] = static_cast<uint8_t>(ways_[from] | (1u << side));
+  ways_[to] = static_cast<uint8_t>(ways_[to] | (1u << (side - 1)));
 }
 
 void FlowGrid::link(const Walkable& walkable, std::span<const float> clearances_m) {
   ways_.resize(slowness_.size());
-  const auto join = [&](size_t from, ptrdiff_t next, unsigned side) {
-    const auto to = static_cast<size_t>(next);
-    if (next < 0 || !is_free(from) || !is_free(to)) return;
-    const bool is_tight = std::min(clearances_m[from], clearances_m[to]) < static_cast<float>(kTight_m);
-    if (is_tight && !leads(walkable, from, to)) return;
-    ways_[from] = static_cast<uint8_t>(ways_[from] | (1u << side));
-    ways_[to] = static_cast<uint8_t>(ways_[to] | (1u << (side - 1)));
-  };
   for (size_t cell = 0; cell < slowness_.size(); ++cell) {
+    if (!is_free(cell)) continue;
     const Neighbours around = neighbours_of(*this, cell);
-    join(cell, around[1], 1);
-    join(cell, around[3], 3);
+    for (const unsigned side : {1u, 3u}) {
+      const auto next = static_cast<size_t>(around[side]);
+      if (around[side] < 0 || !is_free(next)) continue;
+      if (std::min(clearances_m[cell], clearances_m[next]) < static_cast<float>(kTight_m)) {
+        join(walkable, cell, next);
+        continue;
+      }
+      ways_[cell] = static_cast<uint8_t>(ways_[cell] | (1u << side));
+      ways_[next] = static_cast<uint8_t>(ways_[next] | (1u << (side - 1)));
+    }
   }
 }
 
@@ -205,14 +220,6 @@ std::array<ptrdiff_t, 4> FlowGrid::ways_from(size_t cell) const {
   const unsigned ways = ways_[cell];
   return {(ways & 1u) != 0 ? at - 1 : -1, (ways & 2u) != 0 ? at + 1 : -1,
           (ways & 4u) != 0 ? at - columns : -1, (ways & 8u) != 0 ? at + columns : -1};
-}
-
-std::vector<Passage> FlowGrid::passages() const {
-  std::vector<Passage> all;
-  for (const auto& [cell, place] : narrow_)
-    for (const ptrdiff_t next : ways_from(cell))
-      if (next >= 0) all.push_back({place, place_m(static_cast<size_t>(next))});
-  return all;
 }
 
 double FlowGrid::margin_m(double cell_m) { return std::max(kBodyMargin_m, 0.71 * cell_m); }

@@ -35,21 +35,24 @@ class FlowGrid {
   std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
   /// The cells in and before gaps that hold no cell's centre; ascending.
   const std::vector<std::pair<size_t, Eigen::Vector2d>>& narrow() const { return narrow_; }
-  /// The straight ways from narrow cells to their neighbours.
-  std::vector<Passage> passages() const;
+  /// The straight ways from cell to cell through gaps that hold few centres of cells or none.
+  const std::vector<Passage>& passages() const { return passages_; }
+  /// From wall to wall, where two cells are near each other and nobody fits through between them.
+  const std::vector<Passage>& closures() const { return closures_; }
   size_t cell_at(const Eigen::Vector2d& point) const;
   const Eigen::Vector2d& origin_m() const { return origin_m_; }
 
   /// How far from a footprint a person's centre may pass, on cells of this size: half the hips, or
   /// so far that no wall slips between two cell centres.
   static double margin_m(double cell_m);
+  /// Wider gaps hold centres of cells that are neighbours, whichever way they run.
+  static double widest_gap_m(double cell_m) { return 2 * margin_m(cell_m) + 1.5 * cell_m; }
 
  private:
   void find_narrow(const Walkable& walkable, std::span<const float> clearances_m);
   void add_mouths(const Walkable& walkable, std::span<const float> clearances_m);
-  void squeeze_in(const Walkable& walkable, size_t cell, const Eigen::Vector2d& place);
   void link(const Walkable& walkable, std::span<const float> clearances_m);
-  bool leads(const Walkable& walkable, size_t from, size_t to) const;
+  void join(const Walkable& walkable, size_t from, size_t to);
   bool is_narrow(size_t cell) const;
 
   Eigen::Vector2d origin_m_;
@@ -59,6 +62,8 @@ class FlowGrid {
   std::vector<float> slowness_;
   std::vector<uint8_t> ways_;  ///< by cell, a bit for each of left, right, below, above
   std::vector<std::pair<size_t, Eigen::Vector2d>> narrow_;
+  std::vector<Passage> passages_;
+  std::vector<Passage> closures_;
 };
 
 class FlowField {

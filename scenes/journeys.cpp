@@ -158,7 +158,9 @@ std::string describe(const Stranding& stranding, const Scene& scene) {
   double nearest_m = kInTheWay_m;
   for (const Obstacle& each : scene.obstacles) {
     if (!blocks_people(each)) continue;
-    const Walkable alone(scene.ground, {footprint_of(each)});
+    // Of the ground only what is near: there may be thousands of obstacles.
+    const Eigen::Vector2d near = Eigen::Vector2d::Constant(kInTheWay_m);
+    const Walkable alone({stranding.end_m - near, stranding.end_m + near}, {footprint_of(each)});
     const double away_m = alone.nearest(0, stranding.end_m).distance_m;
     if (away_m >= nearest_m) continue;
     nearest_m = away_m;

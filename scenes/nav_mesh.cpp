@@ -21,8 +21,10 @@ namespace {
 constexpr double kFinestVoxel_m = 0.1;
 /// A million voxels build in about a second.
 constexpr double kMaxVoxels = 1 << 20;
-/// Recast and Detour number the voxels of a row with 16 bits.
-constexpr double kMaxVoxelsARow = 60'000;
+/// Recast walks 40 000 sides of voxels round a region, and leaves out the rest of a longer contour.
+constexpr double kMaxVoxelsARow = 15'000;
+/// In fewer rows than this Recast finds no region.
+constexpr double kFewestVoxels = 4;
 /// A mesh has at most 65 534 corners, and a footprint three of them at least.
 constexpr size_t kMaxFootprints = 65'534;
 constexpr float kVoxelHeight_m = 0.1f;
@@ -70,11 +72,11 @@ double Path::length_m() const {
 
 struct NavMesh::State {
   State(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-        std::span<const Passage> passages);
+        std::span<const Passage> passages, std::span<const Passage> closures);
 
   bool build(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-             std::span<const Passage> passages);
-  void open_up(const Passage& passage, rcCompactHeightfield& open) const;
+             std::span<const Passage> passages, std::span<const Passage> closures);
+  void mark(const Passage& passage, unsigned char area, rcCompactHeightfield& open) const;
   bool take(rcPolyMesh& polygons);
   void name_pieces();
 
@@ -88,8 +90,9 @@ struct NavMesh::State {
   }
   dtPolyRef polygon_at(const Eigen::Vector2d& point, float* nearest) const;
 
-  Eigen::Vector2d origin_m;
   double voxel_m = 0;
+  Eigen::Vector2d size_m;  ///< of the ground; a very narrow one is made wider to all sides
+  Eigen::Vector2d origin_m;
   Owned<dtNavMesh, dtFreeNavMesh> mesh;
   Owned<dtNavMeshQuery, dtFreeNavMeshQuery> query;
   dtQueryFilter filter;
@@ -98,11 +101,12 @@ struct NavMesh::State {
 
 NavMesh::State::State(const Rectangle& ground,
                       std::span<const std::vector<Eigen::Vector2d>> footprints,
-                      std::span<const Passage> passages)
-    : origin_m(ground.min_m),
-      voxel_m(std::max({kFinestVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels),
-                        ground.size_m().maxCoeff() / kMaxVoxelsARow})) {
-  if (build(ground, footprints, passages))
+                      std::span<const Passage> passages, std::span<const Passage> closures)
+    : voxel_m(std::max({kFinestVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels),
+                        ground.size_m().maxCoeff() / kMaxVoxelsARow})),
+      size_m(ground.size_m().cwiseMax(kFewestVoxels * voxel_m)),
+      origin_m(ground.min_m - 0.5 * (size_m - ground.size_m())) {
+  if (build(ground, footprints, passages, closures))
     name_pieces();
   else
     mesh.reset();
@@ -111,10 +115,11 @@ NavMesh::State::State(const Rectangle& ground,
 /// What Recast is handed is right, or it is not called: it checks nothing itself.
 bool NavMesh::State::build(const Rectangle& ground,
                            std::span<const std::vector<Eigen::Vector2d>> footprints,
-                           std::span<const Passage> passages) {
-  const Eigen::Vector2d size = ground.size_m();
-  const bool is_ground = origin_m.allFinite() && size.allFinite() && size.minCoeff() > 0 &&
-                         std::isfinite(voxel_m) && footprints.size() <= kMaxFootprints;
+                           std::span<const Passage> passages, std::span<const Passage> closures) {
+  const Eigen::Vector2d size = size_m;
+  const bool is_ground = origin_m.allFinite() && size.allFinite() &&
+                         ground.size_m().minCoeff() > 0 && std::isfinite(voxel_m) &&
+                         footprints.size() <= kMaxFootprints;
   if (!is_ground) return false;
   const auto width = static_cast<float>(size.x());
   const auto depth = static_cast<float>(size.y());
@@ -123,9 +128,7 @@ bool NavMesh::State::build(const Rectangle& ground,
   const float high[] = {width, 3, depth};
   int columns = 0, rows = 0;
   rcCalcGridSize(low, high, voxel, &columns, &rows);
-  // A ground may be narrower than half a voxel.
-  columns = std::max(1, columns);
-  rows = std::max(1, rows);
+  if (columns < 1 || rows < 1) return false;
   rcContext context(false);
   const Owned<rcHeightfield, rcFreeHeightField> solid(rcAllocHeightfield());
   if (!solid ||
@@ -150,7 +153,9 @@ bool NavMesh::State::build(const Rectangle& ground,
     rcMarkConvexPolyArea(&context, outline.data(), static_cast<int>(outline.size() / 3), -1, 3,
                          RC_NULL_AREA, *open);
   }
-  for (const Passage& passage : passages) open_up(passage, *open);
+  // Whoever fits through a gap passes it, and nobody else, whatever voxels made of the margins.
+  for (const Passage& closure : closures) mark(closure, RC_NULL_AREA, *open);
+  for (const Passage& passage : passages) mark(passage, RC_WALKABLE_AREA, *open);
   const Owned<rcContourSet, rcFreeContourSet> contours(rcAllocContourSet());
   const Owned<rcPolyMesh, rcFreePolyMesh> polygons(rcAllocPolyMesh());
   if (!contours || !polygons) return false;
@@ -161,8 +166,8 @@ bool NavMesh::State::build(const Rectangle& ground,
          polygons->npolys > 0 && take(*polygons);
 }
 
-/// Whoever fits through a gap passes it, whatever the voxels made of the margins of its walls.
-void NavMesh::State::open_up(const Passage& passage, rcCompactHeightfield& open) const {
+void NavMesh::State::mark(const Passage& passage, unsigned char area,
+                          rcCompactHeightfield& open) const {
   const double reach_m = 0.8 * voxel_m;  // no step from voxel to voxel is left out
   const Eigen::Vector2d from = passage.from_m - origin_m;
   const Eigen::Vector2d way = passage.to_m - passage.from_m;
@@ -181,7 +186,7 @@ void NavMesh::State::open_up(const Passage& passage, rcCompactHeightfield& open)
       if ((centre - from - along * way).norm() > reach_m) continue;
       const rcCompactCell& cell = open.cells[column + row * open.width];
       const unsigned end = unsigned{cell.index} + unsigned{cell.count};
-      for (unsigned span = cell.index; span < end; ++span) open.areas[span] = RC_WALKABLE_AREA;
+      for (unsigned span = cell.index; span < end; ++span) open.areas[span] = area;
     }
 }
 
@@ -252,8 +257,8 @@ dtPolyRef NavMesh::State::polygon_at(const Eigen::Vector2d& point, float* neares
 }
 
 NavMesh::NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-                 std::span<const Passage> passages)
-    : state_(std::make_unique<State>(ground, footprints, passages)) {}
+                 std::span<const Passage> passages, std::span<const Passage> closures)
+    : state_(std::make_unique<State>(ground, footprints, passages, closures)) {}
 NavMesh::~NavMesh() = default;
 NavMesh::NavMesh(NavMesh&&) noexcept = default;
 

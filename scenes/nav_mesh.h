@@ -24,10 +24,11 @@ struct Path {
 class NavMesh {
  public:
   /// Where a person's centre may pass: the ground less footprints (convex, see footprint_of())
-  /// wider by a body, and the passages through gaps that are narrower than that. Voxels are 0.1 m,
-  /// or as fine as a million of them, and 60 000 in a row, allow.
+  /// wider by a body. Gaps between them are open along `passages` and shut along `closures`, as the
+  /// flow fields have it. Voxels are 0.1 m, or as fine as a million of them, and 15 000 in a row,
+  /// allow.
   NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-          std::span<const Passage> passages = {});
+          std::span<const Passage> passages = {}, std::span<const Passage> closures = {});
   ~NavMesh();
   NavMesh(NavMesh&&) noexcept;
 

@@ -121,10 +121,10 @@ class SceneReader {
   void read_crowd() {
     scene_.ground = read_rectangle(file_, fields_.require("ground"), "ground");
     if (!(scene_.ground.size_m().minCoeff() >= kMinGround_m))
-      throw InputError(at_line(file_, fields_.require("ground").line),
-                       fmt::format("ground of at least {} m x {} m", kMinGround_m, kMinGround_m),
-                       fmt::format("{} m x {} m", scene_.ground.size_m().x(),
-                                   scene_.ground.size_m().y()));
+      throw InputError(
+          at_line(file_, fields_.require("ground").line),
+          fmt::format("ground of at least {} m x {} m", kMinGround_m, kMinGround_m),
+          fmt::format("{} m x {} m", scene_.ground.size_m().x(), scene_.ground.size_m().y()));
     if (!(scene_.ground.area_m2() <= kMaxGround_m2))
       throw InputError(at_line(file_, fields_.require("ground").line),
                        fmt::format("ground of at most {} m2", kMaxGround_m2),

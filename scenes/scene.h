@@ -150,7 +150,8 @@ std::vector<SceneEntry> bundled_scenes();
 /// remainders, so that the sum is exact). Where spawn areas or the ground become too full, the plan
 /// grows by one factor about the middle of the ground: ground, areas, the places of obstacles, and
 /// the lengths of those that span it (walls). Heights stay. A box of parts keeps its density. Says
-/// on `notes` what it changed. Throws InputError if `total` is out of range.
-void scale_to(Scene& scene, int total, std::vector<std::string>& notes);
+/// on `notes` what it changed, and returns how many times longer the plan is. Throws InputError if
+/// `total` is out of range.
+double scale_to(Scene& scene, int total, std::vector<std::string>& notes);
 
 }  // namespace throng

@@ -100,20 +100,22 @@ void grow_plan(Scene& scene, double factor) {
 }
 
 /// As full of parts as before.
-void scale_box(Scene& scene, int total, std::vector<std::string>& notes) {
+double scale_box(Scene& scene, int total, std::vector<std::string>& notes) {
   PartsBox& box = *scene.box;
-  box.edge_m *= cube_root(static_cast<double>(total) / box.count);
+  const double factor = cube_root(static_cast<double>(total) / box.count);
+  box.edge_m *= factor;
   box.count = total;
   scene.ground.max_m = Eigen::Vector2d::Constant(0.5 * box.edge_m);
   scene.ground.min_m = -scene.ground.max_m;
   notes.push_back(
       fmt::format("{} parts: the box of '{}' is now {:.2f} m wide", total, scene.name, box.edge_m));
   scene.content_hash = content_hash_of(scene);
+  return factor;
 }
 
 }  // namespace
 
-void scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
+double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
   const int64_t most = kMaxBodies - static_cast<int64_t>(scene.obstacles.size());
   if (total < 1 || total > most)
     throw InputError("avatars", fmt::format("1 to {} people in scene '{}'", most, scene.name),
@@ -149,6 +151,7 @@ void scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
     for (Source& source : group.sources)
       source.rate_per_s *= static_cast<double>(total) / static_cast<double>(before);
   scene.content_hash = content_hash_of(scene);
+  return factor;
 }
 
 }  // namespace throng

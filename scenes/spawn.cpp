@@ -88,7 +88,8 @@ bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64
           random_uniform(key, group.spawn.min_m.x(), group.spawn.max_m.x(), 0),
           random_uniform(key, group.spawn.min_m.y(), group.spawn.max_m.y(), 1));
       if (!places.is_free(point, person.radius_m, gap_m, people)) continue;
-      if (ways.walkable().clearance_m(point) < person.radius_m) continue;
+      if (ways.walkable().clearance_m(point) < wall_gap_m(person.radius_m, person.height_m))
+        continue;
       const bool is_good = goal.field->reaches(point);
       if (!is_good && has_poor_place) continue;
       stand_at(point, goal, person);
@@ -138,6 +139,12 @@ void list_source(const Scene& scene, const Ways& ways, size_t group, const Sourc
 
 double disc_radius_m(double height_m) {
   return kReferenceRadius_m * (height_m / kReferenceHeight_m);
+}
+
+double wall_gap_m(double radius_m, double height_m) {
+  // Half of 0.25 m for 1.70 m; no more than discs of any height would be, since robots are tall,
+  // too.
+  return std::max(radius_m, std::min(kReferenceRadius_m, 0.125 * (height_m / kReferenceHeight_m)));
 }
 
 Spawned spawn(const Scene& scene, const Ways& ways) {

@@ -48,4 +48,8 @@ Spawned spawn(const Scene& scene, const Ways& ways);
 /// m, so that shoulders and arms touch where discs do not.
 double disc_radius_m(double height_m);
 
+/// How far from walls somebody starts: the disc, or half the depth of the trunk where a scene makes
+/// the disc narrower than that.
+double wall_gap_m(double radius_m, double height_m);
+
 }  // namespace throng

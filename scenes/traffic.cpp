@@ -36,6 +36,7 @@ Traffic::Traffic(const Ways& ways, std::span<const Person> people, uint64_t seed
     const Person& person = people[id];
     groups_.push_back(person.group);
     radii_m_.push_back(person.radius_m);
+    wall_gaps_m_.push_back(wall_gap_m(person.radius_m, person.height_m));
     enters_s_.push_back(person.enters_s);
     const bool is_in = person.entrance == Person::kFromTheStart;
     present_.push_back(is_in);
@@ -103,7 +104,7 @@ bool Traffic::find_place(const Entrance& entrance, std::span<Eigen::Vector2d> po
       const double apart_m = radii_m_[id] + radii_m_[other] + kGap_m;
       return (positions_m[other] - point).squaredNorm() < apart_m * apart_m;
     });
-    if (is_taken || ways_.walkable().clearance_m(point) < radii_m_[id]) continue;
+    if (is_taken || ways_.walkable().clearance_m(point) < wall_gaps_m_[id]) continue;
     if (entrance.has_way && !goal.field->reaches(point)) continue;
     positions_m[id] = point;
     return true;

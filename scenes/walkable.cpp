@@ -83,7 +83,8 @@ void Walkable::build_cells() {
     entries += static_cast<size_t>(right - left + 1) * static_cast<size_t>(high - low + 1);
   });
   if (entries > kMaxEntries)
-    throw InputError("obstacles", "fewer or smaller ones", "so many that cover so much of the ground "
+    throw InputError("obstacles", "fewer or smaller ones",
+                     "so many that cover so much of the ground "
                      "that no memory holds who is near what");
   const auto for_each_cell = [&](auto&& visit) {
     for_each_range([&](uint32_t f, int left, int right, int low, int high) {
@@ -135,7 +136,8 @@ Walkable::Nearest Walkable::nearest(uint32_t footprint, const Eigen::Vector2d& p
 }
 
 double Walkable::clearance_m(const Eigen::Vector2d& point) const {
-  const double edge = std::min((point - ground_.min_m).minCoeff(), (ground_.max_m - point).minCoeff());
+  const double edge =
+      std::min((point - ground_.min_m).minCoeff(), (ground_.max_m - point).minCoeff());
   return std::min(edge, obstacle_clearance_m(point));
 }
 
@@ -146,7 +148,7 @@ double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
   return clearance;
 }
 
-double Walkable::gap_m(const Eigen::Vector2d& point, double reach_m) const {
+Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
   constexpr double kOpposite = -0.5;  // 120 degrees apart or more, the cosine
   // Of the walls in one direction, of sixteen, the nearest counts: thousands may stand around.
   constexpr size_t kSectors = 16;
@@ -163,18 +165,23 @@ double Walkable::gap_m(const Eigen::Vector2d& point, double reach_m) const {
                           (std::abs(n.x()) < std::abs(n.y()) ? 4u : 0u);
     const double slope = std::min(std::abs(n.x()), std::abs(n.y()));
     Wall& nearest_so_far = walls[2 * octant + (slope > 0.38 ? 1u : 0u)];
-    if (wall.distance_m < nearest_so_far.distance_m)
-      nearest_so_far = {n, wall.distance_m};
+    if (wall.distance_m < nearest_so_far.distance_m) nearest_so_far = {n, wall.distance_m};
   }
   walls[kSectors] = {Eigen::Vector2d::UnitX(), point.x() - ground_.min_m.x()};
   walls[kSectors + 1] = {Eigen::Vector2d::UnitY(), point.y() - ground_.min_m.y()};
   walls[kSectors + 2] = {-Eigen::Vector2d::UnitX(), ground_.max_m.x() - point.x()};
   walls[kSectors + 3] = {-Eigen::Vector2d::UnitY(), ground_.max_m.y() - point.y()};
-  double gap = std::numeric_limits<double>::infinity();
+  Gap gap;
   for (size_t i = 0; i < kSectors; ++i)
-    for (size_t k = i + 1; k < walls.size() && walls[i].distance_m < reach_m; ++k)
-      if (walls[k].distance_m < reach_m && walls[i].normal.dot(walls[k].normal) < kOpposite)
-        gap = std::min(gap, walls[i].distance_m + walls[k].distance_m);
+    for (size_t k = i + 1; k < walls.size() && walls[i].distance_m < reach_m; ++k) {
+      const double width_m = walls[i].distance_m + walls[k].distance_m;
+      if (!(walls[k].distance_m < reach_m && width_m < gap.width_m) ||
+          walls[i].normal.dot(walls[k].normal) >= kOpposite)
+        continue;
+      gap = {width_m,
+             {point - walls[i].distance_m * walls[i].normal,
+              point - walls[k].distance_m * walls[k].normal}};
+    }
   return gap;
 }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -18,10 +19,16 @@ struct Passage {
   Eigen::Vector2d to_m;
 };
 
+/// What is between two walls.
+struct Gap {
+  double width_m = std::numeric_limits<double>::infinity();  ///< by way of the point asked about
+  Passage across{};                                          ///< from wall to wall
+};
+
 class Walkable {
  public:
-  /// Footprints are convex and counter-clockwise, see footprint_of(). Throws InputError if there are
-  /// so many so large that looking them up would fill the memory.
+  /// Footprints are convex and counter-clockwise, see footprint_of(). Throws InputError if there
+  /// are so many so large that looking them up would fill the memory.
   Walkable(const Rectangle& ground, const std::vector<std::vector<Eigen::Vector2d>>& footprints);
 
   /// The ground and the obstacles that stand in people's way.
@@ -48,10 +55,9 @@ class Walkable {
   double clearance_m(const Eigen::Vector2d& point) const;
   /// The same, edges of the ground left out.
   double obstacle_clearance_m(const Eigen::Vector2d& point) const;
-  /// How wide the gap is that a point lies in: the least sum of its distances to two walls (or
-  /// edges of the ground) on opposite sides of it, at least one of them an obstacle; infinite if
-  /// there are no two such walls nearer than `reach_m` each.
-  double gap_m(const Eigen::Vector2d& point, double reach_m) const;
+  /// The narrowest gap that a point lies in: between two walls (or edges of the ground) on opposite
+  /// sides of it, each nearer than `reach_m`, at least one of them an obstacle.
+  Gap gap_at(const Eigen::Vector2d& point, double reach_m) const;
   /// Where a walker who wants to go from a walkable point `from` to `to` (less than 1 m) ends: kept
   /// `gap_m` off walls by sliding along them, or left at `from` if that would enter or cross one.
   Eigen::Vector2d slide(const Eigen::Vector2d& from, Eigen::Vector2d to, double gap_m) const;

@@ -45,7 +45,7 @@ Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walka
   workers.for_blocks(static_cast<int>(goals.size()) + 1, [&](int block, int) {
     if (block == 0) {
       nav_mesh_ = std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints(),
-                                            grid_.passages());
+                                            grid_.passages(), grid_.closures());
     } else {
       const auto goal = static_cast<size_t>(block - 1);
       fields_[goal] = std::make_unique<FlowField>(grid_, goals[goal]);

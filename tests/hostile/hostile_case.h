@@ -1,0 +1,52 @@
+// One hostile input at a time, in a child process: whatever it does to the child is counted.
+// One rule: refused in words or used; a crash, an error of another kind, or more than ten seconds
+// is our fault, and the input is kept.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace throng::hostile {
+
+/// What came of all cases.
+struct Tally {
+  int64_t tried = 0;
+  int64_t refused = 0;
+  int64_t ran = 0;
+  int64_t crashed = 0;
+  int64_t hung = 0;
+};
+
+/// A folder of this process, in memory where the machine has such a place; removed at the end.
+class Scratch {
+ public:
+  Scratch();
+  ~Scratch();
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const std::filesystem::path& folder() const { return folder_; }
+  std::filesystem::path write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// Runs `use` in a child process, at most ten seconds. It returns if the input was used, throws
+/// InputError if it was refused. What broke is written to `kept`, a file in the working folder, and
+/// told on stderr.
+void try_case(const std::string& input, const std::string& kept, const std::function<void()>& use,
+              Tally& tally);
+
+/// Prints the line, `what` being "scenes", and returns the exit code.
+int report(const std::string& what, const Tally& tally);
+
+/// COUNT and SEED of the command line.
+struct Wanted {
+  int64_t count = 0;
+  uint64_t seed = 1;
+};
+Wanted wanted(int argc, char** argv, int64_t count);
+
+}  // namespace throng::hostile
