@@ -231,8 +231,8 @@ void OutputPlan::check_distinct() const {
 }
 
 void OutputPlan::check() const {
-  for (const Folder& folder : folders_) check_folder(folder);
   check_distinct();
+  for (const Folder& folder : folders_) check_folder(folder);
   for (const PlannedFile& file : files_) check_file(file);
 }
 

@@ -12,8 +12,8 @@
 namespace throng {
 
 struct WholeFileOptions {
-  std::string_view what;  ///< completes "cannot write", as in "the checkpoint"
-  bool to_disk = false;   ///< not even a power cut leaves half a file; costs some milliseconds
+  std::string_view what{};  ///< completes "cannot write", as in "the checkpoint"
+  bool to_disk = false;     ///< not even a power cut leaves half a file; costs some milliseconds
 };
 
 /// Throws EnvironmentError naming the file; an older file of that name is then as it was.

@@ -28,12 +28,15 @@ constexpr const char* kTables[] = {"contacts.csv", "pairs.csv",        "people.c
 constexpr const char* kFigures[] = {"contact_rates", "contact_durations", "contact_parts",
                                     "contact_density"};
 
+std::string quoted(const std::string& name) {
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + '"';
+}
+
 /// A name as a field: quoted where it would not be one otherwise (RFC 4180).
 std::string field(const std::string& name) {
-  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
-  std::string quoted = "\"";
-  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
+  return name.find_first_of(",\"\r\n") == std::string::npos ? name : quoted(name);
 }
 
 std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) {
@@ -44,9 +47,9 @@ std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) 
     const double rate = person.present_s > 0 ? 60 * person.contacts / person.present_s : 0;
     const std::string group =
         id < run.group_of_avatar.size() ? run.groups[run.group_of_avatar[id]] : "";
-    fmt::format_to(std::back_inserter(text), "{},\"{}\",{:.3f},{},{:.3f},{},{:.3f},{}\n", id, group,
-                   person.present_s, person.contacts, rate, person.partners, person.touching_s,
-                   person.obstacle_contacts);
+    fmt::format_to(std::back_inserter(text), "{},{},{:.3f},{},{:.3f},{},{:.3f},{}\n", id,
+                   quoted(group), person.present_s, person.contacts, rate, person.partners,
+                   person.touching_s, person.obstacle_contacts);
   }
   return text;
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,7 @@ ground: {min_m: [-10, -10], max_m: [10, 10]}
 groups:
   - {name: them, model: body.urdf, count: 4, spawn: {min_m: [-5, -5], max_m: [-2, -2]}, goals: [{min_m: [2, 2], max_m: [5, 5]}]}
 obstacles:
-  - {name: rock, kind: mesh, mesh: rock.tri, centre_m: [0, 5]}
+  - {name: rock, kind: mesh, file: rock.tri, position_m: [0, 8]}
 )";
 
 /// A tetrahedron.
@@ -109,14 +110,18 @@ class Workplace {
   std::map<std::string, std::string> seen_;
 };
 
-/// Refused in one line, as bad input, before anything has changed.
-void expect_refused(Workplace& place, const std::string& line, int exit_code = 2) {
+constexpr const char* kTwice = "of its own, found ";
+
+/// Refused in one line with these words, before anything has changed.
+void expect_refused(Workplace& place, const std::string& line, const std::string& said,
+                    int exit_code = 2) {
   SCOPED_TRACE(line);
   place.look();
   const Outcome outcome = shell(line, place.folder());
   EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
   EXPECT_THAT(outcome.out, IsEmpty());
   EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(said));
   place.expect_untouched();
 }
 
@@ -173,9 +178,12 @@ TEST(OutputPlan, NoTwoOutputsAreOneFile) {
           SCOPED_TRACE(alias.how);
           Workplace place;
           shell(alias.prepare, place.folder());
-          for (const auto& [one, other] : {std::pair(first, second), std::pair(second, first)})
-            expect_refused(place, fmt::format("throng {} {} {} x.csv {} {}", command.command,
-                                              command.line, one, other, alias.second));
+          const std::string line = "throng " + command.command + " " + command.line;
+          expect_refused(place, fmt::format("{} {} x.csv {} {}", line, first, second, alias.second),
+                         kTwice);
+          if (&alias == kAliases)
+            expect_refused(
+                place, fmt::format("{} {} x.csv {} {}", line, second, first, alias.second), kTwice);
           ++tried;
         }
       }
@@ -188,14 +196,21 @@ TEST(OutputPlan, NoOutputIsWhatIsRead) {
       for (const std::string& file : command.read) {
         // Another ending than a trajectory may have.
         const std::string name = option == "--trajectory" ? "link.csv" : "link";
+        const char* said = option == "--contacts" ? "a file of that name" : kTwice;
         Workplace place;
         fs::create_symlink(file, place / name);
         expect_refused(
-            place, fmt::format("throng {} {} {} {}", command.command, command.line, option, name));
+            place, fmt::format("throng {} {} {} {}", command.command, command.line, option, name),
+            said);
         if (option != "--trajectory")
-          expect_refused(place, fmt::format("throng {} {} {} {}", command.command, command.line,
-                                            option, file));
+          expect_refused(
+              place, fmt::format("throng {} {} {} {}", command.command, command.line, option, file),
+              said);
       }
+  // A folder's files are outputs, too.
+  Workplace place;
+  shell("mkdir c; ln my.yaml c/pairs.csv", place.folder());
+  expect_refused(place, "throng run my.yaml --lcm off --log off --contacts c", "my.yaml");
 }
 
 TEST(OutputPlan, TheCheckpointThatIsReadIsWrittenByItsOwnRunOnly) {
@@ -205,8 +220,8 @@ TEST(OutputPlan, TheCheckpointThatIsReadIsWrittenByItsOwnRunOnly) {
   const std::string resumed = "throng run my.yaml --seconds 0.2 --lcm off --resume c.csv ";
   for (const std::string& option : commands()[0].outputs) {
     if (option == "--checkpoint") continue;
-    expect_refused(place, resumed + option + " c.csv");
-    expect_refused(place, resumed + "--checkpoint c.csv " + option + " c.csv");
+    expect_refused(place, resumed + option + " c.csv", kTwice);
+    expect_refused(place, resumed + "--checkpoint c.csv " + option + " c.csv", kTwice);
   }
   EXPECT_EQ(shell(resumed + "--log off --checkpoint c.csv --every 0.05", place.folder()).exit_code,
             0);
@@ -220,7 +235,8 @@ TEST(OutputPlan, AFolderIsNoFileAndAFileNoFolder) {
           option == "--contacts" || (option == "--out" && command.command != "render");
       shell(is_folder ? "echo old >x.csv" : "mkdir x.csv; echo old >x.csv/old", place.folder());
       expect_refused(place,
-                     fmt::format("throng {} {} {} x.csv", command.command, command.line, option));
+                     fmt::format("throng {} {} {} x.csv", command.command, command.line, option),
+                     "of that name");
     }
 }
 
@@ -229,8 +245,9 @@ TEST(OutputPlan, AFolderThatIsMissingIsToldBeforeTheWork) {
     for (const std::string& option : command.outputs) {
       if (option == "--contacts" || (option == "--out" && command.command != "render")) continue;
       Workplace place;
-      expect_refused(
-          place, fmt::format("throng {} {} {} no/x.csv", command.command, command.line, option), 3);
+      expect_refused(place,
+                     fmt::format("throng {} {} {} no/x.csv", command.command, command.line, option),
+                     "the folder no does not exist", 3);
     }
 }
 
@@ -238,12 +255,12 @@ TEST(OutputPlan, WhatAFolderIsFilledWithIsNoOtherOutput) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --log off --contacts c ";
   for (const char* name : {"contacts.csv", "pairs.csv", "contact_parts.svg", "../c/people.csv"})
-    expect_refused(place, run + "--json c/" + name);
-  expect_refused(place, "throng paper --out c --json c/figure_1.svg");
+    expect_refused(place, run + "--json c/" + name, kTwice);
+  expect_refused(place, "throng paper --out c --json c/figure_1.svg", kTwice);
   const Outcome beside = shell(run + "--json c/run.json", place.folder());
   EXPECT_EQ(beside.exit_code, 0) << beside.err;
   EXPECT_THAT(read_file(place / "c/run.json"), HasSubstr("\"hash\""));
-  expect_refused(place, run + "--trajectory t.sqlite --json t.sqlite-journal");
+  expect_refused(place, run + "--trajectory t.sqlite --json t.sqlite-journal", kTwice);
 }
 
 TEST(OutputPlan, TheFileOfTheStandardOutputIsNoOtherOutput) {
@@ -267,51 +284,58 @@ TEST(OutputPlan, ManyMayBeThrownAway) {
 
 /// All outputs of a run, in a folder where all of them are there already.
 constexpr const char* kAllOutputs =
-    " --lcm off --log x.lcmlog --json x.json --trajectory x.csv --trajectory x.sqlite --html "
+    " --log x.lcmlog --json x.json --trajectory x.csv --trajectory x.sqlite --html "
     "x.html "
     "--contacts c --trace-hash x.txt --checkpoint x.checkpoint";
 
 TEST(OutputPlan, ARefusedRunLeavesEverythingAsItWas) {
   Workplace place;
-  ASSERT_EQ(shell(std::string("throng run my.yaml --seconds 0.1 --every 0.05") + kAllOutputs,
-                  place.folder())
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      shell(std::string("throng run my.yaml --lcm off --seconds 0.1 --every 0.05") + kAllOutputs,
+            place.folder())
+          .exit_code,
+      0);
   shell("mkdir out; echo old >out/my.lcmlog; echo old >out/my_resumed.lcmlog", place.folder());
   write_file(place / "bad.yaml", "name: bad\nground: 1\n");
   std::string broken = kScene;
   broken.replace(broken.find("body.urdf"), 9, "missing.urdf");
   write_file(place / "no_model.yaml", broken);
   write_file(place / "damaged", "THRONGCP and then nothing");
-  for (const std::string& line :
-       {"bad.yaml", "no_model.yaml", "missing.yaml", "my.yaml --resume missing",
-        "my.yaml --resume damaged", "my.yaml --resume my.yaml",
-        "my.yaml --seed 5 --resume x.checkpoint", "my.yaml --avatars 16777216",
-        "my.yaml --avatars 0", "my.yaml --nonsense", "my.yaml --threads 0",
-        "my.yaml --lcm nonsense://"}) {
-    expect_refused(place, "throng run " + line + kAllOutputs);
-    expect_refused(place, "throng run --lcm off --json x.json " + line);
+  const std::pair<const char*, const char*> refused[] = {
+      {"bad.yaml", "bad.yaml:2"},
+      {"no_model.yaml", "missing.urdf"},
+      {"missing.yaml", "missing.yaml"},
+      {"my.yaml --resume missing", "missing: expected a checkpoint"},
+      {"my.yaml --resume damaged", "damaged: expected"},
+      {"my.yaml --resume my.yaml", "a checkpoint of Throng"},
+      {"my.yaml --seed 5 --resume x.checkpoint", "a checkpoint of this run"},
+      {"my.yaml --resume x.checkpoint --seconds 0.001", "more --seconds"},
+      {"my.yaml --avatars 0", "--avatars"},
+      {"my.yaml --nonsense", "--nonsense"}};
+  for (const auto& [line, said] : refused) {
+    expect_refused(place, std::string("throng run --lcm off ") + line + kAllOutputs, said);
+    expect_refused(place, std::string("throng run --lcm off --json x.json ") + line, said);
   }
-  for (const char* line :
-       {"throng render a.lcmlog --frame 999 --out x.html",
-        "throng render bad.yaml --frame 0 --out x.html", "throng view bad.yaml --html x.html",
-        "throng check bad.yaml --repair x.lcmlog"})
-    expect_refused(place, line);
+  expect_refused(place, "throng render a.lcmlog --frame 999 --out x.html", "expected frame 999");
+  expect_refused(place, "throng render bad.yaml --frame 0 --out x.html", "bad.yaml");
+  expect_refused(place, "throng view bad.yaml --html x.html", "bad.yaml");
+  expect_refused(place, "throng check bad.yaml --repair x.lcmlog", "bad.yaml");
 }
 
 TEST(OutputPlan, OneOutputThatCannotBeLeavesTheOthersAsTheyWere) {
   Workplace place;
-  ASSERT_EQ(shell(std::string("throng run my.yaml --seconds 0.1 --every 0.05") + kAllOutputs,
-                  place.folder())
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      shell(std::string("throng run my.yaml --lcm off --seconds 0.1 --every 0.05") + kAllOutputs,
+            place.folder())
+          .exit_code,
+      0);
   // Found out by trying only: there is no name as long.
   const std::string long_name = std::string(300, 'x');
   for (const std::string& option : commands()[0].outputs) {
     const std::string last = option == "--trajectory" ? long_name + ".csv" : long_name;
-    std::string line = std::string("throng run my.yaml --seconds 0.1") + kAllOutputs;
+    std::string line = std::string("throng run my.yaml --lcm off --seconds 0.1") + kAllOutputs;
     if (option != "--trajectory") line = std::regex_replace(line, std::regex(option + " \\S+"), "");
-    expect_refused(place, line + " " + option + " " + last, 3);
+    expect_refused(place, line + " " + option + " " + last, "File name too long", 3);
   }
 }
 
@@ -356,8 +380,8 @@ TEST(OlderLog, OfANameThatNobodyChoseIsKept) {
   EXPECT_NE(two, one);
   EXPECT_THAT(shell(run + "3", place.folder()).err, HasSubstr("in place of that of"));
   EXPECT_EQ(read_file(place / "out/my.previous.lcmlog"), two);
-  expect_refused(place, run + "4 --json out/my.previous.lcmlog");
-  expect_refused(place, run + "4 --json out/my.lcmlog");
+  expect_refused(place, run + "4 --json out/my.previous.lcmlog", kTwice);
+  expect_refused(place, run + "4 --json out/my.lcmlog", kTwice);
 }
 
 TEST(OlderLog, OfANamedFileIsReplacedInSoManyWords) {

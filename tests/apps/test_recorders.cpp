@@ -56,9 +56,35 @@ TEST(ContactFiles, SayTheSameAsTheRun) {
   EXPECT_EQ(line_count(read_file(folder / "c/people.csv")), 1 + 120);
   EXPECT_EQ(line_count(read_file(folder / "c/parts.csv")), 1 + 15);
   EXPECT_EQ(line_count(read_file(folder / "c/density.csv")), 1 + 6);
+  // Every pair of parts that began to touch has a row of its own.
+  const Outcome parts = shell("awk -F, 'NR>1 {n+=$10} END {print n}' c/contacts.csv", folder);
+  EXPECT_EQ(line_count(read_file(folder / "c/pairs.csv")), 1 + std::stoi(parts.out));
+  EXPECT_EQ(shell("tail -n +2 c/pairs.csv | sort -c -t, -k1,1n", folder).exit_code, 0);
   for (const char* figure :
        {"contact_rates", "contact_durations", "contact_parts", "contact_density"})
     EXPECT_THAT(read_file(folder / ("c/" + std::string(figure) + ".svg")), HasSubstr("</svg>"));
+}
+
+TEST(ContactFiles, OfASceneWithNobodyInItHaveNoRows) {
+  const ScratchFolder folder;
+  write_file(folder / "later.yaml", R"(
+name: later
+duration_s: 1
+ground: {min_m: [-10, -10], max_m: [10, 10]}
+groups:
+  - name: them
+    count: 0
+    sources: [{area: {min_m: [-5, -5], max_m: [-2, -2]}, count: 5, rate_per_s: 1, start_s: 50}]
+    goals: [{min_m: [2, 2], max_m: [5, 5]}]
+)");
+  const Outcome outcome = shell("throng run later.yaml --lcm off --log off --contacts c", folder);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("note: no "));
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("gnuplot>")));
+  EXPECT_EQ(line_count(read_file(folder / "c/pairs.csv")), 1);
+  EXPECT_EQ(line_count(read_file(folder / "c/contacts.csv")), 1);
+  EXPECT_EQ(line_count(read_file(folder / "c/people.csv")), 1 + 5);
 }
 
 TEST(ContactFiles, AFolderThatCannotBeIsTold) {

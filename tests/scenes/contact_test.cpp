@@ -1,8 +1,15 @@
 // Contact statistics: what counts as a contact, how long it lasts, who had it, how dense it was.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "scenes/contacts/contact_sink.h"
@@ -149,6 +156,21 @@ TEST_F(Contacts, OfPartsAreSymmetricAndCountOnce) {
   EXPECT_NEAR(parts.seconds[kHand * 15 + kHead], 0.4, 1e-9);
 }
 
+TEST_F(Contacts, OfPartsAreListedInTheOrderOfTheirBeginning) {
+  frame(0, {begin(1, 2, kHead, kHead)});
+  frame(1, {begin(0, 2, kHand, kHead), begin(0, 1, kHead, kHand)});
+  frame(2, {end(0, 1, kHead, kHand), begin(2, kWall, kHand, 0)});
+  frame(3, {begin(0, 1, kHead, kHand)});
+  frame(6, {end(0, 2, kHand, kHead), end(0, 1, kHead, kHand), end(2, kWall, kHand, 0)});
+  finish({end(1, 2, kHead, kHead)});
+  std::vector<std::string> told;
+  for (const PartContact& contact : statistics_->part_contacts())
+    told.push_back(fmt::format("frame {} for {}: {} {}{}", contact.begin_frame, contact.frames,
+                               contact.pair.a(), contact.pair.b(), contact.cut ? ", cut" : ""));
+  EXPECT_THAT(told, testing::ElementsAre("frame 0 for 7: 1 2, cut", "frame 1 for 1: 0 1",
+                                         "frame 1 for 5: 0 2", "frame 3 for 3: 0 1"));
+}
+
 TEST_F(Contacts, WithObstaclesAreNoneOfPeople) {
   frame(0);
   frame(1, {begin(2, kWall, kHand, 0), begin(2, kWall, kHead, 0)});
@@ -192,6 +214,62 @@ TEST_F(Contacts, CarryTheDensityOfTheirBeginning) {
   EXPECT_NEAR(statistics_->ended()[0].density_per_m2, 3 / circle_m2, 1e-9);
   EXPECT_EQ(statistics_->densities()[0].contacts, 1u) << "0.24 per m2 is free walking";
   EXPECT_EQ(statistics_->ended()[0].place_m, Eigen::Vector2d(0.5, 0));
+}
+
+/// What a run of these people without a contact leaves in a folder, and what is said about it.
+struct Folder {
+  Folder(const RunInfo& run, const std::vector<RootPose>& roots) {
+    std::string name = (std::filesystem::temp_directory_path() / "throng-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create " + name);
+    path = name;
+    std::ofstream(path / "contact_parts.svg") << "of an earlier run";
+    testing::internal::CaptureStderr();
+    ContactSink sink(path);
+    sink.begin(run);
+    Frame frame;
+    frame.roots = roots;
+    sink.frame(run, frame);
+    sink.end(run, {});
+    said = testing::internal::GetCapturedStderr();
+    note = sink.note();
+    for (const auto& entry : std::filesystem::directory_iterator(path))
+      names.push_back(entry.path().filename().string());
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+
+  std::filesystem::path path;
+  std::string said, note;
+  std::vector<std::string> names;
+};
+
+TEST_F(Contacts, OfNobodyAreTablesWithoutRows) {
+  for (const bool has_model : {true, false}) {
+    RunInfo nobody = run_;
+    nobody.model_of_avatar.clear();
+    nobody.group_of_avatar.clear();
+    if (!has_model) nobody.models.clear();
+    const Folder folder(nobody, {});
+    EXPECT_EQ(folder.said, "");
+    EXPECT_THAT(folder.note, testing::HasSubstr(has_gnuplot() ? "nothing to draw" : "no figures"));
+    EXPECT_THAT(folder.names,
+                testing::UnorderedElementsAre("contacts.csv", "pairs.csv", "people.csv",
+                                              "minutes.csv", "durations.csv", "parts.csv",
+                                              "parts_seconds.csv", "density.csv"));
+    std::ifstream pairs(folder.path / "pairs.csv");
+    const std::string text{std::istreambuf_iterator<char>(pairs), {}};
+    EXPECT_EQ(text, "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n");
+  }
+}
+
+TEST_F(Contacts, OfPeopleWhoNeverTouchHaveOneFigure) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  const Folder folder(run_, roots_);
+  EXPECT_EQ(folder.said, "");
+  EXPECT_THAT(folder.names, testing::Contains("contact_rates.svg"));
+  EXPECT_THAT(folder.names, testing::Not(testing::Contains("contact_parts.svg")));
+  EXPECT_THAT(folder.note, testing::HasSubstr("contact_parts.svg"));
+  // Who plans outputs knows every file that may come.
+  EXPECT_THAT(contact_files(), testing::IsSupersetOf(folder.names));
 }
 
 TEST(LocalDensity, CountsTheWalkablePartOfTheCircle) {

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 
 #include "base/errors.h"
@@ -193,11 +195,15 @@ TEST(Checkpoints, ThatCannotBeWrittenLeaveTheOldOneAlone) {
   EXPECT_THROW(write_checkpoint("/proc/no_such_folder/file", small), EnvironmentError);
   const ScratchFile file;
   write_checkpoint(file.path(), small);
-  std::filesystem::path beside = file.path();
-  beside += ".new";
-  std::filesystem::create_directory(beside);  // where the new one would be written
+  // A file that may not grow stands in for a full disk.
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit most{10, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &most), 0);
   EXPECT_THROW(write_checkpoint(file.path(), {9, 9, {}}), EnvironmentError);
-  std::filesystem::remove(beside);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
   EXPECT_EQ(read_checkpoint(file.path()).state, small.state);
 }
 
