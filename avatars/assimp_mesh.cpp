@@ -53,6 +53,10 @@ class Collector {
     if (mesh_.triangles.size() + mesh.mNumFaces > most_triangles_)
       throw Refusal(fmt::format("at most {} triangles", most_triangles_), "more");
     const int first = static_cast<int>(mesh_.vertices.size());
+    if (first == 0) {
+      mesh_.vertices.reserve(mesh.mNumVertices);
+      mesh_.triangles.reserve(mesh.mNumFaces);
+    }
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D v = file_from_mesh * mesh.mVertices[i];
       mesh_.vertices.emplace_back(v.x, v.y, v.z);

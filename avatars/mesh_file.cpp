@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 
 #include "avatars/assimp_mesh.h"
 #include "avatars/tri.h"
-#include "base/archive.h"
 #include "base/errors.h"
 
 namespace throng {
@@ -56,18 +57,60 @@ Mesh welded(const Mesh& soup) {
   return mesh;
 }
 
-/// The child's answer and the parent's reading of it, in one order.
-void archive(Mesh& mesh, Archive& archive) {
-  archive.resized(mesh.vertices, kMaxVertices);
-  archive.resized(mesh.triangles, kMaxTriangles);
+/// The child's answer: both counts, then the vertices, then the triangles.
+struct Counts {
+  uint64_t vertices = 0;
+  uint64_t triangles = 0;
+  size_t bytes() const {
+    return sizeof(Counts) + vertices * sizeof(Eigen::Vector3f) +
+           triangles * sizeof(Eigen::Vector3i);
+  }
+};
+static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(Eigen::Vector3i) == 12);
+
+template <typename T>
+void put(const T* from, size_t count, uint8_t*& to) {
+  if (count > 0) std::memcpy(to, from, count * sizeof(T));
+  to += count * sizeof(T);
+}
+
+template <typename T>
+void take(const uint8_t*& from, size_t count, T* to) {
+  if (count > 0) std::memcpy(static_cast<void*>(to), from, count * sizeof(T));
+  from += count * sizeof(T);
+}
+
+std::vector<uint8_t> packed(const Mesh& mesh) {
+  const Counts counts{mesh.vertices.size(), mesh.triangles.size()};
+  std::vector<uint8_t> out(counts.bytes());
+  uint8_t* to = out.data();
+  put(&counts, 1, to);
+  put(mesh.vertices.data(), mesh.vertices.size(), to);
+  put(mesh.triangles.data(), mesh.triangles.size(), to);
+  return out;
+}
+
+Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name) {
+  const auto refuse = [&] {
+    throw InputError(name, "a mesh", "one of which assimp makes nonsense");
+  };
+  Counts counts;
+  if (bytes.size() < sizeof counts) refuse();
+  const uint8_t* from = bytes.data();
+  take(from, 1, &counts);
+  if (counts.vertices > kMaxVertices || counts.triangles > kMaxTriangles ||
+      counts.bytes() != bytes.size())
+    refuse();
+  Mesh mesh;
+  mesh.vertices.resize(counts.vertices);
+  mesh.triangles.resize(counts.triangles);
+  take(from, counts.vertices, mesh.vertices.data());
+  take(from, counts.triangles, mesh.triangles.data());
+  return mesh;
 }
 
 /// What came out of a process that a file may have led astray is judged as a file would be.
-Mesh checked(const std::vector<uint8_t>& bytes, const std::string& name) {
-  Mesh soup;
-  Archive in(bytes, name);
-  archive(soup, in);
-  in.expect_end();
+Mesh checked(Mesh soup, const std::string& name) {
   const auto count = static_cast<int>(soup.vertices.size());
   for (const Eigen::Vector3i& triangle : soup.triangles) {
     for (const int corner : triangle) {
@@ -99,12 +142,10 @@ Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits) {
       .expected = extension.empty() ? "a mesh file" : fmt::format("a {} mesh", extension.substr(1)),
       .way_out = "export it again, for example as .stl or .tri"};
   const auto parse = [&](const RegularFile& opened) {
-    Mesh soup = triangles_by_assimp(opened, limits.most_file_bytes, kMaxVertices, kMaxTriangles);
-    Archive out;
-    archive(soup, out);
-    return out.bytes();
+    return packed(triangles_by_assimp(opened, limits.most_file_bytes, kMaxVertices, kMaxTriangles));
   };
-  const Mesh mesh = welded(checked(parse_apart(file, assimp, limits, parse), file.string()));
+  const Mesh mesh = welded(
+      checked(unpacked(parse_apart(file, assimp, limits, parse), file.string()), file.string()));
   if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
   return mesh;
 }

@@ -43,6 +43,9 @@ Budget budget_for(uint64_t file_bytes, const ForeignLimits& limits) {
                                      file.string(), what, std::strerror(errno)));
 }
 
+/// What is announced is only believed so far; beyond that, memory grows with what comes.
+constexpr uint64_t kMostReserved = 64 << 20;
+
 /// A pipe whose ends are not 0, 1 or 2, which the child lays on /dev/null.
 class Pipe {
  public:
@@ -173,6 +176,7 @@ class Listener {
       const uint64_t most =
           head.kind == Answer::Kind::kBytes ? budget_.result_bytes : 2 * foreign::kMostTextBytes;
       if (head.size > most) return Outcome::kTooMuchResult;
+      said_.reserve(sizeof(Answer) + static_cast<size_t>(std::min(head.size, kMostReserved)));
       if (said_.size() - sizeof(Answer) >= head.size) {
         said_.resize(sizeof(Answer) + static_cast<size_t>(head.size));
         return Outcome::kAnswered;
