@@ -9,7 +9,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 
 pairs=${1:-1000000}
-bash scripts/build.sh release throng no_miss fuzz_replay resume_tests stress_tests test_apps || exit
+bash scripts/build.sh release throng no_miss fuzz_replay mutated_meshes resume_tests stress_tests test_apps || exit
 build=$PWD/build/release
 out=$(mktemp)
 trap 'rm -f "$out" "$out.step"' EXIT
@@ -30,6 +30,7 @@ step() { # WHAT COMMAND...
 }
 
 step "hostile input" env THRONG_FUZZ_ROUNDS=100 "$build/fuzz_replay"
+step "damaged meshes" "$build/mutated_meshes" 1000
 step "faults" env THRONG_KILLS=100 "$build/test_apps" --gtest_filter='Faults.*:Signals/*:Trace.*'
 step "checkpoints" "$build/resume_tests" --gtest_filter='*Resume*'
 step "one hash" bash scripts/determinism.sh release
