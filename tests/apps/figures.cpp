@@ -163,13 +163,14 @@ std::vector<Figures> figures_in(const std::string& document) {
   for (size_t at = 0; at < document.size(); at = next) {
     ++number;
     next = std::min(document.find('\n', at), document.size() - 1) + 1;
-    const std::string_view rest = std::string_view(document).substr(at);
+    const size_t indented = std::min(document.find_first_not_of(' ', at), document.size());
+    const std::string_view rest = std::string_view(document).substr(indented);
     if (rest.starts_with(kFence)) is_in_fence = !is_in_fence;
     if (is_in_fence || !(rest.starts_with(kEach) || rest.starts_with(kNightly))) continue;
     Figures figures;
     figures.line = number;
     figures.is_nightly = rest.starts_with(kNightly);
-    const size_t command = at + (figures.is_nightly ? kNightly : kEach).size();
+    const size_t command = indented + (figures.is_nightly ? kNightly : kEach).size();
     const size_t close = std::min(document.find(kClose, at), document.size());
     figures.command = document.substr(command, close - command);
     figures.begin = first_text(document, close);

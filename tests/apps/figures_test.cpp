@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(All, Document, testing::ValuesIn(documents()), [](const
 
 TEST(Figures, AreFoundWithWhatTheyCheck) {
   const auto all = figures_in(
-      "# A\n<!-- check: one | two -->\n<!-- check: three -->\nFive\nsix.\n\nnot this\n\n"
+      "# A\n  <!-- check: one | two -->\n<!-- check: three -->\nFive\nsix.\n\nnot this\n\n"
       "<!-- check nightly: a \\\n  b -->\n\n```text\nx 1\n```\nrest\n"
       "```text\n<!-- check: shown, not meant -->\n```\n");
   ASSERT_EQ(all.size(), 3u);
