@@ -54,7 +54,9 @@ std::vector<SourceFile> read_source_tree() {
     }
   }
   for (const fs::directory_entry& entry : fs::directory_iterator(top))
-    if (entry.is_regular_file() && is_text(entry.path().filename()))
+    // In a worktree of git, .git is a file that names the place of the repository.
+    if (entry.is_regular_file() && is_text(entry.path().filename()) &&
+        entry.path().filename() != ".git")
       files.push_back({entry.path().filename().string(), read(entry.path())});
   std::sort(files.begin(), files.end(),
             [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; });
