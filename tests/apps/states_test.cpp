@@ -86,6 +86,20 @@ TEST_F(ThinLog, PartPosesComeWithTheStatesWhereAskedFor) {
     EXPECT_EQ(shell(line, folder_).exit_code, 0) << line;
 }
 
+TEST_F(ThinLog, OfARunThatGoesOnBeginsWithStates) {
+  record("--log off --checkpoint run.checkpoint --every 0.5");
+  record("--states-hz 1 --log whole.lcmlog");
+  record("--states-hz 1 --log rest.lcmlog --resume run.checkpoint");
+  EXPECT_EQ(messages("whole.lcmlog", "THRONG_STATES"), 2) << "frames 0 and 60";
+  const int frames = messages("rest.lcmlog", "THRONG_COUNTERS");
+  ASSERT_THAT(frames, testing::AllOf(testing::Gt(0), testing::Lt(61)));
+  const std::string first = std::to_string(61 - frames);
+  const Outcome render = shell(
+      "throng render rest.lcmlog --width 160 --height 90 --out a.png --frame " + first, folder_);
+  EXPECT_EQ(render.exit_code, 0);
+  EXPECT_EQ(render.err, "");
+}
+
 TEST_F(ThinLog, MoreStatesThanFramesAreRefusedBeforeAnythingIsWritten) {
   const Outcome run =
       shell("throng run plaza --seconds 1 --lcm off --states-hz 61 --log no.lcmlog", folder_);
