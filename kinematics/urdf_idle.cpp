@@ -74,9 +74,9 @@ class Idle {
 
 }  // namespace
 
-std::string without_idle(std::string text, const std::vector<XmlElement>& elements,
+std::string without_idle(const std::string& text, const std::vector<XmlElement>& elements,
                          std::vector<std::string>& notes) {
-  const char* const scanned = text.data();
+  std::string out = text;
   const Idle idle(elements);
   size_t left_out = 0;
   for (size_t i = 1; i < elements.size(); ++i) {
@@ -86,9 +86,9 @@ std::string without_idle(std::string text, const std::vector<XmlElement>& elemen
     if (owner.parent != 0 || owner.name != "link") continue;
     const std::string reason = idle.reason_for(static_cast<int>(i));
     if (reason.empty()) continue;
-    const auto begin = static_cast<size_t>(element.name.data() - scanned) - 1;
+    const auto begin = static_cast<size_t>(element.name.data() - text.data()) - 1;
     for (size_t k = begin; k < element.end; ++k)
-      if (text[k] != '\n') text[k] = ' ';
+      if (out[k] != '\n') out[k] = ' ';
     if (++left_out > kMostNotes) continue;
     const std::string* name = owner.attribute("name");
     notes.push_back(fmt::format("<{}> of link '{}', line {}: skipped: {}", element.name,
@@ -97,7 +97,7 @@ std::string without_idle(std::string text, const std::vector<XmlElement>& elemen
   }
   if (left_out > kMostNotes)
     notes.push_back(fmt::format("and {} more such tags: skipped", left_out - kMostNotes));
-  return text;
+  return out;
 }
 
 }  // namespace throng

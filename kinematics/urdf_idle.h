@@ -10,9 +10,9 @@
 
 namespace throng {
 
-/// `text` with spaces in place of such tags, so that every line keeps its number. `elements` are
-/// those of `text`. Adds a line to `notes` for each tag, up to a page.
-std::string without_idle(std::string text, const std::vector<XmlElement>& elements,
+/// `text` with spaces in place of such tags, so that every line keeps its number. `elements` point
+/// into `text`. Adds a line to `notes` for each tag, up to a page.
+std::string without_idle(const std::string& text, const std::vector<XmlElement>& elements,
                          std::vector<std::string>& notes);
 
 }  // namespace throng
