@@ -123,10 +123,14 @@ class Check {
     if (at(origin).attribute("rpy")) numbers(origin, "rpy", 3, kMaxAngle_rad);
   }
 
-  void check_link(int link) const {
+  void check_link(int link) {
     for_children(link, [&](int child) {
       const std::string_view name = at(child).name;
-      if (name == "visual" || name == "collision") check_shape(child);
+      if (name == "visual" || name == "collision") {
+        if (++shapes_ > kMaxShapes)
+          fail(child, fmt::format("at most {} shapes", kMaxShapes), "more");
+        check_shape(child);
+      }
       if (name == "inertial") check_inertial(child);
     });
   }
@@ -292,6 +296,7 @@ class Check {
   const std::string& file_;
   Named links_;
   Named joints_;
+  int shapes_ = 0;
   std::map<int, int> joint_above_;
   std::map<int, int> parent_link_;
 };

@@ -24,6 +24,8 @@ inline constexpr XmlCaps kUrdfCaps{.bytes = 16u << 20,
 inline constexpr int kMaxLinks = 2048;
 /// KDL recurses along a chain and overflows the stack at some 10^4 links; snakes have about 100.
 inline constexpr int kMaxChainDepth = 256;
+/// Three shapes a link are many; a sphere becomes some hundred triangles.
+inline constexpr int kMaxShapes = 16'384;
 /// Names travel in messages of at most 60 kB.
 inline constexpr size_t kMaxNameBytes = 120;
 /// Beyond 10 km a float no longer tells millimetres apart.

@@ -116,6 +116,16 @@ TEST(UrdfSize, ATagHasAtMost64AttributesAndNamesOf256Bytes) {
       HasSubstr("names of at most 256 bytes"));
 }
 
+TEST(UrdfSize, ARobotHasAtMost16384Shapes) {
+  const auto with_shapes = [](int count) {
+    std::string shapes;
+    for (int i = 0; i < count; ++i) shapes += shape("visual", "<sphere radius='1'/>");
+    return robot(shapes);
+  };
+  EXPECT_EQ(complaint_about(with_shapes(16'384)), "accepted");
+  EXPECT_THAT(complaint_about(with_shapes(16'385)), HasSubstr("expected at most 16384 shapes"));
+}
+
 TEST(MeshPath, PackagesAreFoundUnderShareOfAnAmentPrefix) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / fmt::format("throng_ament_{}", ::getpid());
