@@ -3,17 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/checksum.h"
 #include "base/elementary.h"
 
 namespace throng {
 namespace {
 
-uint64_t mix(uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
+uint64_t mix(uint64_t x) { return mixed(x + 0x9e3779b97f4a7c15ull); }
 
 }  // namespace
 

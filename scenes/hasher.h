@@ -6,16 +6,14 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/checksum.h"
+
 namespace throng {
 
 class Hasher {
  public:
   Hasher& add(uint64_t value) {
-    // SplitMix64's finaliser (Steele et al. 2014) over the running state.
-    state_ += value + 0x9e3779b97f4a7c15ull;
-    state_ = (state_ ^ (state_ >> 30)) * 0xbf58476d1ce4e5b9ull;
-    state_ = (state_ ^ (state_ >> 27)) * 0x94d049bb133111ebull;
-    state_ ^= state_ >> 31;
+    state_ = mixed(state_ + value + 0x9e3779b97f4a7c15ull);
     return *this;
   }
   /// Adding 0.0 makes one zero of the two.
