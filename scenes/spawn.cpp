@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/random.h"
 
 namespace throng {
@@ -124,9 +125,9 @@ void list_source(const Scene& scene, const Ways& ways, size_t group, const Sourc
     const uint64_t id = first_id + static_cast<uint64_t>(i);
     Person person = person_of(scene, group, id);
     // Gaps of a Poisson process are exponential; 1 - u is above 0.
-    const double gap = source.random
-                           ? -std::log1p(-random_uniform({scene.seed, id, 0, Purpose::kEmission}))
-                           : (i == 0 ? 0.0 : 1.0);
+    const double gap =
+        source.random ? -natural_log(1 - random_uniform({scene.seed, id, 0, Purpose::kEmission}))
+                      : (i == 0 ? 0.0 : 1.0);
     time_s += gap / source.rate_per_s;
     person.enters_s = time_s;
     person.entrance = entrance;
