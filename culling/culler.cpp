@@ -9,6 +9,7 @@
 #include "base/errors.h"
 #include "culling/broad_phase.h"
 #include "culling/deadline.h"
+#include "culling/event_hash.h"
 #include "culling/fitted.h"
 #include "culling/part_stage.h"
 #include "culling/recipe.h"
@@ -81,7 +82,7 @@ struct Culler::State {
   GrowBuffer<PairKey> recipe_pairs;    // with ids
   GrowBuffer<uint8_t> sphere_levels;   // zeros, for spheres alone
   CullingCounters counters;
-  uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
+  EventHash hash;
   uint64_t frame = 0;
 };
 
@@ -273,15 +274,9 @@ void Culler::State::write_pairs(const BodiesView& bodies) {
 }
 
 void Culler::State::hash_events() {
-  const auto mix = [this](uint64_t word) { hash = (hash ^ word) * 0x100000001b3ull; };
-  const std::span<const PairEvent> all = events.events();
-  for (const PairEvent& event : all) {
-    mix(frame);
-    mix(event.pair.bits());
-    mix(static_cast<uint64_t>(event.kind));
-    if (deadline) mix(deadline->event_levels()[static_cast<size_t>(&event - all.data())]);
-  }
-  ++frame;
+  EventSum sum;
+  sum.add(events.events(), deadline ? deadline->event_levels() : std::span<const uint8_t>());
+  hash.add_frame(frame++, sum);
 }
 
 void Culler::State::sum_counters() {
@@ -372,7 +367,9 @@ void Culler::finish() {
 
 void Culler::archive(Archive& a) {
   State& s = *state_;
-  a(s.frame, s.hash);
+  uint64_t hash = s.hash.value();
+  a(s.frame, hash);
+  s.hash = EventHash(hash);
   const std::span<const PairKey> now = s.events.touching();
   std::vector<PairKey> touching(now.begin(), now.end());
   a.resized(touching, SIZE_MAX);
@@ -401,6 +398,6 @@ std::span<const uint8_t> Culler::event_levels() const {
 }
 uint64_t Culler::persisting() const { return state_->events.persisting(); }
 const CullingCounters& Culler::counters() const { return state_->counters; }
-uint64_t Culler::hash() const { return state_->hash; }
+uint64_t Culler::hash() const { return state_->hash.value(); }
 
 }  // namespace throng

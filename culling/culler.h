@@ -112,7 +112,7 @@ class Culler {
   std::span<const uint8_t> event_levels() const;
   uint64_t persisting() const;
   const CullingCounters& counters() const;
-  /// Runs over (frame, kind, pair), with a deadline also the level, of every event so far.
+  /// Of every event so far (see event_hash.h); with a deadline, levels count.
   uint64_t hash() const;
 
  private:

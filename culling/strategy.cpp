@@ -20,4 +20,21 @@ std::optional<Strategy> strategy_of(std::string_view name) {
   return std::nullopt;
 }
 
+std::string_view left_out_by(Strategy strategy) {
+  switch (strategy) {
+    case Strategy::kNone:
+      return "every contact: nothing was tested";
+    case Strategy::kSphere:
+      return "body parts: a pair is two whole bodies whose spheres meet";
+    case Strategy::kHybridOne:
+      return "every contact but those of the first body";
+    case Strategy::kPipeline:
+    case Strategy::kVolume:
+    case Strategy::kHybridAll:
+    case Strategy::kTwoPass:
+      break;
+  }
+  return "";
+}
+
 }  // namespace throng

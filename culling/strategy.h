@@ -26,4 +26,7 @@ inline constexpr Strategy kAllStrategies[] = {
 std::string_view name_of(Strategy strategy);
 std::optional<Strategy> strategy_of(std::string_view name);
 
+/// What touches and is not reported, in words; "" where nothing is left out.
+std::string_view left_out_by(Strategy strategy);
+
 }  // namespace throng

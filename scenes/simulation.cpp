@@ -279,6 +279,10 @@ void Simulation::State::describe_run() {
   for (size_t g = 0; g < scene.groups.size(); ++g) info.drive_channels[g] = scene.groups[g].driven;
   info.part_volume = scene.part_volume;
   info.exact = scene.exact;
+  info.culling = options.culling;
+  info.strategy = options.strategy;
+  info.deadline_ms = options.deadline_ms;
+  info.deadline_tests = options.deadline_tests;
 }
 
 void Simulation::State::cut_blocks() {
@@ -408,6 +412,7 @@ void Simulation::State::fill_frame() {
   frame.levels = culler->levels();
   frame.event_levels = culler->event_levels();
   frame.persisting = culler->persisting();
+  frame.hash = culler->hash();
   frame.counters = &culler->counters();
   frame.times = &times;
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
@@ -491,7 +496,8 @@ void Simulation::resume(std::span<const uint8_t> bytes, const std::string& name)
   state_->info.resumed = {state_->frames - 1,
                           state_->frame.utime_us,
                           {touching.begin(), touching.end()},
-                          {levels.begin(), levels.end()}};
+                          {levels.begin(), levels.end()},
+                          state_->culler->hash()};
 }
 
 }  // namespace throng

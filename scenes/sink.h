@@ -21,6 +21,7 @@ struct Resumed {
   int64_t utime_us = 0;
   std::vector<PairKey> touching;  ///< at that frame: their begins were told before
   std::vector<uint8_t> levels;    ///< as in Frame
+  uint64_t hash = 0;              ///< of the events up to that frame
 };
 
 struct RunInfo {
@@ -38,8 +39,14 @@ struct RunInfo {
   std::vector<std::string> drive_channels;
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
+  bool culling = true;  ///< false: nobody was looked at, and there are no events
+  Strategy strategy = Strategy::kPipeline;
+  /// A frame's budget, where there is one: then pairs have levels, and the hash holds them, too.
+  std::optional<double> deadline_ms;
+  std::optional<uint64_t> deadline_tests;
   std::optional<Resumed> resumed;  ///< then the first frame is not number 0
 
+  bool has_deadline() const { return deadline_ms || deadline_tests; }
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
   /// Obstacle i has body id avatar_count() + i.
   uint32_t obstacle_id(int i) const { return static_cast<uint32_t>(avatar_count() + i); }
@@ -76,6 +83,7 @@ struct Frame {
   /// One an event, of an end that of the pair's last frame; empty: all are fully decided.
   std::span<const uint8_t> event_levels;
   uint64_t persisting = 0;
+  uint64_t hash = 0;  ///< of all events up to this frame's (see culling/event_hash.h)
   const CullingCounters* counters = nullptr;
   const FrameTimes* times = nullptr;  ///< of the frame so far; publish_ns is the previous frame's
 };
@@ -87,7 +95,7 @@ struct RunEnd {
   std::span<const uint8_t> event_levels;  ///< as in Frame
   uint64_t begins = 0;                    ///< over the whole run
   uint64_t ends = 0;                      ///< over the whole run, those above included
-  uint64_t hash = 0;
+  uint64_t hash = 0;                      ///< of all events
 };
 
 class Sink {

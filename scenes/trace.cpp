@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "base/errors.h"
+#include "culling/event_hash.h"
 #include "scenes/hasher.h"
 
 namespace throng {
@@ -38,10 +39,9 @@ uint64_t hash_of(std::span<const PairKey> pairs) {
 }
 
 uint64_t hash_of(std::span<const PairEvent> events) {
-  Hasher hash;
-  for (const PairEvent& event : events)
-    hash.add(event.pair.bits()).add(static_cast<uint64_t>(event.kind));
-  return hash.value();
+  EventSum sum;
+  sum.add(events);
+  return sum.sum;
 }
 
 }  // namespace
