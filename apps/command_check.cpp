@@ -12,8 +12,9 @@ namespace throng {
 namespace {
 
 constexpr const char* kFooter = R"(
-A log is sound when every byte belongs to a message, no message is missing, and every contact that
-begins also ends. Exit code 1 says that it is not.
+A log is sound when every byte belongs to a message, every message is as it was written, none is
+missing, every contact that begins also ends, and the events have the run's hash. Exit code 1 says
+that it is not.
 
 Examples:
   throng check out/plaza.lcmlog
@@ -47,6 +48,9 @@ int check(const CheckOptions& options) {
                levels[0], levels[1], levels[2], levels[3]);
   fmt::print("  frames     {}, {:.2f} s\n", report.last_frame + 1,
              static_cast<double>(report.last_utime_us) * 1e-6);
+  for (const std::string& line : describe_coverage(report)) fmt::print("  checksums  {}\n", line);
+  if (!report.leaves_out.empty())
+    fmt::print("  leaves out {} (strategy {})\n", report.leaves_out, report.strategy);
   for (const std::string& problem : report.problems) fmt::print("  problem    {}\n", problem);
   const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
   if (untold > 0) fmt::print("  problem    and {} more\n", untold);

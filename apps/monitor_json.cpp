@@ -12,9 +12,12 @@ using Json = nlohmann::ordered_json;
 
 std::string hash_text(int64_t hash) { return fmt::format("{:016x}", static_cast<uint64_t>(hash)); }
 
-/// What the run says that it sent on a channel; null before THRONG_END.
+/// What the run says that it sent on a channel; null before THRONG_END. Its totals are those before
+/// it; behind it come the last checks.
 Json sent_on(Channel channel, const RunReader& run) {
   if (!run.end()) return nullptr;
+  if (channel == Channel::kChecks && run.checks() && run.checks()->is_last != 0)
+    return run.checks()->seq + 1;
   const std::vector<std::string>& names = run.end()->channels;
   const auto found = std::find(names.begin(), names.end(), name_of(channel));
   if (found == names.end()) return nullptr;

@@ -10,11 +10,20 @@
 
 namespace throng {
 
-enum class Channel : uint8_t { kRun, kStates, kEvents, kTouching, kCounters, kEnd, kParts };
-inline constexpr int kChannelCount = 7;
+enum class Channel : uint8_t {
+  kRun,
+  kStates,
+  kEvents,
+  kTouching,
+  kCounters,
+  kEnd,
+  kParts,
+  kChecks
+};
+inline constexpr int kChannelCount = 8;
 inline constexpr std::array<Channel, kChannelCount> kAllChannels = {
     Channel::kRun,      Channel::kStates, Channel::kEvents, Channel::kTouching,
-    Channel::kCounters, Channel::kEnd,    Channel::kParts};
+    Channel::kCounters, Channel::kEnd,    Channel::kParts,  Channel::kChecks};
 
 /// "THRONG_RUN", "THRONG_STATES", ...
 std::string_view name_of(Channel channel);

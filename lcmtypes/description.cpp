@@ -5,6 +5,9 @@
 #include <map>
 #include <numbers>
 
+#include "base/version.h"
+#include "culling/event_hash.h"
+
 namespace throng {
 namespace {
 
@@ -164,10 +167,34 @@ run_description_t describe(const RunInfo& run) {
   return out;
 }
 
-std::string printable(std::string_view name) {
-  constexpr size_t kLongest = 64;
+namespace {
+
+std::string leaves_out(const RunInfo& run) {
+  if (!run.culling) return "every contact: the run was without culling";
+  if (run.has_deadline())
+    return "decisions that a frame had no time for: such pairs count as touching, their level says "
+           "how far they came";
+  return std::string(left_out_by(run.strategy));
+}
+
+}  // namespace
+
+void describe_checks(const RunInfo& run, checks_t& out) {
+  out.version = version();
+  out.commit = fmt::format("{:<18}", commit());
+  out.strategy = name_of(run.strategy);
+  out.deadline_ms = run.deadline_ms.value_or(-1);
+  out.deadline_tests = run.deadline_tests ? static_cast<int64_t>(*run.deadline_tests) : -1;
+  out.leaves_out = leaves_out(run);
+  out.is_last = out.is_repaired = 0;
+  out.hash_kind = static_cast<int32_t>(run.has_deadline() ? EventHashKind::kEventsAndLevels
+                                                          : EventHashKind::kEvents);
+  out.hash_at_start = run.resumed ? static_cast<int64_t>(run.resumed->hash) : 0;
+}
+
+std::string printable(std::string_view name, size_t longest) {
   std::string out;
-  for (size_t at = 0; at < name.size() && out.size() < kLongest;) {
+  for (size_t at = 0; at < name.size() && out.size() < longest;) {
     const auto byte = [&](size_t i) { return static_cast<uint8_t>(name[i]); };
     size_t length = 1;
     bool is_fine = byte(at) >= 0x20 && byte(at) < 0x7f;

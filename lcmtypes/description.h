@@ -10,6 +10,7 @@
 #include "lcmtypes/channels.h"
 #include "lcmtypes/quantise.h"
 #include "scenes/sink.h"
+#include "throng/checks_t.hpp"
 #include "throng/run_description_t.hpp"
 
 namespace throng {
@@ -19,9 +20,12 @@ std::vector<ColumnRange> column_ranges(const Model& model);
 
 run_description_t describe(const RunInfo& run);
 
+/// Fills in what checks_t says of the run itself: by what it was made, and what it leaves out.
+void describe_checks(const RunInfo& run, checks_t& out);
+
 /// A name that came over the wire, fit for a terminal: what could command one (control characters,
-/// bytes that are no UTF-8) becomes '?', and after 64 bytes it is cut.
-std::string printable(std::string_view name);
+/// bytes that are no UTF-8) becomes '?', and after `longest` bytes it is cut.
+std::string printable(std::string_view name, size_t longest = 64);
 
 /// "<group> <id>" of an avatar, the name of an obstacle; printable. For a description that
 /// defect_of() passed.

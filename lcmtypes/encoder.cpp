@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/checksum.h"
 #include "base/errors.h"
 
 namespace throng {
@@ -66,14 +67,13 @@ void RunEncoder::number(Message& message, int64_t seq, int chunk, int chunk_coun
 
 template <class Message>
 void RunEncoder::send(Channel channel, Message& message, int chunk, int chunk_count) {
-  number(message, totals_[static_cast<size_t>(channel)].messages, chunk, chunk_count);
-  hand_over(channel, encoded(message, buffer_));
+  number(message, said_[channel].messages, chunk, chunk_count);
+  const std::span<const uint8_t> bytes = encoded(message, buffer_);
+  hand_over(channel, bytes, checksum(bytes));
 }
 
-void RunEncoder::hand_over(Channel channel, std::span<const uint8_t> bytes) {
-  Totals& totals = totals_[static_cast<size_t>(channel)];
-  ++totals.messages;
-  totals.bytes += static_cast<int64_t>(bytes.size());
+void RunEncoder::hand_over(Channel channel, std::span<const uint8_t> bytes, uint64_t checksum) {
+  said_.add(channel, said_.messages(), utime_us_, bytes.size(), checksum);
   target_.message(channel, utime_us_, bytes);
 }
 
@@ -81,10 +81,12 @@ void RunEncoder::begin(const RunInfo& run) {
   run_id_ = static_cast<int64_t>(run.run_id);
   last_level_ = run.exact ? PairLevel::kExact : PairLevel::kPartVolume;
   instance_ = options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
-  totals_ = {};
+  said_ = {};
   clamped_ = 0;
   utime_us_ = frame_ = 0;
   last_second_ = -1;
+
+  describe_checks(run, checks_);
 
   const run_description_t description = describe(run);
   const auto size = static_cast<size_t>(description.getEncodedSize());
@@ -158,6 +160,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
     if (options_.part_poses) send_parts(run, frame);
   }
   send_counters(frame);
+  send_checks(frame.hash);
 }
 
 void RunEncoder::send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels) {
@@ -224,7 +227,7 @@ bool RunEncoder::states_are_due(int64_t frame) const {
 /// Some chunks at a time are encoded side by side, then sent in their order.
 void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
   assert(static_cast<int>(frame.roots.size()) == run.avatar_count());
-  const Totals& totals = totals_[static_cast<size_t>(Channel::kStates)];
+  const int64_t seq = said_[Channel::kStates].messages;
   const auto chunks = static_cast<int>(state_chunks_.size());
   const auto slots = static_cast<int>(states_.size());
   for (int first = 0; first < chunks; first += slots) {
@@ -232,13 +235,15 @@ void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
     workers_.for_blocks(count, [&](int i, int) {
       StatesSlot& slot = states_[static_cast<size_t>(i)];
       fill_states(run, frame, state_chunks_[static_cast<size_t>(first + i)], slot.message);
-      number(slot.message, totals.messages + i, first + i, chunks);
-      slot.size = encoded(slot.message, slot.bytes).size();
+      number(slot.message, seq + first + i, first + i, chunks);
+      const std::span<const uint8_t> bytes = encoded(slot.message, slot.bytes);
+      slot.size = bytes.size();
+      slot.checksum = checksum(bytes);
     });
     for (int i = 0; i < count; ++i) {
       const StatesSlot& slot = states_[static_cast<size_t>(i)];
       clamped_ += slot.message.clamped;
-      hand_over(Channel::kStates, {slot.bytes.data(), slot.size});
+      hand_over(Channel::kStates, {slot.bytes.data(), slot.size}, slot.checksum);
     }
   }
 }
@@ -354,6 +359,17 @@ void RunEncoder::send_counters(const Frame& frame) {
   send(Channel::kCounters, m, 0, 1);
 }
 
+void RunEncoder::send_checks(uint64_t hash) {
+  number(checks_, said_[Channel::kChecks].messages, 0, 1);
+  checks_.number = said_.messages();
+  checks_.hash = static_cast<int64_t>(hash);
+  said_.tell(checks_);
+  const size_t size = encoded(checks_, buffer_).size();
+  const std::span<uint8_t> bytes(buffer_.data(), size);
+  seal(bytes);
+  hand_over(Channel::kChecks, bytes, checksum(bytes));
+}
+
 void RunEncoder::end(const RunInfo&, const RunEnd& end) {
   utime_us_ = end.utime_us;
   frame_ = end.frames;
@@ -376,5 +392,10 @@ void RunEncoder::end(const RunInfo&, const RunEnd& end) {
 }
 
 void RunEncoder::repeat_end() { send(Channel::kEnd, end_, 0, 1); }
+
+void RunEncoder::send_last_checks() {
+  checks_.is_last = 1;
+  send_checks(static_cast<uint64_t>(end_.hash));
+}
 
 }  // namespace throng

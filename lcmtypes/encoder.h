@@ -3,14 +3,15 @@
 // after the first frames nothing is allocated unless a frame has more events than any before.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "base/workers.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/description.h"
+#include "lcmtypes/running_checks.h"
 #include "scenes/sink.h"
+#include "throng/checks_t.hpp"
 #include "throng/counters_t.hpp"
 #include "throng/end_t.hpp"
 #include "throng/events_t.hpp"
@@ -45,7 +46,8 @@ class RunEncoder {
 
   /// Encodes the description; sends nothing. Throws InputError if it is larger than a reader takes.
   void begin(const RunInfo& run);
-  /// Messages in this order: events, touching (once a simulated second), states, parts, counters.
+  /// Messages in this order: events, touching (once a simulated second), states, parts, counters,
+  /// checks.
   /// A run that was resumed first sends what touched before, as touching of the frame before.
   void frame(const RunInfo& run, const Frame& frame);
   /// The last ends, then THRONG_END.
@@ -55,12 +57,10 @@ class RunEncoder {
   void send_description_chunk(int chunk);
   /// THRONG_END once more, with the totals of the first.
   void repeat_end();
+  /// Over all that was said, THRONG_END included: nothing comes behind it.
+  void send_last_checks();
 
-  struct Totals {
-    int64_t messages = 0;
-    int64_t bytes = 0;
-  };
-  const Totals& totals(Channel channel) const { return totals_[static_cast<size_t>(channel)]; }
+  const RunningChecks::Sum& totals(Channel channel) const { return said_[channel]; }
   /// Values that did not fit their message so far (see quantise.h).
   int64_t clamped() const { return clamped_; }
 
@@ -75,12 +75,13 @@ class RunEncoder {
     states_t message{};
     std::vector<uint8_t> bytes;
     size_t size = 0;
+    uint64_t checksum = 0;
   };
   template <class Message>
   void number(Message& message, int64_t seq, int chunk, int chunk_count) const;
   template <class Message>
   void send(Channel channel, Message& message, int chunk, int chunk_count);
-  void hand_over(Channel channel, std::span<const uint8_t> bytes);
+  void hand_over(Channel channel, std::span<const uint8_t> bytes, uint64_t checksum);
   void send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   bool states_are_due(int64_t frame) const;
@@ -91,10 +92,11 @@ class RunEncoder {
   void add_part_poses(const Model& model, const RootPose& root, float scale,
                       std::span<const float> posture);
   void send_counters(const Frame& frame);
+  void send_checks(uint64_t hash);
 
   EncoderOptions options_;
   MessageTarget& target_;
-  std::array<Totals, kChannelCount> totals_{};
+  RunningChecks said_;
   int64_t clamped_ = 0;
 
   int64_t run_id_ = 0;
@@ -118,6 +120,7 @@ class RunEncoder {
   counters_t counters_{};
   end_t end_{};
   parts_t parts_{};
+  checks_t checks_{};
   std::vector<uint8_t> buffer_;
 };
 

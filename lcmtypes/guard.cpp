@@ -7,6 +7,7 @@
 
 #include "lcmtypes/description.h"
 #include "lcmtypes/log_format.h"
+#include "lcmtypes/running_checks.h"
 
 namespace throng {
 namespace {
@@ -85,6 +86,18 @@ void walk(Cursor& c, const end_t*) {
   const size_t channels = c.count(5 + 8 + 8);
   for (size_t i = 0; i < channels && c.ok(); ++i) c.string();
   c.array(channels, 8 + 8);
+}
+
+void walk(Cursor& c, const checks_t*) {
+  c.skip(kMessageHeaderBytes);
+  for (int i = 0; i < 3; ++i) c.string();
+  c.skip(8 + 8);
+  c.string();
+  c.skip(1 + 1 + 8 + 4 + 8 + 8 + 4);
+  const size_t channels = c.count(5 + 8 + 8 + 8);
+  for (size_t i = 0; i < channels && c.ok(); ++i) c.string();
+  c.array(channels, 8 + 8 + 8);
+  c.skip(8);
 }
 
 void walk(Cursor& c, const parts_t*) {
@@ -208,6 +221,8 @@ int64_t fingerprint_of(Channel channel) {
       return end_t::getHash();
     case Channel::kParts:
       return parts_t::getHash();
+    case Channel::kChecks:
+      return checks_t::getHash();
   }
   return 0;
 }
@@ -286,6 +301,18 @@ std::string decode(std::span<const uint8_t> bytes, end_t& out) {
   return "";
 }
 
+std::string decode(std::span<const uint8_t> bytes, checks_t& out) {
+  std::string defect = decode_message(Channel::kChecks, bytes, out);
+  if (!defect.empty()) return defect;
+  if (static_cast<uint64_t>(out.own_check) != own_check_of(bytes))
+    return "checks that are damaged themselves";
+  if (out.number < 0 || out.number > kMaxNumber) return fmt::format("number {}", out.number);
+  for (const auto* totals : {&out.messages, &out.bytes})
+    for (const int64_t total : *totals)
+      if (total < 0 || total > kMaxNumber) return fmt::format("a total of {}", total);
+  return "";
+}
+
 std::string decode(std::span<const uint8_t> bytes, parts_t& out) {
   return decode_message(Channel::kParts, bytes, out);
 }
@@ -347,6 +374,8 @@ std::string check_message(Channel channel, std::span<const uint8_t> bytes) {
       return check<end_t>(bytes);
     case Channel::kParts:
       return check<parts_t>(bytes);
+    case Channel::kChecks:
+      return check<checks_t>(bytes);
   }
   return "an unknown channel";
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lcmtypes/channels.h"
+#include "throng/checks_t.hpp"
 #include "throng/counters_t.hpp"
 #include "throng/drive_t.hpp"
 #include "throng/end_t.hpp"
@@ -49,6 +50,8 @@ std::string decode(std::span<const uint8_t> bytes, touching_t& out);
 std::string decode(std::span<const uint8_t> bytes, counters_t& out);
 std::string decode(std::span<const uint8_t> bytes, end_t& out);
 std::string decode(std::span<const uint8_t> bytes, parts_t& out);
+/// Its own checksum is right, too.
+std::string decode(std::span<const uint8_t> bytes, checks_t& out);
 
 /// The description that the pieces of THRONG_RUN add up to; checked by defect_of() as well.
 std::string decode(std::span<const uint8_t> bytes, run_description_t& out);

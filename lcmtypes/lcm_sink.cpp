@@ -82,6 +82,7 @@ void LcmSink::end(const RunInfo& run, const RunEnd& end) {
     std::this_thread::sleep_for(kEndPause);
     encoder_.repeat_end();
   }
+  encoder_.send_last_checks();
 }
 
 void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {

@@ -34,7 +34,7 @@ class LcmSink final : public Sink, private MessageTarget {
   void begin(const RunInfo& run) override;
   /// Also sends the pieces of the description that are due: all of them once a second.
   void frame(const RunInfo& run, const Frame& frame) override;
-  /// THRONG_END five times, 20 ms apart: it is the one message that nothing later makes up for.
+  /// THRONG_END five times, 20 ms apart: nothing later makes up for it. Then the last checks.
   void end(const RunInfo& run, const RunEnd& end) override;
 
   bool good() const;

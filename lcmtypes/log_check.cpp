@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
 #include "base/errors.h"
+#include "lcmtypes/log_hash.h"
 #include "lcmtypes/log_reader.h"
-#include "lcmtypes/log_sink.h"
 #include "lcmtypes/run_reader.h"
 
 namespace throng {
@@ -62,9 +63,18 @@ class Judge {
     const std::optional<Channel> channel = channel_of(event.channel);
     if (!channel) {
       ++report_.foreign_messages;
+      if (foreign_.size() < kMaxForeign) foreign_.emplace(event.channel, event.offset);
       return;
     }
+    MessageHeader header;
+    const bool has_header = read_header(*channel, event.data, header).empty();
     take(*channel, event);
+    spans_.add(*channel, event, has_header ? &header : nullptr);
+    ++report_.uncovered;
+    if (has_header && *channel == Channel::kChecks && is_covered_) {
+      report_.uncovered = 0;
+      is_covered_ = false;
+    }
   }
 
   void take(Channel channel, const LogEvent& event) {
@@ -80,6 +90,10 @@ class Judge {
       return;
     }
     number(channel, event, header);
+    compare_stamp(event, header);
+    if (is_over_ && !is_recording_)
+      problem(fmt::format("byte {}: {}: a message behind the last one of the run", event.offset,
+                          event.channel));
     // Behind the last frame come the last ends, under the number of a frame that never was.
     if (channel == Channel::kCounters)
       report_.last_frame = std::max(report_.last_frame, header.frame);
@@ -97,7 +111,11 @@ class Judge {
       has_frames_ = true;
       was_resumed_ = adopted_frame_ >= 0 && header.frame > adopted_frame_;
     }
-    if (update == RunReader::Update::kEvents) pair_up(event);
+    if (update == RunReader::Update::kEvents) {
+      hash_.add(header.frame, reader_.new_events(), reader_.new_event_levels());
+      pair_up(event);
+    }
+    if (update == RunReader::Update::kChecks) compare_checks(event, header);
     if (update == RunReader::Update::kCounters) {
       compare_touching(event);
       compare_present(event);
@@ -112,6 +130,96 @@ class Judge {
                           next, header.seq));
     if (header.seq > next) report_.channels[index_of(channel)].missing += header.seq - next;
     next = header.seq + 1;
+  }
+
+  /// Throng stamps with simulation time, a recorder with its clock; no log has both.
+  void compare_stamp(const LogEvent& event, const MessageHeader& header) {
+    const bool is_recorders = is_recorders_stamp(header, event);
+    if (!has_stamp_) is_recording_ = is_recorders;
+    has_stamp_ = true;
+    if (is_recorders != is_recording_ || (!is_recorders && event.stamp_us != header.utime_us))
+      problem(fmt::format("byte {}: {}: stamp {} us, its message says {} us", event.offset,
+                          event.channel, event.stamp_us, header.utime_us));
+  }
+
+  void compare_checks(const LogEvent& event, const MessageHeader& header) {
+    const checks_t& said = *reader_.checks();
+    if (!report_.has_checks) describe(said);
+    report_.has_checks = true;
+    report_.repaired = report_.repaired || said.is_repaired != 0;
+    for (const DamagedSpan& span : spans_.differences(said, event, header)) tell_damage(span);
+    compare_hash(said, event, spans_.is_gap(said, event, header));
+    if (said.check_kind != kCheckKind) {
+      problem(fmt::format("byte {}: checksums of kind {}, this program knows kind {}", event.offset,
+                          said.check_kind, kCheckKind));
+      return;
+    }
+    spans_.adopt(said, event);
+    last_checks_byte_ = event.offset;
+    report_.checked_frame = said.frame;
+    is_covered_ = true;
+    is_over_ = is_over_ || said.is_last != 0;
+  }
+
+  void tell_damage(const DamagedSpan& span) {
+    report_.damage.push_back(span);
+    const std::string from = span.from_frame < 0
+                                 ? std::string("the beginning")
+                                 : fmt::format("the checks of frame {}", span.from_frame);
+    const std::string what =
+        span.written == span.found
+            ? fmt::format("damaged, {} messages", span.found)
+            : fmt::format("{} messages, {} were written", span.found, span.written);
+    problem(fmt::format("bytes {} to {}: {}: {}, between {} and those of frame {}", span.from_byte,
+                        span.to_byte, name_of(span.channel), what, from, span.to_frame));
+  }
+
+  void compare_hash(const checks_t& said, const LogEvent& event, bool is_gap) {
+    if (!LogHash::is_known(said.hash_kind)) return;
+    const auto kind = static_cast<EventHashKind>(said.hash_kind);
+    hash_.start_from(static_cast<uint64_t>(said.hash_at_start));
+    const auto written = static_cast<uint64_t>(said.hash);
+    const uint64_t found = hash_.value(kind);
+    if (found == written) return;
+    const bool is_known =
+        std::any_of(report_.damage.begin(), report_.damage.end(), [&](const DamagedSpan& span) {
+          return span.channel == Channel::kEvents && span.to_byte == event.offset;
+        });
+    if (!is_known && !is_gap) {
+      DamagedSpan span{Channel::kEvents, report_.checked_frame, said.frame, last_checks_byte_,
+                       event.offset};
+      report_.damage.push_back(span);
+      problem(
+          fmt::format("byte {}: the run says hash {:016x} of its events up to frame {}, those in "
+                      "the log have {:016x}",
+                      event.offset, written, said.frame, found));
+    }
+    hash_.go_on_from(kind, written);
+  }
+
+  /// Of the whole run, at its end.
+  void compare_hash(const end_t& end, const LogEvent& event) {
+    const auto written = static_cast<uint64_t>(end.hash);
+    if (!report_.has_checks) {
+      report_.hash_agrees = hash_.is_old_hash(written);
+      if (was_resumed_) return;  // what came before the log is not known
+    } else if (!LogHash::is_known(reader_.checks()->hash_kind)) {
+      return;
+    } else {
+      const auto kind = static_cast<EventHashKind>(reader_.checks()->hash_kind);
+      report_.hash_agrees = hash_.value(kind) == written;
+    }
+    if (report_.hash_agrees) return;
+    report_.finished = false;
+    problem(fmt::format("byte {}: the run says hash {:016x}, the events in the log have another",
+                        event.offset, written));
+  }
+
+  void describe(const checks_t& said) {
+    report_.version = printable(said.version);
+    report_.commit = printable(said.commit.substr(0, said.commit.find(' ')));
+    report_.strategy = printable(said.strategy);
+    report_.leaves_out = printable(said.leaves_out, 200);
   }
 
   /// A resumed run begins with what touched when it was stopped.
@@ -185,11 +293,27 @@ class Judge {
           "byte {}: the run says {} messages of {} bytes on {}, the log has {} of {}", event.offset,
           end.messages[i], end.bytes[i], end.channels[i], found.messages, found.bytes));
     }
+    compare_hash(end, event);
   }
 
   void finish() {
     report_.open_pairs = static_cast<int64_t>(open_.size());
     if (!reader_.run()) problem("no complete run description");
+    if (report_.has_checks && report_.uncovered > 0) report_.finished = false;
+    if (!report_.has_checks) report_.uncovered = 0;
+    name_foreign();
+  }
+
+  /// A recorder takes down whatever it hears; Throng writes nothing but its own.
+  void name_foreign() {
+    if (is_recording_) return;
+    for (const auto& [name, offset] : foreign_) {
+      const std::vector<std::string> none;
+      const std::vector<std::string>& known = reader_.checks() ? reader_.checks()->channels : none;
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      report_.strange_channels.insert(name);
+      problem(fmt::format("byte {}: '{}' is no channel of a run", offset, printable(name)));
+    }
   }
 
   void problem(std::string text) {
@@ -201,6 +325,14 @@ class Judge {
   LogReport report_;
   RunReader reader_;
   std::set<PairKey> open_;
+  CheckSpans spans_;
+  uint64_t last_checks_byte_ = 0;
+  LogHash hash_;
+  bool is_covered_ = false;  // by the checks that were taken last
+  bool is_over_ = false;     // the last checks came
+  bool has_stamp_ = false, is_recording_ = false;
+  static constexpr size_t kMaxForeign = 64;
+  std::map<std::string, uint64_t, std::less<>> foreign_;  // names, and where each is first
   int64_t adopted_ = 0;  // pairs that touched before a resumed run's first frame
   int64_t adopted_frame_ = -1;
   bool has_frames_ = false, was_resumed_ = false;
@@ -252,6 +384,19 @@ std::string describe_channels(const LogReport& report) {
 
 }  // namespace
 
+std::vector<std::string> describe_coverage(const LogReport& report) {
+  if (!report.has_checks)
+    return {report.finished
+                ? "none, as in every log of an older Throng; the hash of the events is right"
+                : "none, as in every log of an older Throng"};
+  std::vector<std::string> out = {fmt::format("up to those of frame {}", report.checked_frame)};
+  if (report.uncovered > 0)
+    out.push_back(fmt::format("not covered: {} messages behind those", report.uncovered));
+  if (report.repaired)
+    out.push_back("repaired: what was damaged is left out, checksums are of what is here");
+  return out;
+}
+
 LogReport check_log(const std::filesystem::path& file) { return Judge(file).run(); }
 
 std::string describe_log(const std::filesystem::path& file) {
@@ -263,7 +408,14 @@ std::string describe_log(const std::filesystem::path& file) {
   if (const run_description_t* run = judge.reader().run())
     out += fmt::format("run {:016x}\n", static_cast<uint64_t>(judge.reader().run_id())) +
            describe_run(*run);
+  if (!report.version.empty())
+    out += fmt::format("made by Throng {}, commit {}\n", report.version, report.commit);
+  if (!report.strategy.empty() && report.strategy != name_of(Strategy::kPipeline))
+    out += fmt::format("strategy {}\n", report.strategy);
+  if (!report.leaves_out.empty()) out += fmt::format("leaves out {}\n", report.leaves_out);
   out += describe_channels(report);
+  for (const std::string& line : describe_coverage(report))
+    out += fmt::format("checksums {}\n", line);
   out += fmt::format("pair events: {} begins, {} ends, {} pairs open\n", report.begins, report.ends,
                      report.open_pairs);
   if (report.torn)
@@ -274,28 +426,6 @@ std::string describe_log(const std::filesystem::path& file) {
   if (report.problem_count > shown)
     out += fmt::format("and {} problems more\n", report.problem_count - shown);
   return out;
-}
-
-int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path& out) {
-  LogReader log(in);
-  std::error_code error;
-  if (std::filesystem::equivalent(in, out, error))
-    throw InputError(out.string(), "another file than the torn log", "the same");
-  LogFile repaired(out);
-  LogEvent event;
-  for (;;) {
-    const LogReader::Status status = log.next(event);
-    if (status == LogReader::Status::kEnd) break;
-    if (status != LogReader::Status::kEvent) {
-      if (!log.resync()) break;
-      continue;
-    }
-    const std::optional<Channel> channel = channel_of(event.channel);
-    if (channel && !check_message(*channel, event.data).empty()) continue;
-    repaired.copy(event.number, event.channel, event.stamp_us, event.data);
-  }
-  repaired.close();
-  return repaired.events();
 }
 
 }  // namespace throng

@@ -53,6 +53,7 @@ void LogSink::flush_if_due() {
 
 void LogSink::end(const RunInfo& run, const RunEnd& end) {
   encoder_.end(run, end);
+  encoder_.send_last_checks();
   log_.close();
 }
 

@@ -47,6 +47,7 @@ void RunReader::rewind() {
   new_events_.clear();
   counters_.reset();
   end_.reset();
+  checks_.reset();
 }
 
 RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
@@ -89,6 +90,8 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
       return take<end_t>(*channel, bytes);
     case Channel::kParts:
       return take<parts_t>(*channel, bytes);
+    case Channel::kChecks:
+      return take<checks_t>(*channel, bytes);
   }
   return Update::kNothing;
 }
@@ -107,6 +110,12 @@ std::string RunReader::use(end_t& end, Update& update) {
 }
 
 std::string RunReader::use(const parts_t&, Update&) { return ""; }
+
+std::string RunReader::use(checks_t& checks, Update& update) {
+  checks_ = std::move(checks);
+  update = Update::kChecks;
+  return "";
+}
 
 std::string RunReader::use(const run_t& piece, Update& update) {
   if (run_) return "";

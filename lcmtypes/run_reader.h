@@ -42,6 +42,7 @@ class RunReader {
     kTouching,  ///< touching() was set anew
     kCounters,  ///< counters() is new, and the frame is over
     kEnd,       ///< end() is known
+    kChecks,    ///< checks() is new
     kRefused    ///< damaged, hostile or of another version: see refusal()
   };
 
@@ -77,6 +78,8 @@ class RunReader {
   std::span<const PairLevel> new_event_levels() const { return new_event_levels_; }
   const std::optional<counters_t>& counters() const { return counters_; }
   const std::optional<end_t>& end() const { return end_; }
+  /// What the run says of itself, and of all that it has said so far.
+  const std::optional<checks_t>& checks() const { return checks_; }
 
   /// What was received of the current run, and what its numbering proves was not.
   const RunTally& tally() const { return tally_; }
@@ -99,6 +102,7 @@ class RunReader {
   std::string use(counters_t& counters, Update& update);
   std::string use(end_t& end, Update& update);
   std::string use(const parts_t& parts, Update& update);
+  std::string use(checks_t& checks, Update& update);
   std::string adopt_description();
 
   RunTally tally_;
@@ -131,6 +135,7 @@ class RunReader {
   std::vector<PairLevel> new_event_levels_;
   std::optional<counters_t> counters_;
   std::optional<end_t> end_;
+  std::optional<checks_t> checks_;
 };
 
 }  // namespace throng

@@ -6,6 +6,7 @@
 #include "base/archive.h"
 #include "lcmtypes/guard.h"
 #include "lcmtypes/log_format.h"
+#include "lcmtypes/running_checks.h"
 #include "scenes/box_world.h"
 #include "scenes/checkpoint.h"
 #include "tests/avatars/mesh_seeds.h"
@@ -97,6 +98,15 @@ void add_messages(std::vector<Bytes>& out) {
     const auto channel = static_cast<uint8_t>(message.channel);
     all.emplace_back(channel, message.bytes);
     out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, message.bytes}}));
+    // Checks that are right in themselves reach what lies behind the guard.
+    if (message.channel == Channel::kChecks) {
+      Bytes hostile = message.bytes;
+      for (size_t at = kMessageHeaderBytes; at + 12 < hostile.size(); at += 97) {
+        hostile[at] ^= 0x80;
+        seal(hostile);
+        out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, hostile}}));
+      }
+    }
     // A count that generated code would die of, in the place of the first field behind the header.
     for (const int32_t count : {0x7fffffff, -1, INT32_MIN}) {
       Bytes hostile = message.bytes;
@@ -118,6 +128,14 @@ void add_logs(std::vector<Bytes>& out) {
   const Bytes whole = throng::bytes_of(file.path());
   out.push_back(whole);
   out.emplace_back(whole.begin(), whole.begin() + static_cast<ptrdiff_t>(whole.size() * 2 / 3));
+  // Damage that only checksums see.
+  for (size_t i = 1; i < 8; ++i) {
+    Bytes flipped = whole;
+    flipped[whole.size() * i / 8] ^= 1;
+    out.push_back(flipped);
+  }
+  // Before there were checks.
+  add_files("tests/lcmtypes/fixtures", "old_log.lcmlog", size_t{1} << 20, out);
   for (const int32_t length : {0x7fffffff, -1, INT32_MIN, 0})
     for (const size_t field : {size_t{20}, size_t{24}}) {
       Bytes hostile = whole;

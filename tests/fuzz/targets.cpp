@@ -150,6 +150,7 @@ bool log(std::span<const uint8_t> input) {
     if (messages == 0) return false;
     const LogReport again = check_log(repaired.path());
     promise(!again.torn && !again.damaged && again.log_events == messages, "a log that is mended");
+    promise(again.damage.empty(), "a log that is mended and holds nothing damaged");
     return report.is_sound();
   } catch (const InputError& error) {
     expect_words(error);

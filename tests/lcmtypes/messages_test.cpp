@@ -30,6 +30,7 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"end_t", {end_t::getHash(), 0xe798eab369bd5e12}},
       {"parts_t", {parts_t::getHash(), 0x15259622cf3c970a}},
       {"drive_t", {drive_t::getHash(), 0x413474c4188a3919}},
+      {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
   };
   for (const auto& [name, hashes] : golden)
     EXPECT_EQ(static_cast<uint64_t>(hashes.first), hashes.second)

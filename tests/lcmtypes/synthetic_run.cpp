@@ -49,6 +49,7 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.run_id = 0x1234'5678'9abc'def0 + options.seed;
   info_.instance = 0xfeed'beef'0000'0001;
   info_.step_s = 1.0 / 60;
+  if (options.deadline) info_.deadline_tests = 1000;
   if (options.crowd != Crowd::kRovers) info_.models.push_back(adult());
   if (options.crowd != Crowd::kAdults) info_.models.push_back(rover());
   info_.groups = {"walkers", "robots"};
@@ -149,6 +150,12 @@ void SyntheticRun::count(std::span<const PairEvent> events) {
   for (const PairEvent& event : events) ++(event.kind == EventKind::kBegin ? begins_ : ends_);
 }
 
+void SyntheticRun::add_to_hash() {
+  EventSum sum;
+  sum.add(pair_events_.events(), event_levels_);
+  hash_.add_frame(static_cast<uint64_t>(next_frame_), sum);
+}
+
 const Frame& SyntheticRun::step() {
   pose();
   if (options_.comings) come_and_go();
@@ -156,6 +163,7 @@ const Frame& SyntheticRun::step() {
   pair_events_.advance(pairs_);
   if (options_.deadline) refine();
   count(pair_events_.events());
+  add_to_hash();
   counters_.avatar.updates = roots_.size();
   counters_.avatar.tests = roots_.size() * 7 + static_cast<uint64_t>(next_frame_);
   counters_.part.test_ns = 12.5 * static_cast<double>(next_frame_ + 1);
@@ -171,6 +179,7 @@ const Frame& SyntheticRun::step() {
   frame_.present = present_;
   frame_.levels = levels_;
   frame_.event_levels = event_levels_;
+  frame_.hash = hash_.value();
   frame_.persisting = pair_events_.persisting();
   frame_.counters = &counters_;
   frame_.times = &times_;
@@ -182,6 +191,7 @@ RunEnd SyntheticRun::finish() {
   pair_events_.advance({});
   count(pair_events_.events());
   if (options_.deadline) event_levels_ = levels_of(pair_events_.events());
+  add_to_hash();
   RunEnd end;
   end.frames = next_frame_;
   end.utime_us = frame_.utime_us;
@@ -189,7 +199,7 @@ RunEnd SyntheticRun::finish() {
   end.event_levels = event_levels_;
   end.begins = static_cast<uint64_t>(begins_);
   end.ends = static_cast<uint64_t>(ends_);
-  end.hash = 0xabcdef;
+  end.hash = hash_.value();
   return end;
 }
 
@@ -232,6 +242,7 @@ std::vector<MessageList::Message> messages_of(SyntheticRun& run, int frames,
     encoder.send_description_chunk(chunk);
   for (int i = 0; i < frames; ++i) encoder.frame(run.info(), run.step());
   encoder.end(run.info(), run.finish());
+  encoder.send_last_checks();
   return std::move(list.messages);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "culling/event_hash.h"
 #include "lcmtypes/encoder.h"
 #include "lcmtypes/log_sink.h"
 #include "scenes/sink.h"
@@ -44,6 +45,7 @@ class SyntheticRun {
   void come_and_go();
   void refine();
   void count(std::span<const PairEvent> events);
+  void add_to_hash();
 
   Options options_;
   Scene scene_;
@@ -58,6 +60,7 @@ class SyntheticRun {
   std::vector<PairKey> pairs_;
   std::vector<uint8_t> present_, levels_, event_levels_;
   int64_t next_frame_ = 0;
+  EventHash hash_;
   int64_t begins_ = 0, ends_ = 0;
 };
 
