@@ -22,6 +22,7 @@
 #include "lcmtypes/drive_receiver.h"
 #include "lcmtypes/lcm_sink.h"
 #include "lcmtypes/log_sink.h"
+#include "lcmtypes/readable.h"
 #include "scenes/runner.h"
 
 namespace throng {
@@ -356,6 +357,8 @@ int run_scene(const RunOptions& options) {
     listeners.lcm = std::make_unique<LcmSink>(lcm);
   }
   Simulation simulation(std::move(scene), simulated);
+  if (listeners.log != nullptr || listeners.lcm != nullptr || !options.recorders.html.empty())
+    readable_description(simulation.info());
   for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
   Pacer pacer(options.pace);
   const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);

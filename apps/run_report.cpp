@@ -288,7 +288,8 @@ std::string format_table(const RunReport& report) {
 }
 
 void write_json(const RunReport& report, const std::filesystem::path& file) {
-  write_text(file, to_json(report).dump(2) + '\n');
+  // Paths of the command line may be no UTF-8.
+  write_text(file, to_json(report).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace throng

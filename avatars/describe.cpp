@@ -87,6 +87,25 @@ void describe_parts(const Model& model, std::string& out) {
   out += fmt::format("{:<{}}  {:>8}  {:>9}\n", "all", width, vertices, triangles);
 }
 
+/// What a scene makes of it.
+void describe_size(const Model& model, std::string& out) {
+  if (model.start_box_m.isEmpty()) return;
+  const Eigen::Vector3f size = model.start_box_m.sizes();
+  out += fmt::format("size: {:.3f} x {:.3f} x {:.3f} m with every joint at zero\n", size.x(),
+                     size.y(), size.z());
+  if (model.is_person)
+    out += fmt::format(
+        "height: {:.3f} m above the root; a person: has human legs, walks with its root on the "
+        "ground, and is scaled to people's heights\n",
+        model.height_m);
+  else
+    out += fmt::format(
+        "height: {:.3f} m; a robot: no human legs, keeps its size unless a scene says height_m, "
+        "and "
+        "stands on its lowest point, its root '{}' {:.3f} m above the ground\n",
+        model.height_m, model.robot.links.front().name, model.root_above_ground_m());
+}
+
 }  // namespace
 
 std::string describe_model(const Model& model) {
@@ -100,7 +119,7 @@ std::string describe_model(const Model& model) {
                      model.kinematics.column_count(),
                      count_joints([](const Joint& j) { return j.kind == Joint::Kind::kFixed; }),
                      count_joints([](const Joint& j) { return j.mimic.has_value(); }));
-  out += fmt::format("height: {:.3f} m above the root with every joint at zero\n", model.height_m);
+  describe_size(model, out);
   out += fmt::format("content hash: {:016x}\n\n", model.content_hash);
   describe_tree(model, out);
   out += "\n";

@@ -3,17 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
+#include <span>
 
+#include "avatars/gait_cycle.h"
+#include "avatars/gait_pose.h"
 #include "avatars/mesh_file.h"
 #include "avatars/primitives.h"
 #include "base/errors.h"
+#include "base/limits.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
-
-/// A pair's parts are numbered in 8 bits.
-constexpr int kMaxParts = 255;
 
 /// FNV-1a, 64 bits (Fowler, Noll, Vo).
 class Hash {
@@ -52,7 +54,7 @@ Shape shape_of(const Geometry& geometry, const std::string& where) {
         "a package above the URDF, in $ROS_PACKAGE_PATH or in $AMENT_PREFIX_PATH (a folder of its "
         "name, or one with its package.xml)",
         fmt::format("none for '{}'", path));
-  return {read_mesh(geometry.mesh_file), geometry.mesh_file.filename().string()};
+  return {read_mesh(geometry.mesh_file), shown(geometry.mesh_file.filename().string())};
 }
 
 void append(const Shape& shape, const Geometry& geometry, Part& part) {
@@ -75,6 +77,20 @@ const std::vector<Geometry>& geometry_of(const Link& link) {
   return link.collision.empty() ? link.visual : link.collision;
 }
 
+/// Also refuses what is no number any more once it is scaled.
+void require_near(std::span<const Eigen::Vector3f> vertices, const std::string& source,
+                  const Link& link, const std::string& where) {
+  for (const Eigen::Vector3f& vertex : vertices)
+    if (!(static_cast<double>(vertex.cwiseAbs().maxCoeff()) <= kMaxDescribed))
+      throw InputError(
+          where,
+          fmt::format("every vertex of '{}' within {:g} m of link '{}'", source, kMaxDescribed,
+                      link.name),
+          fmt::format(
+              "one at ({:g}, {:g}, {:g}) m; is the mesh in other units than its scale says?",
+              vertex.x(), vertex.y(), vertex.z()));
+}
+
 Part part_of(const Link& link, int index, const std::string& where) {
   Part part;
   part.name = link.name;
@@ -83,8 +99,10 @@ Part part_of(const Link& link, int index, const std::string& where) {
   bool has_surface = false;
   for (const Geometry& geometry : geometry_of(link)) {
     const Shape shape = shape_of(geometry, where);
+    const size_t first = part.mesh.vertices.size();
     (shape.mesh.is_point_cloud() ? has_cloud : has_surface) = true;
     append(shape, geometry, part);
+    require_near(std::span(part.mesh.vertices).subspan(first), shape.source, link, where);
   }
   if (has_cloud && has_surface)
     throw InputError(where,
@@ -93,7 +111,8 @@ Part part_of(const Link& link, int index, const std::string& where) {
   return part;
 }
 
-void add_notes(Robot& robot, float lowest_m) {
+void add_notes(Model& model) {
+  Robot& robot = model.robot;
   const auto replaced = std::count_if(robot.links.begin(), robot.links.end(), [](const Link& link) {
     return !link.collision.empty() && !link.visual.empty();
   });
@@ -101,32 +120,34 @@ void add_notes(Robot& robot, float lowest_m) {
     robot.notes.push_back(
         fmt::format("<visual> of {} links: not used, their <collision> geometry is", replaced));
   constexpr float kSunk_m = 0.05f;
-  if (lowest_m < -kSunk_m)
+  if (model.is_person && model.start_box_m.min().z() < -kSunk_m)
     robot.notes.push_back(fmt::format(
         "the root link '{}' is {:.2f} m above the lowest point, but stands on the ground in "
         "a scene: add a root link between the feet",
-        robot.links.front().name, -lowest_m));
+        robot.links.front().name, -model.start_box_m.min().z()));
 }
 
-/// Lowest and highest vertex with every joint at zero, above the root's origin.
-std::pair<float, float> vertical_extent(const FlatModel& kinematics,
-                                        const std::vector<Part>& parts) {
-  if (parts.empty()) return {0.0f, 0.0f};
-  const std::vector<float> posture(static_cast<size_t>(kinematics.column_count()), 0.0f);
+/// See Model::start_box_m.
+Eigen::AlignedBox3f start_box_of(const FlatModel& kinematics, const std::vector<Part>& parts) {
+  Eigen::AlignedBox3f box;
+  if (parts.empty()) return box;
+  std::vector<float> posture;
+  for (const JointColumn& column : kinematics.columns())
+    posture.push_back(std::clamp(0.0f, column.lower, column.upper));
   std::vector<PartPose> poses(parts.size());
   const RootFrame root;
   forward_kinematics(kinematics, posture, std::span(&root, 1), poses);
-  float lowest = std::numeric_limits<float>::max();
-  float highest = std::numeric_limits<float>::lowest();
   for (size_t i = 0; i < parts.size(); ++i) {
-    const float* z_row = poses[i].rows[2];
     for (const Eigen::Vector3f& v : parts[i].mesh.vertices) {
-      const float z = z_row[0] * v.x() + z_row[1] * v.y() + z_row[2] * v.z() + z_row[3];
-      lowest = std::min(lowest, z);
-      highest = std::max(highest, z);
+      Eigen::Vector3f placed;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float* row = poses[i].rows[axis];
+        placed[axis] = row[0] * v.x() + row[1] * v.y() + row[2] * v.z() + row[3];
+      }
+      box.extend(placed);
     }
   }
-  return {lowest, highest};
+  return box;
 }
 
 uint64_t hash_of(const std::string& urdf, const std::vector<Part>& parts) {
@@ -156,8 +177,8 @@ std::vector<Part> parts_of(const Robot& robot, const std::string& where,
   }
   if (parts.empty() && !unreadable)
     throw InputError(where, "at least one link with geometry", "none");
-  if (parts.size() > kMaxParts)
-    throw InputError(where, fmt::format("at most {} links with geometry", kMaxParts),
+  if (parts.size() > kMaxModelParts)
+    throw InputError(where, fmt::format("at most {} links with geometry", kMaxModelParts),
                      fmt::format("{}", parts.size()));
   return parts;
 }
@@ -171,14 +192,21 @@ std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
   std::vector<int> links;
   for (const Part& part : parts) links.push_back(part.link);
   FlatModel kinematics(robot, links);
-  const auto [lowest, highest] = vertical_extent(kinematics, parts);
-  add_notes(robot, lowest);
   const uint64_t hash = hash_of(text, parts);
-  std::string name = robot.name;
-  // Something that hangs below its root has no height above it: take its own.
-  const float height = highest > 0 ? highest : highest - lowest;
-  return std::make_shared<const Model>(Model{std::move(name), std::move(robot), std::move(parts),
-                                             std::move(kinematics), height, hash});
+  Eigen::AlignedBox3f box = start_box_of(kinematics, parts);
+  // Wheels are polygons, and angles in a URDF have seven digits: a millimetre is no step.
+  constexpr float kNoStep_m = 1e-3f;
+  if (std::abs(box.min().z()) < kNoStep_m) box.min().z() = 0;
+  Model model{robot.name, std::move(robot), std::move(parts), std::move(kinematics), 0, hash};
+  model.start_box_m = box;
+  model.is_person =
+      Walker::find(PosableModel(model), GaitStyle::kPlain).has_value() && box.max().z() > 0;
+  if (!box.isEmpty()) model.height_m = box.max().z() - (model.is_person ? 0 : box.min().z());
+  if (!(model.height_m <= static_cast<float>(kMaxDescribed)))
+    throw InputError(where, fmt::format("a model of at most {:g} m", kMaxDescribed),
+                     fmt::format("one of {:g} m", model.height_m));
+  add_notes(model);
+  return std::make_shared<const Model>(std::move(model));
 }
 
 }  // namespace

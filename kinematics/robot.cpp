@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "base/errors.h"
+#include "base/text.h"
 #include "kinematics/mesh_path.h"
 #include "kinematics/urdf_check.h"
 #include "kinematics/urdf_idle.h"
@@ -193,6 +194,17 @@ void check_nothing_lost(const std::vector<XmlElement>& elements, const Robot& ro
                                errors.empty() ? "" : ": ", errors));
 }
 
+/// urdfdom reads entities in its own way: what it made of the names is checked, too.
+void check_names(const Robot& robot, const std::string& file) {
+  const auto check = [&file](const char* of, const std::string& name) {
+    const std::string defect = defect_of_name(name);
+    if (!defect.empty()) throw InputError(file, fmt::format("a name for each {}", of), defect);
+  };
+  check("robot", robot.name);
+  for (const Link& link : robot.links) check("link", link.name);
+  for (const Joint& joint : robot.joints) check("joint", joint.name);
+}
+
 }  // namespace
 
 Robot parse_urdf(const std::string& whole, const std::filesystem::path& file) {
@@ -239,6 +251,7 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file) {
     joint.mimic = {joint_index.at(mimic->joint_name), mimic->multiplier, mimic->offset};
   }
   check_nothing_lost(elements, robot, file.string(), messages.errors);
+  check_names(robot, file.string());
   robot.notes = std::move(notes);
   const std::vector<std::string> unused = unused_in_urdf(elements);
   robot.notes.insert(robot.notes.end(), unused.begin(), unused.end());

@@ -10,17 +10,13 @@
 #include <optional>
 
 #include "base/errors.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
 
 /// For an error, which is one line whatever the file holds.
-std::string quoted(std::string_view text) {
-  std::string shown(text.substr(0, 60));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 0x20) c = '?';
-  return fmt::format("'{}'", shown);
-}
+std::string quoted(std::string_view text) { return fmt::format("'{}'", shown(text.substr(0, 60))); }
 
 class Check {
  public:
@@ -84,14 +80,8 @@ class Check {
   void check_name(int element) const {
     const std::string& name = required(element, "name");
     const std::string expected = fmt::format("a name for this <{}>", at(element).name);
-    if (name.find_first_not_of(" \t\r\n") == std::string::npos)
-      fail(element, expected, "an empty one");
-    if (name.size() > kMaxNameBytes)
-      fail(element, fmt::format("{} of at most {} bytes", expected, kMaxNameBytes),
-           fmt::format("{}", name.size()));
-    if (std::any_of(name.begin(), name.end(),
-                    [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
-      fail(element, expected, "one with a control character");
+    const std::string defect = defect_of_name(name);
+    if (!defect.empty()) fail(element, expected, defect);
   }
 
   void check_root() const {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/limits.h"
 #include "kinematics/xml_scan.h"
 
 namespace throng {
@@ -20,14 +21,8 @@ inline constexpr XmlCaps kUrdfCaps{.bytes = 16u << 20,
                                    .value_bytes = 4096,
                                    .attributes = 64,
                                    .name_bytes = 256};
-/// The largest humanoids with hands have some 200 links.
-inline constexpr int kMaxLinks = 2048;
-/// KDL recurses along a chain and overflows the stack at some 10^4 links; snakes have about 100.
-inline constexpr int kMaxChainDepth = 256;
 /// Three shapes a link are many; a sphere becomes some hundred triangles.
 inline constexpr int kMaxShapes = 16'384;
-/// Names travel in messages of at most 60 kB.
-inline constexpr size_t kMaxNameBytes = 120;
 /// Beyond 10 km a float no longer tells millimetres apart.
 inline constexpr double kMaxLength_m = 1e4;
 /// Beyond some hundred turns the sine of a float angle loses its fourth digit.

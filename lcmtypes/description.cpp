@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cassert>
+#include <limits>
 #include <map>
 #include <numbers>
 
+#include "base/text.h"
 #include "base/version.h"
 #include "culling/event_hash.h"
 
@@ -12,6 +16,12 @@ namespace throng {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
+
+/// Models and groups are named by 16 bits with a sign; loading keeps to kMaxModels and kMaxGroups.
+int16_t number_of(uint16_t index) {
+  assert(index <= std::numeric_limits<int16_t>::max());
+  return static_cast<int16_t>(index);
+}
 
 mesh_t to_message(const Mesh& mesh) {
   mesh_t out;
@@ -156,11 +166,9 @@ run_description_t describe(const RunInfo& run) {
   for (const auto& model : run.models) out.models.push_back(to_message(*model));
   out.model_count = static_cast<int32_t>(out.models.size());
   out.avatar_count = run.avatar_count();
-  for (const uint16_t model : run.model_of_avatar)
-    out.model_of_avatar.push_back(static_cast<int16_t>(model));
+  for (const uint16_t model : run.model_of_avatar) out.model_of_avatar.push_back(number_of(model));
   out.scale_of_avatar = run.scale_of_avatar;
-  for (const uint16_t group : run.group_of_avatar)
-    out.group_of_avatar.push_back(static_cast<int16_t>(group));
+  for (const uint16_t group : run.group_of_avatar) out.group_of_avatar.push_back(number_of(group));
   out.groups = run.groups;
   out.drive_channels = run.drive_channels;
   out.group_count = static_cast<int32_t>(out.groups.size());
@@ -195,18 +203,9 @@ void describe_checks(const RunInfo& run, checks_t& out) {
 std::string printable(std::string_view name, size_t longest) {
   std::string out;
   for (size_t at = 0; at < name.size() && out.size() < longest;) {
-    const auto byte = [&](size_t i) { return static_cast<uint8_t>(name[i]); };
-    size_t length = 1;
-    bool is_fine = byte(at) >= 0x20 && byte(at) < 0x7f;
-    if (byte(at) >= 0xc2 && byte(at) < 0xf5) {
-      length = byte(at) < 0xe0 ? 2 : byte(at) < 0xf0 ? 3 : 4;
-      is_fine = at + length <= name.size();
-      for (size_t i = at + 1; is_fine && i < at + length; ++i) is_fine = (byte(i) & 0xc0) == 0x80;
-      if (is_fine && byte(at) == 0xc2 && byte(at + 1) < 0xa0) is_fine = false;  // C1 controls
-      if (!is_fine) length = 1;
-    }
-    out += is_fine ? name.substr(at, length) : "?";
-    at += length;
+    const size_t length = printable_character(name.substr(at));
+    out += length > 0 ? name.substr(at, length) : "?";
+    at += std::max<size_t>(length, 1);
   }
   return out;
 }
@@ -217,7 +216,7 @@ std::string body_name(const run_description_t& run, uint32_t body) {
     return fmt::format("{} {}", printable(run.groups[static_cast<size_t>(run.group_of_avatar[id])]),
                        id);
   const size_t obstacle = id - run.group_of_avatar.size();
-  return obstacle < run.obstacles.size() ? run.obstacles[obstacle].name
+  return obstacle < run.obstacles.size() ? printable(run.obstacles[obstacle].name)
                                          : fmt::format("body {}", id);
 }
 

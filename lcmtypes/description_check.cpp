@@ -6,19 +6,15 @@
 #include <set>
 #include <span>
 
+#include "base/limits.h"
 #include "lcmtypes/description.h"
 
 namespace throng {
 namespace {
 
-// KDL recurses along chains; real models are some ten links deep.
-constexpr int kMaxDepth = 256;
-constexpr int kMaxJoints = 2048;
-constexpr double kMaxNumber = 1e6;  // metres or radians; also keeps infinity and NaN out
-
 bool all_sane(std::span<const double> values) {
   for (const double v : values)
-    if (!(std::abs(v) <= kMaxNumber)) return false;
+    if (!(std::abs(v) <= kMaxDescribed)) return false;
   return true;
 }
 
@@ -29,7 +25,8 @@ std::string defect_of(const mesh_t& mesh) {
     return fmt::format("{} coordinates in a mesh", mesh.coordinate_count);
   if (mesh.index_count % 3 != 0) return fmt::format("{} indices in a mesh", mesh.index_count);
   for (const float c : mesh.coordinates_m)
-    if (!(std::abs(static_cast<double>(c)) <= kMaxNumber)) return "a coordinate that is no number";
+    if (!(std::abs(static_cast<double>(c)) <= kMaxDescribed))
+      return "a coordinate that is no number";
   const auto vertices = static_cast<size_t>(mesh.coordinate_count / 3);
   for (const int32_t i : mesh.indices)
     if (!is_in(i, vertices)) return fmt::format("vertex {} of {}", i, vertices);
@@ -66,7 +63,7 @@ std::string defect_of(const joint_t& joint, int index, const model_t& model) {
 }
 
 std::string defect_of_tree(const model_t& model) {
-  if (model.joint_count > kMaxJoints) return fmt::format("{} joints", model.joint_count);
+  if (model.joint_count > kMaxLinks) return fmt::format("{} joints", model.joint_count);
   if (model.root_link.empty()) return "an empty name";
   std::set<std::string> links = {model.root_link}, joints;
   std::vector<int> depth = {0};
@@ -78,7 +75,8 @@ std::string defect_of_tree(const model_t& model) {
     if (!links.insert(joint.child_link).second || !joints.insert(joint.name).second)
       return "two links or joints of one name";
     depth.push_back(depth[static_cast<size_t>(joint.parent_link)] + 1);
-    if (depth.back() > kMaxDepth) return fmt::format("a chain of more than {} links", kMaxDepth);
+    if (depth.back() > kMaxChainDepth)
+      return fmt::format("a chain of more than {} links", kMaxChainDepth);
     const bool moves = joint.kind != 0 && joint.mimic_joint < 0;
     if (moves ? !is_in(joint.column, model.column_middle.size()) : joint.column != -1)
       return fmt::format("column {}", joint.column);
@@ -92,7 +90,7 @@ std::string defect_of_tree(const model_t& model) {
 std::string defect_of(const model_t& model) {
   std::string defect = defect_of_tree(model);
   if (!defect.empty()) return defect;
-  if (model.part_count > BodyType::kMaxParts) return fmt::format("{} parts", model.part_count);
+  if (model.part_count > kMaxModelParts) return fmt::format("{} parts", model.part_count);
   for (const part_t& part : model.parts) {
     if (!is_in(part.link, model.joints.size() + 1)) return fmt::format("link {}", part.link);
     defect = defect_of(part.mesh);
@@ -109,7 +107,7 @@ std::string defect_of(const model_t& model) {
 std::string defect_of(const run_description_t& run) {
   if (run.schema != kSchema)
     return fmt::format("schema {}, this program reads {}", run.schema, kSchema);
-  if (!(run.step_s > 0 && run.step_s <= kMaxNumber)) return "a step that is no time";
+  if (!(run.step_s > 0 && run.step_s <= kMaxDescribed)) return "a step that is no time";
   if (!all_sane(run.ground_min_m) || !all_sane(run.ground_max_m)) return "a number out of range";
   for (const obstacle_t& obstacle : run.obstacles) {
     if (obstacle.kind < 0 || obstacle.kind > 2)
@@ -131,7 +129,7 @@ std::string defect_of(const run_description_t& run) {
     if (!is_in(group, run.groups.size()))
       return fmt::format("group {} of {}", group, run.groups.size());
   for (const float scale : run.scale_of_avatar)
-    if (!(scale > 0 && scale <= 1e3f)) return "a scale out of range";
+    if (!(scale > 0 && scale <= kMaxScale)) return "a scale out of range";
   return "";
 }
 

@@ -9,11 +9,16 @@
 
 #include "base/checksum.h"
 #include "base/errors.h"
+#include "base/limits.h"
+#include "lcmtypes/readable.h"
 
 namespace throng {
 namespace {
 
 constexpr int64_t kSecond_us = 1'000'000;
+
+// Whoever stands on a scene's ground, and every part of a body there, is nearer than int32 tells.
+static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
 
 // Fingerprint, five int64 and three int32 that every message begins with.
 constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
@@ -31,6 +36,14 @@ constexpr size_t kSlotsAThread = 4;
 
 constexpr int chunks_of(size_t items, size_t per_chunk) {
   return static_cast<int>(items / per_chunk + (items % per_chunk != 0));
+}
+
+/// A reader takes no more pieces of one thing.
+void require_few(const RunInfo& run, size_t chunks) {
+  if (chunks > static_cast<size_t>(kMaxChunks))
+    throw InputError(run.scene->name,
+                     fmt::format("avatars and joints for at most {} messages a frame", kMaxChunks),
+                     fmt::format("{}", chunks));
 }
 
 /// `levels` may be empty: then everything got as far as this run refines.
@@ -88,15 +101,7 @@ void RunEncoder::begin(const RunInfo& run) {
 
   describe_checks(run, checks_);
 
-  const run_description_t description = describe(run);
-  const auto size = static_cast<size_t>(description.getEncodedSize());
-  if (size > kMaxDescriptionBytes)
-    throw InputError(
-        "run description",
-        fmt::format("models and obstacles of at most {} MB", kMaxDescriptionBytes >> 20),
-        fmt::format("{} MB", size >> 20));
-  description_.resize(size);
-  description.encode(description_.data(), 0, static_cast<int>(size));
+  description_ = readable_description(run);
 
   ranges_.clear();
   for (const auto& model : run.models) ranges_.push_back(column_ranges(*model));
@@ -120,11 +125,13 @@ void RunEncoder::begin(const RunInfo& run) {
   };
   state_chunks_ = plan(kStatesFixed, kStatesPerAvatar, 2,
                        [&](uint16_t model) { return static_cast<int>(ranges_[model].size()); });
+  require_few(run, state_chunks_.size());
   const auto threads = static_cast<size_t>(options_.threads);
   states_.resize(threads == 1 ? 1 : std::min(state_chunks_.size(), kSlotsAThread * threads));
   for (StatesSlot& slot : states_) slot.bytes.resize(kMaxMessageBytes);
   part_chunks_ = plan(kPartsFixed, 0, kPartsPerPart,
                       [&](uint16_t model) { return run.models[model]->part_count(); });
+  if (options_.part_poses) require_few(run, part_chunks_.size());
 }
 
 int RunEncoder::description_chunks() const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "base/limits.h"
 #include "lcmtypes/description.h"
 #include "lcmtypes/log_format.h"
 #include "lcmtypes/running_checks.h"
@@ -12,8 +13,6 @@
 namespace throng {
 namespace {
 
-// A hundred thousand avatars' part poses are 500 chunks; a description of 64 MB is 1120.
-constexpr int32_t kMaxChunks = 100'000;
 // 285 years of microseconds; keeps sums of such numbers from overflowing.
 constexpr int64_t kMaxNumber = int64_t{1} << 53;
 

@@ -6,14 +6,18 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/limits.h"
 #include "scenes/drive.h"
 #include "scenes/loose_parts.h"
+#include "scenes/scene_limits.h"
 
 namespace throng {
 namespace {
 
 /// A sphere in float must still hold points that rounding moved by an ulp of 10 km.
 constexpr float kSphereSlack_m = 1e-3f;
+static_assert(BodyType::kMaxParts == kMaxModelParts);
+static_assert(kMaxModels + kMaxObstacles <= UINT16_MAX, "types of bodies are 16 bits");
 
 }  // namespace
 
@@ -30,6 +34,10 @@ Kinds kinds_of(const Scene& scene) {
     if (group.driven.empty()) kind = std::find(walking.begin(), walking.end(), group.body.get());
     kinds.of_group.push_back(static_cast<uint16_t>(kind - walking.begin()));
     if (kind != walking.end()) continue;
+    if (static_cast<int64_t>(kinds.models.size()) >= kMaxModels)
+      throw InputError(scene.file.string(),
+                       fmt::format("at most {} models, one for each driven group", kMaxModels),
+                       "more");
     walking.push_back(group.driven.empty() ? group.body.get() : nullptr);
     kinds.models.push_back(group.body);
   }

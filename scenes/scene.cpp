@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <numbers>
 #include <set>
 
 #include "avatars/primitives.h"
 #include "avatars/tri.h"
 #include "base/errors.h"
+#include "base/limits.h"
+#include "base/text.h"
+#include "scenes/drive.h"
 #include "scenes/hasher.h"
 #include "scenes/scene_fields.h"
 #include "scenes/scene_keys.h"
@@ -22,17 +26,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Range kSpeedRange{0.1, 4.0};   // from a shuffle to a run
-constexpr Range kHeightRange{0.5, 2.5};  // the gait's curves hold no further
+constexpr Range kSpeedRange{0.1, 4.0};  // from a shuffle to a run
+constexpr Range kPersonRange{kMinPerson_m, kMaxPerson_m};
+constexpr Range kRobotRange{kMinRobot_m, kMaxRobot_m};
 /// Of one age among others: parts of 1, per cent or people.
 constexpr Range kShareRange{0, 1e6};
-constexpr Range kRadiusRange{0.05, 0.35};  // the grids of spawning and ways hold no wider
+constexpr Range kRadiusRange{kMinRadius_m, kMaxRadius_m};
 // A millimetre is a tape; floats of 10 km, a wall around the largest scene, tell it from nothing.
 constexpr Range kSizeRange{1e-3, 1e4};
-/// A box: float poses are relative to its middle, and parts are as large as hands.
-constexpr Range kEdgeRange{0.1, 1000};
+/// Of a box: its parts are as large as hands.
+constexpr Range kEdgeRange{0.1, kMaxEdge_m};
 /// The narrowest ground: two of the smallest radii.
-constexpr double kMinGround_m = 0.1;
+constexpr double kMinGround_m = 2 * kMinRadius_m;
 /// Of what flies in a box: speed in m/s, spin in rad/s.
 constexpr Range kFlightRange{0, 100};
 /// Steering turns ten times a second; a longer step would outlive its decisions.
@@ -70,8 +75,8 @@ class SceneReader {
 
   Scene read() {
     fields_.expect_keys(keys_of("scene"));
-    scene_.name = fields_.text_or("name", fs::path(file_).stem().string());
-    scene_.description = fields_.text_or("description", "");
+    scene_.name = fields_.name_or("name", name_after(fs::path(file_).stem().string()));
+    scene_.description = fields_.line_or("description", "");
     scene_.seed = static_cast<uint64_t>(fields_.integer_or("seed", 0, INT64_MAX, 1));
     scene_.step_s = fields_.number_or("step_s", kStepRange, kDefaultStep_s);
     scene_.duration_s = fields_.number_or("duration_s", {0, 1e7, true}, 10);
@@ -112,10 +117,23 @@ class SceneReader {
     box.max_spin_radps = fields.number_or("max_spin_radps", kFlightRange, box.max_spin_radps);
     box.model = model_file(fields);
     box.body = load_model(box.model);
+    require_parts_of_size(fields, *box.body);
     fields.done();
     scene_.ground.max_m = Eigen::Vector2d::Constant(0.5 * box.edge_m);
     scene_.ground.min_m = -scene_.ground.max_m;
     scene_.box = std::move(box);
+  }
+
+  /// Each part flies by itself, about its middle.
+  void require_parts_of_size(Fields& fields, const Model& body) {
+    for (const Part& part : body.parts)
+      for (const Eigen::Vector3f& vertex : part.mesh.vertices)
+        if (!(static_cast<double>(vertex.norm()) <= kMaxReach_m))
+          throw InputError(
+              at_line(file_, fields.line()),
+              fmt::format("a model with all vertices within {:g} m of their links", kMaxReach_m),
+              fmt::format("one at {:g} m in '{}'; is it in other units?", vertex.norm(),
+                          part.name));
   }
 
   void read_crowd() {
@@ -174,7 +192,7 @@ class SceneReader {
 
   std::string unique_name(Fields& fields, const std::string& fallback,
                           std::set<std::string>& earlier) {
-    const std::string name = fields.text_or("name", fallback);
+    const std::string name = fields.name_or("name", fallback);
     if (!earlier.insert(name).second)
       throw InputError(at_line(file_, fields.line()), "every name once",
                        fmt::format("'{}' again", name));
@@ -183,7 +201,12 @@ class SceneReader {
 
   void read_groups() {
     int64_t bodies = static_cast<int64_t>(scene_.obstacles.size());
-    for (const YamlNode* item : items_of(fields_, "groups", true)) {
+    const std::vector<const YamlNode*> items = items_of(fields_, "groups", true);
+    if (static_cast<int64_t>(items.size()) > kMaxGroups)
+      throw InputError(at_line(file_, fields_.require("groups").line),
+                       fmt::format("at most {} groups", kMaxGroups),
+                       fmt::format("{}", items.size()));
+    for (const YamlNode* item : items) {
       Fields fields(file_, *item, "a group");
       fields.expect_keys(keys_of("group"));
       Group group;
@@ -196,14 +219,11 @@ class SceneReader {
       read_routes(fields, scene_.ground, group);
       bodies += group.total() - group.count;
       require_few(*item, bodies);
+      read_model(fields, group);
       read_people(fields, group);
       group.radius_m = fields.number_or("radius_m", kRadiusRange, 0);
-      read_model(fields, group);
-      if (!group.driven.empty() && fields.find("height_m") == nullptr) {
-        // What is driven is as large as its model.
-        const auto height_m = static_cast<double>(group.body->height_m);
-        group.height_m = Distribution{height_m, 0, height_m, height_m};
-      }
+      keep_own_size(group);
+      require_scale(fields, group);
       fields.done();
       scene_.groups.push_back(std::move(group));
     }
@@ -217,8 +237,38 @@ class SceneReader {
     if (const YamlNode* node = fields.find("speed_mps"))
       group.speed_mps = read_distribution(file_, *node, "speed_mps", base.speed_mps, kSpeedRange);
     if (const YamlNode* node = fields.find("height_m"))
-      group.height_m = read_distribution(file_, *node, "height_m", base.height_m, kHeightRange);
+      group.height_m = read_height(*node, *group.body, base.height_m);
     if (const YamlNode* node = fields.find("styles")) group.styles = read_styles(fields, *node);
+  }
+
+  /// What a robot's leaves out is its own height, and no limit.
+  Distribution read_height(const YamlNode& node, const Model& body, const Distribution& people) {
+    if (body.is_person) return read_distribution(file_, node, "height_m", people, kPersonRange);
+    const Distribution own{static_cast<double>(body.height_m), 0, kMinRobot_m, kMaxRobot_m};
+    return read_distribution(file_, node, "height_m", own, kRobotRange);
+  }
+
+  /// What a log can say of the scale, and how far parts are then from the root.
+  void require_scale(Fields& fields, const Group& group) {
+    const Model& body = *group.body;
+    double most_m = 0;
+    for (size_t age = 0; age < kAgeCount; ++age)
+      most_m =
+          std::max(most_m, group.height_m.value_or(age_group(static_cast<Age>(age)).height_m).max);
+    const auto own_m = static_cast<double>(body.height_m);
+    const auto scale = static_cast<float>(most_m / own_m);
+    if (!(scale <= kMaxScale))
+      throw InputError(at_line(file_, fields.line()),
+                       fmt::format("a model at least {:g} m tall for avatars of {:g} m",
+                                   most_m / static_cast<double>(kMaxScale), most_m),
+                       fmt::format("'{}' of {:g} m; is it in other units?", body.name, own_m));
+    const double reach_m = static_cast<double>(scale) * static_cast<double>(reach_of(body));
+    if (!(reach_m <= kMaxReach_m))
+      throw InputError(
+          at_line(file_, fields.line()),
+          fmt::format("a model with all parts within {:g} m of its root", kMaxReach_m),
+          fmt::format("'{}', whose joints let them be at {:g} m; is it in other units?", body.name,
+                      reach_m));
   }
 
   AgeShares read_ages(Fields& fields, const YamlNode& node) {
@@ -305,9 +355,9 @@ class SceneReader {
 
   void read_model(Fields& fields, Group& group) {
     group.model = model_file(fields);
-    for (const Group& earlier : scene_.groups)
-      if (earlier.model == group.model) group.body = earlier.body;
-    if (group.body == nullptr) group.body = load_model(group.model);
+    std::shared_ptr<const Model>& body = bodies_[group.model.string()];
+    if (body == nullptr) body = load_model(group.model);
+    group.body = body;
     if (!(group.body->height_m > 0))
       throw InputError(at_line(file_, fields.line()), "a model that stands above its ground",
                        fmt::format("'{}' with height {} m", group.body->name,
@@ -388,6 +438,11 @@ class SceneReader {
       low = low.cwiseMin(vertex);
       high = high.cwiseMax(vertex);
     }
+    const float farthest_m = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+    if (!(static_cast<double>(farthest_m) <= kMaxDescribed))
+      throw InputError(at_line(file_, fields.line()),
+                       fmt::format("a mesh within {:g} m of its origin", kMaxDescribed),
+                       fmt::format("a vertex at {:g} m", farthest_m));
     obstacle.size_m = (high - low).cast<double>();
     if (footprint_of(obstacle).size() < 3 || !(obstacle.size_m.maxCoeff() <= kSizeRange.max))
       throw InputError(at_line(file_, fields.line()),
@@ -400,6 +455,7 @@ class SceneReader {
   fs::path folder_;
   Fields fields_;
   Scene scene_;
+  std::map<std::string, std::shared_ptr<const Model>> bodies_;  ///< by file
   std::set<std::string> group_names_;
   std::set<std::string> obstacle_names_;
 };
@@ -407,6 +463,32 @@ class SceneReader {
 fs::path bundled_folder() { return data_directory() / "scenes" / "bundled"; }
 
 }  // namespace
+
+void keep_own_size(Group& group) {
+  if (group.height_m || (group.driven.empty() && group.body->is_person)) return;
+  const auto height_m = static_cast<double>(group.body->height_m);
+  group.height_m = Distribution{height_m, 0, height_m, height_m};
+}
+
+std::string describe_size(const Group& group) {
+  const Model& body = *group.body;
+  const auto own_m = static_cast<double>(body.height_m);
+  if (!group.height_m)
+    return fmt::format("people of all heights after '{}', which is {:.3g} m tall", body.name,
+                       own_m);
+  const double least = group.height_m->min / own_m, most = group.height_m->max / own_m;
+  const double mean = group.height_m->mean / own_m;
+  std::string scale = "its own size";
+  if (group.height_m->deviation > 0 && least < most)
+    scale = fmt::format("scale {:.3g} ({:.3g} to {:.3g})", mean, least, most);
+  else if (mean != 1)
+    scale = fmt::format("scale {:.3g}", mean);
+  const Eigen::Vector3d size = mean * body.start_box_m.sizes().cast<double>();
+  return fmt::format(
+      "{} '{}', {:.3g} x {:.3g} x {:.3g} m at {}, its root {:.3g} m above the ground",
+      body.is_person ? "person" : "robot", body.name, size.x(), size.y(), size.z(), scale,
+      mean * static_cast<double>(body.root_above_ground_m()));
+}
 
 uint64_t content_hash_of(const Scene& scene) {
   Hasher hash;

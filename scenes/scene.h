@@ -72,7 +72,7 @@ struct Group {
   Distribution delay_s{0, 0, 0, 0};         ///< standing still before setting out
   AgeShares ages = kAdultsOnly;
   std::optional<Distribution> speed_mps;  ///< free speed; none: by age
-  std::optional<Distribution> height_m;   ///< none: by age
+  std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()
   std::optional<StyleShares> styles;      ///< of walking; none: by age
   double radius_m = 0;                    ///< of the steering disc; 0: from the height
   /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
@@ -135,6 +135,13 @@ struct Scene {
 /// Hash of everything in a scene that shapes its frames, and of its name; not of its duration (a
 /// longer run begins with the shorter one's frames), its description, or where files lie.
 uint64_t content_hash_of(const Scene& scene);
+
+/// Gives a group whose height nobody says that of its `body`, if it is a robot or driven: these are
+/// as large as their model. What the height of people is follows from their ages.
+void keep_own_size(Group& group);
+
+/// What becomes of a group's model: how large, at which scale, where it stands.
+std::string describe_size(const Group& group);
 
 /// A path, or the name of a bundled scene. Throws InputError with file:line or a did-you-mean.
 Scene load_scene(const std::string& path_or_name);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/errors.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -43,7 +44,7 @@ std::string describe(const YamlNode& node) {
       return "nothing";
     case YamlNode::Kind::kScalar:
       return node.scalar.size() <= 60 ? fmt::format("'{}'", node.scalar)
-                                      : fmt::format("'{}...'", node.scalar.substr(0, 60));
+                                      : fmt::format("'{}...'", shown(node.scalar.substr(0, 60)));
     case YamlNode::Kind::kList:
       return fmt::format("a list of {}", node.items.size());
     case YamlNode::Kind::kMap:
@@ -84,6 +85,27 @@ std::string Fields::text_or(const std::string& key, const std::string& fallback)
   if (find(key) == nullptr) return fallback;
   known_.pop_back();
   return text(key);
+}
+
+std::string Fields::name_or(const std::string& key, const std::string& fallback) {
+  const YamlNode* node = find(key);
+  if (node == nullptr) return fallback;
+  known_.pop_back();
+  std::string name = text(key);
+  const std::string defect = defect_of_name(name);
+  if (!defect.empty())
+    throw InputError(where(*node),
+                     fmt::format("a name of 1 to {} printable bytes for '{}'", kMaxNameBytes, key),
+                     defect);
+  return name;
+}
+
+std::string Fields::line_or(const std::string& key, const std::string& fallback) {
+  std::string line = text_or(key, fallback);
+  while (!line.empty() && line.back() == '\n') line.pop_back();
+  for (char& c : line)
+    if (c == '\n' || c == '\t') c = ' ';
+  return line;
 }
 
 double Fields::to_number(const std::string& key, const YamlNode& node, const Range& range) const {

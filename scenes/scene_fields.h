@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/limits.h"
 #include "scenes/scene.h"
 #include "scenes/yaml_tree.h"
 
@@ -35,6 +36,10 @@ class Fields {
 
   std::string text(const std::string& key);
   std::string text_or(const std::string& key, const std::string& fallback);
+  /// A text that defect_of_name() passes; the fallback is not checked.
+  std::string name_or(const std::string& key, const std::string& fallback);
+  /// Text as one line: breaks and tabs become blanks.
+  std::string line_or(const std::string& key, const std::string& fallback);
   double number(const std::string& key, const Range& range);
   double number_or(const std::string& key, const Range& range, double fallback);
   int64_t integer_or(const std::string& key, int64_t min, int64_t max,
@@ -72,8 +77,5 @@ Rectangle read_rectangle(Fields& fields, const std::string& what);
 Distribution read_distribution(const std::string& file, const YamlNode& node,
                                const std::string& what, const Distribution& fallback,
                                const Range& range);
-
-/// A hundred kilometres: positions keep a tenth of a micrometre in double, and no city is larger.
-inline constexpr double kMaxCoordinate_m = 1e5;
 
 }  // namespace throng

@@ -7,6 +7,7 @@
 
 #include "base/elementary.h"
 #include "base/errors.h"
+#include "base/limits.h"
 #include "scenes/scene.h"
 #include "scenes/scene_limits.h"
 #include "scenes/shapes.h"
@@ -103,7 +104,11 @@ void grow_plan(Scene& scene, double factor) {
 double scale_box(Scene& scene, int total, std::vector<std::string>& notes) {
   PartsBox& box = *scene.box;
   const double factor = cube_root(static_cast<double>(total) / box.count);
-  box.edge_m *= factor;
+  const double edge_m = factor * box.edge_m;
+  if (!(edge_m <= kMaxEdge_m))
+    throw InputError("avatars", fmt::format("a box of at most {} m", kMaxEdge_m),
+                     fmt::format("{:.0f} m for {} parts", edge_m, total));
+  box.edge_m = edge_m;
   box.count = total;
   scene.ground.max_m = Eigen::Vector2d::Constant(0.5 * box.edge_m);
   scene.ground.min_m = -scene.ground.max_m;
@@ -139,6 +144,11 @@ double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
     throw InputError(
         "avatars", fmt::format("a ground of at most {} m2", kMaxGround_m2),
         fmt::format("{:.0f} m2 for {} people", factor * factor * scene.ground.area_m2(), total));
+  const Eigen::Vector2d middle = scene.ground.middle_m();
+  const Eigen::Vector2d farthest = middle.cwiseAbs() + 0.5 * factor * scene.ground.size_m();
+  if (!(farthest.maxCoeff() <= kMaxCoordinate_m))
+    throw InputError("avatars", fmt::format("a ground within {} m of the origin", kMaxCoordinate_m),
+                     fmt::format("{:.0f} m for {} people", farthest.maxCoeff(), total));
   if (factor > 1) {
     grow_plan(scene, factor);
     const Eigen::Vector2d size = scene.ground.size_m();

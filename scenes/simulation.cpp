@@ -43,8 +43,10 @@ uint64_t random_instance() {
 
 /// Loads what the scene names but does not hold yet.
 Scene with_bodies(Scene scene) {
-  for (Group& group : scene.groups)
+  for (Group& group : scene.groups) {
     if (group.body == nullptr) group.body = load_model(group.model);
+    keep_own_size(group);
+  }
   if (scene.box && scene.box->body == nullptr) scene.box->body = load_model(scene.box->model);
   scene.content_hash = content_hash_of(scene);
   return scene;
@@ -84,6 +86,7 @@ struct Simulation::State {
   void place_people();
   void place_parts();
   void place_driven();
+  void note_robots();
   void describe_run();
   void cut_blocks();
   void move();
@@ -113,7 +116,8 @@ struct Simulation::State {
   std::optional<BoxWorld> box;  ///< then the crowd is empty
   size_t avatars;               ///< people, or parts in the box
   BodyStates bodies;
-  std::vector<float> speeds_mps;  ///< of the roots, by avatar
+  std::vector<float> speeds_mps;             ///< of the roots, by avatar
+  std::vector<double> roots_above_ground_m;  ///< of the crowd, by avatar
   Posing posing;
   DrivenAvatars driven;
   std::vector<bool> is_driven_kind;  ///< by kind
@@ -150,6 +154,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   describe_run();
   cut_blocks();
   place_driven();
+  note_robots();
   std::vector<std::shared_ptr<const BodyType>> types;
   for (size_t i = 0; i < models.size(); ++i)
     types.push_back(
@@ -203,6 +208,8 @@ void Simulation::State::place_people() {
         static_cast<float>(person.height_m / static_cast<double>(body->height_m)));
     bodies.phases.push_back(static_cast<float>(person.phase));
     bodies.styles.push_back(person.style);
+    roots_above_ground_m.push_back(static_cast<double>(body->root_above_ground_m()) *
+                                   static_cast<double>(bodies.scales.back()));
   }
 }
 
@@ -239,7 +246,7 @@ void Simulation::State::place_driven() {
     const Eigen::Vector2d& at = person.position_m;
     is_driven_kind[bodies.types[id]] = true;
     driven.add(id, models[bodies.types[id]]->kinematics,
-               {{at.x(), at.y(), 0}, turned_to(person.heading)});
+               {{at.x(), at.y(), roots_above_ground_m[id]}, turned_to(person.heading)});
   }
   if (driven.empty()) return;
   bodies.held_rows.assign(avatars, nullptr);
@@ -251,6 +258,13 @@ void Simulation::State::place_driven() {
           "group '{}' is driven by what comes on LCM channel {}: the events of this run "
           "depend on that, too",
           group.name, group.driven));
+}
+
+/// A robot's size comes from a file of somebody else's, perhaps in millimetres: it is said.
+void Simulation::State::note_robots() {
+  for (const Group& group : scene.groups)
+    if (!group.body->is_person)
+      spawned.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
 }
 
 void Simulation::State::describe_run() {
@@ -342,7 +356,7 @@ WalkNow Simulation::State::move_root(uint32_t id) {
   // Whoever has left keeps the last place and posture.
   const bool is_present = crowd.journeys().is_present(id);
   const WalkNow walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
-  root.position_m = {position.x(), position.y(), 0};
+  root.position_m = {position.x(), position.y(), roots_above_ground_m[id]};
   root.world_from_root = turned_to(heading);
   if (is_present) speeds_mps[id] = static_cast<float>(velocity.norm());
   return walk;

@@ -7,6 +7,7 @@
 
 #include "base/elementary.h"
 #include "base/random.h"
+#include "scenes/scene_limits.h"
 
 namespace throng {
 namespace {
@@ -21,9 +22,10 @@ constexpr uint32_t kNobody = UINT32_MAX;
 /// The people placed so far in lists by cell.
 class Places {
  public:
-  explicit Places(const Rectangle& ground) : origin_m_(ground.min_m) {
-    // Discs with their gap span less than a metre, so that the nine cells around see all conflicts.
-    cell_m_ = std::max(1.0, std::sqrt(ground.area_m2() / (1 << 22)));
+  /// `widest_m` is the largest radius of all.
+  Places(const Rectangle& ground, double widest_m) : origin_m_(ground.min_m) {
+    // A cell is as wide as two discs with their gap, so that the nine around see all conflicts.
+    cell_m_ = std::max({1.0, 2 * widest_m + kGaps_m[0], std::sqrt(ground.area_m2() / (1 << 22))});
     columns_ = static_cast<int>(ground.size_m().x() / cell_m_) + 1;
     rows_ = static_cast<int>(ground.size_m().y() / cell_m_) + 1;
     first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNobody);
@@ -101,6 +103,25 @@ bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64
   return has_poor_place;
 }
 
+/// Of the steering disc of somebody in the group.
+double disc_of(const Group& group, double height_m) {
+  if (group.radius_m > 0) return group.radius_m;
+  const Model& body = *group.body;
+  if (body.is_person) return disc_radius_m(height_m);
+  // All of a robot as it starts: unlike a person it has no arms to draw in.
+  return std::clamp(static_cast<double>(body.footprint_radius_m()) * height_m /
+                        static_cast<double>(body.height_m),
+                    kMinRadius_m, kMaxRadius_m);
+}
+
+double tallest_m(const Group& group) {
+  if (group.height_m) return group.height_m->max;
+  double most_m = 0;
+  for (size_t age = 0; age < kAgeCount; ++age)
+    most_m = std::max(most_m, age_group(static_cast<Age>(age)).height_m.max);
+  return most_m;
+}
+
 Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
   const Group& group = scene.groups[group_index];
   Person person;
@@ -110,7 +131,7 @@ Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
   person.free_speed_mps =
       draw(group.speed_mps.value_or(age.speed_mps), scene.seed, id, Purpose::kFreeSpeed);
   person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
-  person.radius_m = group.radius_m > 0 ? group.radius_m : disc_radius_m(person.height_m);
+  person.radius_m = disc_of(group, person.height_m);
   person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
   if (group.driven.empty())
     person.style = draw_style(group.styles.value_or(age.styles), scene.seed, id);
@@ -150,7 +171,10 @@ double wall_gap_m(double radius_m, double height_m) {
 
 Spawned spawn(const Scene& scene, const Ways& ways) {
   Spawned out;
-  Places places(scene.ground);
+  double widest_m = 0;
+  for (const Group& group : scene.groups)
+    widest_m = std::max(widest_m, disc_of(group, tallest_m(group)));
+  Places places(scene.ground, widest_m);
   uint64_t id = 0;
   uint32_t entrance = 0;
   for (size_t g = 0; g < scene.groups.size(); ++g) {

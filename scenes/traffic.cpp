@@ -9,8 +9,6 @@ namespace {
 
 /// Room between somebody who enters and everybody else: a hand's breadth.
 constexpr double kGap_m = 0.1;
-/// The widest disc of a scene, and the gap.
-constexpr double kReach_m = 0.5;
 /// Places tried a decision for one person; then the next decision tries.
 constexpr uint32_t kTries = 24;
 
@@ -37,6 +35,7 @@ Traffic::Traffic(const Ways& ways, std::span<const Person> people, uint64_t seed
     groups_.push_back(person.group);
     radii_m_.push_back(person.radius_m);
     wall_gaps_m_.push_back(wall_gap_m(person.radius_m, person.height_m));
+    widest_m_ = std::max(widest_m_, person.radius_m);
     enters_s_.push_back(person.enters_s);
     const bool is_in = person.entrance == Person::kFromTheStart;
     present_.push_back(is_in);
@@ -84,7 +83,7 @@ bool Traffic::has_due(double now_s) const {
 }
 
 void Traffic::list_near(const Entrance& entrance, std::span<const Eigen::Vector2d> positions_m) {
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(2 * kReach_m);
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(2 * widest_m_ + kGap_m);
   const Rectangle around{entrance.area.min_m - reach, entrance.area.max_m + reach};
   near_.clear();
   for (uint32_t id = 0; id < present_.size(); ++id)

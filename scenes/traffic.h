@@ -71,6 +71,7 @@ class Traffic {
   std::vector<uint32_t> groups_;  ///< by person
   std::vector<double> radii_m_;
   std::vector<double> wall_gaps_m_;
+  double widest_m_ = 0;
   std::vector<double> enters_s_;
   std::vector<uint8_t> present_;
   std::vector<uint32_t> near_;  ///< who stands near the entrance in question

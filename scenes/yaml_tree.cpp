@@ -5,10 +5,12 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "base/errors.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -36,6 +38,7 @@ class TreeBuilder : public YAML::EventHandler {
                 const std::string& value) override {
     refuse_anchor(mark, anchor);
     refuse_tag(mark, tag);
+    refuse_control_characters(mark, value);
     YamlNode node;
     node.kind = YamlNode::Kind::kScalar;
     node.line = mark.line + 1;
@@ -70,6 +73,17 @@ class TreeBuilder : public YAML::EventHandler {
     // "?" is yaml-cpp's word for plain, "!" for quoted.
     if (!tag.empty() && tag != "?" && tag != "!")
       throw InputError(at(mark), "a value without a tag", fmt::format("the tag '{}'", tag));
+  }
+
+  /// Escapes make them from plain text.
+  void refuse_control_characters(const YAML::Mark& mark, std::string_view text) const {
+    for (size_t at = 0; at < text.size();) {
+      const size_t bytes = printable_character(text.substr(at));
+      if (bytes == 0 && text[at] != '\n' && text[at] != '\t')
+        throw InputError(this->at(mark), "text without control characters",
+                         fmt::format("'{}'", shown(text.substr(0, 60))));
+      at += std::max<size_t>(bytes, 1);
+    }
   }
 
   void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -134,6 +148,11 @@ YamlNode parse_yaml(const std::string& text, const std::string& name) {
     throw InputError(name, fmt::format("at most {} bytes", kMaxYamlBytes),
                      fmt::format("{}", text.size()));
   if (text.find('\0') != std::string::npos) throw InputError(name, "text", "a binary file");
+  if (const size_t at = find_no_utf8(text); at != std::string::npos)
+    throw InputError(
+        at_line(name, 1 + static_cast<int>(std::count(
+                              text.begin(), text.begin() + static_cast<ptrdiff_t>(at), '\n'))),
+        "text in UTF-8", fmt::format("'{}'", shown(std::string_view(text).substr(at, 1))));
   std::istringstream stream(text);
   TreeBuilder builder(name);
   try {

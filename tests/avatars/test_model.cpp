@@ -118,6 +118,54 @@ TEST(Model, links_without_geometry_carry_no_part) {
   EXPECT_NEAR(model->height_m, 0.1f + 0.25f + 0.2f, 1e-6f);
 }
 
+TEST(Model, is_a_person_where_it_has_human_legs_and_a_robot_otherwise) {
+  const auto adult = load_model(adult_urdf());
+  EXPECT_TRUE(adult->is_person);
+  EXPECT_EQ(adult->root_above_ground_m(), 0) << "the root of people lies on the ground";
+  const auto rover =
+      load_model(std::filesystem::path(THRONG_SOURCE_DIR) / "tests/lcmtypes/fixtures/rover.urdf");
+  EXPECT_FALSE(rover->is_person);
+  EXPECT_NEAR(rover->root_above_ground_m(), 0.1f, 1e-6f) << "half the height of its base";
+  EXPECT_FALSE(load_model(fixtures() / "humanoid_description/urdf/humanoid.urdf")->is_person)
+      << "other names than the gait knows";
+}
+
+TEST_F(Files, a_robot_starts_as_near_to_zero_as_its_limits_let_it) {
+  const auto model = load_model(write(
+      "crane.urdf",
+      "<robot name='crane'><link name='a'><collision><geometry><box size='2 1 1'/></geometry>"
+      "</collision></link><link name='b'><collision><geometry><box size='0.2 0.2 0.2'/></geometry>"
+      "</collision></link><joint name='hoist' type='prismatic'><parent link='a'/><child link='b'/>"
+      "<axis xyz='0 0 -1'/><limit lower='3' upper='5' effort='1' velocity='1'/></joint></robot>"));
+  EXPECT_FALSE(model->is_person);
+  EXPECT_NEAR(model->root_above_ground_m(), 3.1f, 1e-6f) << "the hook is the lowest";
+  EXPECT_NEAR(model->height_m, 3.6f, 1e-6f);
+  EXPECT_NEAR(model->footprint_radius_m(), std::hypot(1.0f, 0.5f), 1e-6f);
+  const std::string text = describe_model(*model);
+  EXPECT_THAT(text, HasSubstr("size: 2.000 x 1.000 x 3.600 m with every joint at zero"));
+  EXPECT_THAT(text, HasSubstr("height: 3.600 m; a robot: "));
+  EXPECT_THAT(text, HasSubstr("its root 'a' 3.100 m above the ground"));
+}
+
+TEST_F(Files, a_mesh_scaled_beyond_what_a_log_tells_is_refused) {
+  write("a.tri", kTetrahedron);
+  const auto scaled = [&](const char* scale) {
+    return load_model(
+        write("r.urdf", one_link(std::string("<visual><geometry><mesh filename='a.tri' scale='")
+                                     .append(scale)
+                                     .append("'/></geometry></visual>"))));
+  };
+  EXPECT_NO_THROW(scaled("1e5 1e5 1e5"));
+  try {
+    scaled("1e6 1e6 1e6");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("r.urdf: expected every vertex of 'a.tri' within 1e+06 m of "
+                          "link 'a', found one at (0, 2e+06, 0) m"));
+  }
+}
+
 TEST_F(Files, origin_and_scale_of_a_mesh_are_honoured) {
   write("a.tri", kTetrahedron);
   const auto model = load_model(write(

@@ -118,7 +118,8 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"no_link_name", Lines{.link_a = R"(<link/>)"}.text(),
                "robot.urdf:2: expected an attribute 'name' in <link>, found none"},
         Defect{"long_name", Lines{.link_a = fmt::format("<link name='{:x>200}'/>", "")}.text(),
-               "robot.urdf:2: expected a name for this <link> of at most 120 bytes, found 200"},
+               "robot.urdf:2: expected a name for this <link>, found one of 200 bytes, more "
+               "than 120"},
         Defect{"newline_in_name", Lines{.link_a = "<link name=\"a&#10;b\"/>"}.text(),
                "control character"},
         Defect{"nameless_robot", R"(<robot><link name="a"/></robot>)",

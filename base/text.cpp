@@ -1,0 +1,92 @@
+#include "base/text.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+
+#include "base/limits.h"
+
+namespace throng {
+namespace {
+
+/// Code point and bytes of the character that the text begins with; 0 bytes: no UTF-8.
+struct Character {
+  uint32_t code = 0;
+  size_t bytes = 0;
+};
+
+Character first_of(std::string_view text) {
+  const auto byte = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
+  if (text.empty()) return {};
+  if (byte(0) < 0x80) return {byte(0), 1};
+  const size_t bytes = byte(0) < 0xe0 ? 2 : byte(0) < 0xf0 ? 3 : 4;
+  if (byte(0) < 0xc2 || byte(0) > 0xf4 || text.size() < bytes) return {};
+  uint32_t code = byte(0) & (0x7fu >> bytes);
+  for (size_t i = 1; i < bytes; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return {};
+    code = code << 6 | (byte(i) & 0x3fu);
+  }
+  constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (code < kLeast[bytes] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return {};
+  return {code, bytes};
+}
+
+bool is_control(uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
+
+}  // namespace
+
+size_t printable_character(std::string_view text) {
+  const Character first = first_of(text);
+  return is_control(first.code) ? 0 : first.bytes;
+}
+
+size_t find_no_utf8(std::string_view text) {
+  for (size_t at = 0; at < text.size();) {
+    const size_t bytes = first_of(text.substr(at)).bytes;
+    if (bytes == 0) return at;
+    at += bytes;
+  }
+  return std::string_view::npos;
+}
+
+std::string defect_of_name(std::string_view name) {
+  if (name.find_first_not_of(" \t\r\n") == std::string_view::npos) return "an empty one";
+  for (size_t at = 0; at < name.size();) {
+    const size_t bytes = printable_character(name.substr(at));
+    if (bytes == 0)
+      return fmt::format(
+          "one with {}: '{}'",
+          first_of(name.substr(at)).bytes == 0 ? "bytes that are no UTF-8" : "a control character",
+          shown(name.substr(0, kMaxNameBytes)));
+    at += bytes;
+  }
+  if (name.size() > kMaxNameBytes)
+    return fmt::format("one of {} bytes, more than {}", name.size(), kMaxNameBytes);
+  return "";
+}
+
+std::string shown(std::string_view text) {
+  std::string out;
+  for (size_t at = 0; at < text.size();) {
+    const size_t bytes = printable_character(text.substr(at));
+    if (bytes > 0)
+      out += text.substr(at, bytes);
+    else
+      out += fmt::format("\\x{:02x}", static_cast<uint8_t>(text[at]));
+    at += bytes > 0 ? bytes : 1;
+  }
+  return out;
+}
+
+std::string name_after(std::string_view file_stem) {
+  std::string name = shown(file_stem);
+  if (name.size() <= kMaxNameBytes) return name;
+  constexpr std::string_view kCut = "...";
+  size_t end = 0;
+  for (size_t bytes; (bytes = printable_character(std::string_view(name).substr(end))) > 0 &&
+                     end + bytes + kCut.size() <= kMaxNameBytes;)
+    end += bytes;
+  return name.substr(0, end) + std::string(kCut);
+}
+
+}  // namespace throng

@@ -1,0 +1,52 @@
+// Names and text from files: what passes is UTF-8 that no terminal obeys, and what does not is
+// shown.
+#include <gtest/gtest.h>
+
+#include "base/limits.h"
+#include "base/random.h"
+#include "base/text.h"
+
+namespace throng {
+namespace {
+
+TEST(Names, AreShortPrintableUtf8) {
+  for (const std::string& name :
+       {std::string("hall 3"), std::string("caf\xc3\xa9"), std::string("\xe6\x97\xa5\xe6\x9c\xac"),
+        std::string("\xf0\x9f\xa4\x96"), std::string("\"quoted\" \\ 'so'"),
+        std::string(kMaxNameBytes, 'x')})
+    EXPECT_EQ(defect_of_name(name), "") << name;
+  EXPECT_EQ(defect_of_name(""), "an empty one");
+  EXPECT_EQ(defect_of_name(" \t"), "an empty one");
+  EXPECT_EQ(defect_of_name(std::string(121, 'x')), "one of 121 bytes, more than 120");
+  EXPECT_EQ(defect_of_name(std::string("a\0b", 3)), "one with a control character: 'a\\x00b'");
+  EXPECT_EQ(defect_of_name("a\nb"), "one with a control character: 'a\\x0ab'");
+  EXPECT_EQ(defect_of_name("\x1b[31m"), "one with a control character: '\\x1b[31m'");
+  EXPECT_EQ(defect_of_name("a\xc2\x85"), "one with a control character: 'a\\xc2\\x85'");
+  EXPECT_EQ(defect_of_name("a\xff"), "one with bytes that are no UTF-8: 'a\\xff'");
+}
+
+TEST(Text, OfAnyBytesIsShownAsAName) {
+  // Cut characters, surrogates, what is longer than it need be, beyond the last code point.
+  for (const char* bytes : {"\xc3", "\xe6\x97", "\xed\xa0\x80", "\xc0\xaf", "\xe0\x80\xaf",
+                            "\xf4\x90\x80\x80", "\xf8", "\x80"}) {
+    EXPECT_EQ(find_no_utf8(bytes), 0u);
+    EXPECT_EQ(printable_character(bytes), 0u);
+  }
+  for (uint64_t seed = 1; seed <= 20'000; ++seed) {
+    std::string text;
+    const RandomKey key{seed, 0, 0, Purpose::kBoxWorld};
+    const uint64_t length = 1 + random_bits(key, 0) % 60;
+    for (uint64_t i = 0; i < length; ++i)
+      text += static_cast<char>(random_bits(key, static_cast<uint32_t>(i + 1)));
+    const std::string fit = shown(text), name = name_after(text);
+    ASSERT_EQ(find_no_utf8(fit), std::string::npos) << "seed " << seed;
+    ASSERT_LE(name.size(), kMaxNameBytes) << "seed " << seed;
+    if (text.find_first_not_of(" \t\r\n") != std::string::npos) {
+      ASSERT_EQ(defect_of_name(name), "") << "seed " << seed;
+    }
+    ASSERT_EQ(shown(fit), fit) << "what is shown needs no more, seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace throng
