@@ -194,9 +194,9 @@ std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
   FlatModel kinematics(robot, links);
   const uint64_t hash = hash_of(text, parts);
   Eigen::AlignedBox3f box = start_box_of(kinematics, parts);
-  // Wheels are polygons, and angles in a URDF have seven digits: a millimetre is no step.
-  constexpr float kNoStep_m = 1e-3f;
-  if (std::abs(box.min().z()) < kNoStep_m) box.min().z() = 0;
+  // Wheels are polygons, and angles in a URDF have seven digits: a millimetre a metre is no step.
+  constexpr float kNoStep = 1e-3f;
+  if (std::abs(box.min().z()) < kNoStep * box.sizes().z()) box.min().z() = 0;
   Model model{robot.name, std::move(robot), std::move(parts), std::move(kinematics), 0, hash};
   model.start_box_m = box;
   model.is_person =

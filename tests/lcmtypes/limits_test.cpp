@@ -192,6 +192,8 @@ std::string refusal_of(Scene scene, int total) {
 TEST(Limits, OfPlacesHoldForPlansThatGrow) {
   Scene street = load_scene("plaza");
   street.ground = {{-50'000, -2}, {50'000, 2}};
+  street.obstacles.clear();
+  for (Group& group : street.groups) group.spawn = street.ground;
   EXPECT_EQ(refusal_of(street, 400'000), "accepted");
   EXPECT_THAT(refusal_of(street, 8'000'000),
               testing::HasSubstr("expected a ground within 100000 m of the origin, found "));
