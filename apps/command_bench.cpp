@@ -3,15 +3,21 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include "apps/command.h"
+#include "apps/json_output.h"
 #include "apps/machine.h"
 #include "apps/output_plan.h"
+#include "apps/stop_signal.h"
 #include "apps/text_file.h"
+#include "apps/unfinished.h"
 #include "base/errors.h"
+#include "base/say.h"
 #include "bench/engines.h"
 #include "bench/report.h"
 #include "bench/steering.h"
@@ -32,6 +38,9 @@ Examples:
   throng bench --avatars 1000 --frames 3 --parts ordop26
   throng bench --steering)";
 
+// A frame of the slower engines may take this long; then its result still counts.
+constexpr std::chrono::milliseconds kPatience{700};
+
 constexpr std::pair<const char*, PairSearch> kSearches[] = {
     {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
 
@@ -49,6 +58,8 @@ struct BenchCommand {
   bool steering = false;
   CLI::Option* avatars = nullptr;
   CLI::Option* frames = nullptr;
+
+  bool measures_engines() const { return !steering && parts.empty() && aged_frames == 0; }
 };
 
 std::vector<std::string> known_engines() {
@@ -74,10 +85,6 @@ std::vector<std::string> engines_of(const std::string& list) {
   return chosen;
 }
 
-void write_json(const BenchCommand& command, const std::string& text) {
-  if (!command.json.empty()) write_text(command.json, text);
-}
-
 OpenOutputs opened_outputs(const BenchCommand& command) {
   OutputPlan plan;
   plan.writes_json(command.json);
@@ -85,7 +92,36 @@ OpenOutputs opened_outputs(const BenchCommand& command) {
   return plan.open();
 }
 
-int measure_steering(const BenchCommand& command, const bench::Progress& progress) {
+/// What a measurement comes to.
+struct Measured {
+  std::string text;
+  std::string json;
+  std::string csv;
+  bool as_it_should = true;
+};
+
+/// Drawn over and over on a terminal; the last of it is known to whoever stops the measurement.
+class ProgressLine {
+ public:
+  void show_progress(const std::string& what) {
+    const std::lock_guard lock(mutex_);
+    last_ = what;
+    if (terminal_) say("\r\033[K{}", what);
+  }
+  /// Wipes the line.
+  std::string last() {
+    const std::lock_guard lock(mutex_);
+    if (terminal_) say("\r\033[K");
+    return last_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string last_;
+  const bool terminal_ = isatty(STDERR_FILENO) != 0;
+};
+
+Measured measure_steering(const BenchCommand& command, const bench::Progress& progress) {
   bench::SteeringBenchOptions options;
   if (command.avatars->count() > 0) options.counts = {command.options.avatars};
   if (command.frames->count() > 0) options.steps = command.options.frames;
@@ -94,10 +130,61 @@ int measure_steering(const BenchCommand& command, const bench::Progress& progres
   options.seed = command.options.seed;
   options.simd = command.options.simd;
   const auto rows = bench::measure_steering(options, progress);
-  progress("");
-  fmt::print("{}", bench::to_text(rows, options, cpu_name()));
-  write_json(command, bench::to_json(rows, options, cpu_name()));
-  return kExitFine;
+  return {bench::to_text(rows, options, cpu_name()), bench::to_json(rows, options, cpu_name()), {}};
+}
+
+Measured measure_parts(const BenchCommand& command, const bench::Progress& progress) {
+  const auto result =
+      bench::count_false_positives(command.options, *volume_of(command.parts), 20, progress);
+  const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
+  return {bench::to_text(result),
+          bench::to_json(result, command.options),
+          {},
+          std::none_of(result.volumes.begin(), result.volumes.end(), misses)};
+}
+
+Measured measure_ageing(const BenchCommand& command, const bench::Progress& progress) {
+  const auto result = bench::age(command.options, command.aged_frames, progress);
+  return {bench::to_text(result),
+          bench::to_json(result, command.options, {cpu_name(), throng::peak_rss_bytes()}),
+          {},
+          result.aged_work == result.fresh_work};
+}
+
+/// Also of the frames that were measured before a signal; nothing if there were none.
+Measured measure_engines(const BenchCommand& command, const bench::Progress& progress) {
+  const bench::BenchResult result =
+      bench::compare(command.options, progress, StopSignal::requested);
+  if (result.options.frames == 0) return {};
+  const bench::MachineLine machine{cpu_name(), throng::peak_rss_bytes()};
+  const auto agrees = [](const bench::EngineResult& engine) { return engine.agrees; };
+  return {bench::to_text(result, machine), bench::to_json(result, machine), bench::to_csv(result),
+          std::all_of(result.engines.begin(), result.engines.end(), agrees)};
+}
+
+Measured measured(const BenchCommand& command, const bench::Progress& progress) {
+  if (command.steering) return measure_steering(command, progress);
+  if (!command.parts.empty()) return measure_parts(command, progress);
+  if (command.aged_frames > 0) return measure_ageing(command, progress);
+  return measure_engines(command, progress);
+}
+
+int tell(const BenchCommand& command, const Measured& result) {
+  show_beside_json(command.json, result.text);
+  write_json_output(command.json, result.json);
+  if (!command.csv.empty()) {
+    std::error_code error;
+    const bool is_new = std::filesystem::file_size(command.csv, error) == 0 && !error;
+    append_text(command.csv, (is_new ? bench::csv_header() : "") + result.csv);
+  }
+  return result.as_it_should ? kExitFine : kExitCheckFailed;
+}
+
+int stopped(const BenchCommand& command, const Measured& result, const std::string& progress) {
+  say("stopped by {}{}{}; {}\n", StopSignal::name(), progress.empty() ? "" : " after ", progress,
+      result.text.empty() ? "nothing was measured to its end" : "what was measured follows");
+  if (!result.text.empty()) tell(command, result);
+  return StopSignal::exit_code();
 }
 
 int measure(BenchCommand& command) {
@@ -111,45 +198,19 @@ int measure(BenchCommand& command) {
   options.simd = resolved(*simd_target_of(command.simd));
   for (const auto& [name, search] : kSearches)
     if (command.pair_search == name) options.pair_search = search;
+  const StopSignal stop;
   const OpenOutputs outputs = opened_outputs(command);  // fails before it has taken minutes
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  const bench::Progress progress = [terminal](const std::string& what) {
-    if (terminal) fmt::print(stderr, "\r\033[K{}", what);
-  };
-  const auto done = [terminal] {
-    if (terminal) fmt::print(stderr, "\r\033[K");
-  };
-  if (command.steering) return measure_steering(command, progress);
-  if (!command.parts.empty()) {
-    const auto result =
-        bench::count_false_positives(options, *volume_of(command.parts), 20, progress);
-    done();
-    fmt::print("{}", bench::to_text(result));
-    write_json(command, bench::to_json(result, options));
-    const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
-    return std::any_of(result.volumes.begin(), result.volumes.end(), misses) ? kExitCheckFailed
-                                                                             : kExitFine;
-  }
-  if (command.aged_frames > 0) {
-    const auto result = bench::age(options, command.aged_frames, progress);
-    done();
-    fmt::print("{}", bench::to_text(result));
-    write_json(command, bench::to_json(result, options, {cpu_name(), throng::peak_rss_bytes()}));
-    return result.aged_work == result.fresh_work ? kExitFine : kExitCheckFailed;
-  }
-  const bench::BenchResult result = bench::compare(options, progress);
-  done();
-  const bench::MachineLine machine{cpu_name(), throng::peak_rss_bytes()};
-  fmt::print("{}", bench::to_text(result, machine));
-  write_json(command, bench::to_json(result, machine));
-  if (!command.csv.empty()) {
-    std::error_code error;
-    const bool is_new = std::filesystem::file_size(command.csv, error) == 0 && !error;
-    append_text(command.csv, (is_new ? bench::csv_header() : "") + bench::to_csv(result));
-  }
-  const auto agrees = [](const bench::EngineResult& engine) { return engine.agrees; };
-  return std::all_of(result.engines.begin(), result.engines.end(), agrees) ? kExitFine
-                                                                           : kExitCheckFailed;
+  const auto result = std::make_shared<Measured>();
+  const auto line = std::make_shared<ProgressLine>();
+  const bool done = done_before_a_signal(
+      [command, result, line] {
+        *result = measured(command, [&](const std::string& what) { line->show_progress(what); });
+      },
+      kPatience);
+  const std::string last = line->last();
+  if (!done) return stopped(command, {}, last);
+  return StopSignal::requested() && command.measures_engines() ? stopped(command, *result, last)
+                                                               : tell(command, *result);
 }
 
 void add_options(CLI::App& app, BenchCommand& command) {
@@ -204,7 +265,7 @@ void add_options(CLI::App& app, BenchCommand& command) {
                     ->type_name("VOLUME")
                     ->excludes(age);
   parts->expected(0, 1)->default_str("ordop26");
-  app.add_option("--json", command.json, "Write the numbers as JSON")->type_name("FILE");
+  app.add_option("--json", command.json, kJsonHelp)->type_name("FILE");
   auto* csv = app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
                   ->type_name("FILE");
   app.add_flag("--steering", command.steering,

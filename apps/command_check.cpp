@@ -6,6 +6,7 @@
 
 #include "apps/command.h"
 #include "apps/output_plan.h"
+#include "base/say.h"
 #include "lcmtypes/log_check.h"
 
 namespace throng {
@@ -34,31 +35,30 @@ int check(const CheckOptions& options) {
                .is_recording = true});
   plan.check();
   const LogReport report = check_log(options.log);
-  fmt::print("{}: {}\n", options.log,
-             !report.is_sound() ? "not sound"
-             : report.finished  ? "sound"
-                                : "sound, but cut off");
-  fmt::print("  messages   {} of ours, {} of others, {} bytes\n",
-             report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
-  fmt::print("  events     {} begin, {} end, {} open\n", report.begins, report.ends,
-             report.open_pairs);
+  show("{}: {}\n", options.log,
+       !report.is_sound() ? "not sound"
+       : report.finished  ? "sound"
+                          : "sound, but cut off");
+  show("  messages   {} of ours, {} of others, {} bytes\n",
+       report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
+  show("  events     {} begin, {} end, {} open\n", report.begins, report.ends, report.open_pairs);
   const auto& levels = report.begins_by_level;
   if (levels[0] + levels[1] > 0 || (levels[2] > 0 && levels[3] > 0))
-    fmt::print("  levels     begun by spheres {}, boxes {}, part volumes {}, triangles {}\n",
-               levels[0], levels[1], levels[2], levels[3]);
-  fmt::print("  frames     {}, {:.2f} s\n", report.last_frame + 1,
-             static_cast<double>(report.last_utime_us) * 1e-6);
-  for (const std::string& line : describe_coverage(report)) fmt::print("  checksums  {}\n", line);
+    show("  levels     begun by spheres {}, boxes {}, part volumes {}, triangles {}\n", levels[0],
+         levels[1], levels[2], levels[3]);
+  show("  frames     {}, {:.2f} s\n", report.last_frame + 1,
+       static_cast<double>(report.last_utime_us) * 1e-6);
+  for (const std::string& line : describe_coverage(report)) show("  checksums  {}\n", line);
   if (!report.leaves_out.empty())
-    fmt::print("  leaves out {} (strategy {})\n", report.leaves_out, report.strategy);
-  for (const std::string& problem : report.problems) fmt::print("  problem    {}\n", problem);
+    show("  leaves out {} (strategy {})\n", report.leaves_out, report.strategy);
+  for (const std::string& problem : report.problems) show("  problem    {}\n", problem);
   const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
-  if (untold > 0) fmt::print("  problem    and {} more\n", untold);
+  if (untold > 0) show("  problem    and {} more\n", untold);
   if (!options.repaired.empty()) {
     const OpenOutputs outputs = plan.open();
-    for (const std::string& note : outputs.notes()) fmt::print(stderr, "note: {}\n", note);
+    for (const std::string& note : outputs.notes()) say("note: {}\n", note);
     const int64_t messages = repair_log(options.log, options.repaired);
-    fmt::print("  repaired   {}: {} sound messages\n", options.repaired, messages);
+    show("  repaired   {}: {} sound messages\n", options.repaired, messages);
   }
   return report.is_sound() ? kExitFine : kExitCheckFailed;
 }

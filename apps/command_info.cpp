@@ -9,6 +9,7 @@
 #include "apps/info.h"
 #include "avatars/describe.h"
 #include "base/errors.h"
+#include "base/say.h"
 #include "lcmtypes/log_check.h"
 
 namespace throng {
@@ -50,7 +51,7 @@ int describe(const std::string& name) {
     throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file",
                      extension.empty() ? "no extension" : "extension '" + extension + "'");
   }
-  fmt::print("{}", text);
+  show("{}", text);
   return kExitFine;
 }
 

@@ -9,8 +9,10 @@
 #include <string>
 
 #include "apps/command.h"
+#include "apps/json_output.h"
 #include "apps/monitor_view.h"
 #include "apps/stop_signal.h"
+#include "base/say.h"
 #include "lcmtypes/log_reader.h"
 #include "lcmtypes/receiver.h"
 
@@ -55,11 +57,11 @@ std::optional<winsize> terminal() {
 class Screen {
  public:
   explicit Screen(bool is_used) : is_used_(is_used) {
-    if (is_used_) fmt::print("\033[?1049h\033[?25l");
+    if (is_used_) show("\033[?1049h\033[?25l");
   }
   ~Screen() {
-    if (is_used_) fmt::print("\033[?25h\033[?1049l");
-    std::fflush(stdout);
+    if (is_used_) show("\033[?25h\033[?1049l");
+    shown();
   }
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
@@ -68,8 +70,7 @@ class Screen {
     std::string text = "\033[H";
     for (const std::string& line : lines) text += line + "\033[K\r\n";
     if (!lines.empty()) text.resize(text.size() - 2);  // a line break at the bottom would scroll
-    fmt::print("{}\033[J", text);
-    std::fflush(stdout);
+    show("{}\033[J", text);
   }
 
  private:
@@ -80,15 +81,14 @@ int print_result(MonitorView view, bool as_json) {
   view.overall = true;
   if (as_json) {
     using Handler = nlohmann::ordered_json::error_handler_t;
-    fmt::print("{}\n", json_of(view).dump(2, ' ', false, Handler::replace));
+    show("{}\n", json_of(view).dump(2, ' ', false, Handler::replace));
   } else {
-    for (const std::string& line : lines_of(view)) fmt::print("{}\n", line);
+    for (const std::string& line : lines_of(view)) show("{}\n", line);
   }
   if (!view.inbox.runs().empty()) return kExitFine;
-  fmt::print(stderr, "{}: expected a run, heard none; {}\n", view.source,
-             view.inbox.refused() > 0
-                 ? fmt::format("{} messages were refused", view.inbox.refused())
-                 : "start one with 'throng run SCENE --pace 1'");
+  say("{}: expected a run, heard none; {}\n", view.source,
+      view.inbox.refused() > 0 ? fmt::format("{} messages were refused", view.inbox.refused())
+                               : "start one with 'throng run SCENE --pace 1'");
   return kExitCheckFailed;
 }
 
@@ -121,9 +121,9 @@ int watch_live(const MonitorOptions& options) {
         Screen::draw(lines_of(view));
       } else {
         if (view.now_s - drawn_s < kLine_s) continue;
-        fmt::print("{}\n", line_of(view));
-        std::fflush(stdout);
+        show("{}\n", line_of(view));
       }
+      if (!shown()) break;  // nobody reads it any more
       drawn_s = view.now_s;
     }
   }
@@ -141,7 +141,7 @@ int watch_log(const MonitorOptions& options) {
     const LogReader::Status status = log.next(event);
     if (status == LogReader::Status::kEnd) break;
     if (status != LogReader::Status::kEvent) {
-      if (++damaged <= kMostTold) fmt::print(stderr, "{}: {}\n", options.log, log.problem());
+      if (++damaged <= kMostTold) say("{}: {}\n", options.log, log.problem());
       if (!log.resync()) break;
       continue;
     }
@@ -150,7 +150,7 @@ int watch_log(const MonitorOptions& options) {
     monitor.take(update, view.now_s);
   }
   if (damaged > kMostTold)
-    fmt::print(stderr, "{}: damaged in {} places; see 'throng check'\n", options.log, damaged);
+    say("{}: damaged in {} places; see 'throng check'\n", options.log, damaged);
   return print_result(view, options.json);
 }
 
@@ -170,8 +170,11 @@ Command add_monitor_command(CLI::App& parent) {
   app->add_option("--seconds", options->seconds, "Stops after this time [--once: 3]")
       ->check(number_option(0, 1e9, true, "a number of seconds above 0"))
       ->type_name("S");
-  return {app,
-          [options] { return options->log.empty() ? watch_live(*options) : watch_log(*options); }};
+  return {app, [options] {
+            // --json needs no name here; whoever gives it the one for stdout is understood.
+            if (options->json && is_stdout(options->log)) options->log.clear();
+            return options->log.empty() ? watch_live(*options) : watch_log(*options);
+          }};
 }
 
 }  // namespace throng

@@ -2,13 +2,17 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "apps/command.h"
+#include "apps/json_output.h"
 #include "apps/machine.h"
 #include "apps/output_plan.h"
-#include "apps/text_file.h"
+#include "apps/stop_signal.h"
+#include "apps/unfinished.h"
 #include "base/figure.h"
+#include "base/say.h"
 #include "bench/paper/json.h"
 #include "bench/paper/report.h"
 #include "bench/paper/tables.h"
@@ -20,6 +24,8 @@ constexpr const char* kFooter = R"(
 Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes Manipulation in Massive Rigid
 Body Simulation, TELKOMNIKA 11(6), 2013. docs/paper.md says which number is which.
 
+Ctrl-C ends it with the tables that are finished.
+
 Examples:
   throng paper --json paper.json
   throng paper --seeds 100 --out out/paper)";
@@ -30,23 +36,48 @@ struct PaperCommand {
   std::string json;
 };
 
+/// What is finished so far, for whoever stops the rest.
+struct Kept {
+  std::mutex mutex;
+  paper::PaperResult result;
+
+  paper::PaperResult copy() {
+    const std::lock_guard lock(mutex);
+    return result;
+  }
+};
+
 int reproduce_paper(const PaperCommand& command) {
   // What would fail after a minute of measuring has to fail before.
+  const StopSignal stop;
   OutputPlan plan;
   plan.writes_json(command.json);
   plan.fills("--out", command.out, {"report.html", "report.md", "*.svg", "*.png"});
   if (!command.out.empty()) require_gnuplot();
   const OpenOutputs outputs = plan.open();
   const auto objects = paper::load_objects();
-  const paper::PaperResult result = paper::run_experiments(
-      objects, command.options, [](const std::string& what) { fmt::print(stderr, "{}\n", what); });
-  for (const paper::Table& table : paper::tables_of(result))
-    fmt::print("{}\n", paper::to_text(table));
+  const auto kept = std::make_shared<Kept>();
+  const auto experiments = [objects, kept, options = command.options] {
+    paper::run_experiments(
+        objects, options, [](const std::string& what) { say("{}\n", what); },
+        [&](const paper::PaperResult& result) {
+          const std::lock_guard lock(kept->mutex);
+          kept->result = result;
+        });
+  };
+  const bool done = done_before_a_signal(experiments);
+  const paper::PaperResult result = kept->copy();
+  if (!done) say("stopped by {}: what was finished follows\n", StopSignal::name());
+  std::string tables;
+  for (const paper::Table& table : paper::tables_of(result)) tables += paper::to_text(table) + "\n";
+  show_beside_json(command.json, tables);
   const std::string cpu = cpu_name();
-  if (!command.json.empty()) write_text(command.json, paper::to_json(result, cpu));
+  write_json_output(command.json, paper::to_json(result, cpu));
+  if (!done) return StopSignal::exit_code();
   if (!command.out.empty()) {
     paper::write_report(result, objects, cpu, command.out);
-    fmt::print("{0}/report.html and {0}/report.md written\n", command.out);
+    show_beside_json(command.json,
+                     fmt::format("{0}/report.html and {0}/report.md written\n", command.out));
   }
   return kExitFine;
 }
@@ -82,7 +113,7 @@ Command add_paper_command(CLI::App& parent) {
       ->type_name("N");
   app->add_option("--out", command->out, "A folder for report.html and report.md")
       ->type_name("DIR");
-  app->add_option("--json", command->json, "Write the numbers as JSON")->type_name("FILE");
+  app->add_option("--json", command->json, kJsonHelp)->type_name("FILE");
   return {app, [command] { return reproduce_paper(*command); }};
 }
 

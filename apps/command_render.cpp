@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "apps/output_plan.h"
 #include "apps/picture.h"
 #include "apps/recorded_frame.h"
+#include "base/errors.h"
+#include "base/say.h"
 #include "viewer/animation.h"
 
 namespace throng {
@@ -37,7 +40,24 @@ struct RenderCommand {
   PictureOptions picture;
 };
 
+/// What cannot be drawn is refused before anything is read or drawn.
+void require_drawable(const RenderCommand& command) {
+  const bool moves = !command.frames.empty();
+  const char* ending = moves ? ".webp" : ".png";
+  const std::string found = std::filesystem::path(command.out).extension().string();
+  if (found != ending)
+    throw InputError("--out",
+                     fmt::format("a name that ends in {}: {}", ending,
+                                 moves ? "--frames makes an animation"
+                                       : "one frame is a PNG, --frames A:B makes a .webp"),
+                     fmt::format("'{}'", command.out));
+  if (moves && command.frames[0] > command.frames[1])
+    throw InputError("--frames", "FIRST:LAST, the first not after the last",
+                     fmt::format("{}:{}", command.frames[0], command.frames[1]));
+}
+
 int render_frames(const RenderCommand& command) {
+  const RecordedFrame reaches_the_last(command.log, command.frames[1]);
   RecordedFrame frame(command.log, command.frames[0]);
   const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
   const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);
@@ -50,17 +70,15 @@ int render_frames(const RenderCommand& command) {
     ++pictures;
   }
   const size_t bytes = animation.write(command.out);
-  fmt::print("{}: {} pictures, {:.2f} MB\n", command.out, pictures,
-             static_cast<double>(bytes) * 1e-6);
+  show("{}: {} pictures, {:.2f} MB\n", command.out, pictures, static_cast<double>(bytes) * 1e-6);
   if (with_states < pictures)
-    fmt::print(stderr,
-               "note: {} of {} frames have states; in the others people stand as in the last that "
-               "had\n",
-               with_states, pictures);
+    say("note: {} of {} frames have states; in the others people stand as in the last that had\n",
+        with_states, pictures);
   return kExitFine;
 }
 
 int render_frame(RenderCommand command) {
+  require_drawable(command);
   const auto to_point = [](const std::vector<float>& xyz) -> std::optional<Eigen::Vector3f> {
     if (xyz.empty()) return std::nullopt;
     return Eigen::Vector3f(xyz[0], xyz[1], xyz[2]);
@@ -74,14 +92,13 @@ int render_frame(RenderCommand command) {
   if (!command.frames.empty()) return render_frames(command);
   RecordedFrame frame(command.log, command.frame);
   write_png(command.out, picture_of(frame, command.picture));
-  fmt::print("{}: frame {}, {} avatars, {} pairs of parts touch\n", command.out, command.frame,
-             frame.crowd().roots.size(), frame.touching().size());
+  show("{}: frame {}, {} avatars, {} pairs of parts touch\n", command.out, command.frame,
+       frame.crowd().roots.size(), frame.touching().size());
   if (const int64_t states = frame.crowd().frame; states < command.frame) {
     const std::optional<int64_t> next = frame.next_states();
-    fmt::print(stderr, "note: frame {} has no states: people stand as at frame {}; {}\n",
-               command.frame, states,
-               next ? fmt::format("the next states are those of frame {}", *next)
-                    : "no states come later");
+    say("note: frame {} has no states: people stand as at frame {}; {}\n", command.frame, states,
+        next ? fmt::format("the next states are those of frame {}", *next)
+             : "no states come later");
   }
   return kExitFine;
 }
@@ -101,14 +118,15 @@ Command add_render_command(CLI::App& parent) {
   app->footer(kFooter);
   const auto command = std::make_shared<RenderCommand>();
   app->add_option("LOG", command->log, "The log of a run")->required();
-  app->add_option("--frame", command->frame, "Which frame; the first is 0")
-      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
-      ->type_name("N");
+  CLI::Option* frame = app->add_option("--frame", command->frame, "Which frame; the first is 0")
+                           ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+                           ->type_name("N");
   app->add_option("--frames", command->frames, "From the first to the last: an animated WebP")
       ->expected(2)
       ->delimiter(':')
       ->check(whole_option(0, INT64_MAX, "two whole numbers from 0, FIRST:LAST"))
-      ->type_name("A:B");
+      ->type_name("A:B")
+      ->excludes(frame);
   app->add_option("--every", command->every, "Of these frames every n-th [4]")
       ->check(whole_option(1, 10000, "a whole number from 1"))
       ->type_name("N");

@@ -10,6 +10,8 @@
 
 #include "apps/checkpoints.h"
 #include "apps/command.h"
+#include "apps/file_kind.h"
+#include "apps/json_output.h"
 #include "apps/log_guard.h"
 #include "apps/output_plan.h"
 #include "apps/pacer.h"
@@ -18,6 +20,7 @@
 #include "apps/run_report.h"
 #include "apps/stop_signal.h"
 #include "base/errors.h"
+#include "base/say.h"
 #include "base/whole_file.h"
 #include "lcmtypes/drive_receiver.h"
 #include "lcmtypes/lcm_sink.h"
@@ -49,7 +52,8 @@ Examples:
 The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
 and (without --exact) --strategy; never on --threads, --simd, --pair-search or --pace. Under a deadline
 pairs that touched in the last frame are refined first, then those whose spheres overlap deepest; the
-rest is reported as far as it came. Ctrl-C ends the run with its summary and a sound log.
+rest is reported as far as it came. Ctrl-C ends the run with its summary, a sound log and exit code 130;
+SIGTERM with 143, SIGHUP with 129.
 
 No file is touched before the run is known to be possible. An older log under the name that nobody chose,
 out/SCENE.lcmlog, is kept as out/SCENE.previous.lcmlog; what a named file held is replaced.)";
@@ -167,7 +171,7 @@ void add_options(CLI::App& app, RunOptions& options) {
       ->type_name("N");
   app.add_flag("--publish-parts", options.publish_parts,
                "The pose of every part with the states, in log and LCM");
-  app.add_option("--json", options.json, "Writes the results for machines")->type_name("FILE");
+  app.add_option("--json", options.json, kJsonHelp)->type_name("FILE");
   add_recorder_options(app, options.recorders);
   add_checkpoint_options(app, options.checkpoints);
 }
@@ -196,6 +200,7 @@ struct Prepared {
 };
 
 Prepared scene_for(const RunOptions& options) {
+  require_no_other_kind(options.scene);
   Prepared out{.scene = load_scene(options.scene)};
   Scene& scene = out.scene;
   if (options.seconds) scene.duration_s = *options.seconds;
@@ -205,7 +210,7 @@ Prepared scene_for(const RunOptions& options) {
   if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
   if (options.avatars) {
     out.plan_factor = scale_to(scene, *options.avatars, out.notes);
-    for (const std::string& note : out.notes) fmt::print(stderr, "note: {}\n", note);
+    for (const std::string& note : out.notes) say("note: {}\n", note);
   }
   return out;
 }
@@ -290,13 +295,12 @@ std::unique_ptr<DriveReceiver> driver_of(const RunInfo& info, const RunOptions& 
   const auto is_driven = [](const std::string& channel) { return !channel.empty(); };
   if (std::none_of(info.drive_channels.begin(), info.drive_channels.end(), is_driven)) return {};
   if (options.lcm != "off") return std::make_unique<DriveReceiver>(info, options.lcm);
-  fmt::print(stderr, "note: with --lcm off nothing drives the driven groups: they stand\n");
+  say("note: with --lcm off nothing drives the driven groups: they stand\n");
   return {};
 }
 
 RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
                       DriveReceiver* driver, Checkpoints& checkpoints) {
-  const StopSignal stop;
   ProgressBar progress(simulation.scene().name,
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
   return run(simulation, listeners.sinks(), [&](const Frame& frame) {
@@ -308,6 +312,11 @@ RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer&
     checkpoints.after(simulation, frame, stops);
     return !stops && !listeners.lost_file() && checkpoints.failure().empty();
   });
+}
+
+/// " by SIGINT", or nothing where a file could not be written any more.
+std::string by_signal() {
+  return StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "";
 }
 
 RunReport report_of(const RunOptions& options, const SimulationOptions& simulated,
@@ -357,16 +366,19 @@ int run_scene(const RunOptions& options) {
     listeners.lcm = std::make_unique<LcmSink>(lcm);
   }
   Simulation simulation(std::move(scene), simulated);
-  if (listeners.log != nullptr || listeners.lcm != nullptr || !options.recorders.html.empty())
+  if (!planned_log(options).path.empty() || listeners.lcm != nullptr ||
+      !options.recorders.html.empty())
     readable_description(simulation.info());
-  for (const std::string& note : simulation.notes()) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : simulation.notes()) say("note: {}\n", note);
   Pacer pacer(options.pace);
   const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
   resume_where_asked(options.checkpoints, simulation);
 
-  // Nothing can refuse the run any more: only now files change.
+  // Nothing can refuse the run any more: only now files change, and from here on a signal waits for
+  // their ends.
+  const StopSignal stop;
   const OpenOutputs outputs = plan.open();
-  for (const std::string& note : outputs.notes()) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : outputs.notes()) say("note: {}\n", note);
   const fs::path log = planned_log(options).path;
   if (!log.empty()) {
     LogOptions log_options;
@@ -381,8 +393,8 @@ int run_scene(const RunOptions& options) {
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
   const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get(), checkpoints);
   for (const Stranding& stranding : summary.strandings)
-    fmt::print(stderr, "note: {}\n", describe(stranding, simulation.scene()));
-  if (summary.stopped_early) fmt::print(stderr, "stopped after {} frames\n", summary.frames);
+    say("note: {}\n", describe(stranding, simulation.scene()));
+  if (summary.stopped_early) say("stopped after {} frames{}\n", summary.frames, by_signal());
 
   RunReport report = report_of(options, simulated, simulation.scene(), summary, listeners, log);
   if (driver != nullptr) report.driven = driver->counts();
@@ -390,16 +402,16 @@ int run_scene(const RunOptions& options) {
   report.notes = std::move(prepared.notes);
   report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
   report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
-  fmt::print("{}", format_table(report));
-  int exit_code = kExitFine;
-  if (listeners.lost_log()) fmt::print(stderr, "{}\n", listeners.guard->failure());
-  fmt::print(stderr, "{}", listeners.recorders->failures());
+  show_beside_json(options.json, format_table(report));
+  int exit_code = summary.stopped_early ? StopSignal::exit_code() : kExitFine;
+  if (listeners.lost_log()) say("{}\n", listeners.guard->failure());
+  say("{}", listeners.recorders->failures());
   if (const ContactSink* contacts = listeners.recorders->contacts();
       contacts != nullptr && !contacts->note().empty() && !listeners.lost_file())
-    fmt::print(stderr, "note: {}\n", contacts->note());
-  if (!checkpoints.failure().empty()) fmt::print(stderr, "{}\n", checkpoints.failure());
+    say("note: {}\n", contacts->note());
+  if (!checkpoints.failure().empty()) say("{}\n", checkpoints.failure());
   if (listeners.lost_file() || !checkpoints.failure().empty()) exit_code = kExitEnvironment;
-  if (!options.json.empty()) write_json(report, options.json);
+  write_json_output(options.json, json_text(report));
   return exit_code;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/command.h"
+#include "base/say.h"
 #include "scenes/scene.h"
 
 namespace throng {
@@ -14,7 +15,7 @@ Command add_scenes_command(CLI::App& parent) {
     size_t width = 0;
     for (const SceneEntry& scene : scenes) width = std::max(width, scene.name.size());
     for (const SceneEntry& scene : scenes)
-      fmt::print("{:<{}}  {}\n", scene.name, width, scene.description);
+      show("{:<{}}  {}\n", scene.name, width, scene.description);
     return kExitFine;
   };
   return {app, action};

@@ -8,11 +8,14 @@
 #include <thread>
 
 #include "apps/command.h"
+#include "apps/json_output.h"
 #include "apps/output_plan.h"
-#include "apps/text_file.h"
+#include "apps/stop_signal.h"
+#include "apps/unfinished.h"
 #include "apps/validation_report.h"
 #include "base/errors.h"
 #include "base/figure.h"
+#include "base/say.h"
 #include "base/workers.h"
 
 namespace throng {
@@ -20,7 +23,7 @@ namespace {
 
 constexpr const char* kFooter = R"(
 The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md has them with
-figures. Exit code 1 if any fails.
+figures. Exit code 1 if any fails. Ctrl-C ends it with the verdicts that are there.
 
 Examples:
   throng validate
@@ -53,31 +56,60 @@ std::vector<ValidationRun> chosen(const ValidateOptions& options) {
   return runs;
 }
 
+/// Shared with the thread that carries the tests out, and may be left behind.
+struct Session {
+  std::mutex mutex;
+  std::vector<ValidationRun> runs;  ///< each written by its experiment until it is done
+  std::vector<char> done;
+
+  std::vector<ValidationRun> finished() {
+    const std::lock_guard lock(mutex);
+    std::vector<ValidationRun> out;
+    for (size_t i = 0; i < done.size(); ++i)
+      if (done[i]) out.push_back(runs[i]);
+    return out;
+  }
+};
+
+void carry_out_all(Session& session, SteeringKind model, int threads) {
+  Workers workers(threads);
+  workers.for_blocks(static_cast<int>(session.runs.size()), [&](int index, int) {
+    const auto i = static_cast<size_t>(index);
+    ValidationRun& run = session.runs[i];
+    const auto start = std::chrono::steady_clock::now();
+    run.outcome = carry_out(*run.test, model);
+    run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::lock_guard lock(session.mutex);
+    session.done[i] = 1;
+    say("{:<9} {} ({:.1f} s)\n", run.test->ids.front(), run.outcome.passed ? "pass" : "fail",
+        run.wall_s);
+  });
+}
+
 int validate(const ValidateOptions& options) {
+  const StopSignal stop;
   OutputPlan plan;
   plan.writes_json(options.json);
   plan.fills("--out", options.out, {"report.md", "*.svg"});
   if (!options.out.empty()) require_gnuplot();
   const OpenOutputs outputs = plan.open();
-  std::vector<ValidationRun> runs = chosen(options);
+  const auto session = std::make_shared<Session>();
+  session->runs = chosen(options);
+  session->done.resize(session->runs.size());
   const SteeringKind model = steering_kind_of(options.steering).value();
-  std::mutex progress;
-  Workers workers(options.threads);
-  workers.for_blocks(static_cast<int>(runs.size()), [&](int index, int) {
-    ValidationRun& run = runs[static_cast<size_t>(index)];
-    const auto start = std::chrono::steady_clock::now();
-    run.outcome = carry_out(*run.test, model);
-    run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const std::lock_guard lock(progress);
-    fmt::print(stderr, "{:<9} {} ({:.1f} s)\n", run.test->ids.front(),
-               run.outcome.passed ? "pass" : "fail", run.wall_s);
-  });
-  fmt::print("{}", verdict_table(runs));
-  if (!options.json.empty()) write_text(options.json, validation_json(runs));
+  const bool all = done_before_a_signal(
+      [session, model, threads = options.threads] { carry_out_all(*session, model, threads); });
+  const std::vector<ValidationRun> runs = session->finished();
+  if (!all)
+    say("stopped by {}: {} of {} experiments were finished\n", StopSignal::name(), runs.size(),
+        session->runs.size());
+  show_beside_json(options.json, verdict_table(runs));
+  write_json_output(options.json, validation_json(runs, !all));
   if (!options.out.empty()) {
     write_validation_report(runs, options.out);
-    fmt::print("{}/report.md written\n", options.out);
+    show_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
   }
+  if (!all) return StopSignal::exit_code();
   return count_of(runs).failed == 0 ? kExitFine : kExitCheckFailed;
 }
 
@@ -90,7 +122,7 @@ Command add_validate_command(CLI::App& parent) {
   const auto options = std::make_shared<ValidateOptions>();
   app->add_option("--out", options->out, "A folder for report.md and its figures")
       ->type_name("DIR");
-  app->add_option("--json", options->json, "Writes the verdicts for machines")->type_name("FILE");
+  app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
   app->add_option("--only", options->only, "These tests only: rimea_4, imo_8, ...")
       ->transform(CLI::Validator(
           [](std::string& id) {

@@ -11,6 +11,7 @@
 #include "apps/output_plan.h"
 #include "apps/stop_signal.h"
 #include "base/errors.h"
+#include "base/say.h"
 #include "viewer/live_view.h"
 #include "viewer/log_view.h"
 #include "viewer/page.h"
@@ -42,8 +43,8 @@ struct ViewCommand {
 
 void serve(WebServer& server, const std::string& what) {
   const StopSignal stop;
-  fmt::print("{}  {}; Ctrl-C ends\n", server.url(), what);
-  std::fflush(stdout);
+  show("{}  {}; Ctrl-C ends\n", server.url(), what);
+  shown();
   while (!StopSignal::requested()) std::this_thread::sleep_for(kLookAround);
 }
 
@@ -56,11 +57,11 @@ int view(const ViewCommand& command) {
     plan.reads("which is recorded", command.log);
     plan.writes({.option = "--html", .path = command.html, .is_recording = true});
     const OpenOutputs outputs = plan.open();
-    for (const std::string& note : outputs.notes()) fmt::print(stderr, "note: {}\n", note);
+    for (const std::string& note : outputs.notes()) say("note: {}\n", note);
     const ReplayReport report =
         write_replay(command.log, command.html, page_html(), command.html_limit_mb);
-    fmt::print("{}: {:.2f} MB, {} people, {:.1f} s\n", command.html,
-               static_cast<double>(report.bytes) * 1e-6, report.avatars, report.seconds);
+    show("{}: {:.2f} MB, {} people, {:.1f} s\n", command.html,
+         static_cast<double>(report.bytes) * 1e-6, report.avatars, report.seconds);
     return kExitFine;
   }
   if (!command.log.empty()) {

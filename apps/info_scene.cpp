@@ -81,7 +81,11 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   for (const Source& source : group.sources)
     fmt::format_to(std::back_inserter(text), "    source   {} at {:g} per s from {:g} s on, {}\n",
                    source.count, source.rate_per_s, source.start_s, describe(source.area));
-  add_way(text, group, mesh);
+  if (!group.driven.empty())
+    fmt::format_to(std::back_inserter(text),
+                   "    driven   by messages on the LCM channel {}; nothing else moves it\n",
+                   group.driven);
+  if (group.driven.empty()) add_way(text, group, mesh);
   fmt::format_to(std::back_inserter(text), "    size     {}\n", describe_size(group));
   add_people(text, group);
 }

@@ -4,13 +4,18 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstdio>
 #include <exception>
+#include <memory>
 #include <new>
+#include <sstream>
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/standard_files.h"
+#include "apps/stop_signal.h"
+#include "apps/unfinished.h"
 #include "base/errors.h"
+#include "base/say.h"
 #include "base/version.h"
 
 namespace throng {
@@ -23,62 +28,82 @@ Examples:
   throng run plaza                                  500 people, a log in out/
   throng run plaza --avatars 5000 --seconds 2       more of them
   throng info avatars/models/adult/adult.urdf       a model, checked and described
+  throng help run                                   the options of a command
 
-Exit codes: 0 fine, 1 a check failed, 2 bad input, 3 the environment failed.)";
+Exit codes: 0 fine, 1 a check failed, 2 bad input, 3 the environment failed; work that was stopped ends with
+its summary and 130 (SIGINT, Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP).)";
 
-int say(const std::string& message, int exit_code) {
-  fmt::print(stderr, "{}\n", message);
+int failed(const std::string& message, int exit_code) {
+  say("{}\n", message);
   return exit_code;
 }
 
-/// Results that did not reach their reader are no results.
-int flushed(int exit_code) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
-  return say("throng: could not write to the standard output", kExitEnvironment);
+/// Results that did not reach their reader are no results. Who closes the terminal closes what we
+/// write to as well, and knows.
+int ended(int exit_code) {
+  if (shown() || (exit_code != kExitFine && exit_code == StopSignal::exit_code() &&
+                  StopSignal::name() == "SIGHUP"))
+    return exit_code;
+  return failed("throng: could not write to the standard output", kExitEnvironment);
+}
+
+/// What the parser itself has to say: help and version.
+int told(const CLI::App& app, const CLI::Success& asked) {
+  std::ostringstream out, err;
+  app.exit(asked, out, err);
+  show("{}", out.str());
+  return kExitFine;
 }
 
 int run(int argc, char** argv) {
   CLI::App app(kAbout, "throng");
   app.footer(kFooter);
   app.set_version_flag("-V,--version", fmt::format("throng {} ({})", version(), commit()),
-                       "Display program version information and exit");
+                       "Prints version and commit");
   app.get_formatter()->column_width(34);
-  const std::vector<Command> commands = {add_run_command(app),     add_scenes_command(app),
-                                         add_info_command(app),    add_check_command(app),
-                                         add_monitor_command(app), add_render_command(app),
-                                         add_view_command(app),    add_paper_command(app),
-                                         add_bench_command(app),   add_validate_command(app)};
+  const std::vector<Command> commands = {
+      add_run_command(app),      add_scenes_command(app),  add_info_command(app),
+      add_check_command(app),    add_monitor_command(app), add_render_command(app),
+      add_view_command(app),     add_paper_command(app),   add_bench_command(app),
+      add_validate_command(app), add_help_command(app)};
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& asked_for_help) {
-    app.exit(asked_for_help);
-    return flushed(kExitFine);
+  } catch (const CLI::Success& asked) {
+    return told(app, asked);
   } catch (const CLI::ParseError& error) {
-    return say(explain(app, error), kExitBadInput);
+    return failed(explain(app, error), kExitBadInput);
   }
   for (const Command& command : commands)
-    if (command.app->parsed()) return flushed(command.action());
-  fmt::print(stderr, "{}", app.help());
+    if (command.app->parsed()) return command.action();
+  say("{}", app.help());
   return kExitBadInput;
+}
+
+int run_guarded(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const InputError& error) {
+    return failed(error.what(), kExitBadInput);
+  } catch (const EnvironmentError& error) {
+    return failed(error.what(), kExitEnvironment);
+  } catch (const std::bad_alloc&) {
+    return failed("throng: out of memory", kExitEnvironment);
+  } catch (const std::exception& error) {
+    return failed(fmt::format("throng: {}", error.what()), kExitEnvironment);
+  }
 }
 
 }  // namespace
 }  // namespace throng
 
 int main(int argc, char** argv) {
+  throng::open_standard_files();
+  throng::StopSignal::install();
   // A pipe whose reader has gone and a file that reached its limit are errors like a full disk, not
   // a silent death.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  try {
-    return throng::run(argc, argv);
-  } catch (const throng::InputError& error) {
-    return throng::say(error.what(), throng::kExitBadInput);
-  } catch (const throng::EnvironmentError& error) {
-    return throng::say(error.what(), throng::kExitEnvironment);
-  } catch (const std::bad_alloc&) {
-    return throng::say("throng: out of memory", throng::kExitEnvironment);
-  } catch (const std::exception& error) {
-    return throng::say(fmt::format("throng: {}", error.what()), throng::kExitEnvironment);
-  }
+  const int exit_code = throng::ended(throng::run_guarded(argc, argv));
+  throng::leave_unfinished_work(exit_code);
+  return exit_code;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/monitor_view.h"
+#include "bench/version_json.h"
 #include "lcmtypes/description.h"
 
 namespace throng {
@@ -104,6 +105,7 @@ Json json_of(const MonitorView& view) {
   const CostTerms terms = cost_terms(totals, view.inbox.run().run());
   const Monitor::FrameTime frame = view.monitor.frame_time();
   Json json;
+  json["throng"] = version_json();
   json["source"] = view.source;
   json["listened_s"] = totals.now_s;
   json["run"] = run_of(view);

@@ -37,8 +37,8 @@ struct PlannedFile {
   std::string option;  ///< "--log"
   std::filesystem::path path{};
   Writing writing = Writing::kAtOnce;
-  bool is_recording = false;    ///< worth a line when an older one is replaced
-  bool makes_folder = false;    ///< nobody chose it
+  bool is_recording = false;      ///< worth a line when an older one is replaced
+  bool makes_folder = false;      ///< nobody chose it
   std::filesystem::path keeps{};  ///< where an older one goes instead of being lost, or empty
   std::vector<std::filesystem::path> beside{};  ///< what the writer needs besides
 };

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/say.h"
+
 namespace throng {
 namespace {
 
@@ -18,7 +20,7 @@ ProgressBar::ProgressBar(std::string label, int64_t total)
     : label_(std::move(label)), total_(total), on_terminal_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressBar::~ProgressBar() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) say("\r\033[K");
 }
 
 void ProgressBar::show(int64_t done) {
@@ -32,9 +34,8 @@ void ProgressBar::show(int64_t done) {
   const int filled = static_cast<int>(fraction * kWidth);
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   const double left_s = done > 0 ? elapsed_s * (1 / fraction - 1) : 0;
-  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{} frames, {:.1f} s left\033[K", label_, "", filled,
-             "", kWidth - filled, done, total_, left_s);
-  std::fflush(stderr);
+  say("\r{} [{:#<{}}{:.<{}}] {}/{} frames, {:.1f} s left\033[K", label_, "", filled, "",
+      kWidth - filled, done, total_, left_s);
 }
 
 }  // namespace throng

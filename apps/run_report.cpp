@@ -13,6 +13,7 @@
 #include "apps/machine.h"
 #include "apps/text_file.h"
 #include "base/errors.h"
+#include "bench/version_json.h"
 
 namespace throng {
 namespace {
@@ -134,6 +135,7 @@ std::string deadline_text(const RunReport& report) {
 Json to_json(const RunReport& report) {
   const RunSummary& summary = report.summary;
   Json json;
+  json["throng"] = version_json();
   json["scene"] = report.scene;
   json["seed"] = report.seed;
   json["avatars"] = summary.avatars;
@@ -287,9 +289,9 @@ std::string format_table(const RunReport& report) {
   return text;
 }
 
-void write_json(const RunReport& report, const std::filesystem::path& file) {
+std::string json_text(const RunReport& report) {
   // Paths of the command line may be no UTF-8.
-  write_text(file, to_json(report).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  return to_json(report).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace throng

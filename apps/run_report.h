@@ -65,8 +65,7 @@ struct RunReport {
 /// A table with a row for each stage, then a line each for time, events, log, messages and hash.
 std::string format_table(const RunReport& report);
 
-/// What stood there before is there until all of it is written. Throws EnvironmentError if it could
-/// not be written completely.
-void write_json(const RunReport& report, const std::filesystem::path& file);
+/// The same for machines, indented, with a final line feed.
+std::string json_text(const RunReport& report);
 
 }  // namespace throng

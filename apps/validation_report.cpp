@@ -8,6 +8,7 @@
 
 #include "apps/text_file.h"
 #include "base/errors.h"
+#include "bench/version_json.h"
 
 namespace throng {
 namespace {
@@ -63,7 +64,7 @@ ValidationCount count_of(const std::vector<ValidationRun>& runs) {
   ValidationCount count;
   for (const ValidationRun& run : runs)
     (run.outcome.passed ? count.passed : count.failed) += static_cast<int>(run.test->ids.size());
-  ++(walls_crossed(runs) == 0 ? count.passed : count.failed);
+  if (!runs.empty()) ++(walls_crossed(runs) == 0 ? count.passed : count.failed);
   return count;
 }
 
@@ -78,12 +79,12 @@ std::string verdict_table(const std::vector<ValidationRun>& runs) {
     for (size_t i = 0; i < run.test->ids.size(); ++i)
       row(run.outcome.passed, run.test->ids[i], run.test->titles[i],
           i == 0 ? run.outcome.measured : "as " + run.test->ids[0]);
-  row(walls_crossed(runs) == 0, kWallsId, kWallsTitle, walls_measured(runs));
+  if (!runs.empty()) row(walls_crossed(runs) == 0, kWallsId, kWallsTitle, walls_measured(runs));
   const ValidationCount count = count_of(runs);
   return text + fmt::format("\n{} passed, {} failed\n", count.passed, count.failed);
 }
 
-std::string validation_json(const std::vector<ValidationRun>& runs) {
+std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early) {
   Json tests = Json::array();
   for (const ValidationRun& run : runs)
     for (size_t i = 0; i < run.test->ids.size(); ++i)
@@ -97,13 +98,18 @@ std::string validation_json(const std::vector<ValidationRun>& runs) {
                        {"unplaced", run.outcome.unplaced},
                        {"deepest_overlap_m", run.outcome.deepest_overlap_m},
                        {"wall_s", run.wall_s}});
-  tests.push_back({{"id", kWallsId},
-                   {"title", kWallsTitle},
-                   {"verdict", verdict(walls_crossed(runs) == 0)},
-                   {"measured", walls_measured(runs)},
-                   {"criterion", kWallsCriterion}});
+  if (!runs.empty())
+    tests.push_back({{"id", kWallsId},
+                     {"title", kWallsTitle},
+                     {"verdict", verdict(walls_crossed(runs) == 0)},
+                     {"measured", walls_measured(runs)},
+                     {"criterion", kWallsCriterion}});
   const ValidationCount count = count_of(runs);
-  const Json json = {{"tests", tests}, {"passed", count.passed}, {"failed", count.failed}};
+  const Json json = {{"throng", version_json()},
+                     {"stopped_early", stopped_early},
+                     {"tests", tests},
+                     {"passed", count.passed},
+                     {"failed", count.failed}};
   return json.dump(2) + "\n";
 }
 

@@ -135,7 +135,8 @@ std::unique_ptr<Crowd> make_crowd(BenchOptions& options) {
   return plaza;
 }
 
-BenchResult compare(const BenchOptions& options, const Progress& progress) {
+BenchResult compare(const BenchOptions& options, const Progress& progress,
+                    const std::function<bool()>& stop) {
   BenchResult out;
   out.options = options;
   const std::unique_ptr<Crowd> made = make_crowd(out.options);
@@ -151,6 +152,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress) {
   std::vector<uint64_t> pairs;
   std::vector<BoxPair> found;
   for (int frame = -options.warm_up_frames; frame < options.frames; ++frame) {
+    if (stop && stop()) break;
     crowd.advance();
     const Clock::time_point start = Clock::now();
     culler.step(crowd.view(), crowd);
@@ -180,6 +182,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress) {
     }
     progress(fmt::format("frame {} of {}", frame + 1, options.frames));
   }
+  out.options.frames = static_cast<int>(ours.size());
   out.throng = {.ms = spread_of(ours),
                 .boxes_ms = spread_of(ours_boxes),
                 .pairs = culler.pairs().size(),

@@ -85,7 +85,10 @@ using Progress = std::function<void(const std::string&)>;
 /// The crowd that the options ask for; sets avatars and per_m2 to what the plaza has.
 std::unique_ptr<Crowd> make_crowd(BenchOptions& options);
 
-/// In each frame ours runs, then each engine, so that noise hits all of them alike.
-BenchResult compare(const BenchOptions& options, const Progress& progress);
+/// In each frame ours runs, then each engine, so that noise hits all of them alike. Ends after a
+/// frame if `stop` says so (empty: never); options.frames of the result are those that were
+/// measured.
+BenchResult compare(const BenchOptions& options, const Progress& progress,
+                    const std::function<bool()>& stop = {});
 
 }  // namespace throng::bench

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "bench/version_json.h"
+
 namespace throng::bench {
 namespace {
 
@@ -106,15 +108,16 @@ std::string to_json(const BenchResult& r, const MachineLine& machine) {
                       {"tests", s.tests},
                       {"passed", s.passed},
                       {"ms", s.ms}});
-  json["throng"] = {{"ms", r.throng.ms.median},
-                    {"ms_min", r.throng.ms.min},
-                    {"ms_p95", r.throng.ms.p95},
-                    {"pairs", r.throng.pairs},
-                    {"simd", r.throng.simd},
-                    {"boxes_ms", r.throng.boxes_ms.median},
-                    {"box_pairs", r.throng.box_pairs},
-                    {"hash", fmt::format("{:016x}", r.throng.hash)},
-                    {"stages", stages}};
+  json["throng"] = version_json();
+  json["throng"].update(Json{{"ms", r.throng.ms.median},
+                             {"ms_min", r.throng.ms.min},
+                             {"ms_p95", r.throng.ms.p95},
+                             {"pairs", r.throng.pairs},
+                             {"simd", r.throng.simd},
+                             {"boxes_ms", r.throng.boxes_ms.median},
+                             {"box_pairs", r.throng.box_pairs},
+                             {"hash", fmt::format("{:016x}", r.throng.hash)},
+                             {"stages", stages}});
   json["quarters"] = quarters_json(r);
   json["engines"] = Json::array();
   for (const EngineResult& e : r.engines) {
@@ -188,10 +191,11 @@ std::string to_json(const AgeingResult& r, const BenchOptions& options,
                     const MachineLine& machine) {
   Json json = crowd_json(options);
   json["walked_frames"] = r.walked_frames;
-  json["throng"] = {{"fresh_ms", r.fresh_ms},
-                    {"aged_ms", r.aged_ms},
-                    {"fresh_work", r.fresh_work},
-                    {"aged_work", r.aged_work}};
+  json["throng"] = version_json();
+  json["throng"].update(Json{{"fresh_ms", r.fresh_ms},
+                             {"aged_ms", r.aged_ms},
+                             {"fresh_work", r.fresh_work},
+                             {"aged_work", r.aged_work}});
   json["engines"] = Json::array();
   for (const AgedEngine& e : r.engines)
     json["engines"].push_back({{"name", e.name},
@@ -230,6 +234,7 @@ std::string to_text(const FalsePositives& r) {
 
 std::string to_json(const FalsePositives& r, const BenchOptions& options) {
   Json json = crowd_json(options);
+  json["throng"] = version_json();
   json["tests"] = r.tests;
   json["touching"] = r.touching;
   for (const VolumeReport& v : r.volumes)

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "bench/version_json.h"
 #include "scenes/crowd.h"
 #include "scenes/spawn.h"
 #include "scenes/ways.h"
@@ -132,7 +133,8 @@ std::string to_text(const std::vector<SteeringRow>& rows, const SteeringBenchOpt
 
 std::string to_json(const std::vector<SteeringRow>& rows, const SteeringBenchOptions& options,
                     const std::string& cpu) {
-  Json json{{"density_per_m2", options.per_m2},
+  Json json{{"throng", version_json()},
+            {"density_per_m2", options.per_m2},
             {"threads", options.threads},
             {"seed", options.seed},
             {"simd", std::string(name_of(resolved(options.simd)))},

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/say.h"
 #include "lcmtypes/lcm_url.h"
 
 namespace throng {
@@ -19,12 +20,14 @@ constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
 // A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
 constexpr std::chrono::milliseconds kDescriptionPause{1};
 
-void to_stderr(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+void to_stderr(const std::string& text) { say("{}\n", text); }
+
+bool is_usable(const std::string& url) { return has_route(url) && has_server(url); }
 
 }  // namespace
 
 LcmSink::LcmSink(const LcmOptions& options)
-    : LcmSink(options, has_route(options.url) ? std::make_shared<lcm::LCM>(options.url) : nullptr) {
+    : LcmSink(options, is_usable(options.url) ? std::make_shared<lcm::LCM>(options.url) : nullptr) {
 }
 
 LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
@@ -35,6 +38,14 @@ LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
     channels_[static_cast<size_t>(channel)] = name_of(channel);
   if (!options_.warn) options_.warn = to_stderr;
   if (good()) return;
+  if (is_tcpq(options_.url)) {
+    server_is_lost_ = true;
+    options_.warn(fmt::format(
+        "LCM has no server at {}: nothing is published, messages are counted as dropped, "
+        "the run goes on; start the server before the run; to do without LCM: --lcm off",
+        options_.url));
+    return;
+  }
   options_.warn(fmt::format(
       "LCM cannot use {}: nothing is published, the run goes on; {}; to do without LCM: "
       "--lcm off",
@@ -46,10 +57,10 @@ LcmSink::~LcmSink() = default;
 bool LcmSink::good() const { return lcm_ && lcm_->good(); }
 
 void LcmSink::begin(const RunInfo& run) {
-  if (!good()) return;
+  if (!encodes()) return;
   encoder_.begin(run);
   for (int chunk = 0; chunk < encoder_.description_chunks(); ++chunk) {
-    if (chunk > 1) std::this_thread::sleep_for(kDescriptionPause);
+    if (chunk > 1 && good()) std::this_thread::sleep_for(kDescriptionPause);
     encoder_.send_description_chunk(chunk);
   }
   round_started_ = Clock::now();
@@ -57,7 +68,7 @@ void LcmSink::begin(const RunInfo& run) {
 }
 
 void LcmSink::frame(const RunInfo& run, const Frame& frame) {
-  if (!good()) return;
+  if (!encodes()) return;
   encoder_.frame(run, frame);
   send_due_description();
 }
@@ -76,8 +87,9 @@ void LcmSink::send_due_description() {
 }
 
 void LcmSink::end(const RunInfo& run, const RunEnd& end) {
-  if (!good()) return;
+  if (!encodes()) return;
   encoder_.end(run, end);
+  if (server_is_lost_) return;
   for (int copy = 1; copy < kEndCopies; ++copy) {
     std::this_thread::sleep_for(kEndPause);
     encoder_.repeat_end();
@@ -87,12 +99,15 @@ void LcmSink::end(const RunInfo& run, const RunEnd& end) {
 
 void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {
   const std::string& name = channels_[static_cast<size_t>(channel)];
-  if (lcm_->publish(name, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
+  if (!server_is_lost_ &&
+      lcm_->publish(name, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
     ++messages_;
     bytes_ += static_cast<int64_t>(bytes.size());
     return;
   }
-  if (dropped_++ == 0)
+  // liblcm would look for the server again with each message, and say so each time.
+  const bool was_lost = std::exchange(server_is_lost_, is_tcpq(options_.url));
+  if (dropped_++ == 0 && !was_lost)
     options_.warn(
         fmt::format("LCM did not take a message on {} ({}); the run goes on, further ones "
                     "are only counted",

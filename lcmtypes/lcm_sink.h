@@ -25,7 +25,8 @@ struct LcmOptions {
 
 class LcmSink final : public Sink, private MessageTarget {
  public:
-  /// Warns once, with the way out, if LCM cannot use the URL; then frames go nowhere.
+  /// Warns once, with the way out, if LCM cannot use the URL; then frames go nowhere, and where a
+  /// server is missing their messages are counted as dropped.
   explicit LcmSink(const LcmOptions& options);
   /// Publishes over a connection that the caller has; options.url only names it in messages.
   LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm);
@@ -48,6 +49,8 @@ class LcmSink final : public Sink, private MessageTarget {
   using Clock = std::chrono::steady_clock;
   void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
   void send_due_description();
+  /// Also for a server that is not there: what it misses is counted.
+  bool encodes() const { return good() || server_is_lost_; }
 
   LcmOptions options_;
   std::shared_ptr<lcm::LCM> lcm_;
@@ -55,6 +58,7 @@ class LcmSink final : public Sink, private MessageTarget {
   RunEncoder encoder_;
   Clock::time_point round_started_{};
   int next_chunk_ = 0;
+  bool server_is_lost_ = false;  ///< tcpq only; it is not looked for again
   int64_t messages_ = 0;
   int64_t bytes_ = 0;
   int64_t dropped_ = 0;

@@ -1,13 +1,21 @@
 #include "lcmtypes/lcm_url.h"
 
 #include <arpa/inet.h>
+#include <netdb.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <cerrno>
 
 namespace throng {
+
+namespace {
+constexpr std::string_view kTcpq = "tcpq://";
+}  // namespace
+
+bool is_tcpq(const std::string& url) { return url.starts_with(kTcpq); }
 
 bool has_route(const std::string& url) {
   constexpr std::string_view kScheme = "udpm://";
@@ -26,6 +34,48 @@ bool has_route(const std::string& url) {
       errno != ENETUNREACH;
   ::close(descriptor);
   return is_reachable;
+}
+
+namespace {
+
+constexpr int kAnswer_ms = 200;
+
+bool answers(const addrinfo& address) {
+  const int descriptor = ::socket(address.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0) return false;
+  bool is_there = ::connect(descriptor, address.ai_addr, address.ai_addrlen) == 0;
+  if (!is_there && errno == EINPROGRESS) {
+    pollfd waiting{descriptor, POLLOUT, 0};
+    int error = 0;
+    socklen_t size = sizeof error;
+    is_there = ::poll(&waiting, 1, kAnswer_ms) == 1 &&
+               ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
+  }
+  ::close(descriptor);
+  return is_there;
+}
+
+}  // namespace
+
+bool has_server(const std::string& url) {
+  if (!is_tcpq(url)) return true;
+  const size_t begin = kTcpq.size();
+  const std::string place = url.substr(begin, url.find('?', begin) - begin);
+  const size_t colon = place.find(':');
+  std::string host = place.substr(0, colon);
+  std::string port = colon == std::string::npos ? "" : place.substr(colon + 1);
+  if (host.empty()) host = "127.0.0.1";  // both are what liblcm uses
+  if (port.empty()) port = "7700";
+  addrinfo wanted{};
+  wanted.ai_family = AF_INET;
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(host.c_str(), port.c_str(), &wanted, &found) != 0) return false;
+  bool is_there = false;
+  for (const addrinfo* each = found; each != nullptr && !is_there; each = each->ai_next)
+    is_there = answers(*each);
+  ::freeaddrinfo(found);
+  return is_there;
 }
 
 }  // namespace throng

@@ -1,5 +1,5 @@
 // What to know of a URL before liblcm sees it.
-// One rule: liblcm prints ten lines where multicast has no route; one of ours says how to get on.
+// One rule: liblcm prints many lines where it gets nowhere; one of ours says how to get on.
 #pragma once
 
 #include <string>
@@ -10,7 +10,14 @@ namespace throng {
 /// False if the kernel knows no way to the multicast group of a udpm:// URL.
 bool has_route(const std::string& url);
 
-/// The way out where it is false.
+/// Whether messages go to a server, over a connection that can break.
+bool is_tcpq(const std::string& url);
+
+/// False if nobody answers at the host and port of a tcpq:// URL within a fifth of a second. liblcm
+/// would say so in three lines a message, and try again with each.
+bool has_server(const std::string& url);
+
+/// The way out where has_route() is false.
 inline constexpr std::string_view kMulticastWayOut =
     "where multicast has no route: 'ip route add 224.0.0.0/4 dev lo'";
 

@@ -1,18 +1,18 @@
 // Writes adult.urdf and its 15 .tri files into a folder: throng_generate_adult avatars/models/adult
-#include <cstdio>
 #include <exception>
 
 #include "avatars/models/adult_body.h"
+#include "base/say.h"
 
 int main(int count, char** arguments) {
   if (count != 2) {
-    std::fprintf(stderr, "usage: throng_generate_adult FOLDER\n");
+    throng::say("usage: throng_generate_adult FOLDER\n");
     return 2;
   }
   try {
     throng::write_adult(arguments[1]);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+    throng::say("{}\n", error.what());
     return 3;
   }
   return 0;

@@ -102,8 +102,13 @@ double PaperResult::noise() const {
 }
 
 PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptions& options,
-                            const std::function<void(const std::string&)>& say) {
+                            const std::function<void(const std::string&)>& tell,
+                            const std::function<void(const PaperResult&)>& keep) {
   PaperResult result;
+  const auto finished = [&](Done stage) {
+    result.done = stage;
+    if (keep) keep(result);
+  };
   result.options = options;
   result.edge_m = part_one_box(options.seed).edge_m;
   for (const Object& object : objects) {
@@ -116,7 +121,7 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
     result.volumes.back().frames = options.frames;
   }
 
-  say(fmt::format("Part I: collisions over {} frames, {} seeds", options.frames, options.seeds));
+  tell(fmt::format("Part I: collisions over {} frames, {} seeds", options.frames, options.seeds));
   Workers workers(options.threads);
   const std::vector<CensusTable> censuses =
       take_censuses(objects, options.frames, options.seed, options.seeds, workers);
@@ -125,26 +130,31 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
       take_census(objects, kRunLengths.back() * options.frames, options.seed);
   for (size_t v = 0; v < result.volumes.size(); ++v)
     result.volumes[v].long_collisions = longest[v].collisions;
+  finished(Done::kCollisions);
 
-  say("Part I: how much room volumes leave");
+  tell("Part I: how much room volumes leave");
   const OverlapTable overlaps = measure_overlap(objects, options.attitudes, options.seed);
   for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].overlap = overlaps[v];
+  finished(Done::kRoom);
 
-  say("Part I: what building, updating and testing cost");
+  tell("Part I: what building, updating and testing cost");
   const auto costs = measure_costs(objects, options.frames, options.seed, options.constructions);
   for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].costs = costs[v];
   result.primitive_ns = costs[kExactMethod].primitive_ns;
+  finished(Done::kCosts);
 
   for (const size_t size : kSizes) {
     if (size > options.largest) break;
-    say(fmt::format("Part II: {} objects", size));
+    tell(fmt::format("Part II: {} objects", size));
     Scale scale{size, {}};
     for (size_t s = 0; s < kStrategies.size(); ++s)
       scale.strategies.push_back(cost_strategy(result, static_cast<Strategy>(s), objects, size));
     result.scales.push_back(std::move(scale));
+    finished(Done::kCosts);
   }
   result.claims = judge(result, censuses);
   result.winners = find_winners(result.scales);
+  finished(Done::kAll);
   return result;
 }
 

@@ -81,7 +81,11 @@ struct Winner {
   std::string strategy;
 };
 
+/// How far the experiments came. What comes later is not there yet.
+enum class Done { kNothing, kCollisions, kRoom, kCosts, kAll };
+
 struct PaperResult {
+  Done done = Done::kNothing;
   PaperOptions options;
   double edge_m = 0;
   std::vector<std::string> objects;
@@ -98,8 +102,9 @@ struct PaperResult {
   double noise() const;
 };
 
-/// `say` is told what comes next.
+/// `tell` hears what comes next; `keep` gets the result so far whenever a stage of it is finished.
 PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptions& options,
-                            const std::function<void(const std::string&)>& say);
+                            const std::function<void(const std::string&)>& tell,
+                            const std::function<void(const PaperResult&)>& keep = {});
 
 }  // namespace throng::paper

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/paper/published.h"
+#include "bench/version_json.h"
 
 namespace throng::paper {
 namespace {
@@ -16,13 +17,19 @@ Json spread_of(const Cost& cost) {
           {"repetitions", cost.repetitions}};
 }
 
-Json to_json(const VolumeResult& volume) {
+/// What is known before anything was timed.
+Json counts_json(const VolumeResult& volume) {
   Json json;
   json["collisions"] = volume.collisions;
   json["collisions_deviation"] = volume.deviation;
   json["n_v"] = volume.census.tests;
   json["n_u"] = volume.census.updates;
   json["n_u_paper_way"] = volume.census.updates_paper();
+  return json;
+}
+
+Json to_json(const VolumeResult& volume) {
+  Json json = counts_json(volume);
   json["c_v_ns"] = volume.costs.test.median_ns;
   json["c_u_ns"] = volume.costs.update.median_ns;
   json["c_o_ns"] = volume.costs.construction_all.median_ns;
@@ -83,14 +90,21 @@ Json to_json(const Scale& scale) {
 
 std::string to_json(const PaperResult& result, const std::string& cpu) {
   Json json;
+  json["throng"] = version_json();
+  json["stopped_early"] = result.done < Done::kAll;
   json["frames"] = result.options.frames;
   json["seed"] = result.options.seed;
   json["seeds"] = result.options.seeds;
   json["objects"] = result.objects;
   json["elongations"] = result.elongations;
   json["box_edge_m"] = result.edge_m;
-  for (const VolumeResult& volume : result.volumes) json["volumes"][volume.name] = to_json(volume);
-  json["strategies"] = to_json(*result.scale(500));
+  if (result.done >= Done::kCosts)
+    for (const VolumeResult& volume : result.volumes)
+      json["volumes"][volume.name] = to_json(volume);
+  else if (result.done >= Done::kCollisions)
+    for (const VolumeResult& volume : result.volumes)
+      json["volumes"][volume.name] = counts_json(volume);
+  if (const Scale* shown = result.scale(500)) json["strategies"] = to_json(*shown);
   for (const PublishedVolume& row : kPublished)
     json["paper_totals"].push_back({{"volume", row.volume},
                                     {"printed", row.total_ms},

@@ -263,13 +263,23 @@ std::string markdown_cell(std::string cell) {
 }  // namespace
 
 std::vector<Table> tables_of(const PaperResult& result) {
-  std::vector<Table> tables = {table_2(result),  table_3(result),  formula_check(),
-                               figure_6(result), figure_3(result), figures_8_to_10(result)};
+  std::vector<Table> tables;
+  const bool has_costs = result.done >= Done::kCosts;
+  if (result.done >= Done::kCollisions) tables.push_back(table_2(result));
+  if (has_costs) tables.push_back(table_3(result));
+  tables.push_back(formula_check());
+  if (has_costs)
+    for (const auto table_of : {figure_6, figure_3, figures_8_to_10})
+      tables.push_back(table_of(result));
   for (const Scale& scale : result.scales) tables.push_back(part_two(scale));
-  tables.push_back(winners_table(result));
-  tables.push_back(claims_table(result));
-  tables.push_back(overlap_table(result));
-  tables.push_back(overlap_by_object(result));
+  if (result.done == Done::kAll) {
+    tables.push_back(winners_table(result));
+    tables.push_back(claims_table(result));
+  }
+  if (result.done >= Done::kRoom) {
+    tables.push_back(overlap_table(result));
+    tables.push_back(overlap_by_object(result));
+  }
   return tables;
 }
 

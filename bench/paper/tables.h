@@ -16,6 +16,7 @@ struct Table {
   std::vector<std::vector<std::string>> rows;  ///< as wide as the head
 };
 
+/// Those that the result has come to.
 std::vector<Table> tables_of(const PaperResult& result);
 
 std::string to_text(const Table& table);

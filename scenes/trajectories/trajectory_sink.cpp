@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/errors.h"
+#include "base/version.h"
 #include "scenes/trajectories/walkable_area.h"
 
 namespace throng {
@@ -38,7 +39,9 @@ void TrajectorySink::begin(const RunInfo& run) {
   head.fps = 1 / (static_cast<double>(every_) * run.step_s);
   head.bounds = scene.ground;
   head.wkt = walkable_wkt(scene);
-  head.facts = {{"scene", scene.name},
+  head.facts = {{"version", std::string(version())},
+                {"commit", std::string(commit())},
+                {"scene", scene.name},
                 {"seed", fmt::format("{}", scene.seed)},
                 {"run_id", fmt::format("{:016x}", run.run_id)},
                 {"step_s", fmt::format("{}", run.step_s)}};

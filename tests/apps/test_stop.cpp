@@ -11,7 +11,12 @@
 namespace throng {
 namespace {
 
-class Stop : public testing::TestWithParam<const char*> {};
+struct Signal {
+  const char* name;
+  int exit_code;
+};
+
+class Stop : public testing::TestWithParam<Signal> {};
 
 TEST_P(Stop, EndsCleanly) {
   const ScratchFolder folder;
@@ -23,12 +28,13 @@ TEST_P(Stop, EndsCleanly) {
       "  [ \"$(wc -c <run.lcmlog 2>/dev/null || echo 0)\" -gt 3000000 ] && break; sleep 0.1\n"
       "done\n"
       "kill -" +
-          std::string(GetParam()) +
+          std::string(GetParam().name) +
           " $run\n"
           "wait $run",
       folder);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, testing::HasSubstr("stopped after"));
+  EXPECT_EQ(outcome.exit_code, GetParam().exit_code) << outcome.err;
+  EXPECT_THAT(outcome.err, testing::ContainsRegex("stopped after [0-9]+ frames by SIG" +
+                                                  std::string(GetParam().name)));
   EXPECT_THAT(read_file(folder / "table"), testing::HasSubstr("hash"));
   const auto json = nlohmann::json::parse(read_file(folder / "run.json"));
   EXPECT_EQ(json["stopped_early"], true);
@@ -39,7 +45,10 @@ TEST_P(Stop, EndsCleanly) {
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, Stop, testing::Values("TERM", "INT"));
+INSTANTIATE_TEST_SUITE_P(Signals, Stop,
+                         testing::Values(Signal{"TERM", 143}, Signal{"INT", 130},
+                                         Signal{"HUP", 129}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
 }  // namespace throng

@@ -1,0 +1,132 @@
+// Signals at any moment: while a scene loads, tables are made and outputs open, between frames,
+// twice in one breath. What was begun is whole, and the exit code says who stopped it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+
+/// Starts `command` in the background, waits, runs `then` with the process in $run.
+std::string signalled(const std::string& command, double after_s, const std::string& then) {
+  return command + " & run=$!\nsleep " + std::to_string(after_s) + "\n" + then + "\nwait $run";
+}
+
+TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
+  const unsigned seed = 20261122;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const struct {
+    const char* name;
+    int exit_code;
+  } signals[] = {{"INT", 130}, {"TERM", 143}, {"HUP", 129}};
+  int logs = 0;
+  for (int round = 0; round < 24; ++round) {
+    const ScratchFolder folder;
+    // Half of them in the first tenth of a second, which is loading and opening.
+    const double latest_s = round % 2 == 0 ? 0.1 : 0.8;
+    const double after_s = latest_s * static_cast<double>(random() % 1000) / 1000;
+    const auto& signal = signals[round % 3];
+    SCOPED_TRACE("SIG" + std::string(signal.name) + " after " + std::to_string(after_s) + " s");
+    const Outcome outcome =
+        shell(signalled("throng run plaza --avatars 300 --seconds 3600 --lcm off --log run.lcmlog",
+                        after_s, std::string("kill -") + signal.name + " $run"),
+              folder);
+    EXPECT_EQ(outcome.exit_code, signal.exit_code) << outcome.err;
+    if (!std::filesystem::exists(folder / "run.lcmlog")) continue;
+    ++logs;
+    const Outcome check = shell("throng check run.lcmlog", folder);
+    EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+    EXPECT_THAT(check.out, HasSubstr("run.lcmlog: sound\n"));
+  }
+  EXPECT_GT(logs, 6) << "most runs were not stopped while they ran";
+}
+
+TEST(Signals, TwiceInOneBreathIsOneWish) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell(signalled("throng run plaza --avatars 300 --seconds 3600 --lcm off --log run.lcmlog",
+                      1.5, "kill -TERM $run; kill -HUP $run; kill -TERM $run"),
+            folder);
+  EXPECT_THAT(outcome.exit_code, AnyOf(143, 129)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("stopped after"));
+  EXPECT_EQ(shell("throng check run.lcmlog", folder).exit_code, 0);
+}
+
+TEST(Signals, ASecondOneAWhileLaterForces) {
+  const ScratchFolder folder;
+  // Nobody reads this pipe, so the run cannot end as it would like to.
+  const Outcome outcome = shell(
+      "mkfifo pipe\nsleep 60 <>pipe & reader=$!\n" +
+          signalled("throng run plaza --seconds 3600 --lcm off --log pipe", 2,
+                    "kill -TERM $run; sleep 1; kill -INT $run; (sleep 20; kill -KILL $run) &"),
+      folder);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("throng: stopped by SIGINT"));
+}
+
+TEST(Signals, NohupStaysNohup) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell(
+      "trap '' HUP\n" +
+          signalled("throng run plaza --avatars 20 --seconds 3 --pace 2 --lcm off --log run.lcmlog",
+                    0.7, "kill -HUP $run"),
+      folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("180 frames"));
+}
+
+TEST(Signals, PaperTellsWhatIsFinished) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell(
+      signalled("throng paper --frames 10000 --seeds 10000 --json paper.json", 1, "kill -INT $run"),
+      folder);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("stopped by SIGINT: what was finished follows"));
+  EXPECT_THAT(outcome.out, HasSubstr("The formula on the paper's own numbers"));
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder / "paper.json"))["stopped_early"], true);
+}
+
+TEST(Signals, ValidateTellsItsVerdictsSoFar) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell(signalled("throng validate --threads 1 --json v.json", 0.5, "kill -TERM $run"), folder);
+  EXPECT_EQ(outcome.exit_code, 143) << outcome.err;
+  EXPECT_THAT(outcome.err, testing::ContainsRegex(
+                               "stopped by SIGTERM: [0-9]+ of [0-9]+ experiments were finished"));
+  EXPECT_THAT(outcome.out, HasSubstr("passed, "));
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder / "v.json"))["stopped_early"], true);
+}
+
+TEST(Signals, BenchTellsTheFramesSoFar) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell(signalled("throng bench --avatars 100 --engines none --frames 100000 --json b.json", 2,
+                      "kill -INT $run"),
+            folder);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("what was measured follows"));
+  const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
+  EXPECT_GT(json["frames"], 0);
+  EXPECT_LT(json["frames"], 100000);
+}
+
+TEST(Signals, MonitorAndViewEndFine) {
+  for (const char* command :
+       {"throng monitor --lcm memq://", "throng view --lcm memq:// --port 0"}) {
+    const ScratchFolder folder;
+    const Outcome outcome = shell(signalled(command, 1, "kill -INT $run"), folder);
+    EXPECT_THAT(outcome.exit_code, AnyOf(0, 1)) << command << outcome.err;  // 1: nothing was heard
+  }
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,136 @@
+// Asking for help, and asking for what cannot be: both are answered before any work.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Help, IsACommandToo) {
+  const ScratchFolder folder;
+  EXPECT_EQ(shell("throng help", folder).out, shell("throng --help", folder).out);
+  for (const std::string command : {"run", "paper", "validate", "monitor"})
+    EXPECT_EQ(shell("throng help " + command, folder).out,
+              shell("throng " + command + " --help", folder).out);
+  const Outcome wrong = shell("throng help rum", folder);
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("(did you mean 'run'?)"));
+}
+
+TEST(Help, VersionNamesTheCommit) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell("throng -V", folder);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out,
+              testing::MatchesRegex("throng [0-9.]+ \\(([0-9a-f]+(-dirty)?|unknown)\\)\n"));
+  EXPECT_EQ(outcome.out, shell("throng --version", folder).out);
+}
+
+TEST(WrongFile, IsNamedForWhatItIs) {
+  const ScratchFolder folder;
+  ASSERT_EQ(
+      shell("throng run plaza --avatars 5 --seconds 0.1 --lcm off --log a.lcmlog "
+            "--trajectory a.sqlite --trajectory a.csv --checkpoint a.checkpoint --json a.json",
+            folder)
+          .exit_code,
+      0);
+  const std::string adult = "avatars/models/adult/";
+  const struct {
+    std::string file, words;
+  } cases[] = {
+      {"a.lcmlog",
+       "a.lcmlog: expected a scene, found a log of a run; `throng view`, `throng check`, "
+       "`throng info`, `throng monitor` and `throng render` read it\n"},
+      {"a.sqlite", "found a SQLite database, as --trajectory writes"},
+      {"a.csv", "found a trajectory"},
+      {"a.checkpoint", "found a checkpoint; `throng run SCENE --resume FILE` goes on from it"},
+      {"a.json", "found results that --json wrote"},
+      {repository(adult + "head.tri"), "found a .tri mesh; `throng info` reads it"},
+      {repository(adult + "adult.urdf"), "found a URDF; `throng info` reads it"},
+  };
+  for (const auto& [file, words] : cases) {
+    const Outcome outcome = shell("throng run " + file, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << file;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+    EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+  }
+  // By content, whatever the name.
+  const Outcome renamed = shell("mv a.lcmlog a.yaml; throng run a.yaml", folder);
+  EXPECT_THAT(renamed.err, HasSubstr("found a log of a run"));
+}
+
+TEST(WrongFile, RenderRefusesBeforeItWorks) {
+  const ScratchFolder folder;
+  ASSERT_EQ(shell("throng run plaza --avatars 5 --seconds 0.2 --lcm off --log a.lcmlog", folder)
+                .exit_code,
+            0);
+  const struct {
+    const char *options, *words;
+  } cases[] = {
+      {"--frame 3 --out a.jpg", "--out: expected a name that ends in .png"},
+      {"--frame 3 --out a", "--out: expected a name that ends in .png"},
+      {"--frames 1:3 --out a.png", "--out: expected a name that ends in .webp"},
+      {"--frames 3:1 --out a.webp",
+       "--frames: expected FIRST:LAST, the first not after the last, found 3:1"},
+      {"--frames 0:12 --out a.webp", "a.lcmlog: expected frame 12, found frames 0 to 11"},
+      {"--frame 12 --out a.png", "a.lcmlog: expected frame 12, found frames 0 to 11"},
+  };
+  for (const auto& [options, words] : cases) {
+    const Outcome outcome = shell(std::string("throng render a.lcmlog ") + options, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << options;
+    EXPECT_THAT(outcome.err, HasSubstr(words)) << options;
+  }
+  for (const char* name : {"a.jpg", "a", "a.png", "a.webp"})
+    EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+}
+
+TEST(Info, TellsWhoIsDrivenAndByWhat) {
+  const ScratchFolder folder;
+  write_file(folder / "robot.yaml",
+             "ground: {min_m: [-5, -5], max_m: [5, 5]}\nduration_s: 1\ngroups:\n"
+             "  - name: robot\n    count: 1\n    spawn: {min_m: [-1, -1], max_m: [1, 1]}\n"
+             "    driven: ROBOT_DRIVE\n");
+  const Outcome outcome = shell("throng info robot.yaml", folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("driven   by messages on the LCM channel ROBOT_DRIVE"));
+}
+
+TEST(Info, FindsItsWayAlongALongThinGround) {
+  for (const double length_m : {1000.0, 5000.0, 20000.0, 99000.0}) {
+    const ScratchFolder folder;
+    const std::string length = std::to_string(length_m), near = std::to_string(length_m - 4);
+    write_file(
+        folder / "thin.yaml",
+        "ground: {min_m: [0, 0], max_m: [" + length +
+            ", 0.5]}\nduration_s: 1\ngroups:\n"
+            "  - name: walkers\n    count: 2\n    spawn: {min_m: [0, 0.1], max_m: [4, 0.4]}\n"
+            "    goals:\n      - {min_m: [" +
+            near + ", 0.1], max_m: [" + length + ", 0.4]}\n");
+    const Outcome outcome = shell("throng info thin.yaml", folder);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(
+        outcome.out,
+        HasSubstr("way      " + std::to_string(static_cast<int>(length_m) - 4) + ".0 m to goal 1"));
+  }
+}
+
+TEST(Lcm, AServerThatIsMissingIsToldOnce) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell(
+      "throng run plaza --avatars 20 --seconds 1 --lcm tcpq://127.0.0.1:9 --log off --json r.json",
+      folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+  EXPECT_THAT(outcome.err,
+              HasSubstr("LCM has no server at tcpq://127.0.0.1:9: nothing is published"));
+  EXPECT_THAT(outcome.out,
+              testing::ContainsRegex("tcpq://127.0.0.1:9: 0 messages, .*, [1-9][0-9]+ dropped"));
+}
+
+}  // namespace
+}  // namespace throng
