@@ -38,10 +38,7 @@ code=0
 wait "$run" || code=$?
 run=
 # Stopped as asked, with its summary.
-case $code in
-  0 | 143) ;;
-  *) cat notes >&2; fail "the run ended with exit code $code" ;;
-esac
+[ "$code" -eq 143 ] || { cat notes >&2; fail "expected exit code 143, found $code"; }
 "$throng" check soak.lcmlog >check || { cat check >&2; fail "the log is not sound"; }
 
 # Numbers of the summary, of the judge, and of the memory's first and last third after warm-up.

@@ -155,7 +155,7 @@ TEST(Faults, StoppedItLeavesACheckpointToGoOnFrom) {
                 "while [ ! -s first.lcmlog ]; do sleep 0.01; done\nsleep 0.1\n"
                 "kill -TERM $run\nwait $run",
             folder);
-  EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
+  EXPECT_EQ(stopped.exit_code, 143) << stopped.err;
   EXPECT_EQ(result(run + " --resume c --log off", folder)["hash"],
             result(run + " --log off", folder)["hash"]);
 }

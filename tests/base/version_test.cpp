@@ -41,6 +41,12 @@ TEST_F(Version, NamesReleaseAndCommit) {
   EXPECT_THAT(std::string(commit()), testing::MatchesRegex("[0-9a-f]+(-dirty)?|unknown"));
 }
 
+TEST_F(Version, IsTheOneToCite) {
+  std::ifstream in(THRONG_SOURCE_DIR "/CITATION.cff");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(text, testing::HasSubstr("\nversion: " + std::string(version()) + "\n"));
+}
+
 TEST_F(Version, SourcesWithoutGitAreOfAnUnknownCommit) {
   const std::string text = written_for(folder_);
   EXPECT_THAT(text, testing::HasSubstr("return \"1.2.3\";"));

@@ -127,6 +127,27 @@ TEST_F(Structure, NoFileIsLongerThanFiveHundredLines) {
   }
 }
 
+TEST_F(Structure, OnePlaceSpeaksToStandardError) {
+  // Whatever throws, or ends the process, where stderr takes nothing must not be used.
+  const std::vector<std::string_view> ways = {"stderr",    "std::cerr", "std::clog",
+                                              "perror(", "STDERR_FILENO,"};
+  bool said = false;
+  for (const SourceFile& file : files()) {
+    if (!file.has_extension(kCode) || file.is_test()) continue;
+    for (const Line& line : lines_of(file)) {
+      const std::string_view code = line.text.substr(0, line.text.find("//"));
+      for (const std::string_view way : ways) {
+        if (code.find(way) == std::string_view::npos) continue;
+        said |= file.path == "base/say.cpp";
+        EXPECT_EQ(file.path, "base/say.cpp")
+            << file.path << ":" << line.number << ": messages go through say() of base/say.h: "
+            << line.text;
+      }
+    }
+  }
+  EXPECT_TRUE(said) << "the test does not read the sources any more";
+}
+
 TEST_F(Structure, NothingKnowsTheMachineItWasWrittenOn) {
   // Put together here, so that this file does not find itself.
   std::vector<std::string> places;
