@@ -57,9 +57,9 @@ int view(const ViewCommand& command) {
     plan.reads("which is recorded", command.log);
     plan.writes({.option = "--html", .path = command.html, .is_recording = true});
     const OpenOutputs outputs = plan.open();
-    for (const std::string& note : outputs.notes()) say("note: {}\n", note);
     const ReplayReport report =
         write_replay(command.log, command.html, page_html(), command.html_limit_mb);
+    for (const std::string& note : outputs.notes()) say("note: {}\n", note);
     show("{}: {:.2f} MB, {} people, {:.1f} s\n", command.html,
          static_cast<double>(report.bytes) * 1e-6, report.avatars, report.seconds);
     return kExitFine;

@@ -319,7 +319,8 @@ void OpenOutputs::open(const PlannedFile& file) {
   lock(descriptor, file.option, file.path);
   if (is_there && status.st_size > 0 && file.is_recording && file.keeps.empty())
     notes_.push_back(
-        fmt::format("{} of {}, is replaced", file.path.string(), age_and_size(status)));
+        fmt::format("{} of {}, is replaced{}", file.path.string(), age_and_size(status),
+                    file.writing == Writing::kAtOnce ? " when the new one is whole" : ""));
   if (file.writing != Writing::kAtOnce) return;
   // Its turn comes at the end: until then nothing tells that it is going to be there.
   if (!is_there && ::unlink(created_.back().c_str()) == 0) created_.pop_back();

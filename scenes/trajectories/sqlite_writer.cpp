@@ -39,7 +39,11 @@ class SqliteWriter final : public TrajectoryWriter {
     // Not as a database yet: what stands there is only lost when the run begins.
     const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor < 0) fail(std::strerror(errno));
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    const bool is_in_use = ::fcntl(descriptor, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
     ::close(descriptor);
+    if (is_in_use) fail("another program has it open");
   }
   ~SqliteWriter() override {
     // What is not committed was not promised.

@@ -59,7 +59,9 @@ TEST(ContactFiles, SayTheSameAsTheRun) {
   // Every pair of parts that began to touch has a row of its own.
   const Outcome parts = shell("awk -F, 'NR>1 {n+=$10} END {print n}' c/contacts.csv", folder);
   EXPECT_EQ(line_count(read_file(folder / "c/pairs.csv")), 1 + std::stoi(parts.out));
-  EXPECT_EQ(shell("tail -n +2 c/pairs.csv | sort -c -t, -k1,1n", folder).exit_code, 0);
+  EXPECT_EQ(shell("tail -n +2 c/pairs.csv | LC_ALL=C sort -s -c -t, -k1,1n -k3,3n -k5,5n", folder)
+                .exit_code,
+            0);
   for (const char* figure :
        {"contact_rates", "contact_durations", "contact_parts", "contact_density"})
     EXPECT_THAT(read_file(folder / ("c/" + std::string(figure) + ".svg")), HasSubstr("</svg>"));

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -200,6 +202,39 @@ TEST_F(Trajectory, ReplacesAnEarlierRecording) {
   }
   EXPECT_THAT(query(folder_ / "t.sqlite", "SELECT count(*) FROM trajectory_data"),
               ElementsAre("3"));
+}
+
+TEST_F(Trajectory, ThatIsBeingReadIsLeftAlone) {
+  const fs::path file = folder_ / "t.sqlite";
+  {
+    TrajectorySink sink({file, 10});
+    record(sink, 60);
+  }
+  const uintmax_t size = fs::file_size(file);
+  int ready[2], over[2];
+  ASSERT_EQ(pipe(ready), 0);
+  ASSERT_EQ(pipe(over), 0);
+  const pid_t reader = fork();  // locks are between processes
+  if (reader == 0) {
+    sqlite3* database = nullptr;
+    sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+    sqlite3_exec(database, "BEGIN; SELECT count(*) FROM trajectory_data", nullptr, nullptr,
+                 nullptr);
+    char byte = 0;
+    const bool told = write(ready[1], &byte, 1) == 1 && read(over[0], &byte, 1) == 1;
+    std::_Exit(told ? 0 : 1);
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  EXPECT_THROW(TrajectorySink({file, 10}), EnvironmentError);
+  EXPECT_EQ(fs::file_size(file), size);
+  ASSERT_EQ(write(over[1], &byte, 1), 1);
+  int status = -1;
+  waitpid(reader, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_NO_THROW(TrajectorySink({file, 10}));
+  EXPECT_EQ(fs::file_size(file), size) << "emptied before it begins";
+  for (const int end : {ready[0], ready[1], over[0], over[1]}) close(end);
 }
 
 TEST_F(Trajectory, OtherNamesAreBadInput) {
