@@ -156,7 +156,7 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
       {"ages of nobody", with_group(goals + ", ages: {}")},
       {"a style that is none", with_group(goals + ", styles: silly")},
       {"a share of a style that is none", with_group(goals + ", styles: {silly: 1}")},
-      {"a radius too wide", with_group(goals + ", radius_m: 2")},
+      {"a radius too wide", with_group(goals + ", radius_m: 2.5")},
       {"a corner of one number", with_group("goals: [{min_m: [15], max_m: [19, 9]}]")},
       {"an obstacle of no kind", kGround + kGroup + "obstacles: [{position_m: [5, 5]}]\n"},
       {"a volume that is none", kGround + kGroup + "culling: {part_volume: blob}\n"},
