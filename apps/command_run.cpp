@@ -201,7 +201,8 @@ struct Prepared {
 
 Prepared scene_for(const RunOptions& options) {
   require_no_other_kind(options.scene);
-  Prepared out{.scene = load_scene(options.scene)};
+  Prepared out;
+  out.scene = load_scene(options.scene);
   Scene& scene = out.scene;
   if (options.seconds) scene.duration_s = *options.seconds;
   if (options.seed) scene.seed = *options.seed;

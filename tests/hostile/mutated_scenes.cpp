@@ -12,6 +12,7 @@
 
 #include "apps/info.h"
 #include "avatars/avatars.h"
+#include "base/errors.h"
 #include "base/random.h"
 #include "scenes/scenes.h"
 #include "scenes/yaml_tree.h"
