@@ -125,7 +125,8 @@ class Mender {
 int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path& out) {
   std::error_code error;
   if (std::filesystem::equivalent(in, out, error))
-    throw InputError(out.string(), "another file than the torn log", "the same");
+    throw EnvironmentError(out.string() +
+                           ": the repaired log has to be another file than the torn one");
   const LogReport report = check_log(in);
   LogReader log(in);
   Mender mender(report, out);
