@@ -66,7 +66,9 @@ fs::path in_package(const std::string& uri, const std::string& rest, const fs::p
   if (const char* prefixes = std::getenv("AMENT_PREFIX_PATH")) {
     std::istringstream list(prefixes);
     for (std::string entry; std::getline(list, entry, ':');)
-      if (!entry.empty() && holds_file(fs::path(entry) / "share" / package)) return *first_found;
+      if (const fs::path share = fs::path(entry) / "share" / package;
+          !entry.empty() && fs::is_directory(share, ignored) && holds_file(share))
+        return *first_found;
   }
   return first_found.value_or(fs::path(uri));
 }

@@ -212,6 +212,7 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file) {
   std::string text = whole;
   // Programs in C that write a string with its end do this.
   while (!text.empty() && text.back() == '\0') text.pop_back();
+  if (text.find('<') == std::string::npos) text = whole;
   if (text.size() < whole.size())
     notes.push_back(fmt::format("the last {} bytes are zero: skipped", whole.size() - text.size()));
   auto elements = scan_xml(text, file.string(), kUrdfCaps);
