@@ -5,7 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -49,7 +52,7 @@ groups:
     styles: {plain: 3, brisk: 1, pockets: 1}
     radius_m: 0.24
   - {name: stayers, count: 2, spawn: {min_m: [5, -3], max_m: [7, 3]}, goals: [{min_m: [5, -3], max_m: [7, 3]}], on_arrival: stay, ages: mixed, styles: relaxed, speed_mps: 1.1, delay_s: 0.2}
-  - {name: robots, count: 1, spawn: {min_m: [0, 5], max_m: [2, 8]}, model: ROBOT, driven: MY_ROBOT, radius_m: 0.3}
+  - {name: robots, count: 1, spawn: {min_m: [0, 5], max_m: [2, 8]}, model: ROBOT, driven: MY_CART, radius_m: 0.3}
 obstacles:
   - {name: wall, kind: box, position_m: [-2, -5], bottom_m: 0, heading_deg: 30, size_m: [0.3, 4, 2.5]}
   - {name: column, kind: cylinder, position_m: [0, 1], bottom_m: 0.1, diameter_m: 0.8, height_m: 3}
@@ -268,10 +271,15 @@ void replace_value(YamlNode& root, Draw& draw) {
   const size_t kind = draw.below(10);
   if (kind == 0) {
     node = YamlNode(*all[draw.below(all.size())]);  // that of another field
-  } else if (kind == 1 && node.kind == YamlNode::Kind::kScalar) {
+  } else if (kind < 5 && node.kind == YamlNode::Kind::kScalar &&
+             std::isdigit(
+                 static_cast<unsigned char>(node.scalar.empty() ? 0 : node.scalar.back()))) {
+    // Another number, often one that may stand there.
+    constexpr double kFactors[] = {-1, 0, 1e-6, 0.01, 0.1, 0.5, 0.99, 1.01, 2, 10, 1000, 1e7};
+    const double value = std::strtod(node.scalar.c_str(), nullptr);
+    node.scalar = kRaw + fmt::format("{:g}", value * kFactors[draw.below(std::size(kFactors))]);
+  } else if (kind < 2 && node.kind == YamlNode::Kind::kScalar) {
     node.scalar = kRaw + std::string(1, "-+0.1e"[draw.below(6)]) + node.scalar;
-  } else if (kind == 2 && node.kind == YamlNode::Kind::kScalar) {
-    node.scalar = kRaw + node.scalar + "0";
   } else {
     node = YamlNode{};
     node.kind = YamlNode::Kind::kScalar;
