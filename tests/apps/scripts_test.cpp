@@ -73,6 +73,16 @@ TEST_F(Scripts, SetupThatFailsShowsWhatWasPrinted) {
   EXPECT_THAT(setup.err, HasSubstr("scripts/setup.sh: apt-get could not install: "));
 }
 
+TEST_F(Scripts, TheDemoReplaysItsLogWhereThrongListens) {
+  const std::string header = read_file(THRONG_SOURCE_DIR "/lcmtypes/channels.h");
+  const size_t constant = header.find("kDefaultLcmUrl");
+  ASSERT_NE(constant, std::string::npos);
+  const size_t url = header.find('"', constant) + 1;
+  EXPECT_THAT(read_file(folder_ / "scripts/demo.sh"),
+              HasSubstr("lcm-logplayer --lcm-url='" +
+                        header.substr(url, header.find('"', url) - url) + "'"));
+}
+
 TEST_F(Scripts, BuildConfiguresAnewWhenAJdkHasComeSince) {
   stand_in("cmake", "echo \"$*\" >>calls");
   stand_in("javac", "");
