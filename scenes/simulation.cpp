@@ -86,7 +86,6 @@ struct Simulation::State {
   void place_people();
   void place_parts();
   void place_driven();
-  void note_robots();
   void describe_run();
   void cut_blocks();
   void move();
@@ -116,8 +115,8 @@ struct Simulation::State {
   std::optional<BoxWorld> box;  ///< then the crowd is empty
   size_t avatars;               ///< people, or parts in the box
   BodyStates bodies;
-  std::vector<float> speeds_mps;             ///< of the roots, by avatar
-  std::vector<double> roots_above_ground_m;  ///< of the crowd, by avatar
+  std::vector<float> speeds_mps;  ///< of the roots, by avatar
+  std::vector<double> rises_m;    ///< of the roots above the ground, by avatar
   Posing posing;
   DrivenAvatars driven;
   std::vector<bool> is_driven_kind;  ///< by kind
@@ -154,7 +153,6 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   describe_run();
   cut_blocks();
   place_driven();
-  note_robots();
   std::vector<std::shared_ptr<const BodyType>> types;
   for (size_t i = 0; i < models.size(); ++i)
     types.push_back(
@@ -204,12 +202,10 @@ void Simulation::State::place_people() {
   for (const Person& person : spawned.people) {
     const std::shared_ptr<const Model>& body = scene.groups[person.group].body;
     bodies.types.push_back(kinds.of_group[person.group]);
-    bodies.scales.push_back(
-        static_cast<float>(person.height_m / static_cast<double>(body->height_m)));
+    bodies.scales.push_back(static_cast<float>(person.height_m / double{body->height_m}));
     bodies.phases.push_back(static_cast<float>(person.phase));
     bodies.styles.push_back(person.style);
-    roots_above_ground_m.push_back(static_cast<double>(body->root_above_ground_m()) *
-                                   static_cast<double>(bodies.scales.back()));
+    rises_m.push_back(double{body->root_above_ground_m() * bodies.scales.back()});
   }
 }
 
@@ -246,7 +242,7 @@ void Simulation::State::place_driven() {
     const Eigen::Vector2d& at = person.position_m;
     is_driven_kind[bodies.types[id]] = true;
     driven.add(id, models[bodies.types[id]]->kinematics,
-               {{at.x(), at.y(), roots_above_ground_m[id]}, turned_to(person.heading)});
+               {{at.x(), at.y(), rises_m[id]}, turned_to(person.heading)});
   }
   if (driven.empty()) return;
   bodies.held_rows.assign(avatars, nullptr);
@@ -258,13 +254,6 @@ void Simulation::State::place_driven() {
           "group '{}' is driven by what comes on LCM channel {}: the events of this run "
           "depend on that, too",
           group.name, group.driven));
-}
-
-/// A robot's size comes from a file of somebody else's, perhaps in millimetres: it is said.
-void Simulation::State::note_robots() {
-  for (const Group& group : scene.groups)
-    if (!group.body->is_person)
-      spawned.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
 }
 
 void Simulation::State::describe_run() {
@@ -356,7 +345,7 @@ WalkNow Simulation::State::move_root(uint32_t id) {
   // Whoever has left keeps the last place and posture.
   const bool is_present = crowd.journeys().is_present(id);
   const WalkNow walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
-  root.position_m = {position.x(), position.y(), roots_above_ground_m[id]};
+  root.position_m = {position.x(), position.y(), rises_m[id]};
   root.world_from_root = turned_to(heading);
   if (is_present) speeds_mps[id] = static_cast<float>(velocity.norm());
   return walk;

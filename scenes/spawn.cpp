@@ -179,6 +179,9 @@ Spawned spawn(const Scene& scene, const Ways& ways) {
   uint32_t entrance = 0;
   for (size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
+    // A robot's size comes from a file of somebody else's, perhaps in millimetres: it is said.
+    if (!group.body->is_person)
+      out.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
     int placed = 0;
     for (int i = 0; i < group.count; ++i, ++id) {
       Person person = person_of(scene, g, id);

@@ -39,6 +39,13 @@ std::string field(const std::string& name) {
   return name.find_first_of(",\"\r\n") == std::string::npos ? name : quoted(name);
 }
 
+/// A field that may hold commas; its own quotes are doubled (RFC 4180).
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
 std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) {
   std::string text =
       "id,group,present_s,contacts,contacts_per_min,partners,touching_s,obstacle_contacts\n";
