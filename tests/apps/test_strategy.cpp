@@ -48,6 +48,25 @@ TEST(RunStrategy, SpheresAloneReportWholeBodiesInASoundLog) {
   EXPECT_THAT(check.out, ::testing::HasSubstr("levels     begun by spheres "));
 }
 
+TEST(RunStrategy, ALogSaysWhatItLeavesOut) {
+  const ScratchFolder folder;
+  const std::pair<const char*, const char*> cases[] = {
+      {"none", "every contact: nothing was tested"},
+      {"sphere", "body parts: a pair is two whole bodies whose spheres meet"},
+      {"hybrid-one", "every contact but those of the first body"}};
+  for (const auto& [strategy, words] : cases) {
+    run_json(std::string("paper_15 --seconds 0.1 --log a.lcmlog --strategy ") + strategy, folder);
+    const Outcome check = shell("throng check a.lcmlog", folder);
+    EXPECT_EQ(check.exit_code, 0) << check.out;
+    EXPECT_THAT(check.out, ::testing::HasSubstr(words));
+    EXPECT_THAT(shell("throng info a.lcmlog", folder).out,
+                ::testing::HasSubstr(std::string("leaves out ") + words));
+  }
+  run_json("paper_15 --seconds 0.1 --log a.lcmlog --strategy two-pass", folder);
+  EXPECT_THAT(shell("throng check a.lcmlog", folder).out,
+              ::testing::Not(::testing::HasSubstr("leaves out")));
+}
+
 TEST(RunStrategy, KnowsNoDeadlineAndNoOtherName) {
   const ScratchFolder folder;
   for (const char* options : {"--strategy two-pass --deadline-ms 5", "--strategy three-pass",
