@@ -8,17 +8,16 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
-#include <random>
 #include <string>
 
 #include "base/elementary.h"
 #include "base/errors.h"
 #include "scenes/box_world.h"
 #include "scenes/drive.h"
-#include "scenes/hasher.h"
 #include "scenes/kinds.h"
 #include "scenes/loose_parts.h"
 #include "scenes/posing.h"
+#include "scenes/run_identity.h"
 #include "scenes/shapes.h"
 #include "scenes/spawn.h"
 #include "scenes/walk.h"
@@ -34,11 +33,6 @@ constexpr uint32_t kBlock = 256;
 
 double nanoseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-}
-
-uint64_t random_instance() {
-  std::random_device device;
-  return (uint64_t{device()} << 32) | device();
 }
 
 /// Loads what the scene names but does not hold yet.
@@ -259,14 +253,7 @@ void Simulation::State::place_driven() {
 void Simulation::State::describe_run() {
   const auto count = static_cast<ptrdiff_t>(avatars);
   info.scene = &scene;
-  // Threads, SIMD, pair search and outputs stay out: they change no frame.
-  Hasher name;
-  name.add("throng run 1").add(scene.content_hash);
-  if (options.deadline_ms) name.add("deadline, ms").add(*options.deadline_ms);
-  if (options.deadline_tests) name.add("deadline, tests").add(*options.deadline_tests);
-  if (options.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(options.strategy));
-  info.run_id = name.value();
-  info.instance = random_instance();
+  identify_run(scene, options, info);
   info.step_s = scene.step_s;
   info.models = models;
   info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + count);
@@ -282,10 +269,6 @@ void Simulation::State::describe_run() {
   for (size_t g = 0; g < scene.groups.size(); ++g) info.drive_channels[g] = scene.groups[g].driven;
   info.part_volume = scene.part_volume;
   info.exact = scene.exact;
-  info.culling = options.culling;
-  info.strategy = options.strategy;
-  info.deadline_ms = options.deadline_ms;
-  info.deadline_tests = options.deadline_tests;
 }
 
 void Simulation::State::cut_blocks() {
