@@ -32,8 +32,6 @@ Command add_view_command(CLI::App& parent);
 Command add_paper_command(CLI::App& parent);
 Command add_bench_command(CLI::App& parent);
 Command add_validate_command(CLI::App& parent);
-/// Added last: it knows the others by name.
-Command add_help_command(CLI::App& parent);
 
 /// Accepts a number in [low, high] (above low if `open`); `what` completes "expected ...".
 CLI::Validator number_option(double low, double high, bool open, const std::string& what);

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "apps/command.h"
-#include "apps/json_output.h"
 #include "apps/monitor_view.h"
 #include "apps/stop_signal.h"
 #include "base/say.h"
@@ -170,11 +169,8 @@ Command add_monitor_command(CLI::App& parent) {
   app->add_option("--seconds", options->seconds, "Stops after this time [--once: 3]")
       ->check(number_option(0, 1e9, true, "a number of seconds above 0"))
       ->type_name("S");
-  return {app, [options] {
-            // --json needs no name here; whoever gives it the one for stdout is understood.
-            if (options->json && is_stdout(options->log)) options->log.clear();
-            return options->log.empty() ? watch_live(*options) : watch_log(*options);
-          }};
+  return {app,
+          [options] { return options->log.empty() ? watch_live(*options) : watch_log(*options); }};
 }
 
 }  // namespace throng

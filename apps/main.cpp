@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <exception>
-#include <memory>
 #include <new>
 #include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/command.h"
@@ -55,19 +57,40 @@ int told(const CLI::App& app, const CLI::Success& asked) {
   return kExitFine;
 }
 
+bool is_command(const CLI::App& app, const std::string& name) {
+  return !app.get_subcommands([&](const CLI::App* each) { return each->get_name() == name; })
+              .empty();
+}
+
+/// What people write for what the parser wants: `throng help run` is `throng run --help`, and the
+/// --json of `monitor`, which takes no name, may have the one for stdout. A command that does not
+/// exist is left to the parser.
+std::vector<std::string> as_parsed(const CLI::App& app, std::vector<std::string> words) {
+  if (words.empty()) return words;
+  if (words.front() == "monitor") std::erase(words, "-");
+  if (words.front() != "help") return words;
+  words.erase(words.begin());
+  if (words.empty() || words.front().starts_with("-") || is_command(app, words.front()))
+    words.emplace_back("--help");
+  return words;
+}
+
 int run(int argc, char** argv) {
   CLI::App app(kAbout, "throng");
   app.footer(kFooter);
   app.set_version_flag("-V,--version", fmt::format("throng {} ({})", version(), commit()),
                        "Prints version and commit");
   app.get_formatter()->column_width(34);
-  const std::vector<Command> commands = {
-      add_run_command(app),      add_scenes_command(app),  add_info_command(app),
-      add_check_command(app),    add_monitor_command(app), add_render_command(app),
-      add_view_command(app),     add_paper_command(app),   add_bench_command(app),
-      add_validate_command(app), add_help_command(app)};
+  const std::vector<Command> commands = {add_run_command(app),     add_scenes_command(app),
+                                         add_info_command(app),    add_check_command(app),
+                                         add_monitor_command(app), add_render_command(app),
+                                         add_view_command(app),    add_paper_command(app),
+                                         add_bench_command(app),   add_validate_command(app)};
+  app.add_subcommand("help", "The options of a command: throng help COMMAND");
+  std::vector<std::string> words = as_parsed(app, {argv + 1, argv + argc});
+  std::reverse(words.begin(), words.end());  // as the parser wants them
   try {
-    app.parse(argc, argv);
+    app.parse(std::move(words));
   } catch (const CLI::Success& asked) {
     return told(app, asked);
   } catch (const CLI::ParseError& error) {

@@ -33,12 +33,12 @@ TEST(Help, VersionNamesTheCommit) {
 
 TEST(WrongFile, IsNamedForWhatItIs) {
   const ScratchFolder folder;
-  ASSERT_EQ(
-      shell("throng run plaza --avatars 5 --seconds 0.1 --lcm off --log a.lcmlog "
-            "--trajectory a.sqlite --trajectory a.csv --checkpoint a.checkpoint --json a.json",
-            folder)
-          .exit_code,
-      0);
+  ASSERT_EQ(shell("throng run plaza --avatars 5 --seconds 0.1 --lcm off --log a.lcmlog "
+                  "--trajectory a.sqlite --trajectory a.csv --checkpoint a.checkpoint --every 0.05 "
+                  "--json a.json",
+                  folder)
+                .exit_code,
+            0);
   const std::string adult = "avatars/models/adult/";
   const struct {
     std::string file, words;
