@@ -20,7 +20,7 @@ constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
 // A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
 constexpr std::chrono::milliseconds kDescriptionPause{1};
 
-void to_stderr(const std::string& text) { say("{}\n", text); }
+void say_line(const std::string& text) { say("{}\n", text); }
 
 bool is_usable(const std::string& url) { return has_route(url) && has_server(url); }
 
@@ -36,7 +36,7 @@ LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
       encoder_({.state_every = options.state_every, .part_poses = options.part_poses}, *this) {
   for (const Channel channel : kAllChannels)
     channels_[static_cast<size_t>(channel)] = name_of(channel);
-  if (!options_.warn) options_.warn = to_stderr;
+  if (!options_.warn) options_.warn = say_line;
   if (good()) return;
   if (is_tcpq(options_.url)) {
     server_is_lost_ = true;

@@ -129,8 +129,8 @@ TEST_F(Structure, NoFileIsLongerThanFiveHundredLines) {
 
 TEST_F(Structure, OnePlaceSpeaksToStandardError) {
   // Whatever throws, or ends the process, where stderr takes nothing must not be used.
-  const std::vector<std::string_view> ways = {"stderr",    "std::cerr", "std::clog",
-                                              "perror(", "STDERR_FILENO,"};
+  const std::vector<std::string_view> ways = {"stderr", "std::cerr", "std::clog", "perror(",
+                                              "STDERR_FILENO,"};
   bool said = false;
   for (const SourceFile& file : files()) {
     if (!file.has_extension(kCode) || file.is_test()) continue;
@@ -140,8 +140,8 @@ TEST_F(Structure, OnePlaceSpeaksToStandardError) {
         if (code.find(way) == std::string_view::npos) continue;
         said |= file.path == "base/say.cpp";
         EXPECT_EQ(file.path, "base/say.cpp")
-            << file.path << ":" << line.number << ": messages go through say() of base/say.h: "
-            << line.text;
+            << file.path << ":" << line.number
+            << ": messages go through say() of base/say.h: " << line.text;
       }
     }
   }
