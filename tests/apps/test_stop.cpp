@@ -48,7 +48,7 @@ TEST_P(Stop, EndsCleanly) {
 INSTANTIATE_TEST_SUITE_P(Signals, Stop,
                          testing::Values(Signal{"TERM", 143}, Signal{"INT", 130},
                                          Signal{"HUP", 129}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace throng
