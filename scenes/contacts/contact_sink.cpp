@@ -28,22 +28,16 @@ constexpr const char* kTables[] = {"contacts.csv", "pairs.csv",        "people.c
 constexpr const char* kFigures[] = {"contact_rates", "contact_durations", "contact_parts",
                                     "contact_density"};
 
-std::string quoted(const std::string& name) {
-  std::string text = "\"";
-  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + '"';
-}
-
-/// A name as a field: quoted where it would not be one otherwise (RFC 4180).
-std::string field(const std::string& name) {
-  return name.find_first_of(",\"\r\n") == std::string::npos ? name : quoted(name);
-}
-
 /// A field that may hold commas; its own quotes are doubled (RFC 4180).
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
   return out + "\"";
+}
+
+/// A name as a field: quoted where it would not be one otherwise (RFC 4180).
+std::string field(const std::string& name) {
+  return name.find_first_of(",\"\r\n") == std::string::npos ? name : quoted(name);
 }
 
 std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) {
