@@ -6,6 +6,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "base/errors.h"
+#include "base/say.h"
 #include "lcmtypes/guard.h"
 #include "lcmtypes/lcm_url.h"
 
@@ -108,12 +109,10 @@ bool DriveReceiver::is_current(Listener& listener, const drive_t& message, size_
 
 void DriveReceiver::start_anew(Listener& listener, const drive_t& message, double silence_s) {
   ChannelTally& tally = listener.tally;
-  const std::string note = fmt::format(
-      "note: drive channel {}: nothing newer than number {} came for {:.1f} s; counting starts "
+  say("note: drive channel {}: nothing newer than number {} came for {:.1f} s; counting starts "
       "anew "
       "at {}\n",
       counts_[listener.index].channel, tally.next_seq - 1, silence_s, message.seq);
-  std::fputs(note.c_str(), stderr);
   ++counts_[listener.index].restarts;
   // The number that nobody came up to was none: what seemed to be missing before it was never sent.
   tally.missing -= listener.last_hole;

@@ -136,6 +136,9 @@ struct Scene {
 /// longer run begins with the shorter one's frames), its description, or where files lie.
 uint64_t content_hash_of(const Scene& scene);
 
+/// Not robots; a group without a body yet is one of people.
+bool has_people(const Group& group);
+
 /// Gives a group whose height nobody says that of its `body`, if it is a robot or driven: these are
 /// as large as their model. What the height of people is follows from their ages.
 void keep_own_size(Group& group);

@@ -5,8 +5,10 @@
 
 namespace throng {
 
+bool has_people(const Group& group) { return group.body == nullptr || group.body->is_person; }
+
 void keep_own_size(Group& group) {
-  if (group.height_m || (group.driven.empty() && group.body->is_person)) return;
+  if (group.height_m || (group.driven.empty() && has_people(group))) return;
   const auto height_m = static_cast<double>(group.body->height_m);
   group.height_m = Distribution{height_m, 0, height_m, height_m};
 }

@@ -106,8 +106,8 @@ bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64
 /// Of the steering disc of somebody in the group.
 double disc_of(const Group& group, double height_m) {
   if (group.radius_m > 0) return group.radius_m;
+  if (has_people(group)) return disc_radius_m(height_m);
   const Model& body = *group.body;
-  if (body.is_person) return disc_radius_m(height_m);
   // All of a robot as it starts: unlike a person it has no arms to draw in.
   return std::clamp(static_cast<double>(body.footprint_radius_m()) * height_m /
                         static_cast<double>(body.height_m),
@@ -180,7 +180,7 @@ Spawned spawn(const Scene& scene, const Ways& ways) {
   for (size_t g = 0; g < scene.groups.size(); ++g) {
     const Group& group = scene.groups[g];
     // A robot's size comes from a file of somebody else's, perhaps in millimetres: it is said.
-    if (!group.body->is_person)
+    if (!has_people(group))
       out.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
     int placed = 0;
     for (int i = 0; i < group.count; ++i, ++id) {

@@ -31,8 +31,8 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
   int logs = 0;
   for (int round = 0; round < 24; ++round) {
     const ScratchFolder folder;
-    // Half of them in the first tenth of a second, which is loading and opening.
-    const double latest_s = round % 2 == 0 ? 0.1 : 0.8;
+    // Half of them while it loads and opens, which takes half a second or, on a busy machine, more.
+    const double latest_s = round % 2 == 0 ? 0.5 : 2;
     const double after_s = latest_s * static_cast<double>(random() % 1000) / 1000;
     const auto& signal = signals[round % 3];
     SCOPED_TRACE("SIG" + std::string(signal.name) + " after " + std::to_string(after_s) + " s");
@@ -47,7 +47,7 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
     EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
     EXPECT_THAT(check.out, HasSubstr("run.lcmlog: sound\n"));
   }
-  EXPECT_GT(logs, 6) << "most runs were not stopped while they ran";
+  EXPECT_GT(logs, 3) << "most runs were not stopped while they ran";
 }
 
 TEST(Signals, TwiceInOneBreathIsOneWish) {
@@ -109,7 +109,7 @@ TEST(Signals, ValidateTellsItsVerdictsSoFar) {
 TEST(Signals, BenchTellsTheFramesSoFar) {
   const ScratchFolder folder;
   const Outcome outcome =
-      shell(signalled("throng bench --avatars 100 --engines none --frames 100000 --json b.json", 2,
+      shell(signalled("throng bench --avatars 2000 --engines none --frames 100000 --json b.json", 2,
                       "kill -INT $run"),
             folder);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;

@@ -14,7 +14,7 @@ namespace {
 TEST(FigureText, StaysInItsQuotesOnOneLine) {
   EXPECT_EQ(figure_text("left hand"), "'left hand'");
   EXPECT_EQ(figure_text("it's"), "'it''s'");
-  EXPECT_EQ(figure_text("''"), "");
+  EXPECT_EQ(figure_text("''"), "''''''");
   EXPECT_EQ(figure_text("a\nb\tc\x7f"), "'a b c '");
 }
 

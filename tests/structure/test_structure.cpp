@@ -136,6 +136,8 @@ TEST_F(Structure, OnePlaceSpeaksToStandardError) {
     if (!file.has_extension(kCode) || file.is_test()) continue;
     for (const Line& line : lines_of(file)) {
       const std::string_view code = line.text.substr(0, line.text.find("//"));
+      // Where a sanitizer reports to is no message of ours.
+      if (code.find("__sanitizer_set_report_path") != std::string_view::npos) continue;
       for (const std::string_view way : ways) {
         if (code.find(way) == std::string_view::npos) continue;
         said |= file.path == "base/say.cpp";
