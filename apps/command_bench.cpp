@@ -169,7 +169,7 @@ Measured measured(const BenchCommand& command, const bench::Progress& progress) 
   return measure_engines(command, progress);
 }
 
-int tell(const BenchCommand& command, const Measured& result) {
+int report(const BenchCommand& command, const Measured& result) {
   show_beside_json(command.json, result.text);
   write_json_output(command.json, result.json);
   if (!command.csv.empty()) {
@@ -183,7 +183,7 @@ int tell(const BenchCommand& command, const Measured& result) {
 int stopped(const BenchCommand& command, const Measured& result, const std::string& progress) {
   say("stopped by {}{}{}; {}\n", StopSignal::name(), progress.empty() ? "" : " after ", progress,
       result.text.empty() ? "nothing was measured to its end" : "what was measured follows");
-  if (!result.text.empty()) tell(command, result);
+  if (!result.text.empty()) report(command, result);
   return StopSignal::exit_code();
 }
 
@@ -210,7 +210,7 @@ int measure(BenchCommand& command) {
   const std::string last = line->last();
   if (!done) return stopped(command, {}, last);
   return StopSignal::requested() && command.measures_engines() ? stopped(command, *result, last)
-                                                               : tell(command, *result);
+                                                               : report(command, *result);
 }
 
 void add_options(CLI::App& app, BenchCommand& command) {

@@ -60,7 +60,7 @@ class Screen {
   }
   ~Screen() {
     if (is_used_) show("\033[?25h\033[?1049l");
-    shown();
+    flush_shown();
   }
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
@@ -122,7 +122,7 @@ int watch_live(const MonitorOptions& options) {
         if (view.now_s - drawn_s < kLine_s) continue;
         show("{}\n", line_of(view));
       }
-      if (!shown()) break;  // nobody reads it any more
+      if (!flush_shown()) break;  // nobody reads it any more
       drawn_s = view.now_s;
     }
   }

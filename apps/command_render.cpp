@@ -57,7 +57,7 @@ void require_drawable(const RenderCommand& command) {
 }
 
 int render_frames(const RenderCommand& command) {
-  const RecordedFrame reaches_the_last(command.log, command.frames[1]);
+  RecordedFrame(command.log, command.frames[1]);  // throws if the log does not reach so far
   RecordedFrame frame(command.log, command.frames[0]);
   const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
   const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);

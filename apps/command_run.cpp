@@ -157,6 +157,17 @@ void add_options(CLI::App& app, RunOptions& options) {
       ->check(number_option(0, 1e6, true, "a number above 0; 1 is real time"))
       ->type_name("X");
   app.add_option("--lcm", options.lcm, fmt::format("Where to publish, or off [{}]", options.lcm))
+      ->check(CLI::Validator(
+          [](std::string& url) {
+            // liblcm would open the file before anything is known to be possible.
+            return url.starts_with("file:")
+                       ? fmt::format(
+                             "expected the URL of a network (--log FILE writes a log), "
+                             "found '{}'",
+                             url)
+                       : std::string();
+          },
+          ""))
       ->type_name("URL");
   app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
       ->type_name("FILE");
@@ -184,7 +195,7 @@ SimulationOptions simulation_options(const RunOptions& options) {
   out.deadline_tests = options.deadline_tests;
   out.strategy = strategy_of(options.strategy).value();
   if (out.strategy != Strategy::kPipeline) out.pair_search = PairSearch::kBrute;
-  // Who touches whom needs the joint angles of few; everybody's are for those who tell them on.
+  // Who touches whom needs the joint angles of few; everybody's are for whoever passes them on.
   out.postures = options.log != "off" || options.lcm != "off" || !options.recorders.html.empty() ||
                  !options.recorders.trace.empty();
   for (const auto& [name, search] : kPairSearches)
@@ -244,9 +255,9 @@ PlannedFile planned_log(const RunOptions& options) {
 }
 
 /// What the run writes, and what it must not write over as far as the command line tells.
-OutputPlan planned_outputs(const RunOptions& options) {
+OutputPlan planned_outputs(const RunOptions& options, const PlannedFile& log) {
   OutputPlan plan;
-  plan.writes(planned_log(options));
+  plan.writes(log);
   plan.writes_json(options.json);
   plan_recorders(options.recorders, plan);
   plan_checkpoints(options.checkpoints, plan);
@@ -348,16 +359,9 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
   return report;
 }
 
-int run_scene(const RunOptions& options) {
-  const SimulationOptions simulated = simulation_options(options);
-  OutputPlan plan = planned_outputs(options);
-  plan.check();  // before what takes its time
-  Prepared prepared = scene_for(options);
-  Scene& scene = prepared.scene;
-  const double states = state_every(options, scene);
-  plan_inputs(scene, plan);
-  plan.check();
-
+/// Opens what the run writes, the log last: its older one is moved away only when all else is open.
+Listeners open_listeners(const RunOptions& options, const PlannedFile& log, double states,
+                         OpenOutputs& outputs) {
   Listeners listeners;
   if (options.lcm != "off") {
     LcmOptions lcm;
@@ -366,10 +370,47 @@ int run_scene(const RunOptions& options) {
     lcm.part_poses = options.publish_parts;
     listeners.lcm = std::make_unique<LcmSink>(lcm);
   }
-  Simulation simulation(std::move(scene), simulated);
-  if (!planned_log(options).path.empty() || listeners.lcm != nullptr ||
-      !options.recorders.html.empty())
-    readable_description(simulation.info());
+  listeners.recorders = std::make_unique<Recorders>(options.recorders);
+  outputs.keep_older();
+  for (const std::string& note : outputs.notes()) say("note: {}\n", note);
+  if (log.path.empty()) return listeners;
+  LogOptions log_options;
+  log_options.flush_s = options.flush_s;
+  log_options.threads = options.threads;
+  log_options.state_every = states;
+  log_options.part_poses = options.publish_parts;
+  listeners.log = std::make_unique<LogSink>(log.path, log_options);
+  listeners.guard = std::make_unique<LogGuard>(*listeners.log);
+  return listeners;
+}
+
+/// What went wrong with files, and the results; the exit code.
+int report_end(const RunOptions& options, const RunReport& report, const Listeners& listeners,
+               const Checkpoints& checkpoints) {
+  show_beside_json(options.json, format_table(report));
+  if (listeners.lost_log()) say("{}\n", listeners.guard->failure());
+  say("{}", listeners.recorders->failures());
+  if (const ContactSink* contacts = listeners.recorders->contacts();
+      contacts != nullptr && !contacts->note().empty() && !listeners.lost_file())
+    say("note: {}\n", contacts->note());
+  if (!checkpoints.failure().empty()) say("{}\n", checkpoints.failure());
+  write_json_output(options.json, json_text(report));
+  if (listeners.lost_file() || !checkpoints.failure().empty()) return kExitEnvironment;
+  return report.summary.stopped_early ? StopSignal::exit_code() : kExitFine;
+}
+
+int run_scene(const RunOptions& options) {
+  const SimulationOptions simulated = simulation_options(options);
+  const PlannedFile log = planned_log(options);
+  OutputPlan plan = planned_outputs(options, log);
+  plan.check();  // before what takes its time
+  Prepared prepared = scene_for(options);
+  const double states = state_every(options, prepared.scene);
+  plan_inputs(prepared.scene, plan);
+  plan.check();
+  Simulation simulation(std::move(prepared.scene), simulated);
+  if (!log.path.empty() || options.lcm != "off" || !options.recorders.html.empty())
+    require_readable(simulation.info(), options.publish_parts);
   for (const std::string& note : simulation.notes()) say("note: {}\n", note);
   Pacer pacer(options.pace);
   const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
@@ -378,42 +419,22 @@ int run_scene(const RunOptions& options) {
   // Nothing can refuse the run any more: only now files change, and from here on a signal waits for
   // their ends.
   const StopSignal stop;
-  const OpenOutputs outputs = plan.open();
-  for (const std::string& note : outputs.notes()) say("note: {}\n", note);
-  const fs::path log = planned_log(options).path;
-  if (!log.empty()) {
-    LogOptions log_options;
-    log_options.flush_s = options.flush_s;
-    log_options.threads = options.threads;
-    log_options.state_every = states;
-    log_options.part_poses = options.publish_parts;
-    listeners.log = std::make_unique<LogSink>(log, log_options);
-    listeners.guard = std::make_unique<LogGuard>(*listeners.log);
-  }
-  listeners.recorders = std::make_unique<Recorders>(options.recorders);
+  OpenOutputs outputs = plan.open();
+  const Listeners listeners = open_listeners(options, log, states, outputs);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
   const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get(), checkpoints);
   for (const Stranding& stranding : summary.strandings)
     say("note: {}\n", describe(stranding, simulation.scene()));
   if (summary.stopped_early) say("stopped after {} frames{}\n", summary.frames, by_signal());
 
-  RunReport report = report_of(options, simulated, simulation.scene(), summary, listeners, log);
+  RunReport report =
+      report_of(options, simulated, simulation.scene(), summary, listeners, log.path);
   if (driver != nullptr) report.driven = driver->counts();
   report.plan_factor = prepared.plan_factor;
   report.notes = std::move(prepared.notes);
   report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
   report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
-  show_beside_json(options.json, format_table(report));
-  int exit_code = summary.stopped_early ? StopSignal::exit_code() : kExitFine;
-  if (listeners.lost_log()) say("{}\n", listeners.guard->failure());
-  say("{}", listeners.recorders->failures());
-  if (const ContactSink* contacts = listeners.recorders->contacts();
-      contacts != nullptr && !contacts->note().empty() && !listeners.lost_file())
-    say("note: {}\n", contacts->note());
-  if (!checkpoints.failure().empty()) say("{}\n", checkpoints.failure());
-  if (listeners.lost_file() || !checkpoints.failure().empty()) exit_code = kExitEnvironment;
-  write_json_output(options.json, json_text(report));
-  return exit_code;
+  return report_end(options, report, listeners, checkpoints);
 }
 
 }  // namespace

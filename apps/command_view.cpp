@@ -44,7 +44,7 @@ struct ViewCommand {
 void serve(WebServer& server, const std::string& what) {
   const StopSignal stop;
   show("{}  {}; Ctrl-C ends\n", server.url(), what);
-  shown();
+  flush_shown();
   while (!StopSignal::requested()) std::this_thread::sleep_for(kLookAround);
 }
 

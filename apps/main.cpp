@@ -43,14 +43,14 @@ int failed(const std::string& message, int exit_code) {
 /// Results that did not reach their reader are no results. Who closes the terminal closes what we
 /// write to as well, and knows.
 int ended(int exit_code) {
-  if (shown() || (exit_code != kExitFine && exit_code == StopSignal::exit_code() &&
-                  StopSignal::name() == "SIGHUP"))
+  if (flush_shown() || (exit_code != kExitFine && exit_code == StopSignal::exit_code() &&
+                        StopSignal::name() == "SIGHUP"))
     return exit_code;
   return failed("throng: could not write to the standard output", kExitEnvironment);
 }
 
 /// What the parser itself has to say: help and version.
-int told(const CLI::App& app, const CLI::Success& asked) {
+int print_parser_output(const CLI::App& app, const CLI::Success& asked) {
   std::ostringstream out, err;
   app.exit(asked, out, err);
   show("{}", out.str());
@@ -92,7 +92,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(std::move(words));
   } catch (const CLI::Success& asked) {
-    return told(app, asked);
+    return print_parser_output(app, asked);
   } catch (const CLI::ParseError& error) {
     return failed(explain(app, error), kExitBadInput);
   }

@@ -252,7 +252,7 @@ OpenOutputs OutputPlan::open() const {
       outputs.open(file);
     }
     for (const PlannedFile& file : files_)
-      if (!file.keeps.empty()) outputs.keep_older(file);
+      if (!file.keeps.empty()) outputs.to_keep_.push_back(file);
   } catch (...) {
     outputs.take_back();
     throw;
@@ -266,6 +266,7 @@ OpenOutputs::OpenOutputs(OpenOutputs&& other) noexcept
     : descriptors_(std::exchange(other.descriptors_, {})),
       created_(std::exchange(other.created_, {})),
       notes_(std::move(other.notes_)),
+      to_keep_(std::move(other.to_keep_)),
       exceptions_(other.exceptions_) {}
 
 OpenOutputs::~OpenOutputs() {
@@ -305,18 +306,34 @@ void OpenOutputs::lock_folder(const fs::path& folder, const std::string& option)
   lock(descriptor, option, folder);
 }
 
+/// The last of descriptors_, and the file that has the name: another run that was refused may have
+/// taken an empty one back between opening and locking.
+int OpenOutputs::open_locked(const PlannedFile& file) {
+  for (;;) {
+    const int descriptor = ::open(file.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+      throw EnvironmentError(fmt::format("{}: cannot write it: {}", named(file.option, file.path),
+                                         std::strerror(errno)));
+    descriptors_.push_back(descriptor);
+    lock(descriptor, file.option, file.path);
+    struct stat opened {
+    }, there{};
+    if (::fstat(descriptor, &opened) == 0 && ::stat(file.path.c_str(), &there) == 0 &&
+        opened.st_dev == there.st_dev && opened.st_ino == there.st_ino)
+      return descriptor;
+    ::close(descriptor);
+    descriptors_.pop_back();
+  }
+}
+
 void OpenOutputs::open(const PlannedFile& file) {
   struct stat status {};
   const bool is_there = ::stat(file.path.c_str(), &status) == 0;
-  // Opening a pipe would wait for its reader, and closing it would send him home.
+  // Opening a pipe would wait for its reader, and closing it would end the reader.
   if (is_there && is_special(status.st_mode)) return;
-  const int descriptor = ::open(file.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor < 0)
-    throw EnvironmentError(fmt::format("{}: cannot {} it: {}", named(file.option, file.path),
-                                       is_there ? "write" : "create", std::strerror(errno)));
+  const int descriptor = open_locked(file);
+  // Only what is locked is ours to take back: until then another run may have created it.
   if (!is_there) created_.push_back(links_followed(file.path));
-  descriptors_.push_back(descriptor);
-  lock(descriptor, file.option, file.path);
   if (is_there && status.st_size > 0 && file.is_recording && file.keeps.empty())
     notes_.push_back(
         fmt::format("{} of {}, is replaced{}", file.path.string(), age_and_size(status),
@@ -326,6 +343,11 @@ void OpenOutputs::open(const PlannedFile& file) {
   if (!is_there && ::unlink(created_.back().c_str()) == 0) created_.pop_back();
   ::close(descriptor);
   descriptors_.pop_back();
+}
+
+void OpenOutputs::keep_older() {
+  for (const PlannedFile& file : to_keep_) keep_older(file);
+  to_keep_.clear();
 }
 
 void OpenOutputs::keep_older(const PlannedFile& file) {
@@ -344,13 +366,8 @@ void OpenOutputs::keep_older(const PlannedFile& file) {
     throw EnvironmentError(
         fmt::format("{}: cannot keep the older one as {}: {}; name another place with {}",
                     file.path.string(), file.keeps.string(), std::strerror(errno), file.option));
-  const int descriptor = ::open(file.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor < 0)
-    throw EnvironmentError(fmt::format("{}: cannot create it: {}", named(file.option, file.path),
-                                       std::strerror(errno)));
+  open_locked(file);
   created_.push_back(links_followed(file.path));
-  descriptors_.push_back(descriptor);
-  lock(descriptor, file.option, file.path);
   notes_.push_back(fmt::format(
       "{} of {}, is kept as {}{}", file.path.string(), age_and_size(status), file.keeps.string(),
       replaces ? fmt::format(", in place of that of {}", age_and_size(kept)) : ""));

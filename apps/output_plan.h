@@ -53,6 +53,9 @@ class OpenOutputs {
   OpenOutputs(const OpenOutputs&) = delete;
   OpenOutputs& operator=(const OpenOutputs&) = delete;
 
+  /// Moves away what is kept; for the moment when all writers have opened theirs. Throws
+  /// EnvironmentError.
+  void keep_older();
   /// What was replaced or kept, a line each, for the user.
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -62,17 +65,19 @@ class OpenOutputs {
   void lock_folder(const std::filesystem::path& folder, const std::string& option);
   void open(const PlannedFile& file);
   void keep_older(const PlannedFile& file);
+  int open_locked(const PlannedFile& file);
   void take_back() noexcept;
 
   std::vector<int> descriptors_;
   std::vector<std::filesystem::path> created_;
   std::vector<std::string> notes_;
+  std::vector<PlannedFile> to_keep_;
   int exceptions_;
 };
 
 class OutputPlan {
  public:
-  /// `what` completes "which is": "the scene". An empty path is none.
+  /// `what` follows the path and a comma: "the scene". An empty path is none.
   void reads(const std::string& what, const std::filesystem::path& path);
   /// An empty path is none.
   void writes(PlannedFile file);
@@ -85,8 +90,8 @@ class OutputPlan {
   /// Touches nothing. Throws InputError where two are one file or a folder stands for a file,
   /// EnvironmentError where a folder is missing or refuses.
   void check() const;
-  /// Checks again, then opens every output without emptying any, locks those that are written as
-  /// it runs, and only then moves away what is kept. Throws as check(); then nothing has changed.
+  /// Checks again, then opens every output without emptying any, and locks those that are written
+  /// as it runs. Throws as check(); then nothing has changed.
   OpenOutputs open() const;
 
  private:

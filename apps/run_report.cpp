@@ -4,15 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "apps/machine.h"
-#include "apps/text_file.h"
-#include "base/errors.h"
 #include "bench/version_json.h"
 
 namespace throng {

@@ -63,7 +63,7 @@ void handle(int signal) {
 StopSignal::StopSignal() { g_work_is_open = true; }
 
 StopSignal::~StopSignal() {
-  shown();  // the summary belongs to the work
+  flush_shown();  // the summary belongs to the work
   g_work_is_open = false;
 }
 

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/text_file.h"
-#include "base/errors.h"
 #include "bench/version_json.h"
 
 namespace throng {

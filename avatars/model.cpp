@@ -54,7 +54,7 @@ Shape shape_of(const Geometry& geometry, const std::string& where) {
         "a package above the URDF, in $ROS_PACKAGE_PATH or in $AMENT_PREFIX_PATH (a folder of its "
         "name, or one with its package.xml)",
         fmt::format("none for '{}'", path));
-  return {read_mesh(geometry.mesh_file), shown(geometry.mesh_file.filename().string())};
+  return {read_mesh(geometry.mesh_file), escaped(geometry.mesh_file.filename().string())};
 }
 
 void append(const Shape& shape, const Geometry& geometry, Part& part) {

@@ -13,7 +13,7 @@ void say_text(std::string_view text) noexcept {
 
 void show_text(std::string_view text) noexcept { std::fwrite(text.data(), 1, text.size(), stdout); }
 
-bool shown() noexcept {
+bool flush_shown() noexcept {
   const bool flushed = std::fflush(stdout) == 0;
   return flushed && std::ferror(stdout) == 0;
 }

@@ -12,7 +12,7 @@ namespace throng {
 
 /// Notes, progress and errors, exactly as given: the line feed is the caller's.
 void say_text(std::string_view text) noexcept;
-/// Results. What could not be written is known to shown().
+/// Results. What could not be written is known to flush_shown().
 void show_text(std::string_view text) noexcept;
 
 template <typename... Args>
@@ -25,7 +25,7 @@ void show(fmt::format_string<Args...> format, Args&&... args) {
 }
 
 /// Sends on what was shown so far; false if any of it, now or before, did not reach its reader.
-bool shown() noexcept;
+bool flush_shown() noexcept;
 
 /// For signal handlers, which may call next to nothing: this.
 void say_in_handler(std::string_view text) noexcept;

@@ -57,7 +57,7 @@ std::string defect_of_name(std::string_view name) {
       return fmt::format(
           "one with {}: '{}'",
           first_of(name.substr(at)).bytes == 0 ? "bytes that are no UTF-8" : "a control character",
-          shown(name.substr(0, kMaxNameBytes)));
+          escaped(name.substr(0, kMaxNameBytes)));
     at += bytes;
   }
   if (name.size() > kMaxNameBytes)
@@ -65,7 +65,7 @@ std::string defect_of_name(std::string_view name) {
   return "";
 }
 
-std::string shown(std::string_view text) {
+std::string escaped(std::string_view text) {
   std::string out;
   for (size_t at = 0; at < text.size();) {
     const size_t bytes = printable_character(text.substr(at));
@@ -79,7 +79,7 @@ std::string shown(std::string_view text) {
 }
 
 std::string name_after(std::string_view file_stem) {
-  std::string name = shown(file_stem);
+  std::string name = escaped(file_stem);
   if (name.size() <= kMaxNameBytes) return name;
   constexpr std::string_view kCut = "...";
   size_t end = 0;

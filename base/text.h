@@ -20,9 +20,9 @@ std::string defect_of_name(std::string_view name);
 
 /// The same text with "\xNN" for each byte of what is not printable: fit for JSON, a table and a
 /// name.
-std::string shown(std::string_view text);
+std::string escaped(std::string_view text);
 
-/// A name after a file whose name may be anything: shown(), and cut where it is too long.
+/// A name after a file whose name may be anything: escaped(), and cut where it is too long.
 std::string name_after(std::string_view file_stem);
 
 }  // namespace throng

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// As many as the kernel follows.
-constexpr int kMaxLinks = 40;
+constexpr int kMaxSymlinks = 40;
 
 /// What every program creates files with; the umask takes away from it.
 constexpr mode_t kMode = 0666;
@@ -118,7 +118,7 @@ class Writer {
 
 fs::path links_followed(fs::path path) {
   std::error_code error;
-  for (int i = 0; i < kMaxLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
+  for (int i = 0; i < kMaxSymlinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
     const fs::path target = fs::read_symlink(path, error);
     if (error) return path;
     // What /proc calls a link may lead to a pipe, which has no path.

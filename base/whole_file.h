@@ -16,7 +16,8 @@ struct WholeFileOptions {
   bool to_disk = false;     ///< not even a power cut leaves half a file; costs some milliseconds
 };
 
-/// Throws EnvironmentError naming the file; an older file of that name is then as it was.
+/// Throws EnvironmentError naming the file; an older one, unless it is written in place, is then as
+/// it was.
 void write_whole_file(const std::filesystem::path& file, std::span<const uint8_t> bytes,
                       const WholeFileOptions& options = {});
 void write_whole_file(const std::filesystem::path& file, std::string_view text,

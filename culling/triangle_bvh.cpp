@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/random.h"
+#include "base/checksum.h"
 #include "culling/surface.h"
 
 namespace throng {
@@ -149,11 +149,11 @@ int crossing(const Corners& corners, const Vector3d& p) {
 }
 
 /// What a turn round a solid counts; 0 round what is open. One sum then tells whether any solid is
-/// wound round: turns are few and weights are 64 random bits, so that they cancel with a chance of
-/// about 1 in 2^60 only.
+/// wound round: turns are few and weights are 64 well mixed bits, so that they cancel with a chance
+/// of about 1 in 2^60 only.
 uint64_t weight_of(uint32_t solid) {
   if (solid == Surface::kOpen) return 0;
-  return random_bits({0, solid, 0, Purpose::kSymmetryBreaking});
+  return mixed(uint64_t{solid} + 1);
 }
 
 }  // namespace

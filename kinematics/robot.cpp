@@ -256,7 +256,7 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file) {
   robot.notes = std::move(notes);
   const std::vector<std::string> unused = unused_in_urdf(elements);
   robot.notes.insert(robot.notes.end(), unused.begin(), unused.end());
-  if (!messages.errors.empty()) robot.notes.push_back("urdfdom says: " + messages.errors);
+  if (!messages.errors.empty()) robot.notes.push_back("urdfdom says: " + escaped(messages.errors));
   return robot;
 }
 

@@ -16,7 +16,9 @@ namespace throng {
 namespace {
 
 /// For an error, which is one line whatever the file holds.
-std::string quoted(std::string_view text) { return fmt::format("'{}'", shown(text.substr(0, 60))); }
+std::string quoted(std::string_view text) {
+  return fmt::format("'{}'", escaped(text.substr(0, 60)));
+}
 
 class Check {
  public:
@@ -361,7 +363,7 @@ std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements)
     if (known != kKnownTags.end() && known->note.empty()) continue;
     const bool understood = known != kKnownTags.end();
     told[i] = elements[i].name != "inertial";
-    const std::string key = fmt::format("<{}>", elements[i].name.substr(0, 60));
+    const std::string key = fmt::format("<{}>", escaped(elements[i].name.substr(0, 60)));
     auto& entry = counts.emplace(key, std::pair{0, understood ? known->note : "not understood"})
                       .first->second;
     ++entry.first;

@@ -55,8 +55,8 @@ void CheckSpans::adopt(const checks_t& said, const LogEvent& event) {
   last_byte_ = event.offset;
 }
 
-void CheckSpans::tell(checks_t& said, const LogEvent& event, const MessageHeader& header) const {
-  sums_.tell(said);
+void CheckSpans::fill(checks_t& said, const LogEvent& event, const MessageHeader& header) const {
+  sums_.fill(said);
   said.number = is_recorders_stamp(header, event) ? next_number_ : event.number;
 }
 

@@ -44,7 +44,7 @@ class CheckSpans {
   /// Goes on with what was said.
   void adopt(const checks_t& said, const LogEvent& event);
   /// Fills in what was counted in place of what was said.
-  void tell(checks_t& said, const LogEvent& event, const MessageHeader& header) const;
+  void fill(checks_t& said, const LogEvent& event, const MessageHeader& header) const;
 
   /// Whether messages are missing before these checks, so that nothing can be compared: the
   /// recorder began late, or lost some.

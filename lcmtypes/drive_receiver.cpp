@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 
 #include "base/errors.h"

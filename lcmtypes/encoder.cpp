@@ -90,6 +90,15 @@ void RunEncoder::hand_over(Channel channel, std::span<const uint8_t> bytes, uint
   target_.message(channel, utime_us_, bytes);
 }
 
+void require_readable(const RunInfo& run, bool part_poses) {
+  struct : MessageTarget {
+    void message(Channel, int64_t, std::span<const uint8_t>) override {}
+  } nobody;
+  EncoderOptions options;
+  options.part_poses = part_poses;
+  RunEncoder(options, nobody).begin(run);
+}
+
 void RunEncoder::begin(const RunInfo& run) {
   run_id_ = static_cast<int64_t>(run.run_id);
   last_level_ = run.exact ? PairLevel::kExact : PairLevel::kPartVolume;
@@ -370,7 +379,7 @@ void RunEncoder::send_checks(uint64_t hash) {
   number(checks_, said_[Channel::kChecks].messages, 0, 1);
   checks_.number = said_.messages();
   checks_.hash = static_cast<int64_t>(hash);
-  said_.tell(checks_);
+  said_.fill(checks_);
   const size_t size = encoded(checks_, buffer_).size();
   const std::span<uint8_t> bytes(buffer_.data(), size);
   seal(bytes);

@@ -124,4 +124,8 @@ class RunEncoder {
   std::vector<uint8_t> buffer_;
 };
 
+/// Throws InputError if what the run is about to send could not be read: what begin() of its
+/// encoder would throw, to be known before anything is opened.
+void require_readable(const RunInfo& run, bool part_poses);
+
 }  // namespace throng

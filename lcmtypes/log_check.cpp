@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 
-#include "base/errors.h"
 #include "lcmtypes/log_hash.h"
 #include "lcmtypes/log_reader.h"
 #include "lcmtypes/run_reader.h"

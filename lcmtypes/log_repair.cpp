@@ -83,7 +83,7 @@ class Mender {
       spans_.adopt(said, event);
       adopt_hash(said);
     } else if (said.check_kind == kCheckKind) {
-      if (!spans_.differences(said, event, header).empty()) spans_.tell(said, event, header);
+      if (!spans_.differences(said, event, header).empty()) spans_.fill(said, event, header);
       tell_hash(said);
     }
     const bool is_changed = said.number != was.number || said.hash != was.hash ||

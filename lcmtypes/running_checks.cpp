@@ -29,7 +29,7 @@ void RunningChecks::add(Channel channel, int64_t number, int64_t stamp_us,
   add(channel, number, stamp_us, data.size(), checksum(data));
 }
 
-void RunningChecks::tell(checks_t& out) const {
+void RunningChecks::fill(checks_t& out) const {
   out.check_kind = kCheckKind;
   out.channel_count = kChannelCount;
   out.channels.resize(kChannelCount);

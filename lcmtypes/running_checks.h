@@ -1,4 +1,4 @@
-// What was said so far, channel by channel, as counts and running checksums: what checks_t tells.
+// What was said so far, channel by channel, as counts and running checksums: what checks_t says.
 // One rule: sender and judge use this one definition, and any change within eight bytes of a
 // message is certain to change its channel's sum.
 #pragma once
@@ -35,7 +35,7 @@ class RunningChecks {
   int64_t messages() const { return messages_; }
 
   /// Fills in the channels and what was said on them.
-  void tell(checks_t& out) const;
+  void fill(checks_t& out) const;
 
  private:
   std::array<Sum, kChannelCount> sums_{};

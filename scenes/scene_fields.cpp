@@ -44,7 +44,7 @@ std::string describe(const YamlNode& node) {
       return "nothing";
     case YamlNode::Kind::kScalar:
       return node.scalar.size() <= 60 ? fmt::format("'{}'", node.scalar)
-                                      : fmt::format("'{}...'", shown(node.scalar.substr(0, 60)));
+                                      : fmt::format("'{}...'", escaped(node.scalar.substr(0, 60)));
     case YamlNode::Kind::kList:
       return fmt::format("a list of {}", node.items.size());
     case YamlNode::Kind::kMap:

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "base/elementary.h"
-#include "base/errors.h"
 #include "scenes/box_world.h"
 #include "scenes/drive.h"
 #include "scenes/kinds.h"

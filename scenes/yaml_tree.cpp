@@ -81,7 +81,7 @@ class TreeBuilder : public YAML::EventHandler {
       const size_t bytes = printable_character(text.substr(at));
       if (bytes == 0 && text[at] != '\n' && text[at] != '\t')
         throw InputError(this->at(mark), "text without control characters",
-                         fmt::format("'{}'", shown(text.substr(0, 60))));
+                         fmt::format("'{}'", escaped(text.substr(0, 60))));
       at += std::max<size_t>(bytes, 1);
     }
   }
@@ -152,7 +152,7 @@ YamlNode parse_yaml(const std::string& text, const std::string& name) {
     throw InputError(
         at_line(name, 1 + static_cast<int>(std::count(
                               text.begin(), text.begin() + static_cast<ptrdiff_t>(at), '\n'))),
-        "text in UTF-8", fmt::format("'{}'", shown(std::string_view(text).substr(at, 1))));
+        "text in UTF-8", fmt::format("'{}'", escaped(std::string_view(text).substr(at, 1))));
   std::istringstream stream(text);
   TreeBuilder builder(name);
   try {

@@ -354,6 +354,30 @@ TEST(OutputPlan, OneOutputThatCannotBeLeavesTheOthersAsTheyWere) {
   }
 }
 
+TEST(OutputPlan, AWriterThatCannotOpenItsFileLeavesTheOlderLog) {
+  Workplace place;
+  const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --trajectory x.sqlite";
+  for (int round = 0; round < 2; ++round)
+    ASSERT_EQ(shell(run + " --seed " + std::to_string(round), place.folder()).exit_code, 0);
+  place.look();
+  // Another program reads the trajectory, and has it locked.
+  const Outcome outcome = shell(
+      "python3 -c 'import fcntl, sys, time; f = open(\"x.sqlite\", \"r+b\"); fcntl.lockf(f, "
+      "fcntl.LOCK_EX); print(\"locked\", flush=True); time.sleep(60)' >locked & holder=$!\n"
+      "while ! [ -s locked ]; do sleep 0.05; done\nrm locked\n" +
+          run + " --seed 9; code=$?\nkill $holder\nexit $code",
+      place.folder());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("another program has it open"));
+  place.expect_untouched();
+}
+
+TEST(OutputPlan, TheNetworkIsNoFile) {
+  Workplace place;
+  expect_refused(place, "throng run my.yaml --log off --lcm 'file://my.yaml?mode=w'",
+                 "--log FILE writes a log");
+}
+
 TEST(OutputPlan, ANewResultThatIsNotWholeLeavesTheOldOne) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --log off ";

@@ -281,5 +281,7 @@ int main(int argc, char** argv) {
       progress.assimp_crashed, progress.assimp_stalled, progress.assimp_hoarded);
   std::printf("[ inputs ] meshes: %d tried, %d refused, %d read, %d crashed, %d hung\n", count,
               progress.refused, progress.read, crashed, progress.hung);
-  return crashed + progress.hung > 0 ? 1 : 0;
+  // A reader that refuses, or takes, whatever it gets was not tried.
+  const bool is_tried = progress.read > 0 && progress.refused > 0;
+  return crashed + progress.hung == 0 && is_tried ? 0 : 1;
 }

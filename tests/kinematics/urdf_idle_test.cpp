@@ -52,6 +52,12 @@ TEST(UrdfIdle, MarkersWithoutSizeAreSkippedAndListed) {
     }
 }
 
+TEST(UrdfIdle, NotesCommandNoTerminal) {
+  const Robot read = parse("<robot name='r'><link name='foot'/><\x1b[31mloud/><torn\xff/></robot>");
+  EXPECT_THAT(read.notes, Contains(HasSubstr("<\\x1b[31mloud>")));
+  EXPECT_THAT(read.notes, Contains(HasSubstr("<torn\\xff>")));
+}
+
 TEST(UrdfIdle, WhatHasASurfaceStaysBesideAMarker) {
   const Robot read =
       parse(robot(shape("visual", "<box size='0 0 0'/>") + shape("visual", "<box size='1 2 3'/>")));

@@ -1,10 +1,11 @@
 // Names and text from files: what passes is UTF-8 that no terminal obeys, and what does not is
 // shown.
+#include "base/text.h"
+
 #include <gtest/gtest.h>
 
 #include "base/limits.h"
 #include "base/random.h"
-#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -38,13 +39,13 @@ TEST(Text, OfAnyBytesIsShownAsAName) {
     const uint64_t length = 1 + random_bits(key, 0) % 60;
     for (uint64_t i = 0; i < length; ++i)
       text += static_cast<char>(random_bits(key, static_cast<uint32_t>(i + 1)));
-    const std::string fit = shown(text), name = name_after(text);
+    const std::string fit = escaped(text), name = name_after(text);
     ASSERT_EQ(find_no_utf8(fit), std::string::npos) << "seed " << seed;
     ASSERT_LE(name.size(), kMaxNameBytes) << "seed " << seed;
     if (text.find_first_not_of(" \t\r\n") != std::string::npos) {
       ASSERT_EQ(defect_of_name(name), "") << "seed " << seed;
     }
-    ASSERT_EQ(shown(fit), fit) << "what is shown needs no more, seed " << seed;
+    ASSERT_EQ(escaped(fit), fit) << "what is shown needs no more, seed " << seed;
   }
 }
 
