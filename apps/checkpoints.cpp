@@ -49,6 +49,7 @@ void Checkpoints::after(Simulation& simulation, const Frame& frame, bool stops) 
   if (file_.empty() || !(stops || (frame.number + 1) % frames_ == 0)) return;
   try {
     write_checkpoint(file_, checkpoint_of(simulation));
+    ++written_;
   } catch (const EnvironmentError& error) {
     failure_ = error.what();
   }

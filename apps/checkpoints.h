@@ -30,12 +30,14 @@ class Checkpoints {
 
   /// After a frame: writes the file if it is due or the run `stops`.
   void after(Simulation& simulation, const Frame& frame, bool stops);
+  int64_t written() const { return written_; }
   /// Why the run has to stop, or "".
   const std::string& failure() const { return failure_; }
 
  private:
   std::string file_;
   int64_t frames_;  ///< between two checkpoints
+  int64_t written_ = 0;
   std::string failure_;
 };
 

@@ -40,6 +40,10 @@ CLI::Validator whole_option(int64_t low, int64_t high, const std::string& what);
 /// Accepts one of the names, with a did-you-mean.
 CLI::Validator name_option(std::vector<std::string> names);
 
+/// Throws InputError where an option that names a file, a folder or a URL names none, or "-", which
+/// only --json takes.
+void require_names(const CLI::App& command);
+
 /// One line for what the parser threw: what was expected, what was found, and what was meant.
 std::string explain(const CLI::App& app, const CLI::ParseError& error);
 

@@ -6,6 +6,7 @@
 
 #include "apps/command.h"
 #include "apps/output_plan.h"
+#include "base/errors.h"
 #include "base/say.h"
 #include "lcmtypes/log_check.h"
 
@@ -55,6 +56,8 @@ int check(const CheckOptions& options) {
   const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
   if (untold > 0) show("  problem    and {} more\n", untold);
   if (!options.repaired.empty()) {
+    if (report.log_events == 0)
+      throw InputError(options.log, "a log with something sound to copy", "no sound message");
     const OpenOutputs outputs = plan.open();
     for (const std::string& note : outputs.notes()) say("note: {}\n", note);
     const int64_t messages = repair_log(options.log, options.repaired);

@@ -49,7 +49,9 @@ int describe(const std::string& name) {
     text = describe_scene(name);  // a bundled one, or a did-you-mean
   } else {
     throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file",
-                     extension.empty() ? "no extension" : "extension '" + extension + "'");
+                     fs::is_directory(file) ? "a folder"
+                     : extension.empty()    ? "no extension"
+                                            : "extension '" + extension + "'");
   }
   show("{}", text);
   return kExitFine;

@@ -55,6 +55,19 @@ CLI::Validator number_option(double low, double high, bool open, const std::stri
       "");
 }
 
+void require_names(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string kind = option->get_type_name();
+    if (kind != "FILE" && kind != "DIR" && kind != "URL") continue;
+    for (const std::string& name : option->results()) {
+      if (name.empty()) throw InputError(option->get_name(), "a name", "none");
+      if (name == "-" && option->get_name() != "--json")
+        throw InputError(option->get_name(), "a name (./- for a file that is called so)",
+                         "'-': only --json writes to the standard output");
+    }
+  }
+}
+
 CLI::Validator whole_option(int64_t low, int64_t high, const std::string& what) {
   return CLI::Validator(
       [=](std::string& text) -> std::string {

@@ -159,13 +159,14 @@ void add_options(CLI::App& app, RunOptions& options) {
   app.add_option("--lcm", options.lcm, fmt::format("Where to publish, or off [{}]", options.lcm))
       ->check(CLI::Validator(
           [](std::string& url) {
-            // liblcm would open the file before anything is known to be possible.
-            return url.starts_with("file:")
-                       ? fmt::format(
-                             "expected the URL of a network (--log FILE writes a log), "
-                             "found '{}'",
-                             url)
-                       : std::string();
+            // liblcm would open a file before anything is known to be possible.
+            const bool is_fine = url.empty() || url == "off" || url.starts_with("udpm://") ||
+                                 url.starts_with("tcpq://") || url.starts_with("memq://");
+            return is_fine ? std::string()
+                           : fmt::format(
+                                 "expected off or a URL that begins with udpm://, tcpq:// "
+                                 "or memq:// (--log FILE writes a log), found '{}'",
+                                 url);
           },
           ""))
       ->type_name("URL");
@@ -394,6 +395,8 @@ int report_end(const RunOptions& options, const RunReport& report, const Listene
       contacts != nullptr && !contacts->note().empty() && !listeners.lost_file())
     say("note: {}\n", contacts->note());
   if (!checkpoints.failure().empty()) say("{}\n", checkpoints.failure());
+  if (!options.checkpoints.file.empty() && checkpoints.written() == 0)
+    say("note: no checkpoint: the run ended before the first was due; see --every\n");
   write_json_output(options.json, json_text(report));
   if (listeners.lost_file() || !checkpoints.failure().empty()) return kExitEnvironment;
   return report.summary.stopped_early ? StopSignal::exit_code() : kExitFine;

@@ -97,7 +97,10 @@ int run(int argc, char** argv) {
     return failed(explain(app, error), kExitBadInput);
   }
   for (const Command& command : commands)
-    if (command.app->parsed()) return command.action();
+    if (command.app->parsed()) {
+      require_names(*command.app);
+      return command.action();
+    }
   say("{}", app.help());
   return kExitBadInput;
 }

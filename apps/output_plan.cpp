@@ -66,9 +66,10 @@ bool matches(const std::string& name, const std::string& pattern) {
   return pattern.starts_with('*') ? name.ends_with(pattern.substr(1)) : name == pattern;
 }
 
-/// Of a stream that goes into a file; a terminal or a pipe takes whatever comes.
-bool is_regular(int descriptor, struct stat& status) {
-  return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+/// Of a stream whose bytes end up side by side with what else is written there; a terminal shows
+/// whatever comes.
+bool goes_somewhere(int descriptor, struct stat& status) {
+  return ::fstat(descriptor, &status) == 0 && !S_ISCHR(status.st_mode);
 }
 
 }  // namespace
@@ -84,7 +85,10 @@ FilePlace place_of(const fs::path& path) {
     if (above == existing) break;
     existing = above;
   }
-  return {status.st_dev, status.st_ino, status.st_mode, rest.lexically_normal()};
+  // A missing folder that is left again is made on the way, and what lies behind it may be there.
+  const fs::path normal = rest.lexically_normal();
+  if (normal != rest) return place_of(normal == "." ? existing : existing / normal);
+  return {status.st_dev, status.st_ino, status.st_mode, normal};
 }
 
 void OutputPlan::reads(const std::string& what, const fs::path& path) {
@@ -117,7 +121,7 @@ std::vector<OutputPlan::Name> OutputPlan::inputs() const {
   struct stat status {};
   for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
     const bool is_json = stream == STDOUT_FILENO && json_to_stdout_;
-    if (!is_regular(stream, status) && !(is_json && ::fstat(stream, &status) == 0)) continue;
+    if (!goes_somewhere(stream, status) && !(is_json && ::fstat(stream, &status) == 0)) continue;
     const char* what = is_json                   ? "the standard output, which --json goes to"
                        : stream == STDOUT_FILENO ? "the file of the standard output"
                                                  : "the file of the standard error";

@@ -20,10 +20,10 @@ constexpr std::chrono::seconds kRestart{1};
 }  // namespace
 
 DriveReceiver::DriveReceiver(const RunInfo& run, const std::string& url)
-    : run_(run), lcm_(has_route(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
+    : run_(run), lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
   if (!lcm_ || !lcm_->good())
     throw EnvironmentError(fmt::format(
-        "a group is driven over LCM, and LCM cannot listen on {}; {}", url, kMulticastWayOut));
+        "a group is driven over LCM, and LCM cannot listen on {}; {}", url, way_out(url)));
   subscribe();
 }
 

@@ -21,8 +21,6 @@ constexpr std::chrono::milliseconds kDescriptionPause{1};
 
 void say_line(const std::string& text) { say("{}\n", text); }
 
-bool is_usable(const std::string& url) { return has_route(url) && has_server(url); }
-
 }  // namespace
 
 LcmSink::LcmSink(const LcmOptions& options)

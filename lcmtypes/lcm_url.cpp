@@ -8,6 +8,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
+
+#include "base/errors.h"
 
 namespace throng {
 
@@ -76,6 +79,18 @@ bool has_server(const std::string& url) {
     is_there = answers(*each);
   ::freeaddrinfo(found);
   return is_there;
+}
+
+bool is_usable(const std::string& url) {
+  const char* environment = url.empty() ? std::getenv("LCM_DEFAULT_URL") : nullptr;
+  const std::string used = environment == nullptr ? url : environment;
+  if (used.starts_with("file:"))
+    throw InputError(used, "the URL of a network; logs are named as files", "a file's");
+  return has_route(used) && has_server(used);
+}
+
+std::string_view way_out(const std::string& url) {
+  return is_tcpq(url) ? "start its server (lcm-tcpq-server or another) first" : kMulticastWayOut;
 }
 
 }  // namespace throng

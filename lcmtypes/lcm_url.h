@@ -17,6 +17,13 @@ bool is_tcpq(const std::string& url);
 /// would say so in three lines a message, and try again with each.
 bool has_server(const std::string& url);
 
+/// Whether liblcm gets anywhere with a URL, "" being that of LCM_DEFAULT_URL. Throws InputError for
+/// a file:// URL: liblcm empties the file that a careless mode names. It aborts the program that
+/// waits for messages of a server that it did not reach.
+bool is_usable(const std::string& url);
+/// What to do where it is not.
+std::string_view way_out(const std::string& url);
+
 /// The way out where has_route() is false.
 inline constexpr std::string_view kMulticastWayOut =
     "where multicast has no route: 'ip route add 224.0.0.0/4 dev lo'";

@@ -387,7 +387,8 @@ std::vector<std::string> describe_coverage(const LogReport& report) {
   if (!report.has_checks)
     return {report.finished
                 ? "none, as in every log of an older Throng; the hash of the events is right"
-                : "none, as in every log of an older Throng"};
+                : "none: cut off before the first, or a log of an older Throng; damage may go "
+                  "unnoticed"};
   std::vector<std::string> out = {fmt::format("up to those of frame {}", report.checked_frame)};
   if (report.uncovered > 0)
     out.push_back(fmt::format("not covered: {} messages behind those", report.uncovered));

@@ -21,14 +21,18 @@ LogReader::LogReader(const std::filesystem::path& file) : path_(file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     throw InputError(file.string(), "an LCM log",
-                     std::filesystem::is_directory(file, error) ? "a directory" : "no such file");
+                     std::filesystem::is_directory(file, error) ? "a directory"
+                     : std::filesystem::exists(file, error)     ? "no regular file"
+                                                                : "no such file");
   size_ = std::filesystem::file_size(file, error);
   file_.reset(std::fopen(file.c_str(), "rb"));
   if (error || !file_) throw InputError(file.string(), "an LCM log", "a file that cannot be read");
   uint8_t magic[4];
   const size_t got = std::fread(magic, 1, sizeof magic, file_.get());
   if (got == 0) throw InputError(file.string(), "an LCM log", "an empty file");
-  if (got == sizeof magic && get_big_endian<uint32_t>(magic) != kLogMagic)
+  if (got < sizeof magic)
+    throw InputError(file.string(), "an LCM log", fmt::format("{} bytes", got));
+  if (get_big_endian<uint32_t>(magic) != kLogMagic)
     throw InputError(file.string(), "an LCM log, which begins with eda1da01",
                      fmt::format("{:08x}", get_big_endian<uint32_t>(magic)));
   seek(0);

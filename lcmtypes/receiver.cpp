@@ -18,10 +18,9 @@ constexpr int kMostAtOnce = 4096;
 }  // namespace
 
 Receiver::Receiver(const std::string& url)
-    : lcm_(has_route(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
+    : lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
   if (!lcm_ || !lcm_->good())
-    throw EnvironmentError(
-        fmt::format("LCM cannot listen on {}; {}", url, std::string(kMulticastWayOut)));
+    throw EnvironmentError(fmt::format("LCM cannot listen on {}; {}", url, way_out(url)));
   subscribe();
 }
 

@@ -63,7 +63,7 @@ BoxWorld::BoxWorld(const BoxWorldOptions& options, std::span<const double> radii
     const double room_m = options.edge_m - 2 * radii_m[i];
     if (!(room_m > options.max_speed_mps * options.step_s))
       throw InputError(
-          "box",
+          options.name,
           fmt::format("an edge of more than {:.3f} m, so that object {} can move in it",
                       2 * radii_m[i] + options.max_speed_mps * options.step_s, i),
           fmt::format("{} m", options.edge_m));

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/archive.h"
@@ -15,7 +16,8 @@ namespace throng {
 
 struct BoxWorldOptions {
   uint64_t seed = 1;
-  double edge_m = 3;  ///< the box spans [-edge/2, edge/2] in x and y, [0, edge] in z
+  std::string name = "box";  ///< what an error says first
+  double edge_m = 3;         ///< the box spans [-edge/2, edge/2] in x and y, [0, edge] in z
   double step_s = 1.0 / 60.0;
   double min_speed_mps = 0.5;  ///< speeds are uniform between the two, directions on the sphere
   double max_speed_mps = 1.5;

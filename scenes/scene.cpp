@@ -364,11 +364,13 @@ class SceneReader {
   }
 
   fs::path existing_file(Fields& fields, const YamlNode& node, const std::string& expected) {
-    const fs::path path = fs::absolute(folder_ / node.scalar).lexically_normal();
+    if (node.scalar.empty()) throw InputError(fields.where(node), expected, "no name");
     std::error_code error;
+    const fs::path path = fs::absolute(folder_ / node.scalar, error).lexically_normal();
     if (!fs::is_regular_file(path, error))
       throw InputError(fields.where(node), expected,
-                       fmt::format("'{}', and no such file at {}", node.scalar, path.string()));
+                       fmt::format("'{}', and no {} file at {}", node.scalar,
+                                   fs::exists(path, error) ? "regular" : "such", path.string()));
     return path;
   }
 

@@ -53,6 +53,7 @@ std::optional<BoxWorld> box_of(const Scene& scene,
   for (const std::shared_ptr<const Model>& part : parts) radii_m.push_back(reach_m(*part));
   BoxWorldOptions options;
   options.seed = scene.seed;
+  if (!scene.file.empty()) options.name = scene.file.string();
   options.edge_m = box.edge_m;
   options.step_s = scene.step_s;
   options.min_speed_mps = box.min_speed_mps;

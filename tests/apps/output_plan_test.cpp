@@ -372,10 +372,55 @@ TEST(OutputPlan, AWriterThatCannotOpenItsFileLeavesTheOlderLog) {
   place.expect_untouched();
 }
 
+TEST(OutputPlan, AFolderThatIsMadeOnTheWayHidesNothing) {
+  Workplace place;
+  shell("mkdir c; cp my.yaml body.urdf body.tri rock.tri c; mv c/my.yaml c/contacts.csv",
+        place.folder());
+  expect_refused(place, "throng run c/contacts.csv --lcm off --log off --contacts c/new/..",
+                 "would be written over");
+  expect_refused(place,
+                 "throng run my.yaml --lcm off --log off --contacts c --json c/new/../pairs.csv",
+                 kTwice);
+  expect_refused(place, "throng run my.yaml --lcm off --log no/../my.yaml", kTwice);
+}
+
+TEST(OutputPlan, AResultPipedAwayIsNoOtherOutput) {
+  Workplace place;
+  place.look();
+  const Outcome outcome =
+      shell("throng run my.yaml --lcm off --log /dev/stdout | cat >/dev/null", place.folder());
+  EXPECT_THAT(outcome.err, HasSubstr("the file of the standard output"));
+  place.expect_untouched();
+}
+
+TEST(OutputPlan, NothingSoundIsNothingToRepair) {
+  Workplace place;
+  write_file(place / "short", "hi\n");
+  write_file(place / "empty_inside", std::string("\xed\xa1\xda\x01", 4));
+  for (const char* log : {"short", "empty_inside"})
+    expect_refused(place, fmt::format("throng check {} --repair a.lcmlog", log), log);
+}
+
+TEST(OutputPlan, AnOptionThatNamesNothingIsRefused) {
+  Workplace place;
+  for (const CommandLine& command : commands())
+    for (const std::vector<std::string>& options : {command.outputs, command.inputs})
+      for (const std::string& option : options) {
+        const std::string line =
+            fmt::format("throng {} {} {} ", command.command, command.line, option);
+        if (ending_of(command, option).empty()) expect_refused(place, line + "''", "found none");
+        if (option != "--json" && ending_of(command, option).empty())
+          expect_refused(place, line + "-", "only --json writes to the standard output");
+      }
+}
+
 TEST(OutputPlan, TheNetworkIsNoFile) {
   Workplace place;
   expect_refused(place, "throng run my.yaml --log off --lcm 'file://my.yaml?mode=w'",
                  "--log FILE writes a log");
+  expect_refused(place, "throng monitor --once --lcm 'file://my.yaml?mode=w'", "a network");
+  expect_refused(place, "LCM_DEFAULT_URL='file://my.yaml?mode=w' throng monitor --once --lcm ''",
+                 "found ");
 }
 
 TEST(OutputPlan, ANewResultThatIsNotWholeLeavesTheOldOne) {
