@@ -150,7 +150,8 @@ bool log(std::span<const uint8_t> input) {
     if (messages == 0) return false;
     const LogReport again = check_log(repaired.path());
     promise(!again.torn && !again.damaged && again.log_events == messages, "a log that is mended");
-    promise(again.damage.empty(), "a log that is mended and holds nothing damaged");
+    // One pass does not untangle pieces of several logs whose numbers repeat; it must say so.
+    promise(again.damage.empty() || !again.is_sound(), "no mended log that hides damage");
     return report.is_sound();
   } catch (const InputError& error) {
     expect_words(error);
