@@ -8,7 +8,23 @@
 #include <functional>
 #include <string>
 
+#include "base/random.h"
+
 namespace throng::hostile {
+
+/// Draws of one case.
+class Draw {
+ public:
+  Draw(uint64_t seed, uint64_t index) : seed_(seed), index_(index) {}
+  size_t below(size_t end) {
+    return static_cast<size_t>(random_bits({seed_, index_, ++used_, Purpose::kStyle}) % end);
+  }
+
+ private:
+  uint64_t seed_;
+  uint64_t index_;
+  uint64_t used_ = 0;
+};
 
 /// What came of all cases.
 struct Tally {

@@ -192,20 +192,6 @@ const std::vector<std::string>& extremes() {
   return all;
 }
 
-/// Draws of one case.
-class Draw {
- public:
-  Draw(uint64_t seed, uint64_t index) : seed_(seed), index_(index) {}
-  size_t below(size_t end) {
-    return static_cast<size_t>(random_bits({seed_, index_, ++used_, Purpose::kStyle}) % end);
-  }
-
- private:
-  uint64_t seed_;
-  uint64_t index_;
-  uint64_t used_ = 0;
-};
-
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {

@@ -92,19 +92,6 @@ constexpr const char* kValues[] = {"",
                                    "1 1 0",
                                    "0.0000001 1 1"};
 
-class Draw {
- public:
-  Draw(uint64_t seed, uint64_t index) : seed_(seed), index_(index) {}
-  size_t below(size_t end) {
-    return static_cast<size_t>(random_bits({seed_, index_, ++used_, Purpose::kStyle}) % end);
-  }
-
- private:
-  uint64_t seed_;
-  uint64_t index_;
-  uint64_t used_ = 0;
-};
-
 std::string text_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
