@@ -71,8 +71,9 @@ std::vector<std::string> describe_coverage(const LogReport& report);
 
 /// Copies every sound message of `in` to `out`, byte for byte, and returns how many. Of a channel
 /// that is damaged somewhere between two checks nothing is copied from there; the checks behind it
-/// are made anew over what was copied and say so (is_repaired). Throws InputError, or
-/// EnvironmentError if `out` cannot be written or is `in` itself.
+/// are made anew over what was copied and say so (is_repaired). Where that leaves damage (pieces of
+/// several logs, their numbers repeating), the copy ends before the first of it. Throws InputError,
+/// or EnvironmentError if `out` cannot be written or is `in` itself.
 int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path& out);
 
 /// A report for people: the run, its channels with rates and sizes, totals, problems.

@@ -120,13 +120,8 @@ class Mender {
   mutable size_t next_span_ = 0;
 };
 
-}  // namespace
-
-int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path& out) {
-  std::error_code error;
-  if (std::filesystem::equivalent(in, out, error))
-    throw EnvironmentError(out.string() +
-                           ": the repaired log has to be another file than the torn one");
+/// Copies what is sound by the report on `in`; how many messages.
+int64_t mend(const std::filesystem::path& in, const std::filesystem::path& out) {
   const LogReport report = check_log(in);
   LogReader log(in);
   Mender mender(report, out);
@@ -140,6 +135,22 @@ int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path&
       break;
   }
   return mender.close();
+}
+
+}  // namespace
+
+int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path& out) {
+  std::error_code error;
+  if (std::filesystem::equivalent(in, out, error))
+    throw EnvironmentError(out.string() +
+                           ": the repaired log has to be another file than the torn one");
+  const int64_t messages = mend(in, out);
+  // Pieces of several logs whose numbers repeat may agree with checks that are not theirs, until
+  // something between them is gone. What lies before the first doubt is beyond it.
+  const LogReport mended = check_log(out);
+  if (mended.damage.empty()) return messages;
+  std::filesystem::resize_file(out, mended.damage.front().from_byte);
+  return check_log(out).log_events;
 }
 
 }  // namespace throng
