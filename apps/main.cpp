@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "apps/standard_files.h"
-#include "apps/stop_signal.h"
-#include "apps/unfinished.h"
+#include "apps/output/unfinished.h"
+#include "apps/process/standard_files.h"
+#include "apps/process/stop_signal.h"
 #include "base/errors.h"
 #include "base/say.h"
 #include "base/version.h"

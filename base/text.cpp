@@ -78,6 +78,12 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+std::string in_quotes(std::string_view text) {
+  constexpr size_t kMostBytes = 60;
+  const bool is_cut = text.size() > kMostBytes;
+  return fmt::format("'{}{}'", escaped(text.substr(0, kMostBytes)), is_cut ? "..." : "");
+}
+
 std::string name_after(std::string_view file_stem) {
   std::string name = escaped(file_stem);
   if (name.size() <= kMaxNameBytes) return name;

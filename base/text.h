@@ -22,6 +22,9 @@ std::string defect_of_name(std::string_view name);
 /// name.
 std::string escaped(std::string_view text);
 
+/// The beginning of a text for an error, which is one line whatever a file holds: 'escaped...'.
+std::string in_quotes(std::string_view text);
+
 /// A name after a file whose name may be anything: escaped(), and cut where it is too long.
 std::string name_after(std::string_view file_stem);
 

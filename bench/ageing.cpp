@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "bench/boxes.h"
-#include "bench/engines.h"
+#include "bench/engines/engines.h"
 
 namespace throng::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "culling/volumes.h"
+#include "culling/volumes/volumes.h"
 
 namespace throng::bench {
 namespace {

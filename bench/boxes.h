@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/crowd.h"
-#include "bench/engine.h"
+#include "bench/engines/engine.h"
 #include "culling/culling.h"
 
 namespace throng::bench {

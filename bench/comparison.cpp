@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "bench/boxes.h"
-#include "bench/engines.h"
+#include "bench/engines/engines.h"
 #include "bench/plaza.h"
 
 namespace throng::bench {

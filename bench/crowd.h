@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "avatars/gait.h"
-#include "avatars/model.h"
+#include "avatars/gait/gait.h"
+#include "avatars/model/model.h"
 #include "culling/culling.h"
 
 namespace throng::bench {

@@ -6,8 +6,8 @@
 #include <array>
 
 #include "bench/boxes.h"
-#include "culling/triangle_bvh.h"
-#include "culling/volumes.h"
+#include "culling/exact/triangle_bvh.h"
+#include "culling/volumes/volumes.h"
 
 namespace throng::bench {
 namespace {

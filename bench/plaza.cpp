@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "scenes/scene.h"
+#include "scenes/file/scene.h"
 
 namespace throng::bench {
 namespace {

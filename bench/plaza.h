@@ -4,7 +4,7 @@
 #pragma once
 
 #include "bench/crowd.h"
-#include "scenes/simulation.h"
+#include "scenes/run/simulation.h"
 
 namespace throng::bench {
 

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/version_json.h"
-#include "scenes/crowd.h"
-#include "scenes/spawn.h"
-#include "scenes/ways.h"
+#include "scenes/crowd/crowd.h"
+#include "scenes/crowd/spawn.h"
+#include "scenes/ways/ways.h"
 
 namespace throng::bench {
 namespace {

@@ -1,28 +1,54 @@
-# Every library Throng uses, in one place. All are Debian packages; scripts/setup.sh installs them.
+# Every library that Throng uses, in one place; only what is switched on is looked for. All are Debian
+# packages; scripts/setup.sh installs them.
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # whoever adds Throng to a project links with them, too
+find_package(PkgConfig REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(TBB REQUIRED)
 find_package(fmt REQUIRED)
-find_package(yaml-cpp REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(PNG REQUIRED)
-find_package(ZLIB REQUIRED)
-find_package(GTest REQUIRED)
-find_package(PkgConfig REQUIRED)
-pkg_check_modules(URDFDOM REQUIRED IMPORTED_TARGET urdfdom urdfdom_headers)
-pkg_check_modules(KDL REQUIRED IMPORTED_TARGET orocos-kdl)
-pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
-pkg_check_modules(GLIB REQUIRED IMPORTED_TARGET glib-2.0)
-pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp libwebpmux)
-pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
-pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET assimp)
-find_package(fcl REQUIRED)
-find_package(SQLite3 REQUIRED)  # trajectories
-find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
-# Navigation meshes. Debian's package has neither a CMake nor a pkg-config file.
-find_path(RECAST_INCLUDE_DIR Recast.h PATH_SUFFIXES recastnavigation REQUIRED)
-find_library(RECAST_LIBRARY Recast REQUIRED)
-find_library(DETOUR_LIBRARY Detour REQUIRED)
-add_library(recast_detour INTERFACE)
-target_include_directories(recast_detour SYSTEM INTERFACE ${RECAST_INCLUDE_DIR})
-target_link_libraries(recast_detour INTERFACE ${DETOUR_LIBRARY} ${RECAST_LIBRARY})
+pkg_check_modules(HWY REQUIRED IMPORTED_TARGET GLOBAL libhwy)
+
+if(THRONG_KINEMATICS)
+  pkg_check_modules(URDFDOM REQUIRED IMPORTED_TARGET GLOBAL urdfdom urdfdom_headers)
+  pkg_check_modules(KDL REQUIRED IMPORTED_TARGET GLOBAL orocos-kdl)
+endif()
+
+if(THRONG_SCENES)
+  pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET GLOBAL assimp)
+  find_package(yaml-cpp REQUIRED)
+  find_package(SQLite3 REQUIRED)  # trajectories
+  find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
+  # Navigation meshes. Debian's package has neither a CMake nor a pkg-config file.
+  find_path(RECAST_INCLUDE_DIR Recast.h PATH_SUFFIXES recastnavigation REQUIRED)
+  find_library(RECAST_LIBRARY Recast REQUIRED)
+  find_library(DETOUR_LIBRARY Detour REQUIRED)
+  add_library(recast_detour INTERFACE)
+  target_include_directories(recast_detour SYSTEM INTERFACE ${RECAST_INCLUDE_DIR})
+  target_link_libraries(recast_detour INTERFACE ${DETOUR_LIBRARY} ${RECAST_LIBRARY})
+endif()
+
+if(THRONG_LCM)
+  pkg_check_modules(LCM REQUIRED IMPORTED_TARGET GLOBAL lcm)
+  find_program(LCM_GEN lcm-gen REQUIRED)
+endif()
+
+if(THRONG_VIEWER)
+  find_package(nlohmann_json REQUIRED)
+  find_package(PNG REQUIRED)
+  find_package(ZLIB REQUIRED)
+  pkg_check_modules(GLIB REQUIRED IMPORTED_TARGET GLOBAL glib-2.0)
+  pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET GLOBAL libwebp libwebpmux)
+  find_program(NODE node REQUIRED)
+  find_program(NPM npm REQUIRED)
+endif()
+
+if(THRONG_APPS)
+  find_package(CLI11 REQUIRED)
+endif()
+
+if(THRONG_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+
+if(THRONG_TESTS OR THRONG_BENCH)
+  find_package(fcl REQUIRED)  # an oracle, and a rival
+endif()

@@ -4,7 +4,7 @@ set(THRONG_SLOWNESS 1)
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=(address|thread)")
   add_library(throng_sanitizer_options OBJECT cmake/sanitizers/options.cpp)
   target_compile_definitions(throng_sanitizer_options PRIVATE
-    THRONG_TSAN_SUPPRESSIONS="${CMAKE_SOURCE_DIR}/cmake/sanitizers/tsan.supp")
+    THRONG_TSAN_SUPPRESSIONS="${PROJECT_SOURCE_DIR}/cmake/sanitizers/tsan.supp")
   link_libraries(throng_sanitizer_options)
   # g++ 12 takes instrumented code of the standard library (std::regex) for uninitialised.
   target_compile_options(throng_warnings INTERFACE -Wno-maybe-uninitialized)

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-#include "culling/fitted.h"
+#include "culling/volumes/fitted.h"
 
 namespace throng {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "culling/volume_kind.h"
+#include "culling/volumes/volume_kind.h"
 
 namespace throng {
 

@@ -7,14 +7,14 @@
 
 #include "base/counting_sort.h"
 #include "base/errors.h"
-#include "culling/broad_phase.h"
-#include "culling/deadline.h"
+#include "culling/deadline/deadline.h"
 #include "culling/event_hash.h"
-#include "culling/fitted.h"
-#include "culling/part_stage.h"
-#include "culling/recipe.h"
-#include "culling/slots.h"
-#include "culling/stopwatch.h"
+#include "culling/stages/broad_phase.h"
+#include "culling/stages/part_stage.h"
+#include "culling/stages/slots.h"
+#include "culling/stages/stopwatch.h"
+#include "culling/strategies/recipe.h"
+#include "culling/volumes/fitted.h"
 
 namespace throng {
 namespace {

@@ -11,15 +11,15 @@
 #include <string_view>
 #include <vector>
 
-#include "base/archive.h"
+#include "base/files/archive.h"
 #include "base/pose.h"
 #include "base/simd.h"
 #include "base/workers.h"
 #include "culling/body_type.h"
-#include "culling/pair_events.h"
 #include "culling/pair_level.h"
-#include "culling/strategy.h"
-#include "culling/volume_kind.h"
+#include "culling/stages/pair_events.h"
+#include "culling/strategies/strategy.h"
+#include "culling/volumes/volume_kind.h"
 
 namespace throng {
 

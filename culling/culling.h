@@ -3,7 +3,7 @@
 
 #include "culling/body_type.h"
 #include "culling/culler.h"
-#include "culling/pair_events.h"
 #include "culling/pair_level.h"
-#include "culling/strategy.h"
-#include "culling/volume_kind.h"
+#include "culling/stages/pair_events.h"
+#include "culling/strategies/strategy.h"
+#include "culling/volumes/volume_kind.h"

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/checksum.h"
-#include "culling/pair_events.h"
+#include "base/files/checksum.h"
+#include "culling/stages/pair_events.h"
 
 namespace throng {
 

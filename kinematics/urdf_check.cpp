@@ -15,11 +15,6 @@
 namespace throng {
 namespace {
 
-/// For an error, which is one line whatever the file holds.
-std::string quoted(std::string_view text) {
-  return fmt::format("'{}'", escaped(text.substr(0, 60)));
-}
-
 class Check {
  public:
   Check(const std::vector<XmlElement>& elements, const std::string& file)
@@ -68,10 +63,10 @@ class Check {
       fail(element,
            count == 1 ? fmt::format("a finite number in {}=", attribute)
                       : fmt::format("{} finite numbers in {}=", count, attribute),
-           quoted(text));
+           in_quotes(text));
     for (const double number : *found)
       if (std::abs(number) > limit)
-        fail(element, fmt::format("at most {:g} in {}=", limit, attribute), quoted(text));
+        fail(element, fmt::format("at most {:g} in {}=", limit, attribute), in_quotes(text));
     return *found;
   }
 
@@ -103,7 +98,7 @@ class Check {
     const auto [entry, is_new] = into.emplace(name, element);
     if (!is_new)
       fail(element, fmt::format("each {} name once", what),
-           fmt::format("{} again, first on line {}", quoted(name), at(entry->second).line));
+           fmt::format("{} again, first on line {}", in_quotes(name), at(entry->second).line));
     if (static_cast<int>(into.size()) > cap)
       fail(element, fmt::format("at most {} {}s", cap, what), "more");
   }
@@ -133,7 +128,7 @@ class Check {
     if (mass < 0) fail(inertial, "<mass value=...> in <inertial>", "none");
     constexpr double kAnyMass = 1e9;
     if (numbers(mass, "value", 1, kAnyMass)[0] < 0)
-      fail(mass, "a mass that is not negative", quoted(required(mass, "value")));
+      fail(mass, "a mass that is not negative", in_quotes(required(mass, "value")));
     const int inertia = child_of(elements_, inertial, "inertia");
     if (inertia < 0) fail(inertial, "<inertia ixx=...> in <inertial>", "none");
     for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
@@ -145,7 +140,7 @@ class Check {
     // A float has to hold it and its square, so that no volume computed from it is empty.
     if (std::any_of(sizes.begin(), sizes.end(), [](double size) { return size < 1e-9; }))
       fail(element, fmt::format("a positive {} of <{}>", attribute, at(element).name),
-           quoted(required(element, attribute)));
+           in_quotes(required(element, attribute)));
   }
 
   void check_shape(int owner) const {
@@ -168,7 +163,7 @@ class Check {
       if (at(shape).attribute("scale"))
         for (const double scale : numbers(shape, "scale", 3, kMaxMeshScale))
           if (std::abs(scale) < 1 / kMaxMeshScale)
-            fail(shape, "a mesh scale that is not zero", quoted(required(shape, "scale")));
+            fail(shape, "a mesh scale that is not zero", in_quotes(required(shape, "scale")));
     } else {
       fail(shape, "<mesh>, <box>, <cylinder> or <sphere>", fmt::format("<{}>", kind.substr(0, 60)));
     }
@@ -180,11 +175,11 @@ class Check {
       fail(joint, "fixed, revolute, continuous or prismatic joints",
            fmt::format("{}: it has several degrees of freedom; the root link moves freely already, "
                        "and elsewhere a chain of single joints says the same",
-                       quoted(type)));
+                       in_quotes(type)));
     static const std::vector<std::string> known{"fixed", "revolute", "continuous", "prismatic"};
     if (std::find(known.begin(), known.end(), type) == known.end())
       fail(joint, "a joint type fixed, revolute, continuous or prismatic",
-           quoted(type) + did_you_mean(type, known));
+           in_quotes(type) + did_you_mean(type, known));
     return type;
   }
 
@@ -194,7 +189,7 @@ class Check {
     const std::string& name = required(element, "link");
     const auto link = links_.find(name);
     if (link == links_.end())
-      fail(element, "the name of a <link>", quoted(name) + near(name, links_));
+      fail(element, "the name of a <link>", in_quotes(name) + near(name, links_));
     return link->second;
   }
 
@@ -211,17 +206,17 @@ class Check {
     const int child = end_of(joint, "child");
     if (parent == child)
       fail(joint, "a joint between two links",
-           fmt::format("{} ties a link to itself", quoted(name)));
+           fmt::format("{} ties a link to itself", in_quotes(name)));
     const auto [entry, is_new] = joint_above_.emplace(child, joint);
     if (!is_new)
       fail(std::max(joint, entry->second), "one parent for each link",
-           fmt::format("two for {}: joints {} and {}", quoted(*at(child).attribute("name")),
-                       quoted(*at(entry->second).attribute("name")), quoted(name)));
+           fmt::format("two for {}: joints {} and {}", in_quotes(*at(child).attribute("name")),
+                       in_quotes(*at(entry->second).attribute("name")), in_quotes(name)));
     parent_link_[child] = parent;
     if (const int axis = child_of(elements_, joint, "axis"); axis >= 0 && kind != "fixed") {
       const auto xyz = numbers(axis, "xyz", 3, 1e6);
       if (std::hypot(xyz[0], xyz[1], xyz[2]) < 1e-6)
-        fail(axis, "a joint axis that is not zero", quoted(required(axis, "xyz")));
+        fail(axis, "a joint axis that is not zero", in_quotes(required(axis, "xyz")));
     }
     check_limit(joint, kind);
   }
@@ -249,13 +244,13 @@ class Check {
       const std::string& leader = required(mimic, "joint");
       const auto entry = joints_.find(leader);
       if (entry == joints_.end())
-        fail(mimic, "the name of a <joint> to mimic", quoted(leader) + near(leader, joints_));
+        fail(mimic, "the name of a <joint> to mimic", in_quotes(leader) + near(leader, joints_));
       if (kind_of(entry->second) == "fixed")
         fail(mimic, "a joint that moves to mimic",
-             fmt::format("{}, which is fixed", quoted(leader)));
+             fmt::format("{}, which is fixed", in_quotes(leader)));
       if (steps > joints_.size() || leader == name)
         fail(child_of(elements_, joint, "mimic"), "a mimic chain that ends at a free joint",
-             fmt::format("a circle through {}", quoted(name)));
+             fmt::format("a circle through {}", in_quotes(name)));
       mimic = child_of(elements_, entry->second, "mimic");
     }
   }
@@ -265,8 +260,9 @@ class Check {
     for (const auto& [name, link] : links_) {
       if (joint_above_.count(link) != 0) continue;
       if (root >= 0)
-        fail(std::max(root, link), "one root link",
-             fmt::format("two: {} and {}", quoted(*at(root).attribute("name")), quoted(name)));
+        fail(
+            std::max(root, link), "one root link",
+            fmt::format("two: {} and {}", in_quotes(*at(root).attribute("name")), in_quotes(name)));
       root = link;
     }
     if (root < 0) fail(0, "a root link", "none: the joints form a loop");
@@ -276,11 +272,11 @@ class Check {
         // A loop is longer than any chain, so this names it unless there are more links than that.
         if (++depth > static_cast<int>(links_.size()))
           fail(link,
-               fmt::format("every link below the root {}", quoted(*at(root).attribute("name"))),
-               fmt::format("a loop of joints above {}", quoted(name)));
+               fmt::format("every link below the root {}", in_quotes(*at(root).attribute("name"))),
+               fmt::format("a loop of joints above {}", in_quotes(name)));
       if (depth > kMaxChainDepth)
         fail(link, fmt::format("chains of at most {} joints", kMaxChainDepth),
-             fmt::format("{} above {}", depth, quoted(name)));
+             fmt::format("{} above {}", depth, in_quotes(name)));
     }
   }
 

@@ -1,7 +1,7 @@
 // Scenes: scene files, people walking in them, and the simulation step.
 #pragma once
 
-#include "scenes/runner.h"
-#include "scenes/scene.h"
-#include "scenes/simulation.h"
-#include "scenes/sink.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/runner.h"
+#include "scenes/run/simulation.h"
+#include "scenes/run/sink.h"

@@ -4,8 +4,8 @@
 
 #include <fstream>
 
+#include "avatars/mesh/tri.h"
 #include "avatars/models/loft.h"
-#include "avatars/tri.h"
 #include "base/errors.h"
 
 namespace throng {

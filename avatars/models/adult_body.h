@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "avatars/mesh.h"
+#include "avatars/mesh/mesh.h"
 
 namespace throng {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "avatars/mesh.h"
+#include "avatars/mesh/mesh.h"
 
 namespace throng {
 

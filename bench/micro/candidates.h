@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/crowd.h"
-#include "culling/fitted.h"
+#include "culling/volumes/fitted.h"
 
 namespace throng::bench {
 

@@ -5,7 +5,7 @@
 #include <kdl/treefksolverpos_recursive.hpp>
 #include <string>
 
-#include "avatars/gait.h"
+#include "avatars/gait/gait.h"
 #include "base/random.h"
 #include "kinematics/kdl_tree.h"
 

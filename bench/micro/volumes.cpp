@@ -1,6 +1,6 @@
 // Construction, update and test of each volume over the parts of the adult; tests on lists of
 // candidates of which 0, 10 or 100 % overlap.
-#include "culling/volumes.h"
+#include "culling/volumes/volumes.h"
 
 #include <benchmark/benchmark.h>
 

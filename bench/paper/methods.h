@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "bench/paper/parts.h"
-#include "culling/triangle_bvh.h"
-#include "culling/volumes.h"
+#include "culling/exact/triangle_bvh.h"
+#include "culling/volumes/volumes.h"
 
 namespace throng::paper {
 

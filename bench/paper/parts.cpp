@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "culling/volumes.h"
-#include "scenes/loose_parts.h"
+#include "culling/volumes/volumes.h"
+#include "scenes/box/loose_parts.h"
 
 namespace throng::paper {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "avatars/mesh.h"
+#include "avatars/mesh/mesh.h"
 #include "culling/body_type.h"
-#include "scenes/box_world.h"
+#include "scenes/box/box_world.h"
 
 namespace throng::paper {
 

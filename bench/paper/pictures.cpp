@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "avatars/primitives.h"
+#include "avatars/mesh/primitives.h"
 #include "bench/paper/census.h"
 #include "bench/paper/strategies.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/paper/parts.h"
-#include "viewer/raster.h"
+#include "viewer/picture/raster.h"
 
 namespace throng::paper {
 

@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "base/errors.h"
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 #include "bench/paper/figures.h"
 #include "bench/paper/pictures.h"
 #include "bench/paper/tables.h"

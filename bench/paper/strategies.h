@@ -1,5 +1,6 @@
 // Part II: n objects, and what to do with every pair of them.
-// One rule: the strategies are those of culling/recipe.h; here they are only fed and counted.
+// One rule: the strategies are those of culling/strategies/recipe.h; here they are only fed and
+// counted.
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@
 
 #include "base/simd.h"
 #include "bench/paper/methods.h"
-#include "culling/kernels.h"
+#include "culling/kernels/kernels.h"
 
 namespace throng::paper {
 

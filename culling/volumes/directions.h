@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "culling/slabs.h"
+#include "culling/volumes/slabs.h"
 
 namespace throng {
 

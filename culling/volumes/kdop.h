@@ -7,7 +7,7 @@
 #include <span>
 
 #include "base/pose.h"
-#include "culling/slabs.h"
+#include "culling/volumes/slabs.h"
 
 namespace throng {
 

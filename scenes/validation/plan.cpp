@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "avatars/primitives.h"
-#include "scenes/spawn.h"
+#include "avatars/mesh/primitives.h"
+#include "scenes/crowd/spawn.h"
 
 namespace throng::validation {
 namespace {

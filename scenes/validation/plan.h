@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene.h"
+#include "scenes/file/scene.h"
 
 namespace throng::validation {
 

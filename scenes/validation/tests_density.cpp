@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "scenes/spawn.h"
+#include "scenes/crowd/spawn.h"
 #include "scenes/validation/trial.h"
 #include "scenes/validation/validation.h"
 

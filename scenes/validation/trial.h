@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "scenes/simulation.h"
+#include "scenes/run/simulation.h"
 #include "scenes/validation/plan.h"
 #include "scenes/validation/validation.h"
 

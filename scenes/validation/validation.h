@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/figure.h"
-#include "scenes/steering_rule.h"
+#include "scenes/crowd/steering/steering_rule.h"
 
 namespace throng::validation {
 

@@ -1,6 +1,6 @@
 // Mesh files: every format gives the same shape, and what kills or stalls assimp is a line of
 // words.
-#include "avatars/mesh_file.h"
+#include "avatars/mesh/mesh_file.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // The door for foreign parsers: whatever a parser does, the caller gets its bytes or one line of
 // words in bounded time, and nothing of the child is left.
-#include "base/foreign.h"
+#include "base/files/foreign.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -23,7 +23,7 @@
 #include <thread>
 
 #include "base/errors.h"
-#include "base/foreign_child.h"
+#include "base/files/foreign_child.h"
 
 namespace throng {
 namespace {

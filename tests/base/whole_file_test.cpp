@@ -1,5 +1,5 @@
 // A file is what it was or what was asked for, whatever goes wrong in between.
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,8 +8,8 @@
 
 #include "avatars/avatars.h"
 #include "culling/culling.h"
-#include "culling/triangle_bvh.h"
-#include "culling/triangle_test.h"
+#include "culling/exact/triangle_bvh.h"
+#include "culling/exact/triangle_test.h"
 #include "shapes.h"
 
 namespace throng::test {

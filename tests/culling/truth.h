@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "culling/triangle_bvh.h"
+#include "culling/exact/triangle_bvh.h"
 #include "tests/culling/random_world.h"
 
 namespace throng::testing {

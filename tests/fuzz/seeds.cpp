@@ -3,12 +3,12 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/archive.h"
-#include "lcmtypes/guard.h"
-#include "lcmtypes/log_format.h"
-#include "lcmtypes/running_checks.h"
-#include "scenes/box_world.h"
-#include "scenes/checkpoint.h"
+#include "base/files/archive.h"
+#include "lcmtypes/codec/guard.h"
+#include "lcmtypes/log/log_format.h"
+#include "lcmtypes/log/running_checks.h"
+#include "scenes/box/box_world.h"
+#include "scenes/run/checkpoint.h"
 #include "tests/avatars/mesh_seeds.h"
 #include "tests/fuzz/targets.h"
 #include "tests/lcmtypes/synthetic_run.h"

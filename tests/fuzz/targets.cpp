@@ -6,15 +6,15 @@
 #include <fstream>
 
 #include "avatars/avatars.h"
-#include "avatars/mesh_file.h"
-#include "avatars/tri.h"
+#include "avatars/mesh/mesh_file.h"
+#include "avatars/mesh/tri.h"
 #include "base/errors.h"
 #include "kinematics/kdl_tree.h"
-#include "lcmtypes/log_check.h"
-#include "lcmtypes/run_reader.h"
-#include "scenes/box_world.h"
-#include "scenes/checkpoint.h"
-#include "scenes/scene.h"
+#include "lcmtypes/codec/run_reader.h"
+#include "lcmtypes/log/log_check.h"
+#include "scenes/box/box_world.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/checkpoint.h"
 #include "tests/kinematics/finite_poses.h"
 
 namespace throng::fuzz {

@@ -20,7 +20,7 @@
 #include <string_view>
 #include <thread>
 
-#include "avatars/mesh_file.h"
+#include "avatars/mesh/mesh_file.h"
 #include "base/errors.h"
 #include "base/random.h"
 #include "tests/avatars/mesh_seeds.h"

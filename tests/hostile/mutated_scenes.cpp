@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "apps/info.h"
+#include "apps/commands/info.h"
 #include "avatars/avatars.h"
 #include "base/errors.h"
 #include "base/random.h"
+#include "scenes/file/yaml_tree.h"
 #include "scenes/scenes.h"
-#include "scenes/yaml_tree.h"
 #include "tests/hostile/hostile_case.h"
 
 namespace throng::hostile {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "avatars/avatars.h"
-#include "avatars/describe.h"
+#include "avatars/model/describe.h"
 #include "base/random.h"
 #include "kinematics/kdl_tree.h"
 #include "tests/hostile/hostile_case.h"

@@ -9,11 +9,11 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcmtypes/guard.h"
-#include "lcmtypes/log_check.h"
-#include "lcmtypes/log_reader.h"
-#include "lcmtypes/running_checks.h"
-#include "scenes/runner.h"
+#include "lcmtypes/codec/guard.h"
+#include "lcmtypes/log/log_check.h"
+#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/log/running_checks.h"
+#include "scenes/run/runner.h"
 #include "synthetic_run.h"
 
 namespace throng {

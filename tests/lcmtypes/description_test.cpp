@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "base/random.h"
-#include "lcmtypes/guard.h"
+#include "lcmtypes/codec/guard.h"
 #include "synthetic_run.h"
 
 namespace throng {

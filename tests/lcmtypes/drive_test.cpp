@@ -1,5 +1,5 @@
 // Avatars that something outside moves: where they are told to be, within what their bounds hold.
-#include "scenes/drive.h"
+#include "scenes/run/drive.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "base/errors.h"
+#include "base/hasher.h"
 #include "base/random.h"
-#include "lcmtypes/drive_receiver.h"
-#include "lcmtypes/lcm_sink.h"
-#include "scenes/hasher.h"
+#include "lcmtypes/wire/drive_receiver.h"
+#include "lcmtypes/wire/lcm_sink.h"
 #include "synthetic_run.h"
 
 namespace throng {

@@ -1,11 +1,11 @@
 // The guard: whatever bytes come, they decode to a sound message or to a reason.
-#include "lcmtypes/guard.h"
+#include "lcmtypes/codec/guard.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/random.h"
-#include "lcmtypes/log_format.h"
+#include "lcmtypes/log/log_format.h"
 #include "synthetic_run.h"
 
 namespace throng {

@@ -1,6 +1,6 @@
 // Publishing: everything arrives in order over a lossless transport, and a dead network is told
 // once.
-#include "lcmtypes/lcm_sink.h"
+#include "lcmtypes/wire/lcm_sink.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <thread>
 
-#include "lcmtypes/run_reader.h"
+#include "lcmtypes/codec/run_reader.h"
 #include "synthetic_run.h"
 
 namespace throng {

@@ -11,8 +11,8 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcmtypes/guard.h"
-#include "lcmtypes/readable.h"
+#include "lcmtypes/codec/guard.h"
+#include "lcmtypes/codec/readable.h"
 #include "scenes/scenes.h"
 #include "synthetic_run.h"
 

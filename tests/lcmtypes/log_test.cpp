@@ -15,10 +15,10 @@
 #include <thread>
 
 #include "base/errors.h"
-#include "lcmtypes/file_writer.h"
-#include "lcmtypes/guard.h"
-#include "lcmtypes/log_check.h"
-#include "lcmtypes/log_reader.h"
+#include "lcmtypes/codec/guard.h"
+#include "lcmtypes/log/file_writer.h"
+#include "lcmtypes/log/log_check.h"
+#include "lcmtypes/log/log_reader.h"
 #include "synthetic_run.h"
 
 namespace throng {

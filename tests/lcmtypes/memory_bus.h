@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "lcmtypes/channels.h"
+#include "lcmtypes/codec/channels.h"
 
 namespace lcm {
 class LCM;

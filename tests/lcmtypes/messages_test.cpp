@@ -5,8 +5,8 @@
 #include <map>
 
 #include "base/random.h"
-#include "lcmtypes/guard.h"
-#include "lcmtypes/run_reader.h"
+#include "lcmtypes/codec/guard.h"
+#include "lcmtypes/codec/run_reader.h"
 #include "synthetic_run.h"
 
 namespace throng {

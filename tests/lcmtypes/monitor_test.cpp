@@ -1,5 +1,5 @@
 // Watching a run: the figures are those of the run, and nothing that is received stops it.
-#include "lcmtypes/monitor.h"
+#include "lcmtypes/wire/monitor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcmtypes/log_reader.h"
-#include "lcmtypes/log_sink.h"
+#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/log/log_sink.h"
 #include "synthetic_run.h"
 
 namespace throng {

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lcmtypes/guard.h"
-#include "lcmtypes/log_check.h"
-#include "lcmtypes/log_reader.h"
+#include "lcmtypes/codec/guard.h"
+#include "lcmtypes/log/log_check.h"
+#include "lcmtypes/log/log_reader.h"
 #include "synthetic_run.h"
 
 namespace throng {

@@ -1,5 +1,5 @@
 // Receiving: whatever comes over the wire is counted, apart for each run, and stops nobody.
-#include "lcmtypes/receiver.h"
+#include "lcmtypes/wire/receiver.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcmtypes/lcm_sink.h"
-#include "lcmtypes/log_format.h"
+#include "lcmtypes/log/log_format.h"
+#include "lcmtypes/wire/lcm_sink.h"
 #include "synthetic_run.h"
 
 namespace throng {

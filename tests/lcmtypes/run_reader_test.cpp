@@ -1,5 +1,5 @@
 // A receiver: puts a run together from what arrives, and knows what did not.
-#include "lcmtypes/run_reader.h"
+#include "lcmtypes/codec/run_reader.h"
 
 #include <gtest/gtest.h>
 

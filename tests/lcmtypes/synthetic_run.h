@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "culling/event_hash.h"
-#include "lcmtypes/encoder.h"
-#include "lcmtypes/log_sink.h"
-#include "scenes/sink.h"
+#include "lcmtypes/codec/encoder.h"
+#include "lcmtypes/log/log_sink.h"
+#include "scenes/run/sink.h"
 
 namespace throng {
 

@@ -2,7 +2,7 @@
 // is published as well.
 #include <cstdio>
 
-#include "lcmtypes/lcm_sink.h"
+#include "lcmtypes/wire/lcm_sink.h"
 #include "synthetic_run.h"
 
 int main(int argc, char** argv) {

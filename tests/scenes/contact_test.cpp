@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/contacts/contact_sink.h"
+#include "scenes/sinks/contacts/contact_sink.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {

@@ -1,5 +1,5 @@
 // How people walk: alone, head on, in a throng, beside walls.
-#include "scenes/crowd.h"
+#include "scenes/crowd/crowd.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <set>
 
-#include "avatars/gait.h"
-#include "scenes/hasher.h"
+#include "avatars/gait/gait.h"
+#include "base/hasher.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {

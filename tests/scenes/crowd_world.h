@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "avatars/primitives.h"
+#include "avatars/mesh/primitives.h"
 #include "base/workers.h"
-#include "scenes/crowd.h"
-#include "scenes/shapes.h"
-#include "scenes/spawn.h"
-#include "scenes/ways.h"
+#include "scenes/crowd/crowd.h"
+#include "scenes/crowd/spawn.h"
+#include "scenes/file/shapes.h"
+#include "scenes/ways/ways.h"
 
 namespace throng {
 

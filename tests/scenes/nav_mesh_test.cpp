@@ -1,5 +1,5 @@
 // The navigation mesh and the flow fields tell the same ways.
-#include "scenes/nav_mesh.h"
+#include "scenes/ways/nav_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "scenes/shapes.h"
+#include "scenes/file/shapes.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {

@@ -1,5 +1,5 @@
 // The linear program against dense sampling of the velocities, and avoidance against moving discs.
-#include "scenes/orca.h"
+#include "scenes/crowd/steering/orca.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Who walks: speeds and heights of every age, and ages as often as a group asks for them.
-#include "scenes/people.h"
+#include "scenes/file/people.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <map>
 
-#include "scenes/scene.h"
-#include "scenes/simulation.h"
-#include "scenes/spawn.h"
+#include "scenes/crowd/spawn.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/simulation.h"
 
 namespace throng {
 namespace {

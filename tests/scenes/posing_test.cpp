@@ -1,5 +1,5 @@
 // What culling is told of a body before it is posed.
-#include "scenes/posing.h"
+#include "scenes/run/posing.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "scenes/walk.h"
+#include "scenes/run/walk.h"
 
 namespace throng {
 namespace {

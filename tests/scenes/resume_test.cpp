@@ -10,11 +10,11 @@
 #include <filesystem>
 
 #include "base/errors.h"
+#include "base/hasher.h"
 #include "base/random.h"
-#include "scenes/checkpoint.h"
-#include "scenes/hasher.h"
-#include "scenes/runner.h"
-#include "scenes/simulation.h"
+#include "scenes/run/checkpoint.h"
+#include "scenes/run/runner.h"
+#include "scenes/run/simulation.h"
 
 namespace throng {
 namespace {

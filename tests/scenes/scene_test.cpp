@@ -1,5 +1,5 @@
 // Scene files: what they say arrives, what is wrong with them is told with file and line.
-#include "scenes/scene.h"
+#include "scenes/file/scene.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,9 +10,9 @@
 #include <fstream>
 
 #include "base/errors.h"
-#include "scenes/scene_limits.h"
-#include "scenes/shapes.h"
-#include "scenes/yaml_tree.h"
+#include "scenes/file/scene_limits.h"
+#include "scenes/file/shapes.h"
+#include "scenes/file/yaml_tree.h"
 
 namespace throng {
 namespace {

@@ -1,5 +1,5 @@
 // A run from scene to events: the same for any number of threads, told once to every sink.
-#include "scenes/simulation.h"
+#include "scenes/run/simulation.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scenes/hasher.h"
-#include "scenes/runner.h"
+#include "base/hasher.h"
+#include "scenes/run/runner.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {

@@ -10,8 +10,8 @@
 #include "avatars/avatars.h"
 #include "base/random.h"
 #include "culling/culling.h"
-#include "culling/triangle_bvh.h"
-#include "scenes/simulation.h"
+#include "culling/exact/triangle_bvh.h"
+#include "scenes/run/simulation.h"
 
 namespace throng {
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/file/shapes.h"
 #include "scenes/scenes.h"
-#include "scenes/shapes.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {

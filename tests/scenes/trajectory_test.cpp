@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "base/errors.h"
-#include "scenes/trajectories/trajectory_sink.h"
-#include "scenes/trajectories/walkable_area.h"
+#include "scenes/sinks/trajectories/trajectory_sink.h"
+#include "scenes/sinks/trajectories/walkable_area.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {

@@ -1,5 +1,5 @@
 // How people of a real scene walk: their feet on the ground, their bodies inside their bounds.
-#include "scenes/walk.h"
+#include "scenes/run/walk.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <numeric>
 
-#include "avatars/gait_curves.h"
-#include "scenes/simulation.h"
+#include "avatars/gait/gait_curves.h"
+#include "scenes/run/simulation.h"
 
 namespace throng {
 namespace {

@@ -1,5 +1,5 @@
 // The walkable area as polygons says the same as the walls that steering obeys.
-#include "scenes/trajectories/walkable_area.h"
+#include "scenes/sinks/trajectories/walkable_area.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

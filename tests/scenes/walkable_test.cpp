@@ -1,5 +1,5 @@
 // Walls are hard, ways lead round them, and shapes are the solids they claim to be.
-#include "scenes/walkable.h"
+#include "scenes/ways/walkable.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "base/elementary.h"
 #include "base/random.h"
-#include "scenes/flow_field.h"
-#include "scenes/shapes.h"
+#include "scenes/file/shapes.h"
+#include "scenes/ways/flow_field.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {

@@ -12,8 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kRoots[] = {"base",     "kinematics", "culling", "avatars", "scenes",
-                                       "lcmtypes", "apps",       "viewer",  "bench",   "tests",
-                                       "scripts",  "docs",       "cmake",   ".ci"};
+                                       "lcmtypes", "apps",       "viewer",  "bench",   "examples",
+                                       "tests",    "scripts",    "docs",    "cmake",   ".ci"};
 const std::set<std::string_view> kTextExtensions = {
     ".cpp", ".h",  ".lcm", ".cmake", ".txt", ".sh",   ".yaml", ".yml", ".urdf",
     ".md",  ".js", ".ts",  ".html",  ".css", ".json", ".py",   ".gp",  ""};

@@ -11,7 +11,7 @@
 namespace throng {
 
 struct SourceFile {
-  std::string path;  ///< "culling/slabs.cpp"
+  std::string path;  ///< "culling/volumes/slabs.cpp"
   std::string text;
 
   std::string folder() const;  ///< "culling"; of "tests/culling/x.cpp" too

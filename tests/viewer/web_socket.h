@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "viewer/web_protocol.h"
+#include "viewer/server/web_protocol.h"
 
 namespace throng {
 

@@ -1,0 +1,292 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "apps/command.h"
+#include "apps/output/json_output.h"
+#include "apps/output/output_plan.h"
+#include "apps/output/text_file.h"
+#include "apps/output/unfinished.h"
+#include "apps/process/machine.h"
+#include "apps/process/stop_signal.h"
+#include "base/errors.h"
+#include "base/say.h"
+#include "bench/engines/engines.h"
+#include "bench/report.h"
+#include "bench/steering.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+Other engines update the boxes of all parts and list overlapping boxes; ours poses people, culls to
+or-DOP 26 pairs and tells begin and end. docs/benchmarks.md says what is unfair in which direction.
+The engines are built in by `cmake --preset bench`.
+
+Examples:
+  throng bench --avatars 20000 --density 4
+  throng bench --avatars 20000 --crowd plaza
+  throng bench --avatars 5000 --engines none --threads 2 --json bench.json
+  throng bench --avatars 5000 --age 300 --engines fcl,embree
+  throng bench --avatars 1000 --frames 3 --parts ordop26
+  throng bench --steering)";
+
+// A frame of the slower engines may take this long; then its result still counts.
+constexpr std::chrono::milliseconds kPatience{700};
+
+constexpr std::pair<const char*, PairSearch> kSearches[] = {
+    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
+
+struct BenchCommand {
+  bench::BenchOptions options;
+  std::string crowd = "square";
+  std::optional<double> density;
+  std::string engines = "all";
+  std::string simd = "best";
+  std::string pair_search = "grid";
+  std::string json;
+  std::string csv;
+  std::string parts;
+  int aged_frames = 0;
+  bool steering = false;
+  CLI::Option* avatars = nullptr;
+  CLI::Option* frames = nullptr;
+
+  bool measures_engines() const { return !steering && parts.empty() && aged_frames == 0; }
+};
+
+std::vector<std::string> known_engines() {
+  std::vector<std::string> names;
+  for (const bench::EngineKind& kind : bench::engine_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+std::vector<std::string> engines_of(const std::string& list) {
+  const std::vector<std::string> known = known_engines();
+  if (list == "all") return known;
+  if (list == "none") return {};
+  std::vector<std::string> chosen;
+  for (size_t begin = 0; begin <= list.size();) {
+    const size_t end = std::min(list.find(',', begin), list.size());
+    chosen.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  for (const std::string& name : chosen)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InputError("--engines", fmt::format("all, none or some of {}", fmt::join(known, ",")),
+                       fmt::format("'{}'{}", name, did_you_mean(name, known)));
+  return chosen;
+}
+
+OpenOutputs opened_outputs(const BenchCommand& command) {
+  OutputPlan plan;
+  plan.writes_json(command.json);
+  plan.writes({.option = "--csv", .path = command.csv, .writing = Writing::kAppended});
+  return plan.open();
+}
+
+/// What a measurement comes to.
+struct Measured {
+  std::string text;
+  std::string json;
+  std::string csv;
+  bool as_it_should = true;
+};
+
+/// Drawn over and over on a terminal; the last of it is known to whoever stops the measurement.
+class ProgressLine {
+ public:
+  void show_progress(const std::string& what) {
+    const std::lock_guard lock(mutex_);
+    last_ = what;
+    if (terminal_) say("\r\033[K{}", what);
+  }
+  /// Wipes the line.
+  std::string last() {
+    const std::lock_guard lock(mutex_);
+    if (terminal_) say("\r\033[K");
+    return last_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string last_;
+  const bool terminal_ = isatty(STDERR_FILENO) != 0;
+};
+
+Measured measure_steering(const BenchCommand& command, const bench::Progress& progress) {
+  bench::SteeringBenchOptions options;
+  if (command.avatars->count() > 0) options.counts = {command.options.avatars};
+  if (command.frames->count() > 0) options.steps = command.options.frames;
+  options.per_m2 = command.options.per_m2;
+  options.threads = command.options.threads;
+  options.seed = command.options.seed;
+  options.simd = command.options.simd;
+  const auto rows = bench::measure_steering(options, progress);
+  return {bench::to_text(rows, options, cpu_name()), bench::to_json(rows, options, cpu_name()), {}};
+}
+
+Measured measure_parts(const BenchCommand& command, const bench::Progress& progress) {
+  const auto result =
+      bench::count_false_positives(command.options, *volume_of(command.parts), 20, progress);
+  const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
+  return {bench::to_text(result),
+          bench::to_json(result, command.options),
+          {},
+          std::none_of(result.volumes.begin(), result.volumes.end(), misses)};
+}
+
+Measured measure_ageing(const BenchCommand& command, const bench::Progress& progress) {
+  const auto result = bench::age(command.options, command.aged_frames, progress);
+  return {bench::to_text(result),
+          bench::to_json(result, command.options, {cpu_name(), throng::peak_rss_bytes()}),
+          {},
+          result.aged_work == result.fresh_work};
+}
+
+/// Also of the frames that were measured before a signal; nothing if there were none.
+Measured measure_engines(const BenchCommand& command, const bench::Progress& progress) {
+  const bench::BenchResult result =
+      bench::compare(command.options, progress, StopSignal::requested);
+  if (result.options.frames == 0) return {};
+  const bench::MachineLine machine{cpu_name(), throng::peak_rss_bytes()};
+  const auto agrees = [](const bench::EngineResult& engine) { return engine.agrees; };
+  return {bench::to_text(result, machine), bench::to_json(result, machine), bench::to_csv(result),
+          std::all_of(result.engines.begin(), result.engines.end(), agrees)};
+}
+
+Measured measured(const BenchCommand& command, const bench::Progress& progress) {
+  if (command.steering) return measure_steering(command, progress);
+  if (!command.parts.empty()) return measure_parts(command, progress);
+  if (command.aged_frames > 0) return measure_ageing(command, progress);
+  return measure_engines(command, progress);
+}
+
+int report(const BenchCommand& command, const Measured& result) {
+  show_beside_json(command.json, result.text);
+  write_json_output(command.json, result.json);
+  if (!command.csv.empty()) {
+    std::error_code error;
+    const bool is_new = std::filesystem::file_size(command.csv, error) == 0 && !error;
+    append_text(command.csv, (is_new ? bench::csv_header() : "") + result.csv);
+  }
+  return result.as_it_should ? kExitFine : kExitCheckFailed;
+}
+
+int stopped(const BenchCommand& command, const Measured& result, const std::string& progress) {
+  say("stopped by {}{}{}; {}\n", StopSignal::name(), progress.empty() ? "" : " after ", progress,
+      result.text.empty() ? "nothing was measured to its end" : "what was measured follows");
+  if (!result.text.empty()) report(command, result);
+  return StopSignal::exit_code();
+}
+
+int measure(BenchCommand& command) {
+  bench::BenchOptions& options = command.options;
+  options.engines = engines_of(command.engines);
+  if (command.crowd == "plaza" && command.density)
+    throw InputError("--density", "none with --crowd plaza: the scene has its own",
+                     fmt::format("{}", *command.density));
+  options.per_m2 = command.density.value_or(1);
+  options.crowd = command.crowd == "plaza" ? bench::CrowdKind::kPlaza : bench::CrowdKind::kSquare;
+  options.simd = resolved(*simd_target_of(command.simd));
+  for (const auto& [name, search] : kSearches)
+    if (command.pair_search == name) options.pair_search = search;
+  const StopSignal stop;
+  const OpenOutputs outputs = opened_outputs(command);  // fails before it has taken minutes
+  const auto result = std::make_shared<Measured>();
+  const auto line = std::make_shared<ProgressLine>();
+  const bool done = done_before_a_signal(
+      [command, result, line] {
+        *result = measured(command, [&](const std::string& what) { line->show_progress(what); });
+      },
+      kPatience);
+  const std::string last = line->last();
+  if (!done) return stopped(command, {}, last);
+  return StopSignal::requested() && command.measures_engines() ? stopped(command, *result, last)
+                                                               : report(command, *result);
+}
+
+void add_options(CLI::App& app, BenchCommand& command) {
+  bench::BenchOptions& options = command.options;
+  command.avatars = app.add_option("--avatars", options.avatars, "People [20000]")
+                        ->check(whole_option(2, 1'000'000, "a whole number from 2 to 1000000"))
+                        ->type_name("N");
+  app.add_option("--density", command.density, "People per square metre [1]")
+      ->check(number_option(0, 20, true, "a density above 0, at most 20 per m2"))
+      ->type_name("D");
+  auto* crowd =
+      app.add_option(
+             "--crowd", command.crowd,
+             "square: everybody walks straight on; plaza: they steer, as dense as the scene "
+             "[square]")
+          ->check(name_option({"square", "plaza"}))
+          ->type_name("NAME");
+  command.frames =
+      app.add_option("--frames", options.frames, "Frames to measure, after 3 of warm-up [20]")
+          ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
+          ->type_name("N");
+  app.add_option("--threads", options.threads, "For us, and for engines that have threads [1]")
+      ->check(whole_option(1, 256, "a whole number from 1 to 256"))
+      ->type_name("N");
+  auto* engines =
+      app.add_option("--engines", command.engines, "all, none, or a list like fcl,embree [all]")
+          ->type_name("LIST");
+  app.add_option("--seed", options.seed, "Of the crowd [1]")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  std::vector<std::string> simds, searches, volumes;
+  for (const SimdTarget target : {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
+                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
+    simds.emplace_back(name_of(target));
+  for (const auto& [name, search] : kSearches) searches.emplace_back(name);
+  for (const VolumeKind kind : kAllVolumes) volumes.emplace_back(name_of(kind));
+  app.add_option("--simd", command.simd, "Force a vector target [best]")
+      ->check(name_option(simds))
+      ->type_name("TARGET");
+  auto* search = app.add_option("--pair-search", command.pair_search, "grid, sweep or brute [grid]")
+                     ->check(name_option(searches))
+                     ->type_name("NAME");
+  auto* age = app.add_option("--age", command.aged_frames,
+                             "Compare fresh structures with ones that followed N frames [300]")
+                  ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
+                  ->type_name("N");
+  age->expected(0, 1)->default_str("300");
+  auto* parts = app.add_option("--parts", command.parts,
+                               "False positives of every volume, and part by part of this one "
+                               "[ordop26]")
+                    ->check(name_option(volumes))
+                    ->type_name("VOLUME")
+                    ->excludes(age);
+  parts->expected(0, 1)->default_str("ordop26");
+  app.add_option("--json", command.json, kJsonHelp)->type_name("FILE");
+  auto* csv = app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
+                  ->type_name("FILE");
+  app.add_flag("--steering", command.steering,
+               "A step of each steering model, of 1000, 10000 and 100000 people or --avatars")
+      ->excludes(age)
+      ->excludes(parts)
+      ->excludes(crowd)
+      ->excludes(engines)
+      ->excludes(search)
+      ->excludes(csv);
+}
+
+}  // namespace
+
+Command add_bench_command(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("bench", "This machine against the other engines it was built with");
+  app->footer(kFooter);
+  const auto command = std::make_shared<BenchCommand>();
+  add_options(*app, *command);
+  return {app, [command] { return measure(*command); }};
+}
+
+}  // namespace throng

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "apps/command.h"
+#include "apps/output/output_plan.h"
+#include "base/errors.h"
+#include "base/say.h"
+#include "lcmtypes/log/log_check.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+A log is sound when every byte belongs to a message, every message is as it was written, none is
+missing, every contact that begins also ends, and the events have the run's hash. Exit code 1 says
+that it is not.
+
+Examples:
+  throng check out/plaza.lcmlog
+  throng check torn.lcmlog --repair sound.lcmlog)";
+
+struct CheckOptions {
+  std::string log;
+  std::string repaired;
+};
+
+int check(const CheckOptions& options) {
+  OutputPlan plan;
+  plan.reads("which is judged", options.log);
+  plan.writes({.option = "--repair",
+               .path = options.repaired,
+               .writing = Writing::kAsItRuns,
+               .is_recording = true});
+  plan.check();
+  const LogReport report = check_log(options.log);
+  show("{}: {}\n", options.log,
+       !report.is_sound() ? "not sound"
+       : report.finished  ? "sound"
+                          : "sound, but cut off");
+  show("  messages   {} of ours, {} of others, {} bytes\n",
+       report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
+  show("  events     {} begin, {} end, {} open\n", report.begins, report.ends, report.open_pairs);
+  const auto& levels = report.begins_by_level;
+  if (levels[0] + levels[1] > 0 || (levels[2] > 0 && levels[3] > 0))
+    show("  levels     begun by spheres {}, boxes {}, part volumes {}, triangles {}\n", levels[0],
+         levels[1], levels[2], levels[3]);
+  show("  frames     {}, {:.2f} s\n", report.last_frame + 1,
+       static_cast<double>(report.last_utime_us) * 1e-6);
+  for (const std::string& line : describe_coverage(report)) show("  checksums  {}\n", line);
+  if (!report.leaves_out.empty())
+    show("  leaves out {} (strategy {})\n", report.leaves_out, report.strategy);
+  for (const std::string& problem : report.problems) show("  problem    {}\n", problem);
+  const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
+  if (untold > 0) show("  problem    and {} more\n", untold);
+  if (!options.repaired.empty()) {
+    if (report.log_events == 0)
+      throw InputError(options.log, "a log with something sound to copy", "no sound message");
+    const OpenOutputs outputs = plan.open();
+    for (const std::string& note : outputs.notes()) say("note: {}\n", note);
+    const int64_t messages = repair_log(options.log, options.repaired);
+    show("  repaired   {}: {} sound messages\n", options.repaired, messages);
+  }
+  return report.is_sound() ? kExitFine : kExitCheckFailed;
+}
+
+}  // namespace
+
+Command add_check_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("check", "Judges a log: numbering, gaps, events in pairs");
+  app->footer(kFooter);
+  const auto options = std::make_shared<CheckOptions>();
+  app->add_option("LOG", options->log, "The log to judge")->required();
+  app->add_option("--repair", options->repaired, "Writes what is sound into a new log")
+      ->type_name("FILE");
+  return {app, [options] { return check(*options); }};
+}
+
+}  // namespace throng

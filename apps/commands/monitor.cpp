@@ -1,0 +1,176 @@
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/command.h"
+#include "apps/commands/monitor_view.h"
+#include "apps/process/stop_signal.h"
+#include "base/say.h"
+#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/wire/receiver.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+Shows channels with their rates, what is missing, the stage counters as N_u C_u N_v C_v N_p C_p C_o and T,
+which parts touch most, and the newest contacts by name. Ctrl-C ends it.
+
+Examples:
+  throng monitor                                    live, updating in place
+  throng monitor --once --json                      listens for 3 s, then prints for machines
+  throng monitor --once --json --until-end          to the end of the run
+  throng monitor out/plaza.lcmlog                   the same view of a log
+
+Exit codes: 1 if nothing was heard.)";
+
+struct MonitorOptions {
+  std::string log;
+  std::string lcm{kDefaultLcmUrl};
+  bool once = false;
+  bool json = false;
+  bool until_end = false;
+  std::optional<double> seconds;
+};
+
+constexpr double kOnce_s = 3;
+constexpr int64_t kMostTold = 3;
+constexpr std::chrono::milliseconds kRedraw{200};
+constexpr double kLine_s = 1;
+
+/// Columns and lines of the terminal on stdout, if it is one.
+std::optional<winsize> terminal() {
+  winsize size{};
+  if (isatty(STDOUT_FILENO) == 0 || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) return {};
+  if (size.ws_col < 20 || size.ws_row < 5) return {};
+  return size;
+}
+
+/// The other screen of a terminal, without a cursor, until destroyed.
+class Screen {
+ public:
+  explicit Screen(bool is_used) : is_used_(is_used) {
+    if (is_used_) show("\033[?1049h\033[?25l");
+  }
+  ~Screen() {
+    if (is_used_) show("\033[?25h\033[?1049l");
+    flush_shown();
+  }
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  static void draw(const std::vector<std::string>& lines) {
+    std::string text = "\033[H";
+    for (const std::string& line : lines) text += line + "\033[K\r\n";
+    if (!lines.empty()) text.resize(text.size() - 2);  // a line break at the bottom would scroll
+    show("{}\033[J", text);
+  }
+
+ private:
+  bool is_used_;
+};
+
+int print_result(MonitorView view, bool as_json) {
+  view.overall = true;
+  if (as_json) {
+    using Handler = nlohmann::ordered_json::error_handler_t;
+    show("{}\n", json_of(view).dump(2, ' ', false, Handler::replace));
+  } else {
+    for (const std::string& line : lines_of(view)) show("{}\n", line);
+  }
+  if (!view.inbox.runs().empty()) return kExitFine;
+  say("{}: expected a run, heard none; {}\n", view.source,
+      view.inbox.refused() > 0 ? fmt::format("{} messages were refused", view.inbox.refused())
+                               : "start one with 'throng run SCENE --pace 1'");
+  return kExitCheckFailed;
+}
+
+int watch_live(const MonitorOptions& options) {
+  Receiver receiver(options.lcm);
+  Monitor monitor(receiver.inbox());
+  MonitorView view{receiver.inbox(), monitor, options.lcm};
+  const auto start = std::chrono::steady_clock::now();
+  const auto now_s = [&start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const bool once = options.once || options.json;
+  double limit_s = options.seconds.value_or(1e18);
+  if (once && !options.seconds && !options.until_end) limit_s = kOnce_s;
+  const StopSignal stop;
+  {
+    const Screen screen(!once && terminal().has_value());
+    double drawn_s = 0;
+    while (!StopSignal::requested() && now_s() < limit_s) {
+      receiver.receive(std::min(kRedraw, std::chrono::milliseconds(50)),
+                       [&](const ReceivedMessage& m) { monitor.take(m.update, now_s()); });
+      view.now_s = now_s();
+      if (options.until_end && receiver.inbox().run().end()) break;
+      if (once) continue;
+      view.overall = false;
+      if (const std::optional<winsize> size = terminal()) {
+        if (view.now_s - drawn_s < std::chrono::duration<double>(kRedraw).count()) continue;
+        view.width = size->ws_col;
+        view.height = size->ws_row;
+        Screen::draw(lines_of(view));
+      } else {
+        if (view.now_s - drawn_s < kLine_s) continue;
+        show("{}\n", line_of(view));
+      }
+      if (!flush_shown()) break;  // nobody reads it any more
+      drawn_s = view.now_s;
+    }
+  }
+  return print_result(view, options.json);
+}
+
+int watch_log(const MonitorOptions& options) {
+  LogReader log(options.log);
+  Inbox inbox;
+  Monitor monitor(inbox);
+  MonitorView view{inbox, monitor, options.log};
+  LogEvent event;
+  int64_t damaged = 0;
+  for (;;) {
+    const LogReader::Status status = log.next(event);
+    if (status == LogReader::Status::kEnd) break;
+    if (status != LogReader::Status::kEvent) {
+      if (++damaged <= kMostTold) say("{}: {}\n", options.log, log.problem());
+      if (!log.resync()) break;
+      continue;
+    }
+    const RunReader::Update update = inbox.take(event.channel, event.data);
+    view.now_s = std::max(view.now_s, static_cast<double>(event.stamp_us) * 1e-6);
+    monitor.take(update, view.now_s);
+  }
+  if (damaged > kMostTold)
+    say("{}: damaged in {} places; see 'throng check'\n", options.log, damaged);
+  return print_result(view, options.json);
+}
+
+}  // namespace
+
+Command add_monitor_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("monitor", "Watches a run, live or in a log");
+  app->footer(kFooter);
+  const auto options = std::make_shared<MonitorOptions>();
+  CLI::Option* log = app->add_option("LOG", options->log, "A log instead of a live run");
+  app->add_option("--lcm", options->lcm, fmt::format("Where to listen [{}]", options->lcm))
+      ->type_name("URL")
+      ->excludes(log);
+  app->add_flag("--once", options->once, "Prints once, at the end");
+  app->add_flag("--json", options->json, "Prints for machines, once");
+  app->add_flag("--until-end", options->until_end, "Stops when the run has ended");
+  app->add_option("--seconds", options->seconds, "Stops after this time [--once: 3]")
+      ->check(number_option(0, 1e9, true, "a number of seconds above 0"))
+      ->type_name("S");
+  return {app,
+          [options] { return options->log.empty() ? watch_live(*options) : watch_log(*options); }};
+}
+
+}  // namespace throng

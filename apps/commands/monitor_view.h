@@ -1,0 +1,49 @@
+// What `throng monitor` shows: lines for people, JSON for machines.
+// One rule: both say the same; what came over the wire reaches a terminal only in printable form.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/wire/monitor.h"
+
+namespace throng {
+
+struct MonitorView {
+  const Inbox& inbox;
+  const Monitor& monitor;
+  std::string source;   ///< the URL or file it listens to
+  double now_s = 0;     ///< on the clock that Monitor::take() was told
+  bool overall = true;  ///< rates over all that was heard; false: over the last seconds
+  int width = 100;      ///< columns; longer lines are cut
+  int height = 50;      ///< lines at most
+};
+
+std::vector<std::string> lines_of(const MonitorView& view);
+
+/// One line, for where nothing can be redrawn.
+std::string line_of(const MonitorView& view);
+
+nlohmann::ordered_json json_of(const MonitorView& view);
+
+/// A contact as people read it: "walkers 17 leftHand - walkers 203 torso, 0.4 s".
+std::string text_of(const Monitor::Note& note, const run_description_t* run);
+
+/// Stages of Monitor::Totals as the terms of T = N_u C_u + N_v C_v + N_p C_p + C_o, a frame.
+struct CostTerms {
+  struct Stage {
+    std::string volume;
+    double n_u = 0, c_u_ns = 0, n_v = 0, c_v_ns = 0, passed = 0;
+  };
+  std::vector<Stage> stages;  ///< bounding volumes only
+  double n_p = 0, c_p_ns = 0;
+  double c_o_ns = 0;  ///< posing bodies and merging events
+  double t_ns = 0;
+};
+CostTerms cost_terms(const Monitor::Totals& totals, const run_description_t* run);
+
+/// Messages of this run that were sent and did not come.
+int64_t lost_of(const RunTally& run);
+
+}  // namespace throng

@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/output/json_output.h"
+#include "apps/output/output_plan.h"
+#include "apps/output/unfinished.h"
+#include "apps/process/machine.h"
+#include "apps/process/stop_signal.h"
+#include "base/figure.h"
+#include "base/say.h"
+#include "bench/paper/json.h"
+#include "bench/paper/report.h"
+#include "bench/paper/tables.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes Manipulation in Massive Rigid
+Body Simulation, TELKOMNIKA 11(6), 2013. docs/paper.md says which number is which.
+
+Ctrl-C ends it with the tables that are finished.
+
+Examples:
+  throng paper --json paper.json
+  throng paper --seeds 100 --out out/paper)";
+
+struct PaperCommand {
+  paper::PaperOptions options;
+  std::string out;
+  std::string json;
+};
+
+/// What is finished so far, for whoever stops the rest.
+struct Kept {
+  std::mutex mutex;
+  paper::PaperResult result;
+
+  paper::PaperResult copy() {
+    const std::lock_guard lock(mutex);
+    return result;
+  }
+};
+
+int reproduce_paper(const PaperCommand& command) {
+  // What would fail after a minute of measuring has to fail before.
+  const StopSignal stop;
+  OutputPlan plan;
+  plan.writes_json(command.json);
+  plan.fills("--out", command.out, {"report.html", "report.md", "*.svg", "*.png"});
+  if (!command.out.empty()) require_gnuplot();
+  const OpenOutputs outputs = plan.open();
+  const auto objects = paper::load_objects();
+  const auto kept = std::make_shared<Kept>();
+  const auto experiments = [objects, kept, options = command.options] {
+    paper::run_experiments(
+        objects, options, [](const std::string& what) { say("{}\n", what); },
+        [&](const paper::PaperResult& result) {
+          const std::lock_guard lock(kept->mutex);
+          kept->result = result;
+        });
+  };
+  const bool done = done_before_a_signal(experiments);
+  const paper::PaperResult result = kept->copy();
+  if (!done) say("stopped by {}: what was finished follows\n", StopSignal::name());
+  std::string tables;
+  for (const paper::Table& table : paper::tables_of(result)) tables += paper::to_text(table) + "\n";
+  show_beside_json(command.json, tables);
+  const std::string cpu = cpu_name();
+  write_json_output(command.json, paper::to_json(result, cpu));
+  if (!done) return StopSignal::exit_code();
+  if (!command.out.empty()) {
+    paper::write_report(result, objects, cpu, command.out);
+    show_beside_json(command.json,
+                     fmt::format("{0}/report.html and {0}/report.md written\n", command.out));
+  }
+  return kExitFine;
+}
+
+}  // namespace
+
+Command add_paper_command(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("paper", "Every table and figure of the paper, ours beside theirs");
+  app->footer(kFooter);
+  const auto command = std::make_shared<PaperCommand>();
+  command->options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const auto five = CLI::Validator(
+      [](std::string& text) -> std::string {
+        return text.ends_with('0') || text.ends_with('5')
+                   ? ""
+                   : fmt::format("expected a multiple of 5, found '{}'", text);
+      },
+      "");
+  app->add_option("--frames", command->options.frames, "Frames of Part I [500]")
+      ->check(whole_option(10, 10000, "10 to 10000 frames"))
+      ->check(five)
+      ->type_name("N");
+  app->add_option("--seed", command->options.seed, "The first seed [1]")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  app->add_option("--seeds", command->options.seeds, "Average the collisions over N seeds [1]")
+      ->check(whole_option(1, 10000, "1 to 10000 seeds"))
+      ->type_name("N");
+  app->add_option("--threads", command->options.threads,
+                  "For the seeds; what is timed runs on one [all]")
+      ->check(whole_option(1, 256, "1 to 256 threads"))
+      ->type_name("N");
+  app->add_option("--out", command->out, "A folder for report.html and report.md")
+      ->type_name("DIR");
+  app->add_option("--json", command->json, kJsonHelp)->type_name("FILE");
+  return {app, [command] { return reproduce_paper(*command); }};
+}
+
+}  // namespace throng

@@ -1,0 +1,139 @@
+#include "apps/commands/picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace throng {
+namespace {
+
+using BodyPart = std::pair<uint32_t, uint32_t>;
+
+/// By level: Okabe and Ito's palette, in linear light, which the colour-blind can tell apart.
+const std::array<Eigen::Vector3f, 4> kTouching = {
+    Eigen::Vector3f(0.09F, 0.46F, 0.82F), Eigen::Vector3f(0.00F, 0.34F, 0.17F),
+    Eigen::Vector3f(0.90F, 0.36F, 0.00F), Eigen::Vector3f(0.75F, 0.11F, 0.00F)};
+const Eigen::Vector3f kObstacle(0.55F, 0.53F, 0.50F);
+/// Calm clothes: what touches has to stand out.
+const std::array<Eigen::Vector3f, 6> kClothes = {
+    Eigen::Vector3f(0.33F, 0.42F, 0.53F), Eigen::Vector3f(0.46F, 0.52F, 0.50F),
+    Eigen::Vector3f(0.60F, 0.62F, 0.64F), Eigen::Vector3f(0.38F, 0.40F, 0.46F),
+    Eigen::Vector3f(0.55F, 0.58F, 0.66F), Eigen::Vector3f(0.42F, 0.50F, 0.58F)};
+constexpr float kPersonHeight_m = 1.7F;
+
+using PartLevels = std::map<BodyPart, PairLevel>;
+
+/// The highest level of each part's pairs.
+PartLevels parts_in_touch(const RunReader::Touching& pairs) {
+  PartLevels parts;
+  for (const auto& [pair, level] : pairs)
+    for (const BodyPart& part :
+         {BodyPart(pair.a(), pair.part_a()), BodyPart(pair.b(), pair.part_b())}) {
+      const auto [at, is_new] = parts.try_emplace(part, level);
+      if (!is_new) at->second = std::max(at->second, level);
+    }
+  return parts;
+}
+
+Eigen::Vector3f colour_of(uint32_t avatar, uint32_t part, const PartLevels& in_touch) {
+  for (const uint32_t touched : {part, kWholeBody})
+    if (const auto found = in_touch.find({avatar, touched}); found != in_touch.end())
+      return kTouching[static_cast<size_t>(found->second)];
+  return kClothes[avatar % kClothes.size()];
+}
+
+Mesh to_mesh(const mesh_t& received) {
+  Mesh mesh;
+  for (size_t i = 0; i + 2 < received.coordinates_m.size(); i += 3)
+    mesh.vertices.emplace_back(received.coordinates_m[i], received.coordinates_m[i + 1],
+                               received.coordinates_m[i + 2]);
+  for (size_t i = 0; i + 2 < received.indices.size(); i += 3)
+    mesh.triangles.emplace_back(received.indices[i], received.indices[i + 1],
+                                received.indices[i + 2]);
+  return mesh;
+}
+
+Eigen::Isometry3f world_from(const RootPose& root, const PartPose& pose) {
+  Eigen::Isometry3d world = to_isometry(pose);
+  world.pretranslate(root.position_m);
+  return world.cast<float>();
+}
+
+void add_people(RecordedFrame& frame, const PartLevels& in_touch, std::vector<RenderItem>& items) {
+  RunReader& run = frame.run();
+  const run_description_t& description = *run.run();
+  std::vector<PartPose> poses;
+  for (size_t avatar = 0; avatar < frame.crowd().roots.size(); ++avatar) {
+    if (frame.crowd().present[avatar] == 0) continue;
+    const auto id = static_cast<uint32_t>(avatar);
+    const auto model = static_cast<size_t>(description.model_of_avatar[avatar]);
+    const std::vector<Part>& parts = run.model(model)->parts;
+    run.part_poses(static_cast<int>(avatar), poses);
+    for (size_t part = 0; part < parts.size(); ++part) {
+      items.push_back({&parts[part].mesh, world_from(frame.crowd().roots[avatar], poses[part]),
+                       description.scale_of_avatar[avatar],
+                       colour_of(id, static_cast<uint32_t>(part), in_touch)});
+    }
+  }
+}
+
+/// Obstacles keep their colour: one hand on a wall would paint the whole wall.
+void add_obstacles(RecordedFrame& frame, std::deque<Mesh>& meshes, std::vector<RenderItem>& items) {
+  for (const obstacle_t& obstacle : frame.run().run()->obstacles) {
+    Eigen::Isometry3f pose = Eigen::Isometry3f::Identity();
+    pose.rotate(
+        Eigen::AngleAxisf(static_cast<float>(obstacle.heading_rad), Eigen::Vector3f::UnitZ()));
+    pose.pretranslate(Eigen::Map<const Eigen::Vector3d>(obstacle.centre_m).cast<float>());
+    meshes.push_back(to_mesh(obstacle.mesh));
+    items.push_back({&meshes.back(), pose, 1, kObstacle});
+  }
+}
+
+/// Fits the crowd: its bounding circle, seen from south-east and above.
+Camera camera_of(const CrowdState& crowd, const PictureOptions& options) {
+  Camera camera;
+  Eigen::Vector3d low = crowd.roots.empty() ? Eigen::Vector3d::Zero() : crowd.roots[0].position_m;
+  Eigen::Vector3d high = low;
+  for (const RootPose& root : crowd.roots) {
+    low = low.cwiseMin(root.position_m);
+    high = high.cwiseMax(root.position_m);
+  }
+  const Eigen::Vector3f middle = (0.5 * (low + high)).cast<float>();
+  camera.target_m = options.target_m.value_or(middle + Eigen::Vector3f(0, 0, 0.3F));
+  const float radius_m = std::max(kPersonHeight_m, 0.5F * static_cast<float>((high - low).norm()));
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  const float half_width = std::tan(0.5F * camera.vertical_fov_rad) * std::max(aspect, 0.1F);
+  const float distance_m = 1.05F * radius_m / std::min(half_width, 0.8F);
+  const Eigen::Vector3f back = Eigen::Vector3f(0.45F, -0.75F, 0.5F).normalized();
+  camera.eye_m = options.eye_m.value_or(camera.target_m + distance_m * back);
+  return camera;
+}
+
+}  // namespace
+
+PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& options) {
+  const Camera camera = camera_of(crowd, options);
+  PictureOptions fixed = options;
+  fixed.eye_m = camera.eye_m;
+  fixed.target_m = camera.target_m;
+  return fixed;
+}
+
+Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
+  const PartLevels in_touch = parts_in_touch(frame.touching());
+  std::vector<RenderItem> items;
+  std::deque<Mesh> meshes;  // items point into it: a deque does not move what it has
+  add_people(frame, in_touch, items);
+  add_obstacles(frame, meshes, items);
+  RenderOptions render_options;
+  render_options.width = options.width;
+  render_options.height = options.height;
+  render_options.samples = 3;
+  return render(items, camera_of(frame.crowd(), options), render_options);
+}
+
+}  // namespace throng

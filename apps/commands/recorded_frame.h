@@ -1,0 +1,40 @@
+// One frame of a log: where every part is and which of them touch.
+// One rule: nothing but the log is read, so that a log from another machine looks the same.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "lcmtypes/codec/run_reader.h"
+#include "lcmtypes/log/log_reader.h"
+
+namespace throng {
+
+/// The run as it was at the end of a frame. Where states were recorded more rarely, the crowd is
+/// that of the latest frame before.
+class RecordedFrame {
+ public:
+  /// Reads the log up to the end of frame `number`. Throws InputError if the file is no log, has no
+  /// description, does not reach so far, or has no states until then.
+  RecordedFrame(const std::filesystem::path& log, int64_t number);
+
+  /// Goes on to a later frame. Throws InputError if the log does not reach so far.
+  void advance_to(int64_t number);
+
+  /// The next frame after the one advanced to that has states, if the log has one. Reads on:
+  /// nothing but this may be asked afterwards.
+  std::optional<int64_t> next_states();
+
+  RunReader& run() { return run_; }
+  const CrowdState& crowd() const { return run_.state(); }
+  const RunReader::Touching& touching() const { return run_.touching(); }
+
+ private:
+  std::filesystem::path log_;
+  LogReader reader_;
+  int64_t last_frame_ = -1;
+  RunReader run_;
+};
+
+}  // namespace throng

@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "apps/commands/picture.h"
+#include "apps/commands/recorded_frame.h"
+#include "apps/output/output_plan.h"
+#include "base/errors.h"
+#include "base/say.h"
+#include "viewer/picture/animation.h"
+
+namespace throng {
+namespace {
+
+constexpr int kMaxPixels = 8192;
+constexpr float kAnimationQuality = 55;
+
+constexpr const char* kFooter = R"(
+Body parts that touch are orange, by triangles red. Without --eye and --target the picture shows the whole crowd.
+
+Examples:
+  throng render out/plaza.lcmlog --frame 300 --out plaza.png
+  throng render out/plaza.lcmlog --frames 300:420 --every 5 --out plaza.webp
+  throng render out/plaza.lcmlog --frame 300 --eye 4,-9,3 --target 0,-5,1 --out near.png)";
+
+struct RenderCommand {
+  std::string log;
+  int64_t frame = 0;
+  std::vector<int64_t> frames;  // first, last
+  int64_t every = 4;
+  std::string out;
+  std::vector<float> eye_m;
+  std::vector<float> target_m;
+  PictureOptions picture;
+};
+
+/// What cannot be drawn is refused before anything is read or drawn.
+void require_drawable(const RenderCommand& command) {
+  const bool moves = !command.frames.empty();
+  const char* ending = moves ? ".webp" : ".png";
+  const std::string found = std::filesystem::path(command.out).extension().string();
+  if (found != ending)
+    throw InputError("--out",
+                     fmt::format("a name that ends in {}: {}", ending,
+                                 moves ? "--frames makes an animation"
+                                       : "one frame is a PNG, --frames A:B makes a .webp"),
+                     fmt::format("'{}'", command.out));
+  if (moves && command.frames[0] > command.frames[1])
+    throw InputError("--frames", "FIRST:LAST, the first not after the last",
+                     fmt::format("{}:{}", command.frames[0], command.frames[1]));
+}
+
+int render_frames(const RenderCommand& command) {
+  RecordedFrame(command.log, command.frames[1]);  // throws if the log does not reach so far
+  RecordedFrame frame(command.log, command.frames[0]);
+  const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
+  const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);
+  Animation animation(options.width, options.height, kAnimationQuality);
+  int pictures = 0, with_states = 0;
+  for (int64_t number = command.frames[0]; number <= command.frames[1]; number += command.every) {
+    frame.advance_to(number);
+    with_states += frame.crowd().frame == number;
+    animation.add(picture_of(frame, options), static_cast<int>(std::lround(shown_ms)));
+    ++pictures;
+  }
+  const size_t bytes = animation.write(command.out);
+  show("{}: {} pictures, {:.2f} MB\n", command.out, pictures, static_cast<double>(bytes) * 1e-6);
+  if (with_states < pictures)
+    say("note: {} of {} frames have states; in the others people stand as in the last that had\n",
+        with_states, pictures);
+  return kExitFine;
+}
+
+int render_frame(RenderCommand command) {
+  require_drawable(command);
+  const auto to_point = [](const std::vector<float>& xyz) -> std::optional<Eigen::Vector3f> {
+    if (xyz.empty()) return std::nullopt;
+    return Eigen::Vector3f(xyz[0], xyz[1], xyz[2]);
+  };
+  command.picture.eye_m = to_point(command.eye_m);
+  command.picture.target_m = to_point(command.target_m);
+  OutputPlan plan;
+  plan.reads("which is drawn", command.log);
+  plan.writes({.option = "--out", .path = command.out});
+  const OpenOutputs outputs = plan.open();
+  if (!command.frames.empty()) return render_frames(command);
+  RecordedFrame frame(command.log, command.frame);
+  write_png(command.out, picture_of(frame, command.picture));
+  show("{}: frame {}, {} avatars, {} pairs of parts touch\n", command.out, command.frame,
+       frame.crowd().roots.size(), frame.touching().size());
+  if (const int64_t states = frame.crowd().frame; states < command.frame) {
+    const std::optional<int64_t> next = frame.next_states();
+    say("note: frame {} has no states: people stand as at frame {}; {}\n", command.frame, states,
+        next ? fmt::format("the next states are those of frame {}", *next)
+             : "no states come later");
+  }
+  return kExitFine;
+}
+
+void add_point(CLI::App& app, const char* name, std::vector<float>& xyz, const char* what) {
+  app.add_option(name, xyz, what)
+      ->expected(3)
+      ->delimiter(',')
+      ->check(number_option(-1e6, 1e6, false, "three numbers, x,y,z"))
+      ->type_name("X,Y,Z");
+}
+
+}  // namespace
+
+Command add_render_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("render", "A picture of one frame of a log");
+  app->footer(kFooter);
+  const auto command = std::make_shared<RenderCommand>();
+  app->add_option("LOG", command->log, "The log of a run")->required();
+  CLI::Option* frame = app->add_option("--frame", command->frame, "Which frame; the first is 0")
+                           ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+                           ->type_name("N");
+  app->add_option("--frames", command->frames, "From the first to the last: an animated WebP")
+      ->expected(2)
+      ->delimiter(':')
+      ->check(whole_option(0, INT64_MAX, "two whole numbers from 0, FIRST:LAST"))
+      ->type_name("A:B")
+      ->excludes(frame);
+  app->add_option("--every", command->every, "Of these frames every n-th [4]")
+      ->check(whole_option(1, 10000, "a whole number from 1"))
+      ->type_name("N");
+  app->add_option("--out", command->out, "The PNG or WebP to write")->required()->type_name("FILE");
+  add_point(*app, "--eye", command->eye_m, "Where the eye is, in metres");
+  add_point(*app, "--target", command->target_m, "What it looks at, in metres");
+  const auto pixels = whole_option(16, kMaxPixels, fmt::format("16 to {} pixels", kMaxPixels));
+  app->add_option("--width", command->picture.width, "Pixels [1280]")
+      ->check(pixels)
+      ->type_name("N");
+  app->add_option("--height", command->picture.height, "Pixels [720]")
+      ->check(pixels)
+      ->type_name("N");
+  return {app, [command] { return render_frame(*command); }};
+}
+
+}  // namespace throng

@@ -1,0 +1,453 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/output/checkpoints.h"
+#include "apps/output/file_kind.h"
+#include "apps/output/json_output.h"
+#include "apps/output/log_guard.h"
+#include "apps/output/output_plan.h"
+#include "apps/output/recorders.h"
+#include "apps/output/run_report.h"
+#include "apps/process/pacer.h"
+#include "apps/process/progress.h"
+#include "apps/process/stop_signal.h"
+#include "base/errors.h"
+#include "base/files/whole_file.h"
+#include "base/say.h"
+#include "lcmtypes/codec/readable.h"
+#include "lcmtypes/log/log_sink.h"
+#include "lcmtypes/wire/drive_receiver.h"
+#include "lcmtypes/wire/lcm_sink.h"
+#include "scenes/run/runner.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxThreads = 256;
+
+constexpr const char* kFooter = R"(
+Examples:
+  throng run plaza
+  throng run plaza --avatars 5000 --seconds 2 --json result.json
+  throng run corridor --exact --lcm off --log corridor.lcmlog
+  throng run plaza --avatars 20000 --seconds 1 --deadline-ms 5 --log off
+  throng run paper_500 --strategy two-pass --log off
+  throng run my_scene.yaml --part-volume obb --threads 1 --log off
+  throng run plaza --pace 1                          as fast as life, to watch it live
+  throng run corridor --lcm off --log off --trajectory corridor.sqlite
+  throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
+  throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
+  throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
+
+The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
+and (without --exact) --strategy; never on --threads, --simd, --pair-search or --pace. Under a deadline
+pairs that touched in the last frame are refined first, then those whose spheres overlap deepest; the
+rest is reported as far as it came. Ctrl-C ends the run with its summary, a sound log and exit code 130;
+SIGTERM with 143, SIGHUP with 129.
+
+No file is touched before the run is known to be possible. An older log under the name that nobody chose,
+out/SCENE.lcmlog, is kept as out/SCENE.previous.lcmlog; what a named file held is replaced.)";
+
+struct RunOptions {
+  std::string scene;
+  std::optional<int> avatars;
+  std::optional<double> seconds;
+  std::optional<uint64_t> seed;
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::string part_volume;
+  std::string steering;
+  bool exact = false;
+  std::optional<double> deadline_ms;
+  std::optional<uint64_t> deadline_tests;
+  std::string strategy = "pipeline";
+  std::string simd = "best";
+  std::string pair_search;  // empty: a grid, or all pairs where the paper's strategies test spheres
+  double pace = 0;
+  std::string lcm{kDefaultLcmUrl};
+  std::string log;
+  std::string json;
+  std::optional<double> states_hz;
+  bool publish_parts = false;
+  RecorderOptions recorders;
+  double flush_s = LogOptions{}.flush_s;
+  CheckpointOptions checkpoints;
+};
+
+constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
+    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
+
+std::vector<std::string> volume_names() {
+  std::vector<std::string> names;
+  for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
+  return names;
+}
+
+std::vector<std::string> simd_names() {
+  std::vector<std::string> names;
+  for (const SimdTarget target : {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
+                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
+    names.emplace_back(name_of(target));
+  return names;
+}
+
+std::vector<std::string> strategy_names() {
+  std::vector<std::string> names;
+  for (const Strategy strategy : kAllStrategies) names.emplace_back(name_of(strategy));
+  return names;
+}
+
+std::vector<std::string> pair_search_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, search] : kPairSearches) names.emplace_back(name);
+  return names;
+}
+
+void add_options(CLI::App& app, RunOptions& options) {
+  app.add_option("SCENE", options.scene, "A scene file, or a name from `throng scenes`")
+      ->required();
+  app.add_option("--avatars", options.avatars, "People in all; scales the scene's groups")
+      ->check(whole_option(1, PairKey::kMaxId, "a whole number from 1 to 16777215"))
+      ->type_name("N");
+  app.add_option("--seconds", options.seconds, "Simulated time instead of the scene's")
+      ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
+      ->type_name("S");
+  app.add_option("--seed", options.seed, "Start of all random numbers instead of the scene's")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  app.add_option("--threads", options.threads, "Default: all cores")
+      ->check(whole_option(1, kMaxThreads, fmt::format("a whole number from 1 to {}", kMaxThreads)))
+      ->type_name("N");
+  app.add_option("--part-volume", options.part_volume, "What encloses a body part")
+      ->check(name_option(volume_names()))
+      ->type_name("VOLUME");
+  app.add_option("--steering", options.steering, "orca or speed; instead of the scene's model")
+      ->check(name_option({"orca", "speed"}))
+      ->type_name("MODEL");
+  app.add_flag("--exact", options.exact, "Triangles decide what touches");
+  app.add_option("--deadline-ms", options.deadline_ms, "Time for culling a frame, by the clock")
+      ->check(number_option(0, 1e6, false, "a number of milliseconds from 0"))
+      ->type_name("D");
+  app.add_option("--deadline-tests", options.deadline_tests,
+                 "Tests of boxes, part volumes and triangles a frame")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  app.add_option("--strategy", options.strategy,
+                 "One of the paper's instead of ours, on one thread: none, sphere, volume, "
+                 "hybrid-one, hybrid-all or two-pass")
+      ->check(name_option(strategy_names()))
+      ->type_name("NAME")
+      ->excludes("--deadline-ms", "--deadline-tests");
+  app.add_option("--simd", options.simd, "best, scalar, sse4, avx2 or avx512")
+      ->check(name_option(simd_names()))
+      ->type_name("TARGET");
+  app.add_option("--pair-search", options.pair_search, "grid, sweep or brute")
+      ->check(name_option(pair_search_names()))
+      ->type_name("NAME");
+  app.add_option("--pace", options.pace, "Simulated seconds a second; 1 is real time [unpaced]")
+      ->check(number_option(0, 1e6, true, "a number above 0; 1 is real time"))
+      ->type_name("X");
+  app.add_option("--lcm", options.lcm, fmt::format("Where to publish, or off [{}]", options.lcm))
+      ->check(CLI::Validator(
+          [](std::string& url) {
+            // liblcm would open a file before anything is known to be possible.
+            const bool is_fine = url.empty() || url == "off" || url.starts_with("udpm://") ||
+                                 url.starts_with("tcpq://") || url.starts_with("memq://");
+            return is_fine ? std::string()
+                           : fmt::format(
+                                 "expected off or a URL that begins with udpm://, tcpq:// "
+                                 "or memq:// (--log FILE writes a log), found '{}'",
+                                 url);
+          },
+          ""))
+      ->type_name("URL");
+  app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
+      ->type_name("FILE");
+  app.add_option(
+         "--flush-s", options.flush_s,
+         "The longest until a frame goes to the log's file; 0: before the next frame [0.25]")
+      ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
+      ->type_name("S");
+  app.add_option("--states-hz", options.states_hz,
+                 "States so often a simulated second, in log and LCM [every frame]")
+      ->check(number_option(0, 1e6, true, "a number of states a second above 0"))
+      ->type_name("N");
+  app.add_flag("--publish-parts", options.publish_parts,
+               "The pose of every part with the states, in log and LCM");
+  app.add_option("--json", options.json, kJsonHelp)->type_name("FILE");
+  add_recorder_options(app, options.recorders);
+  add_checkpoint_options(app, options.checkpoints);
+}
+
+SimulationOptions simulation_options(const RunOptions& options) {
+  SimulationOptions out;
+  out.threads = options.threads;
+  out.simd = resolved(simd_target_of(options.simd).value());
+  out.deadline_ms = options.deadline_ms;
+  out.deadline_tests = options.deadline_tests;
+  out.strategy = strategy_of(options.strategy).value();
+  if (out.strategy != Strategy::kPipeline) out.pair_search = PairSearch::kBrute;
+  // Who touches whom needs the joint angles of few; everybody's are for whoever passes them on.
+  out.postures = options.log != "off" || options.lcm != "off" || !options.recorders.html.empty() ||
+                 !options.recorders.trace.empty();
+  for (const auto& [name, search] : kPairSearches)
+    if (options.pair_search == name) out.pair_search = search;
+  return out;
+}
+
+/// The scene as it is to run, and how many times longer its plan became.
+struct Prepared {
+  Scene scene;
+  double plan_factor = 1;
+  std::vector<std::string> notes;
+};
+
+Prepared scene_for(const RunOptions& options) {
+  require_no_other_kind(options.scene);
+  Prepared out;
+  out.scene = load_scene(options.scene);
+  Scene& scene = out.scene;
+  if (options.seconds) scene.duration_s = *options.seconds;
+  if (options.seed) scene.seed = *options.seed;
+  if (!options.part_volume.empty()) scene.part_volume = volume_of(options.part_volume).value();
+  if (options.exact) scene.exact = true;
+  if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
+  if (options.avatars) {
+    out.plan_factor = scale_to(scene, *options.avatars, out.notes);
+    for (const std::string& note : out.notes) say("note: {}\n", note);
+  }
+  return out;
+}
+
+/// Frames from states to states, as --states-hz asks for.
+double state_every(const RunOptions& options, const Scene& scene) {
+  if (!options.states_hz) return 1;
+  const double frames_hz = 1 / scene.step_s;
+  if (*options.states_hz > frames_hz * (1 + 1e-9))
+    throw InputError(
+        "--states-hz",
+        fmt::format("at most {:.6g}, the frames a second of {}", frames_hz, scene.name),
+        fmt::format("{:.6g}", *options.states_hz));
+  return std::max(1.0, frames_hz / *options.states_hz);
+}
+
+/// Where the log goes, or nothing if it is off.
+PlannedFile planned_log(const RunOptions& options) {
+  PlannedFile log{.option = "--log", .writing = Writing::kAsItRuns, .is_recording = true};
+  if (options.log == "off") return log;
+  log.path = options.log;
+  if (!log.path.empty()) return log;
+  // The log of the run that was stopped has the other name.
+  const char* ending = options.checkpoints.resume.empty() ? ".lcmlog" : "_resumed.lcmlog";
+  log.path = fs::path("out") / fs::path(options.scene).stem().concat(ending);
+  log.makes_folder = true;
+  // Nobody chose the name, so nobody chose to lose what has it.
+  log.keeps = links_followed(log.path).replace_extension(".previous.lcmlog");
+  return log;
+}
+
+/// What the run writes, and what it must not write over as far as the command line tells.
+OutputPlan planned_outputs(const RunOptions& options, const PlannedFile& log) {
+  OutputPlan plan;
+  plan.writes(log);
+  plan.writes_json(options.json);
+  plan_recorders(options.recorders, plan);
+  plan_checkpoints(options.checkpoints, plan);
+  return plan;
+}
+
+void plan_model(const Model* model, OutputPlan& plan) {
+  if (model == nullptr) return;
+  for (const Link& link : model->robot.links)
+    for (const std::vector<Geometry>* shapes : {&link.collision, &link.visual})
+      for (const Geometry& shape : *shapes) plan.reads("a mesh of the scene", shape.mesh_file);
+}
+
+/// The files that the scene was read from.
+void plan_inputs(const Scene& scene, OutputPlan& plan) {
+  plan.reads("the scene", scene.file);
+  for (const Group& group : scene.groups) {
+    plan.reads("a model of the scene", group.model);
+    plan_model(group.body.get(), plan);
+  }
+  for (const Obstacle& obstacle : scene.obstacles)
+    plan.reads("an obstacle of the scene", obstacle.mesh_file);
+  if (!scene.box) return;
+  plan.reads("the model of the scene", scene.box->model);
+  plan_model(scene.box->body.get(), plan);
+}
+
+/// Everybody who listens to the run.
+struct Listeners {
+  std::unique_ptr<LogSink> log;
+  std::unique_ptr<LogGuard> guard;
+  std::unique_ptr<LcmSink> lcm;
+  std::unique_ptr<Recorders> recorders;
+
+  std::vector<Sink*> sinks() const {
+    std::vector<Sink*> all = recorders->sinks();
+    if (guard != nullptr) all.push_back(guard.get());
+    if (lcm != nullptr) all.push_back(lcm.get());
+    return all;
+  }
+  bool lost_log() const { return guard != nullptr && guard->failed(); }
+  bool lost_file() const { return lost_log() || recorders->failed(); }
+};
+
+/// What moves the driven groups, if the scene has any and LCM is on.
+std::unique_ptr<DriveReceiver> driver_of(const RunInfo& info, const RunOptions& options) {
+  const auto is_driven = [](const std::string& channel) { return !channel.empty(); };
+  if (std::none_of(info.drive_channels.begin(), info.drive_channels.end(), is_driven)) return {};
+  if (options.lcm != "off") return std::make_unique<DriveReceiver>(info, options.lcm);
+  say("note: with --lcm off nothing drives the driven groups: they stand\n");
+  return {};
+}
+
+RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
+                      DriveReceiver* driver, Checkpoints& checkpoints) {
+  ProgressBar progress(simulation.scene().name,
+                       frame_count(simulation.scene().duration_s, simulation.info().step_s));
+  return run(simulation, listeners.sinks(), [&](const Frame& frame) {
+    progress.show(frame.number + 1);
+    const double next_s = static_cast<double>(frame.number + 1) * simulation.info().step_s;
+    pacer.wait_for(std::llround(next_s * 1e6), StopSignal::requested);
+    if (driver != nullptr) driver->apply(simulation);
+    const bool stops = StopSignal::requested();
+    checkpoints.after(simulation, frame, stops);
+    return !stops && !listeners.lost_file() && checkpoints.failure().empty();
+  });
+}
+
+/// " by SIGINT", or nothing where a file could not be written any more.
+std::string by_signal() {
+  return StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "";
+}
+
+RunReport report_of(const RunOptions& options, const SimulationOptions& simulated,
+                    const Scene& scene, const RunSummary& summary, const Listeners& listeners,
+                    const fs::path& log) {
+  RunReport report;
+  report.scene = scene.name;
+  report.seed = scene.seed;
+  report.step_s = scene.step_s;
+  report.threads = options.threads;
+  report.simd = name_of(simulated.simd);
+  report.deadline_ms = options.deadline_ms;
+  report.deadline_tests = options.deadline_tests;
+  report.steering = scene.steering;
+  report.summary = summary;
+  for (const Stranding& stranding : summary.strandings)
+    report.stranded.push_back(
+        {scene.groups[stranding.group].name, stranding.stop + 1, stranding.people});
+  report.ground_m = scene.ground.size_m();
+  report.lcm.url = "off";
+  if (listeners.lcm != nullptr)
+    report.lcm = {listeners.lcm->url(), listeners.lcm->messages(), listeners.lcm->bytes(),
+                  listeners.lcm->dropped()};
+  report.log = listeners.log == nullptr ? "off" : log.string();
+  report.log_bytes = listeners.log == nullptr ? 0 : listeners.log->bytes();
+  if (const ContactSink* contacts = listeners.recorders->contacts())
+    report.contacts = {options.recorders.contacts, contacts->statistics()->totals()};
+  return report;
+}
+
+/// Opens what the run writes, the log last: its older one is moved away only when all else is open.
+Listeners open_listeners(const RunOptions& options, const PlannedFile& log, double states,
+                         OpenOutputs& outputs) {
+  Listeners listeners;
+  if (options.lcm != "off") {
+    LcmOptions lcm;
+    lcm.url = options.lcm;
+    lcm.state_every = states;
+    lcm.part_poses = options.publish_parts;
+    listeners.lcm = std::make_unique<LcmSink>(lcm);
+  }
+  listeners.recorders = std::make_unique<Recorders>(options.recorders);
+  outputs.keep_older();
+  for (const std::string& note : outputs.notes()) say("note: {}\n", note);
+  if (log.path.empty()) return listeners;
+  LogOptions log_options;
+  log_options.flush_s = options.flush_s;
+  log_options.threads = options.threads;
+  log_options.state_every = states;
+  log_options.part_poses = options.publish_parts;
+  listeners.log = std::make_unique<LogSink>(log.path, log_options);
+  listeners.guard = std::make_unique<LogGuard>(*listeners.log);
+  return listeners;
+}
+
+/// What went wrong with files, and the results; the exit code.
+int report_end(const RunOptions& options, const RunReport& report, const Listeners& listeners,
+               const Checkpoints& checkpoints) {
+  show_beside_json(options.json, format_table(report));
+  if (listeners.lost_log()) say("{}\n", listeners.guard->failure());
+  say("{}", listeners.recorders->failures());
+  if (const ContactSink* contacts = listeners.recorders->contacts();
+      contacts != nullptr && !contacts->note().empty() && !listeners.lost_file())
+    say("note: {}\n", contacts->note());
+  if (!checkpoints.failure().empty()) say("{}\n", checkpoints.failure());
+  if (!options.checkpoints.file.empty() && checkpoints.written() == 0)
+    say("note: no checkpoint: the run ended before the first was due; see --every\n");
+  write_json_output(options.json, json_text(report));
+  if (listeners.lost_file() || !checkpoints.failure().empty()) return kExitEnvironment;
+  return report.summary.stopped_early ? StopSignal::exit_code() : kExitFine;
+}
+
+int run_scene(const RunOptions& options) {
+  const SimulationOptions simulated = simulation_options(options);
+  const PlannedFile log = planned_log(options);
+  OutputPlan plan = planned_outputs(options, log);
+  plan.check();  // before what takes its time
+  Prepared prepared = scene_for(options);
+  const double states = state_every(options, prepared.scene);
+  plan_inputs(prepared.scene, plan);
+  plan.check();
+  Simulation simulation(std::move(prepared.scene), simulated);
+  if (!log.path.empty() || options.lcm != "off" || !options.recorders.html.empty())
+    require_readable(simulation.info(), options.publish_parts);
+  for (const std::string& note : simulation.notes()) say("note: {}\n", note);
+  Pacer pacer(options.pace);
+  const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
+  resume_where_asked(options.checkpoints, simulation);
+
+  // Nothing can refuse the run any more: only now files change, and from here on a signal waits for
+  // their ends.
+  const StopSignal stop;
+  OpenOutputs outputs = plan.open();
+  const Listeners listeners = open_listeners(options, log, states, outputs);
+  Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
+  const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get(), checkpoints);
+  for (const Stranding& stranding : summary.strandings)
+    say("note: {}\n", describe(stranding, simulation.scene()));
+  if (summary.stopped_early) say("stopped after {} frames{}\n", summary.frames, by_signal());
+
+  RunReport report =
+      report_of(options, simulated, simulation.scene(), summary, listeners, log.path);
+  if (driver != nullptr) report.driven = driver->counts();
+  report.plan_factor = prepared.plan_factor;
+  report.notes = std::move(prepared.notes);
+  report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
+  report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
+  return report_end(options, report, listeners, checkpoints);
+}
+
+}  // namespace
+
+Command add_run_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("run", "Runs a scene: who touches whom, frame by frame");
+  app->footer(kFooter);
+  const auto options = std::make_shared<RunOptions>();
+  add_options(*app, *options);
+  return {app, [options] { return run_scene(*options); }};
+}
+
+}  // namespace throng

@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/commands/validation_report.h"
+#include "apps/output/json_output.h"
+#include "apps/output/output_plan.h"
+#include "apps/output/unfinished.h"
+#include "apps/process/stop_signal.h"
+#include "base/errors.h"
+#include "base/figure.h"
+#include "base/say.h"
+#include "base/workers.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md has them with
+figures. Exit code 1 if any fails. Ctrl-C ends it with the verdicts that are there.
+
+Examples:
+  throng validate
+  throng validate --only rimea_4 --out out/validation
+  throng validate --json validation.json)";
+
+struct ValidateOptions {
+  std::string out;
+  std::string json;
+  std::vector<std::string> only;
+  std::string steering{name_of(SteeringKind::kOrca)};
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+};
+
+std::vector<std::string> test_ids() {
+  std::vector<std::string> ids;
+  for (const validation::Test& test : validation::all_tests())
+    ids.insert(ids.end(), test.ids.begin(), test.ids.end());
+  return ids;
+}
+
+std::vector<ValidationRun> chosen(const ValidateOptions& options) {
+  std::vector<ValidationRun> runs;
+  for (const validation::Test& test : validation::all_tests()) {
+    const bool wanted =
+        options.only.empty() || std::any_of(options.only.begin(), options.only.end(),
+                                            [&](const std::string& id) { return test.has(id); });
+    if (wanted) runs.push_back({&test, {}, 0});
+  }
+  return runs;
+}
+
+/// Shared with the thread that carries the tests out, and may be left behind.
+struct Session {
+  std::mutex mutex;
+  std::vector<ValidationRun> runs;  ///< each written by its experiment until it is done
+  std::vector<char> done;
+
+  std::vector<ValidationRun> finished() {
+    const std::lock_guard lock(mutex);
+    std::vector<ValidationRun> out;
+    for (size_t i = 0; i < done.size(); ++i)
+      if (done[i]) out.push_back(runs[i]);
+    return out;
+  }
+};
+
+void carry_out_all(Session& session, SteeringKind model, int threads) {
+  Workers workers(threads);
+  workers.for_blocks(static_cast<int>(session.runs.size()), [&](int index, int) {
+    const auto i = static_cast<size_t>(index);
+    ValidationRun& run = session.runs[i];
+    const auto start = std::chrono::steady_clock::now();
+    run.outcome = carry_out(*run.test, model);
+    run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::lock_guard lock(session.mutex);
+    session.done[i] = 1;
+    say("{:<9} {} ({:.1f} s)\n", run.test->ids.front(), run.outcome.passed ? "pass" : "fail",
+        run.wall_s);
+  });
+}
+
+int validate(const ValidateOptions& options) {
+  const StopSignal stop;
+  OutputPlan plan;
+  plan.writes_json(options.json);
+  plan.fills("--out", options.out, {"report.md", "*.svg"});
+  if (!options.out.empty()) require_gnuplot();
+  const OpenOutputs outputs = plan.open();
+  const auto session = std::make_shared<Session>();
+  session->runs = chosen(options);
+  session->done.resize(session->runs.size());
+  const SteeringKind model = steering_kind_of(options.steering).value();
+  const bool all = done_before_a_signal(
+      [session, model, threads = options.threads] { carry_out_all(*session, model, threads); });
+  const std::vector<ValidationRun> runs = session->finished();
+  if (!all)
+    say("stopped by {}: {} of {} experiments were finished\n", StopSignal::name(), runs.size(),
+        session->runs.size());
+  show_beside_json(options.json, verdict_table(runs));
+  write_json_output(options.json, validation_json(runs, !all));
+  if (!options.out.empty()) {
+    write_validation_report(runs, options.out);
+    show_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
+  }
+  if (!all) return StopSignal::exit_code();
+  return count_of(runs).failed == 0 ? kExitFine : kExitCheckFailed;
+}
+
+}  // namespace
+
+Command add_validate_command(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("validate", "RiMEA, IMO and ISO 20414 tests of how people walk");
+  app->footer(kFooter);
+  const auto options = std::make_shared<ValidateOptions>();
+  app->add_option("--out", options->out, "A folder for report.md and its figures")
+      ->type_name("DIR");
+  app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
+  app->add_option("--only", options->only, "These tests only: rimea_4, imo_8, ...")
+      ->transform(CLI::Validator(
+          [](std::string& id) {
+            id = validation::normal_id(id);
+            return std::string();
+          },
+          ""))
+      ->check(name_option(test_ids()))
+      ->type_name("ID");
+  std::vector<std::string> models;
+  for (const SteeringKind kind : kAllSteeringKinds) models.emplace_back(name_of(kind));
+  app->add_option("--steering", options->steering, "The model that steers: orca, speed [orca]")
+      ->check(name_option(models))
+      ->type_name("MODEL");
+  app->add_option("--threads", options->threads, "Tests at once [all cores]")
+      ->check(whole_option(1, 256, "1 to 256 threads"))
+      ->type_name("N");
+  return {app, [options] { return validate(*options); }};
+}
+
+}  // namespace throng

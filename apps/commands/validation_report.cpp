@@ -1,0 +1,137 @@
+#include "apps/commands/validation_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "apps/output/text_file.h"
+#include "bench/version_json.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using validation::Outcome;
+using validation::Test;
+
+constexpr const char* kWallsId = "walls";
+constexpr const char* kWallsTitle = "No wall is crossed in any of the tests";
+constexpr const char* kWallsCriterion = "0 moves into or through a wall";
+
+int walls_crossed(const std::vector<ValidationRun>& runs) {
+  int sum = 0;
+  for (const ValidationRun& run : runs) sum += run.outcome.wall_crossings;
+  return sum;
+}
+
+std::string walls_measured(const std::vector<ValidationRun>& runs) {
+  return fmt::format("{} moves", walls_crossed(runs));
+}
+
+const char* verdict(bool passed) { return passed ? "pass" : "fail"; }
+
+std::string anchor(const Test& test) {
+  std::string text;
+  for (const std::string& id : test.ids) text += fmt::format("<a id=\"{}\"></a>", id);
+  return text;
+}
+
+std::string section(const ValidationRun& run) {
+  const Test& test = *run.test;
+  std::string text = fmt::format("## {}\n\n{}\n\n", test.titles.front(), anchor(test));
+  if (test.titles.size() > 1) {
+    text += "The same experiment serves";
+    for (size_t i = 1; i < test.titles.size(); ++i)
+      text += fmt::format("{} {}", i == 1 ? "" : " and", test.titles[i]);
+    text += ".\n\n";
+  }
+  text +=
+      fmt::format("- Set-up: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n",
+                  test.setup, test.criterion, run.outcome.measured, verdict(run.outcome.passed));
+  for (const Figure& figure : run.outcome.figures)
+    text += fmt::format("![{}]({}.svg)\n\n*{}* {}\n\n", figure.title, figure.id, figure.title,
+                        figure.caption);
+  return text;
+}
+
+}  // namespace
+
+ValidationCount count_of(const std::vector<ValidationRun>& runs) {
+  ValidationCount count;
+  for (const ValidationRun& run : runs)
+    (run.outcome.passed ? count.passed : count.failed) += static_cast<int>(run.test->ids.size());
+  if (!runs.empty()) ++(walls_crossed(runs) == 0 ? count.passed : count.failed);
+  return count;
+}
+
+std::string verdict_table(const std::vector<ValidationRun>& runs) {
+  std::string text;
+  const auto row = [&text](bool passed, const std::string& id, const std::string& title,
+                           const std::string& measured) {
+    fmt::format_to(std::back_inserter(text), "{}  {:<9} {}\n{:<16}{}\n", verdict(passed), id, title,
+                   "", measured);
+  };
+  for (const ValidationRun& run : runs)
+    for (size_t i = 0; i < run.test->ids.size(); ++i)
+      row(run.outcome.passed, run.test->ids[i], run.test->titles[i],
+          i == 0 ? run.outcome.measured : "as " + run.test->ids[0]);
+  if (!runs.empty()) row(walls_crossed(runs) == 0, kWallsId, kWallsTitle, walls_measured(runs));
+  const ValidationCount count = count_of(runs);
+  return text + fmt::format("\n{} passed, {} failed\n", count.passed, count.failed);
+}
+
+std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early) {
+  Json tests = Json::array();
+  for (const ValidationRun& run : runs)
+    for (size_t i = 0; i < run.test->ids.size(); ++i)
+      tests.push_back({{"id", run.test->ids[i]},
+                       {"title", run.test->titles[i]},
+                       {"verdict", verdict(run.outcome.passed)},
+                       {"measured", run.outcome.measured},
+                       {"criterion", run.test->criterion},
+                       {"setup", run.test->setup},
+                       {"wall_crossings", run.outcome.wall_crossings},
+                       {"unplaced", run.outcome.unplaced},
+                       {"deepest_overlap_m", run.outcome.deepest_overlap_m},
+                       {"wall_s", run.wall_s}});
+  if (!runs.empty())
+    tests.push_back({{"id", kWallsId},
+                     {"title", kWallsTitle},
+                     {"verdict", verdict(walls_crossed(runs) == 0)},
+                     {"measured", walls_measured(runs)},
+                     {"criterion", kWallsCriterion}});
+  const ValidationCount count = count_of(runs);
+  const Json json = {{"throng", version_json()},
+                     {"stopped_early", stopped_early},
+                     {"tests", tests},
+                     {"passed", count.passed},
+                     {"failed", count.failed}};
+  return json.dump(2) + "\n";
+}
+
+void write_validation_report(const std::vector<ValidationRun>& runs, const fs::path& folder) {
+  const ValidationCount count = count_of(runs);
+  std::string text = fmt::format(
+      "# Validation report\n\nWritten by `throng validate --out`; docs/validation.md explains it. "
+      "{} of {} tests pass.\n\n| test | verdict | measured | criterion |\n|---|---|---|---|\n",
+      count.passed, count.passed + count.failed);
+  for (const ValidationRun& run : runs)
+    for (size_t i = 0; i < run.test->ids.size(); ++i)
+      text += fmt::format("| [{}](#{}) | {} | {} | {} |\n", run.test->titles[i], run.test->ids[i],
+                          run.outcome.passed ? "pass" : "**fail**",
+                          i == 0 ? run.outcome.measured : "the same run", run.test->criterion);
+  text += fmt::format("| {} | {} | {} | {} |\n\n", kWallsTitle,
+                      walls_crossed(runs) == 0 ? "pass" : "**fail**", walls_measured(runs),
+                      kWallsCriterion);
+  for (const ValidationRun& run : runs) {
+    text += section(run);
+    for (const Figure& figure : run.outcome.figures) draw(figure, folder);
+  }
+  while (text.ends_with("\n\n")) text.pop_back();
+  write_text(folder / "report.md", text);
+}
+
+}  // namespace throng

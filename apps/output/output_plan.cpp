@@ -1,0 +1,380 @@
+#include "apps/output/output_plan.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <utility>
+
+#include "base/errors.h"
+#include "base/files/whole_file.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Bytes that go there do not come to lie in a file.
+bool is_special(mode_t mode) { return !S_ISREG(mode) && !S_ISDIR(mode); }
+
+/// What two may write at once: each byte is swallowed or shown, none is overwritten.
+bool takes_everything(const FilePlace& place) {
+  return place.still_to_be.empty() && S_ISCHR(place.mode);
+}
+
+bool exists(const FilePlace& place) { return place.still_to_be.empty(); }
+
+/// As a message names it.
+std::string named(const std::string& option, const fs::path& path) {
+  return option + " " + path.string();
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// "2026-11-21 14:03, 33.1 MB"
+std::string age_and_size(const struct stat& file) {
+  const double bytes = static_cast<double>(file.st_size);
+  return fmt::format("{:%Y-%m-%d %H:%M}, {}", fmt::localtime(file.st_mtime),
+                     bytes < 1e5 ? fmt::format("{:.1f} kB", bytes * 1e-3)
+                                 : fmt::format("{:.1f} MB", bytes * 1e-6));
+}
+
+EnvironmentError cannot_create(const std::string& option, const fs::path& path,
+                               const std::string& why) {
+  return EnvironmentError(fmt::format("{}: cannot create it: {}", named(option, path), why));
+}
+
+/// Takes the lock or says who has it. A file system without locks has none to take.
+void lock(int descriptor, const std::string& option, const fs::path& path) {
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  throw EnvironmentError(
+      fmt::format("{}: another run of throng is writing it; choose another name with {}",
+                  path.string(), option));
+}
+
+bool matches(const std::string& name, const std::string& pattern) {
+  return pattern.starts_with('*') ? name.ends_with(pattern.substr(1)) : name == pattern;
+}
+
+/// Of a stream whose bytes end up side by side with what else is written there; a terminal shows
+/// whatever comes.
+bool goes_somewhere(int descriptor, struct stat& status) {
+  return ::fstat(descriptor, &status) == 0 && !S_ISCHR(status.st_mode);
+}
+
+}  // namespace
+
+FilePlace place_of(const fs::path& path) {
+  fs::path existing = links_followed(path);
+  fs::path rest;
+  struct stat status {};
+  while (::stat(existing.empty() ? "." : existing.c_str(), &status) != 0) {
+    rest = rest.empty() ? existing.filename() : existing.filename() / rest;
+    // Above a name is its folder; above a relative one, where we are.
+    const fs::path above = existing.parent_path();
+    if (above == existing) break;
+    existing = above;
+  }
+  // A missing folder that is left again is made on the way, and what lies behind it may be there.
+  const fs::path normal = rest.lexically_normal();
+  if (normal != rest) return place_of(normal == "." ? existing : existing / normal);
+  return {status.st_dev, status.st_ino, status.st_mode, normal};
+}
+
+void OutputPlan::reads(const std::string& what, const fs::path& path) {
+  if (!path.empty()) inputs_.emplace_back(what, path);
+}
+
+void OutputPlan::writes(PlannedFile file) {
+  if (!file.path.empty()) files_.push_back(std::move(file));
+}
+
+void OutputPlan::writes_json(const std::string& path) {
+  if (path == "-")
+    json_to_stdout_ = true;
+  else
+    writes({.option = "--json", .path = path});
+}
+
+void OutputPlan::fills(const std::string& option, const fs::path& folder,
+                       std::vector<std::string> names) {
+  // "out/" and "out" are one folder, but have different file names.
+  if (!folder.empty())
+    folders_.push_back(
+        {option, folder.has_filename() ? folder : folder.parent_path(), std::move(names)});
+}
+
+std::vector<OutputPlan::Name> OutputPlan::inputs() const {
+  std::vector<Name> all;
+  for (const auto& [what, path] : inputs_)
+    all.push_back({fmt::format("{}, {}", path.string(), what), path, place_of(path)});
+  struct stat status {};
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    const bool is_json = stream == STDOUT_FILENO && json_to_stdout_;
+    if (!goes_somewhere(stream, status) && !(is_json && ::fstat(stream, &status) == 0)) continue;
+    const char* what = is_json                   ? "the standard output, which --json goes to"
+                       : stream == STDOUT_FILENO ? "the file of the standard output"
+                                                 : "the file of the standard error";
+    all.push_back({what, {}, {status.st_dev, status.st_ino, status.st_mode, {}}});
+  }
+  return all;
+}
+
+std::vector<OutputPlan::Name> OutputPlan::names_of(const PlannedFile& file) const {
+  std::vector<Name> all = {{"that of " + file.option, file.path, place_of(file.path)}};
+  for (const fs::path& path : file.beside)
+    all.push_back(
+        {fmt::format("{}, which {} needs, too", path.string(), file.option), path, place_of(path)});
+  if (!file.keeps.empty())
+    all.push_back(
+        {fmt::format("{}, where {} keeps the older one", file.keeps.string(), file.option),
+         file.keeps, place_of(file.keeps)});
+  return all;
+}
+
+bool OutputPlan::will_be_made(const FilePlace& folder) const {
+  return std::any_of(folders_.begin(), folders_.end(),
+                     [&](const Folder& made) { return place_of(made.path) == folder; });
+}
+
+void OutputPlan::check_file(const PlannedFile& file) const {
+  const FilePlace place = place_of(file.path);
+  const bool is_folder = exists(place) ? S_ISDIR(place.mode) : !file.path.has_filename();
+  if (is_folder) throw InputError(named(file.option, file.path), "a file", "a folder of that name");
+  if (exists(place)) {
+    if (S_ISSOCK(place.mode) || S_ISBLK(place.mode))
+      throw InputError(named(file.option, file.path), "a file, a pipe or a device that takes text",
+                       S_ISSOCK(place.mode) ? "a socket" : "a disk");
+    if (::access(file.path.c_str(), W_OK) != 0)
+      throw EnvironmentError(fmt::format("{}: cannot write it: {}", named(file.option, file.path),
+                                         std::strerror(errno)));
+    return;
+  }
+  const fs::path folder = folder_of(links_followed(file.path));
+  if (S_ISDIR(place.mode) && place.still_to_be.has_parent_path()) {
+    if (will_be_made(place_of(folder)) || file.makes_folder) return;
+    throw cannot_create(
+        file.option, file.path,
+        fmt::format("the folder {} does not exist; create it, or name another", folder.string()));
+  }
+  if (!S_ISDIR(place.mode))
+    throw cannot_create(file.option, file.path,
+                        fmt::format("{} is no folder; name another place", folder.string()));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw cannot_create(file.option, file.path, std::strerror(errno));
+}
+
+void OutputPlan::check_folder(const Folder& folder) const {
+  const FilePlace place = place_of(folder.path);
+  if (exists(place) && !S_ISDIR(place.mode))
+    throw InputError(named(folder.option, folder.path), "a folder", "a file of that name");
+  if (!S_ISDIR(place.mode))
+    throw cannot_create(folder.option, folder.path, "a file is where its folder would be");
+}
+
+void OutputPlan::check_distinct() const {
+  const std::vector<Name> inputs = this->inputs();
+  const auto refuse = [](const Name& file, const std::string& option, const Name& other) {
+    throw InputError(named(option, file.path), "a file of its own", other.label);
+  };
+  const auto same = [](const Name& a, const Name& b) {
+    return a.place == b.place && !takes_everything(a.place);
+  };
+  std::vector<Name> before;  // what earlier options write
+  for (const PlannedFile& file : files_) {
+    const std::vector<Name> names = names_of(file);
+    for (const Name& name : names) {
+      for (const Name& input : inputs)
+        if (same(name, input)) refuse(name, file.option, input);
+      for (const Name& other : before)
+        if (same(name, other)) refuse(name, file.option, other);
+    }
+    before.insert(before.end(), names.begin(), names.end());
+  }
+  std::vector<std::pair<std::string, Name>> all;  // with the option
+  for (const PlannedFile& file : files_)
+    for (const Name& name : names_of(file)) all.emplace_back(file.option, name);
+  for (const Name& input : inputs) all.emplace_back("", input);
+  for (size_t i = 0; i < folders_.size(); ++i) {
+    const Folder& folder = folders_[i];
+    const FilePlace place = place_of(folder.path);
+    for (size_t j = 0; j < i; ++j)
+      if (place_of(folders_[j].path) == place)
+        throw InputError(named(folder.option, folder.path), "a folder of its own",
+                         "that of " + folders_[j].option);
+    for (const auto& [option, name] : all) {
+      if (name.place == place)
+        throw InputError(named(folder.option, folder.path), "a folder of its own", name.label);
+      const bool lies_within =
+          !name.path.empty() && place_of(folder_of(links_followed(name.path))) == place;
+      for (const std::string& pattern : folder.names) {
+        const bool is_taken =
+            (lies_within && matches(links_followed(name.path).filename().string(), pattern)) ||
+            (!pattern.starts_with('*') && place_of(folder.path / pattern) == name.place &&
+             !takes_everything(name.place));
+        if (!is_taken) continue;
+        const std::string whole = named(folder.option, folder.path);
+        if (option.empty())
+          throw InputError(whole, "a folder without what is read or shown",
+                           fmt::format("{} would be written over {}", pattern, name.label));
+        throw InputError(named(option, name.path), "a file of its own",
+                         fmt::format("one that {} writes", whole));
+      }
+    }
+  }
+}
+
+void OutputPlan::check() const {
+  check_distinct();
+  for (const Folder& folder : folders_) check_folder(folder);
+  for (const PlannedFile& file : files_) check_file(file);
+}
+
+OpenOutputs OutputPlan::open() const {
+  check();
+  OpenOutputs outputs;
+  try {
+    for (const Folder& folder : folders_) {
+      outputs.make_folder(folder.path, folder.option);
+      outputs.lock_folder(folder.path, folder.option);
+      for (const std::string& name : folder.names)
+        if (!name.starts_with('*'))
+          outputs.open({.option = folder.option, .path = folder.path / name});
+    }
+    for (const PlannedFile& file : files_) {
+      if (file.makes_folder) outputs.make_folder(folder_of(file.path), file.option);
+      outputs.open(file);
+    }
+    for (const PlannedFile& file : files_)
+      if (!file.keeps.empty()) outputs.to_keep_.push_back(file);
+  } catch (...) {
+    outputs.take_back();
+    throw;
+  }
+  return outputs;
+}
+
+OpenOutputs::OpenOutputs() : exceptions_(std::uncaught_exceptions()) {}
+
+OpenOutputs::OpenOutputs(OpenOutputs&& other) noexcept
+    : descriptors_(std::exchange(other.descriptors_, {})),
+      created_(std::exchange(other.created_, {})),
+      notes_(std::move(other.notes_)),
+      to_keep_(std::move(other.to_keep_)),
+      exceptions_(other.exceptions_) {}
+
+OpenOutputs::~OpenOutputs() {
+  if (std::uncaught_exceptions() > exceptions_) take_back();
+  for (const int descriptor : descriptors_) ::close(descriptor);
+}
+
+void OpenOutputs::take_back() noexcept {
+  // Last made, first removed; a folder that is not empty stays.
+  for (auto path = created_.rbegin(); path != created_.rend(); ++path) {
+    struct stat status {};
+    if (::stat(path->c_str(), &status) != 0) continue;
+    if (S_ISDIR(status.st_mode))
+      ::rmdir(path->c_str());
+    else if (S_ISREG(status.st_mode) && status.st_size == 0)
+      ::unlink(path->c_str());
+  }
+  created_.clear();
+}
+
+void OpenOutputs::make_folder(const fs::path& folder, const std::string& option) {
+  std::error_code error;
+  if (fs::is_directory(folder, error)) return;
+  if (const fs::path above = folder.parent_path(); !above.empty() && above != folder)
+    make_folder(above, option);
+  if (::mkdir(folder.c_str(), 0777) == 0)
+    created_.push_back(folder);
+  else if (errno != EEXIST || !fs::is_directory(folder, error))
+    throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; name another with {}",
+                                       folder.string(), std::strerror(errno), option));
+}
+
+void OpenOutputs::lock_folder(const fs::path& folder, const std::string& option) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // one may write where one may not look
+  descriptors_.push_back(descriptor);
+  lock(descriptor, option, folder);
+}
+
+/// The last of descriptors_, and the file that has the name: another run that was refused may have
+/// taken an empty one back between opening and locking.
+int OpenOutputs::open_locked(const PlannedFile& file) {
+  for (;;) {
+    const int descriptor = ::open(file.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+      throw EnvironmentError(fmt::format("{}: cannot write it: {}", named(file.option, file.path),
+                                         std::strerror(errno)));
+    descriptors_.push_back(descriptor);
+    lock(descriptor, file.option, file.path);
+    struct stat opened {
+    }, there{};
+    if (::fstat(descriptor, &opened) == 0 && ::stat(file.path.c_str(), &there) == 0 &&
+        opened.st_dev == there.st_dev && opened.st_ino == there.st_ino)
+      return descriptor;
+    ::close(descriptor);
+    descriptors_.pop_back();
+  }
+}
+
+void OpenOutputs::open(const PlannedFile& file) {
+  struct stat status {};
+  const bool is_there = ::stat(file.path.c_str(), &status) == 0;
+  // Opening a pipe would wait for its reader, and closing it would end the reader.
+  if (is_there && is_special(status.st_mode)) return;
+  const int descriptor = open_locked(file);
+  // Only what is locked is ours to take back: until then another run may have created it.
+  if (!is_there) created_.push_back(links_followed(file.path));
+  if (is_there && status.st_size > 0 && file.is_recording && file.keeps.empty())
+    notes_.push_back(
+        fmt::format("{} of {}, is replaced{}", file.path.string(), age_and_size(status),
+                    file.writing == Writing::kAtOnce ? " when the new one is whole" : ""));
+  if (file.writing != Writing::kAtOnce) return;
+  // Its turn comes at the end: until then nothing tells that it is going to be there.
+  if (!is_there && ::unlink(created_.back().c_str()) == 0) created_.pop_back();
+  ::close(descriptor);
+  descriptors_.pop_back();
+}
+
+void OpenOutputs::keep_older() {
+  for (const PlannedFile& file : to_keep_) keep_older(file);
+  to_keep_.clear();
+}
+
+void OpenOutputs::keep_older(const PlannedFile& file) {
+  struct stat status {
+  }, kept{};
+  if (::stat(file.path.c_str(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_size == 0)
+    return;
+  const bool replaces = ::stat(file.keeps.c_str(), &kept) == 0;
+  if (replaces) {
+    // Somebody may have chosen that name for a run of his own.
+    const int descriptor = ::open(file.keeps.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor >= 0) descriptors_.push_back(descriptor);
+    if (descriptor >= 0) lock(descriptor, file.option, file.keeps);
+  }
+  if (::rename(links_followed(file.path).c_str(), file.keeps.c_str()) != 0)
+    throw EnvironmentError(
+        fmt::format("{}: cannot keep the older one as {}: {}; name another place with {}",
+                    file.path.string(), file.keeps.string(), std::strerror(errno), file.option));
+  open_locked(file);
+  created_.push_back(links_followed(file.path));
+  notes_.push_back(fmt::format(
+      "{} of {}, is kept as {}{}", file.path.string(), age_and_size(status), file.keeps.string(),
+      replaces ? fmt::format(", in place of that of {}", age_and_size(kept)) : ""));
+}
+
+}  // namespace throng

@@ -1,0 +1,50 @@
+// The files besides the log that a run writes on request: trajectories, contact statistics, traces.
+// One rule: a file that cannot be written ends the run, keeps what it has, and is told; the run's
+// summary is printed all the same.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/output/log_guard.h"
+#include "apps/output/output_plan.h"
+#include "scenes/sinks/contacts/contact_sink.h"
+#include "scenes/sinks/trajectories/trajectory_sink.h"
+
+namespace throng {
+
+struct RecorderOptions {
+  std::vector<std::string> trajectories;
+  double trajectory_fps = 10;
+  std::string contacts;  ///< a folder, or ""
+  std::string trace;     ///< a hash a stage and frame, or ""
+  std::string html;      ///< the page with the run in it, or ""
+};
+
+void add_recorder_options(CLI::App& app, RecorderOptions& options);
+void plan_recorders(const RecorderOptions& options, OutputPlan& plan);
+
+class Recorders {
+ public:
+  /// Opens the files, which are emptied when the run begins. Throws InputError or EnvironmentError.
+  explicit Recorders(const RecorderOptions& options);
+
+  std::vector<Sink*> sinks() const;
+  bool failed() const;
+  /// Null without --contacts.
+  const ContactSink* contacts() const { return contacts_; }
+  /// One line a failure.
+  std::string failures() const;
+
+ private:
+  template <typename Recorder>
+  void add(std::unique_ptr<Recorder> recorder);
+
+  std::vector<std::unique_ptr<Sink>> recorders_;
+  const ContactSink* contacts_ = nullptr;
+  std::vector<std::unique_ptr<LogGuard>> guards_;
+};
+
+}  // namespace throng

@@ -1,0 +1,292 @@
+#include "apps/output/run_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "apps/process/machine.h"
+#include "bench/version_json.h"
+
+namespace throng {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double per(double total, uint64_t count) {
+  return count == 0 ? 0 : total / static_cast<double>(count);
+}
+
+std::string hash_text(uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string megabytes(double bytes) { return fmt::format("{:.1f} MB", bytes * 1e-6); }
+
+void add_stage(std::string& text, const char* name, const StageCounters& stage, int64_t frames) {
+  if (stage.updates == 0 && stage.tests == 0) return;
+  fmt::format_to(std::back_inserter(text),
+                 "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", name,
+                 stage.volume, stage.updates, stage.tests, stage.passed,
+                 per(stage.update_ns, stage.updates), per(stage.test_ns, stage.tests),
+                 per((stage.update_ns + stage.test_ns) * 1e-6, static_cast<uint64_t>(frames)));
+}
+
+void add_stage_table(std::string& text, const RunSummary& summary) {
+  fmt::format_to(std::back_inserter(text), "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10} {:>8} {:>9}\n",
+                 "stage", "volume", "updates", "tests", "passed", "ns/update", "ns/test",
+                 "ms/frame");
+  add_stage(text, "avatar", summary.totals.avatar, summary.frames);
+  add_stage(text, "body box", summary.totals.body_box, summary.frames);
+  add_stage(text, "part box", summary.totals.box, summary.frames);
+  add_stage(text, "part", summary.totals.part, summary.frames);
+  add_stage(text, "exact", summary.totals.exact, summary.frames);
+}
+
+void add_time_table(std::string& text, const RunSummary& summary) {
+  const StageMedians& stage = summary.stage_ms;
+  fmt::format_to(std::back_inserter(text),
+                 "{:<11} {:>8} {:>7} {:>10} {:>11} {:>9} {:>7} {:>7} {:>8}\n", "ms a frame",
+                 "steering", "gait", "kinematics", "avatar cull", "part cull", "exact", "events",
+                 "publish");
+  fmt::format_to(
+      std::back_inserter(text),
+      "{:<11} {:>8.3f} {:>7.3f} {:>10.3f} {:>11.3f} {:>9.3f} {:>7.3f} {:>7.3f} {:>8.3f}\n",
+      "median", stage.steering_ms, stage.gait_ms, stage.kinematics_ms, stage.avatar_cull_ms,
+      stage.part_cull_ms, stage.exact_ms, stage.events_ms, stage.publish_ms);
+}
+
+Json to_json(const StageCounters& stage) {
+  return {{"volume", stage.volume},
+          {"updates", stage.updates},
+          {"tests", stage.tests},
+          {"passed", stage.passed},
+          {"update_ns", per(stage.update_ns, stage.updates)},
+          {"test_ns", per(stage.test_ns, stage.tests)}};
+}
+
+Json to_json(const StageMedians& stage) {
+  return {{"steering", stage.steering_ms},     {"gait", stage.gait_ms},
+          {"kinematics", stage.kinematics_ms}, {"avatar_cull", stage.avatar_cull_ms},
+          {"part_cull", stage.part_cull_ms},   {"exact", stage.exact_ms},
+          {"events", stage.events_ms},         {"publish", stage.publish_ms}};
+}
+
+int stranded(const RunReport& report) {
+  int people = 0;
+  for (const RunReport::Stranded& each : report.stranded) people += each.people;
+  return people;
+}
+
+Json stranded_json(const RunReport& report) {
+  Json groups = Json::array();
+  for (const RunReport::Stranded& each : report.stranded)
+    groups.push_back({{"group", each.group}, {"goal", each.goal}, {"people", each.people}});
+  return {{"people", stranded(report)}, {"groups", groups}};
+}
+
+std::string stranded_text(const RunReport& report) {
+  const int people = stranded(report);
+  std::string text =
+      fmt::format("{} {} cannot reach a goal", people, people == 1 ? "person" : "people");
+  const char* between = ": ";
+  for (const RunReport::Stranded& each : report.stranded) {
+    text += fmt::format("{}{} of group '{}' goal {}", between, each.people, each.group, each.goal);
+    between = ", ";
+  }
+  return text;
+}
+
+/// What the levels of pairs are called.
+constexpr std::array<const char*, kPairLevels> kLevels = {"sphere", "box", "part_volume", "exact"};
+
+Json deadline_json(const RunReport& report) {
+  Json json;
+  if (report.deadline_ms) json["ms"] = *report.deadline_ms;
+  if (report.deadline_tests) json["tests"] = *report.deadline_tests;
+  json["frames_cut"] = report.summary.frames_cut;
+  for (size_t level = 0; level < kPairLevels; ++level)
+    json["pairs"][kLevels[level]] = report.summary.totals.levels[level];
+  return json;
+}
+
+std::string deadline_text(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  std::string text = "at most ";
+  if (report.deadline_ms) text += fmt::format("{} ms", *report.deadline_ms);
+  if (report.deadline_ms && report.deadline_tests) text += " and ";
+  if (report.deadline_tests) text += fmt::format("{} tests", *report.deadline_tests);
+  text += fmt::format(" a frame: {} of {} frames cut; pairs reported by", summary.frames_cut,
+                      summary.frames);
+  const std::array<std::string_view, kPairLevels> by = {"spheres", "boxes",
+                                                        summary.totals.part.volume, "triangles"};
+  for (size_t level = 0; level < kPairLevels; ++level)
+    if (summary.totals.levels[level] > 0)
+      text += fmt::format(" {} {},", by[level], summary.totals.levels[level]);
+  if (text.back() == ',') text.pop_back();
+  return text;
+}
+
+Json to_json(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  Json json;
+  json["throng"] = version_json();
+  json["scene"] = report.scene;
+  json["seed"] = report.seed;
+  json["avatars"] = summary.avatars;
+  json["unplaced"] = summary.unplaced;
+  json["people"] = {{"entered", summary.traffic.entered},
+                    {"present", summary.traffic.present},
+                    {"left", summary.traffic.left},
+                    {"waiting", summary.traffic.waiting},
+                    {"to_come", summary.traffic.to_come},
+                    {"stranded", stranded(report)},
+                    {"queuing_peak", summary.queuing_peak},
+                    {"longest_stall_s", summary.longest_stall_s},
+                    {"deepest_overlap_m", summary.deepest_overlap_m}};
+  json["stranded"] = stranded_json(report);
+  json["plan"] = {{"grew", report.plan_factor},
+                  {"ground_m", {report.ground_m.x(), report.ground_m.y()}}};
+  json["notes"] = report.notes;
+  json["parts"] = summary.parts;
+  json["frames"] = summary.frames;
+  json["stopped_early"] = summary.stopped_early;
+  json["step_s"] = report.step_s;
+  json["threads"] = report.threads;
+  json["wall_s"] = summary.wall_s;
+  json["realtime_factor"] = summary.realtime_factor;
+  for (const DriveReceiver::Counts& driven : report.driven)
+    json["driven"].push_back({{"group", driven.group},
+                              {"channel", driven.channel},
+                              {"messages", driven.messages},
+                              {"frames", driven.frames},
+                              {"frames_held", driven.frames_held},
+                              {"missing", driven.missing},
+                              {"late", driven.late},
+                              {"restarts", driven.restarts},
+                              {"refused", driven.refused},
+                              {"refusal", driven.refusal},
+                              {"clamped", driven.clamped}});
+  if (report.pace.factor > 0)
+    json["pace"] = {{"factor", report.pace.factor},
+                    {"late_frames", report.pace.late_frames},
+                    {"worst_ms", report.pace.worst_s * 1e3},
+                    {"behind_ms", report.pace.behind_s * 1e3}};
+  json["frame_ms"] = {{"median", summary.frame_ms.median},
+                      {"p95", summary.frame_ms.p95},
+                      {"max", summary.frame_ms.max}};
+  json["cull_ms"] = {{"median", summary.cull_ms.median}};
+  json["stage_ms"] = to_json(summary.stage_ms);
+  json["stages"] = {{"avatar", to_json(summary.totals.avatar)},
+                    {"body_box", to_json(summary.totals.body_box)},
+                    {"part_box", to_json(summary.totals.box)},
+                    {"part", to_json(summary.totals.part)},
+                    {"exact", to_json(summary.totals.exact)}};
+  json["steering"] = {
+      {"model", name_of(report.steering.model)},
+      {"density_speed", report.steering.density_speed},
+      {"longest_stall_s", summary.longest_stall_s},
+      {"deepest_overlap_m", summary.deepest_overlap_m},
+      {"mean_heading_rate_radps", summary.steering.mean_heading_rate_radps()},
+      {"sweeps",
+       {{"mean", summary.steering.mean_sweeps()}, {"max", summary.steering.most_sweeps}}}};
+  json["events"] = {
+      {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
+  json["pairs_peak"] = summary.pairs_peak;
+  if (report.deadline_ms || report.deadline_tests) json["deadline"] = deadline_json(report);
+  json["hash"] = hash_text(summary.hash);
+  json["run_id"] = hash_text(summary.run_id);
+  json["lcm"] = {{"url", report.lcm.url},
+                 {"messages", report.lcm.messages},
+                 {"bytes", report.lcm.bytes},
+                 {"dropped", report.lcm.dropped}};
+  json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
+  if (report.contacts) {
+    const ContactTotals& totals = report.contacts->totals;
+    json["contacts"] = {{"folder", report.contacts->folder},
+                        {"people", totals.contacts},
+                        {"obstacles", totals.obstacle_contacts},
+                        {"people_touched", totals.people_touched},
+                        {"per_person_min", totals.per_person_min()},
+                        {"touching_share", totals.touching_s / std::max(1e-9, totals.person_s)},
+                        {"median_s", totals.median_s}};
+  }
+  json["peak_rss_bytes"] = peak_rss_bytes();
+  json["machine"] = {{"cpu", cpu_name()}, {"simd", report.simd}};
+  return json;
+}
+
+}  // namespace
+
+std::string format_table(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  std::string text =
+      fmt::format("{}: {} avatars, {} parts, {} frames of {:.4g} ms\n\n", report.scene,
+                  summary.avatars, summary.parts, summary.frames, report.step_s * 1e3);
+  add_stage_table(text, summary);
+  text += '\n';
+  add_time_table(text, summary);
+  const auto line = [&text](const char* name, const std::string& what) {
+    fmt::format_to(std::back_inserter(text), "{:<9} {}\n", name, what);
+  };
+  text += '\n';
+  line("frame", fmt::format("{:.3f} ms median, {:.3f} p95, {:.3f} max; culling {:.3f} median",
+                            summary.frame_ms.median, summary.frame_ms.p95, summary.frame_ms.max,
+                            summary.cull_ms.median));
+  line("time",
+       fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} times real time ({} {}, {})",
+                   summary.simulated_s, summary.wall_s, summary.realtime_factor, report.threads,
+                   report.threads == 1 ? "thread" : "threads", report.simd));
+  const TrafficCounters& traffic = summary.traffic;
+  if (traffic.left + traffic.waiting + traffic.to_come > 0)
+    line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
+                               traffic.entered, traffic.left, traffic.present, traffic.waiting,
+                               traffic.to_come));
+  line("stranded", stranded_text(report));
+  for (const DriveReceiver::Counts& driven : report.driven)
+    line("driven",
+         fmt::format("{} by {}: {} messages, {} missing, {} late, {} refused{}; the last "
+                     "pose held in {} of {} frames; {} values out of range; started anew {} times",
+                     driven.group, driven.channel, driven.messages, driven.missing, driven.late,
+                     driven.refused, driven.refusal.empty() ? "" : " (" + driven.refusal + ")",
+                     driven.frames_held, driven.frames, driven.clamped, driven.restarts));
+  if (report.pace.factor > 0)
+    line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
+                             "{:.0f} ms, {:.0f} ms behind at the end",
+                             report.pace.factor, report.pace.late_frames, summary.frames,
+                             report.pace.worst_s * 1e3, report.pace.behind_s * 1e3));
+  line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
+                             summary.begins, summary.persists, summary.ends, summary.pairs_peak));
+  if (report.deadline_ms || report.deadline_tests) line("deadline", deadline_text(report));
+  if (summary.steering.rounds > 0)
+    line("walking",
+         fmt::format("longest stall {:.1f} s, deepest overlap {:.1f} cm ({:.1f} sweeps, at most "
+                     "{}), headings turn {:.2f} rad/s",
+                     summary.longest_stall_s, 100 * summary.deepest_overlap_m,
+                     summary.steering.mean_sweeps(), summary.steering.most_sweeps,
+                     summary.steering.mean_heading_rate_radps()));
+  line("log", report.log == "off" ? "off"
+                                  : fmt::format("{}, {}", report.log,
+                                                megabytes(static_cast<double>(report.log_bytes))));
+  line("lcm",
+       report.lcm.url == "off"
+           ? "off"
+           : fmt::format("{}: {} messages, {}, {} dropped", report.lcm.url, report.lcm.messages,
+                         megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
+  if (report.contacts) {
+    const ContactTotals& totals = report.contacts->totals;
+    line("contacts", fmt::format("{}: {} between two people, {:.2f} a person and minute, median "
+                                 "{:.3f} s; {} with obstacles",
+                                 report.contacts->folder, totals.contacts, totals.per_person_min(),
+                                 totals.median_s, totals.obstacle_contacts));
+  }
+  line("hash", hash_text(summary.hash));
+  return text;
+}
+
+std::string json_text(const RunReport& report) {
+  // Paths of the command line may be no UTF-8.
+  return to_json(report).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace throng

@@ -1,0 +1,91 @@
+#include "apps/process/stop_signal.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdint>
+#include <ctime>
+#include <initializer_list>
+
+#include "base/say.h"
+
+namespace throng {
+namespace {
+
+// `timeout`, a closing terminal and service managers send a signal twice in one breath, and mean it
+// once.
+constexpr int64_t kOneWish_ns = 500'000'000;
+
+// The system gives the signal to any thread; a sig_atomic_t is safe within one only.
+std::atomic<bool> g_work_is_open{false};
+std::atomic<int64_t> g_first_ns{0};
+std::atomic<int> g_signal{0};
+static_assert(std::atomic<int64_t>::is_always_lock_free, "a handler must not wait");
+
+int64_t now_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+
+std::string_view name_of_signal(int signal) {
+  switch (signal) {
+    case SIGINT:
+      return "SIGINT";
+    case SIGTERM:
+      return "SIGTERM";
+    case SIGHUP:
+      return "SIGHUP";
+    default:
+      return "";
+  }
+}
+
+void handle(int signal) {
+  if (g_work_is_open) {
+    int64_t never = 0;
+    const int64_t now = now_ns();
+    if (g_first_ns.compare_exchange_strong(never, now)) {
+      g_signal = signal;
+      return;
+    }
+    if (now - never < kOneWish_ns) return;
+  }
+  say_in_handler("throng: stopped by ");
+  say_in_handler(name_of_signal(signal));
+  say_in_handler("\n");
+  _exit(128 + signal);
+}
+
+}  // namespace
+
+StopSignal::StopSignal() { g_work_is_open = true; }
+
+StopSignal::~StopSignal() {
+  flush_shown();  // the summary belongs to the work
+  g_work_is_open = false;
+}
+
+void StopSignal::install() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before = {};
+    sigaction(signal, nullptr, &before);
+    // A shell without job control ignores SIGINT for what it starts with &; a script that then
+    // sends one by name means it.
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    struct sigaction action = {};
+    action.sa_handler = handle;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+bool StopSignal::requested() { return g_signal != 0; }
+
+int StopSignal::exit_code() { return requested() ? 128 + g_signal : 0; }
+
+std::string_view StopSignal::name() { return name_of_signal(g_signal); }
+
+}  // namespace throng

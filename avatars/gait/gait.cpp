@@ -1,0 +1,278 @@
+#include "avatars/gait/gait.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "avatars/gait/gait_curves.h"
+#include "avatars/gait/gait_cycle.h"
+#include "avatars/gait/gait_table.h"
+#include "avatars/gait/row_blend.h"
+
+namespace throng {
+namespace {
+
+// 2.23 m/s at a height of 1.75 m: walkers' free speeds are cut at 2.2 m/s (Weidmann 1993). Boulic's
+// curves end at 3, but each step there takes a centimetre of radius from everybody.
+constexpr double kFastestRelativeSpeed = 2.6;
+constexpr int kPhases = 128;
+constexpr int kSpeeds = 33;
+
+// Shorter strides than this, in leg lengths, belong to speeds below a millimetre a second.
+constexpr float kShortestStride = 0.03f;
+
+// Nodes are rounded to this, in radians and metres: the last bits of the C library's sines, which
+// differ between processors, do not reach a result.
+constexpr double kNodeGrain = 1.0 / (1 << 18);
+
+}  // namespace
+
+struct Gait::Table : GaitTable {
+  Table(int column_count, int phase_cells, int speed_nodes)
+      : GaitTable(column_count, phase_cells, speed_nodes) {}
+
+  float leg_length_m = 0;  // 0: keeps still
+  float highest_root_speed = 0;
+  float speed_cells_per_root_speed = 0;
+  float strides_per_root_speed = 0;
+  std::vector<RootBox> boxes;        // see bounds_around()
+  std::optional<Stepping> stepping;  // of a walker
+
+  void set_row(int speed, int phase, const std::vector<double>& posture) {
+    for (int c = 0; c < columns; ++c)
+      row(speed, phase)[c] = static_cast<float>(
+          std::nearbyint(posture[static_cast<size_t>(c)] / kNodeGrain) * kNodeGrain);
+  }
+
+  // The square root of the relative speed, within the table. Strides are linear in it, so a posture
+  // between two speeds still stands firm.
+  float root_speed(float speed_mps, float scale) const {
+    const float relative = std::max(speed_mps, 0.0f) / (leg_length_m * scale);
+    return std::min(std::sqrt(relative), highest_root_speed);
+  }
+
+  GaitPlace place(float phase01, float speed_mps, float scale) const {
+    if (leg_length_m == 0) return {};  // no legs: one posture
+    const float x = phase01 * static_cast<float>(phases);
+    const float y = root_speed(speed_mps, scale) * speed_cells_per_root_speed;
+    const int phase = std::clamp(static_cast<int>(x), 0, phases - 1);
+    const int speed = std::clamp(static_cast<int>(y), 0, speeds - 2);
+    return {speed, phase, x - static_cast<float>(phase), y - static_cast<float>(speed)};
+  }
+
+  RowBlend between(float phase01, float speed_mps, float scale) const {
+    const GaitPlace at = place(phase01, speed_mps, scale);
+    return {row(at.speed, at.phase), at.u, at.v};
+  }
+
+  /// The tables of all styles are larger than a core's own cache: rows are asked for before they
+  /// are needed.
+  void fetch(const RowBlend& blend) const {
+    if (leg_length_m == 0) return;
+    for (const float* speed : {blend.from, blend.from + next_speed()})
+      for (const float* line = speed; line < speed + 2 * next_phase(); line += 16)
+        __builtin_prefetch(line);
+  }
+
+  /// Of any tables of this one's shape.
+  void blend(std::span<const RowBlend> blends, float* out, SimdTarget target) const {
+    const auto floats = static_cast<size_t>(columns);
+    if (leg_length_m != 0)
+      return blend_rows(blends, next_phase(), next_speed(), floats, out, target);
+    for (const RowBlend& still : blends) out = std::copy_n(still.from, floats, out);
+  }
+};
+
+Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics.column_count()) {
+  const PosableModel posable(model);
+  std::vector<int> leg_links;
+  std::vector<std::vector<WalkerPose>> cycles;
+  double most_drop_m = 0;
+  const std::optional<Walker> walker = Walker::find(posable, style);
+  if (walker) {
+    table_ = std::make_unique<Table>(column_count_, kPhases, kSpeeds);
+    const double highest = std::sqrt(kFastestRelativeSpeed);
+    table_->leg_length_m = static_cast<float>(walker->leg_length_m());
+    table_->highest_root_speed = static_cast<float>(highest);
+    if (const int look = posable.look_joint(); look >= 0) {
+      look_column_ = posable.column_of_joint(look);
+      const JointColumn& limits = model.kinematics.columns()[static_cast<size_t>(look_column_)];
+      least_look_rad_ = limits.lower;
+      most_look_rad_ = limits.upper;
+    }
+    table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
+    table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
+    for (int speed = 0; speed < kSpeeds; ++speed) {
+      const double root_speed = highest * speed / (kSpeeds - 1);
+      cycles.push_back(
+          walker->cycle(std::min(root_speed * root_speed, kFastestRelativeSpeed), kPhases));
+      // Who stands is as still as a number.
+      if (speed == 0) cycles.back().assign(kPhases, WalkerPose(cycles.back().front()));
+      for (int phase = 0; phase <= kPhases; ++phase)
+        table_->set_row(speed, phase, cycles.back()[static_cast<size_t>(phase % kPhases)].columns);
+    }
+    leg_links.assign(walker->leg_links().begin(), walker->leg_links().end());
+    most_drop_m = Stepping::most_drop_m(*walker);
+  } else {
+    table_ = std::make_unique<Table>(column_count_, 1, 1);
+    table_->set_row(0, 0, posable.rest());
+    table_->set_row(0, 1, posable.rest());
+  }
+  GaitBounds bounds = bounds_around(posable, *table_, leg_links, most_drop_m);
+  sphere_centre_m_.z() = static_cast<float>(bounds.centre_z_m);
+  sphere_radius_m_ = static_cast<float>(bounds.radius_m);
+  upright_radius_m_ = static_cast<float>(bounds.upright_radius_m);
+  table_->boxes = std::move(bounds.whole);
+  if (!walker) return;
+  table_->stepping.emplace(*walker, posable, cycles, table_->speed_cells_per_root_speed,
+                           kShortestStride, bounds.rest);
+  share_room(sphere_centre_m_.z(), sphere_radius_m_, upright_radius_m_);
+}
+
+Gait::~Gait() = default;
+Gait::Gait(Gait&&) noexcept = default;
+Gait& Gait::operator=(Gait&&) noexcept = default;
+
+float Gait::stride_length_m(float speed_mps, float scale) const {
+  if (table_->leg_length_m == 0) return 1;
+  const float stride = table_->strides_per_root_speed * table_->root_speed(speed_mps, scale);
+  return std::max(stride, kShortestStride) * table_->leg_length_m * scale;
+}
+
+void Gait::postures(std::span<const float> phases, std::span<const float> speeds_mps,
+                    std::span<const float> scales, std::span<float> rows) const {
+  assert(speeds_mps.size() == phases.size() && scales.size() == phases.size());
+  assert(rows.size() == phases.size() * static_cast<size_t>(column_count_));
+  const Table& table = *table_;
+  float* out = rows.data();
+  for (size_t avatar = 0; avatar < phases.size(); ++avatar, out += column_count_) {
+    const RowBlend blend = table.between(phases[avatar], speeds_mps[avatar], scales[avatar]);
+    table.blend({&blend, 1}, out, SimdTarget::kBest);
+  }
+}
+
+void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> phases,
+                    std::span<const float> speeds_mps, std::span<const float> scales,
+                    std::span<float> rows) {
+  if (gaits.empty()) return;
+  const auto columns = static_cast<size_t>(gaits.front()->column_count_);
+  constexpr size_t kBatch = 16;
+  std::array<RowBlend, kBatch> blends;
+  for (size_t first = 0; first < gaits.size(); first += kBatch) {
+    const size_t count = std::min(kBatch, gaits.size() - first);
+    for (size_t i = 0; i < count; ++i) {
+      const size_t avatar = first + i;
+      const Table& table = *gaits[avatar]->table_;
+      blends[i] = table.between(phases[avatar], speeds_mps[avatar], scales[avatar]);
+      table.fetch(blends[i]);
+    }
+    gaits.front()->table_->blend({blends.data(), count}, rows.data() + first * columns,
+                                 SimdTarget::kBest);
+  }
+}
+
+void Gait::look(float look_rad, std::span<float> row) const {
+  if (look_column_ < 0) return;
+  assert(std::abs(look_rad) <= kMostLook_rad);
+  float& angle = row[static_cast<size_t>(look_column_)];
+  angle = std::clamp(angle + look_rad, least_look_rad_, most_look_rad_);
+}
+
+void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_mps,
+                  std::span<const float> scales, std::span<RootBox> boxes) const {
+  assert(speeds_mps.size() == phases.size() && scales.size() == phases.size());
+  assert(boxes.size() == phases.size());
+  const Table& table = *table_;
+  for (size_t avatar = 0; avatar < phases.size(); ++avatar) {
+    const GaitPlace at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
+    const RootBox& box = table.boxes[static_cast<size_t>(at.speed * table.phases + at.phase)];
+    for (int axis = 0; axis < 3; ++axis) {
+      boxes[avatar].min_m[axis] = scales[avatar] * box.min_m[axis];
+      boxes[avatar].max_m[axis] = scales[avatar] * box.max_m[axis];
+    }
+  }
+}
+
+bool Gait::has_legs() const { return table_->stepping.has_value(); }
+
+RootBox Gait::box_of(const WalkRoom& room, float scale) const {
+  return table_->stepping->box_of(room, scale);
+}
+
+void Gait::share_room(float centre_z_m, float radius_m, float upright_radius_m) {
+  if (table_->stepping) table_->stepping->set_room(centre_z_m, radius_m, upright_radius_m);
+}
+
+void Gait::postures(std::span<const Gait* const> gaits, std::span<const WalkPosture> all,
+                    std::span<const uint32_t> some, std::span<float> rows, SimdTarget target) {
+  assert(gaits.size() == some.size());
+  if (some.empty()) return;
+  const auto columns = static_cast<size_t>(gaits.front()->column_count_);
+  assert(rows.size() == some.size() * columns);
+  constexpr size_t kBatch = 64;
+  std::array<RowBlend, kBatch> blends;
+  for (size_t first = 0; first < some.size(); first += kBatch) {
+    const size_t count = std::min(kBatch, some.size() - first);
+    for (size_t i = 0; i < count; ++i) {
+      const Table& table = *gaits[first + i]->table_;
+      const float* n = all[some[first + i]].numbers;
+      blends[i] = {
+          table.rows.data() + static_cast<size_t>(n[WalkPosture::kNode]) * table.next_phase(),
+          n[WalkPosture::kU], n[WalkPosture::kV]};
+      table.fetch(blends[i]);
+    }
+    float* out = rows.data() + first * columns;
+    gaits.front()->table_->blend({blends.data(), count}, out, target);
+    for (size_t i = 0; i < count; ++i)
+      gaits[first + i]->table_->stepping->put(all[some[first + i]], out + i * columns);
+  }
+}
+
+void Gait::walk(WalkChunk& chunk, SimdTarget target) {
+  if (!chunk.gaits[0]->has_legs()) {
+    for (size_t i = 0; i < chunk.count; ++i) chunk.gaits[i]->roll(chunk, i);
+    return;
+  }
+  for (size_t i = 0; i < chunk.count; ++i)
+    chunk.tables[i] = chunk.gaits[i]->table_->stepping->table();
+  uint64_t lost = chunk.gaits[0]->table_->stepping->walk(chunk, target);
+  for (; lost != 0; lost &= lost - 1) {
+    const auto lane = static_cast<size_t>(std::countr_zero(lost));
+    chunk.gaits[lane]->stand_as_tabled(chunk, lane);
+  }
+}
+
+/// Somebody whom not even the table's own feet suit: fast walkers whose toes touch the room of all
+/// postures. Posture and box are the table's.
+void Gait::stand_as_tabled(WalkChunk& chunk, size_t i) const {
+  constexpr size_t kMostColumns = 256;
+  std::array<float, kMostColumns> row;
+  const std::span<float> columns(row.data(), static_cast<size_t>(column_count_));
+  postures({&chunk.phases[i], 1}, {&chunk.gait_mps[i], 1}, {&chunk.scales[i], 1}, columns);
+  RootBox box;
+  bounds({&chunk.phases[i], 1}, {&chunk.gait_mps[i], 1}, {&chunk.scales[i], 1}, {&box, 1});
+  table_->stepping->take(row.data(), chunk.postures[i]);
+  const WalkRoom room = table_->stepping->room_of(box, chunk.scales[i]);
+  chunk.room_x[i] = room.x;
+  chunk.room_y[i] = room.y;
+  chunk.set_feet(i, {});
+}
+
+void Gait::roll(WalkChunk& chunk, size_t i) const {
+  if (chunk.present[i] == 0) return;
+  const bool fresh = chunk.gait_mps[i] == kNotComeIn;
+  chunk.gait_mps[i] = std::max(chunk.ahead_mps[i], 0.0f);
+  if (fresh) return;
+  const float w = chunk.w_before[i], z = chunk.z_before[i];
+  const float forward_m = (w * w - z * z) * chunk.way_x_m[i] + 2 * (w * z) * chunk.way_y_m[i];
+  const float next =
+      chunk.phases[i] + forward_m / stride_length_m(chunk.gait_mps[i], chunk.scales[i]);
+  const float rest = next - std::floor(next);
+  chunk.phases[i] = rest < 1 ? rest : 0;
+}
+
+}  // namespace throng

@@ -1,0 +1,90 @@
+// Walking: joint angles from the phase of the gait cycle and the speed.
+// One rule: phase advances by distance walked, so a planted foot stays where it landed.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "avatars/gait/gait_style.h"
+#include "avatars/model/model.h"
+#include "avatars/stepping/stepping.h"
+
+namespace throng {
+
+class Gait {
+ public:
+  /// Tabulates one style of a model's gait over phase and speed. Joints are found by the adult's
+  /// names; a model without them (a robot on wheels) gets a gait that keeps the zero posture.
+  explicit Gait(const Model& model, GaitStyle style = GaitStyle::kPlain);
+  ~Gait();
+  Gait(Gait&&) noexcept;
+  Gait& operator=(Gait&&) noexcept;
+
+  int column_count() const { return column_count_; }
+
+  /// Metres per gait cycle (two steps) at this speed, for an avatar of this scale; > 0 also at 0
+  /// m/s.
+  float stride_length_m(float speed_mps, float scale) const;
+
+  /// Writes one posture row (column_count() floats) each for phases.size() avatars.
+  /// phase in [0, 1), 0 = right heel strike; speed >= 0, clamped to the tabulated range. No
+  /// allocation.
+  void postures(std::span<const float> phases, std::span<const float> speeds_mps,
+                std::span<const float> scales, std::span<float> rows) const;
+
+  /// The same for avatars of one model that walk in styles of their own: a gait each.
+  static void postures(std::span<const Gait* const> gaits, std::span<const float> phases,
+                       std::span<const float> speeds_mps, std::span<const float> scales,
+                       std::span<float> rows);
+
+  /// The farthest that a head turns away from where the body goes.
+  static constexpr float kMostLook_rad = 0.5f;
+
+  /// Turns the head of a posture row to the left by as much, at most kMostLook_rad to either side;
+  /// the gait's bounds hold that, too. Nothing happens to a model without a head that turns.
+  void look(float look_rad, std::span<float> row) const;
+
+  /// Writes a box each that holds every part in the posture that postures() gives for the same
+  /// phase, speed and scale; looked up, not computed. No allocation.
+  void bounds(std::span<const float> phases, std::span<const float> speeds_mps,
+              std::span<const float> scales, std::span<RootBox> boxes) const;
+
+  /// Walks avatars on by a step, each by its own of chunk.gaits, all of one model: see
+  /// Stepping::walk(). Who has no human legs rolls on by the way walked. No allocation.
+  static void walk(WalkChunk& chunk, SimdTarget target);
+  /// Whether walk() gives postures, which then stand in for phase, speed and scale.
+  bool has_legs() const;
+  /// Writes the posture rows of some of all, whose gaits are given. No allocation.
+  static void postures(std::span<const Gait* const> gaits, std::span<const WalkPosture> all,
+                       std::span<const uint32_t> some, std::span<float> rows,
+                       SimdTarget target = SimdTarget::kBest);
+  /// A box that holds every part.
+  RootBox box_of(const WalkRoom& room, float scale) const;
+  /// What walk() keeps bodies in, metres unscaled: at first this gait's own sphere and cylinder.
+  /// All gaits of a model that walk together share one that holds those of each.
+  void share_room(float centre_z_m, float radius_m, float upright_radius_m);
+
+  /// A sphere in the root frame (metres, unscaled) that bounds every part in every posture the gait
+  /// can produce: its centre lies on the root's z axis, the radius includes the interpolation
+  /// error.
+  Eigen::Vector3f sphere_centre_m() const { return sphere_centre_m_; }
+  float sphere_radius_m() const { return sphere_radius_m_; }
+  /// Radius of the cylinder around the root's z axis that bounds the same (metres, unscaled).
+  float upright_radius_m() const { return upright_radius_m_; }
+
+ private:
+  void roll(WalkChunk& chunk, size_t i) const;
+  void stand_as_tabled(WalkChunk& chunk, size_t i) const;
+
+  struct Table;
+  int column_count_ = 0;
+  int look_column_ = -1;
+  float least_look_rad_ = 0, most_look_rad_ = 0;  ///< the joint's limits
+  Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
+  float sphere_radius_m_ = 0;
+  float upright_radius_m_ = 0;
+  std::unique_ptr<Table> table_;
+};
+
+}  // namespace throng

@@ -1,0 +1,48 @@
+// A model's links posed from a posture row, in double precision: what a gait is fitted with.
+// One rule: for construction and bounds only; a crowd is posed by forward_kinematics().
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "avatars/model/model.h"
+
+namespace throng {
+
+class PosableModel {
+ public:
+  explicit PosableModel(const Model& model);
+
+  const Model& model() const { return *model_; }
+
+  /// Index into Robot::joints, or -1.
+  int joint_of(const std::string& name) const;
+  /// Column that drives the joint, or -1; of a mimic joint its leader's.
+  int column_of_joint(int joint) const { return drives_[static_cast<size_t>(joint)].column; }
+  /// How much the joint moves per unit of its column: 1, or a mimic's multiplier.
+  double gain_of_joint(int joint) const { return drives_[static_cast<size_t>(joint)].gain; }
+
+  /// The joint that turns the head alone about an upright axis, or -1: "head_yaw", and nothing
+  /// hangs from the head.
+  int look_joint() const;
+
+  /// The zero posture, as near as the limits allow.
+  std::vector<double> rest() const;
+  double clamped(int column, double value) const;
+
+  /// root_from_link of every link; `columns` as in a posture row.
+  void pose(const std::vector<double>& columns,
+            std::vector<Eigen::Isometry3d>& root_from_link) const;
+
+ private:
+  struct Drive {
+    int column = -1;
+    double gain = 0;
+    double offset = 0;
+  };
+  const Model* model_;
+  std::vector<Drive> drives_;  // one a joint
+};
+
+}  // namespace throng

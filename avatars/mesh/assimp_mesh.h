@@ -1,0 +1,17 @@
+// Triangles out of a file by assimp.
+// One rule: for child processes only (base/files/foreign.h): assimp crashes, hangs and reads beyond
+// its arrays on files that are damaged in the right place.
+#pragma once
+
+#include "avatars/mesh/mesh.h"
+#include "base/files/regular_file.h"
+
+namespace throng {
+
+/// The corners of all triangles, in the file's frame, as they come: repeated, unused, not finite.
+/// Node transforms are applied, polygons split; lines and points are left out. `most_bytes` is for
+/// the file and those it names. Throws Refusal, and whatever assimp throws.
+Mesh triangles_by_assimp(const RegularFile& file, uint64_t most_bytes, size_t most_vertices,
+                         size_t most_triangles);
+
+}  // namespace throng

@@ -1,0 +1,153 @@
+#include "avatars/mesh/mesh_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+
+#include "avatars/mesh/assimp_mesh.h"
+#include "avatars/mesh/tri.h"
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+constexpr size_t kMaxVertices = 20'000'000;
+constexpr size_t kMaxTriangles = 40'000'000;
+/// Beyond 10 km a float no longer tells millimetres apart.
+constexpr float kMaxCoordinate_m = 1e4f;
+
+/// Joins vertices at equal positions (formats like STL repeat them for each triangle) and drops
+/// those without a triangle, and triangles that became lines.
+Mesh welded(const Mesh& soup) {
+  std::vector<int> order;
+  for (const Eigen::Vector3i& triangle : soup.triangles)
+    order.insert(order.end(), triangle.begin(), triangle.end());
+  std::sort(order.begin(), order.end());
+  order.erase(std::unique(order.begin(), order.end()), order.end());
+  const auto key = [&](int i) {
+    const Eigen::Vector3f& v = soup.vertices[static_cast<size_t>(i)];
+    return std::array{v.x(), v.y(), v.z()};
+  };
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return std::pair(key(a), a) < std::pair(key(b), b); });
+  std::vector<int> first_like(soup.vertices.size());
+  for (size_t i = 0; i < order.size(); ++i)
+    first_like[static_cast<size_t>(order[i])] = i > 0 && key(order[i]) == key(order[i - 1])
+                                                    ? first_like[static_cast<size_t>(order[i - 1])]
+                                                    : order[i];
+  Mesh mesh;
+  std::vector<int> renumbered(soup.vertices.size(), -1);
+  for (const Eigen::Vector3i& triangle : soup.triangles) {
+    Eigen::Vector3i corners;
+    for (int k = 0; k < 3; ++k) corners[k] = first_like[static_cast<size_t>(triangle[k])];
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    for (int& corner : corners) {
+      int& number = renumbered[static_cast<size_t>(corner)];
+      if (number < 0) {
+        number = static_cast<int>(mesh.vertices.size());
+        mesh.vertices.push_back(soup.vertices[static_cast<size_t>(corner)]);
+      }
+      corner = number;
+    }
+    mesh.triangles.push_back(corners);
+  }
+  return mesh;
+}
+
+/// The child's answer: both counts, then the vertices, then the triangles.
+struct Counts {
+  uint64_t vertices = 0;
+  uint64_t triangles = 0;
+  size_t bytes() const {
+    return sizeof(Counts) + vertices * sizeof(Eigen::Vector3f) +
+           triangles * sizeof(Eigen::Vector3i);
+  }
+};
+static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(Eigen::Vector3i) == 12);
+
+template <typename T>
+void put(const T* from, size_t count, uint8_t*& to) {
+  if (count > 0) std::memcpy(to, from, count * sizeof(T));
+  to += count * sizeof(T);
+}
+
+template <typename T>
+void take(const uint8_t*& from, size_t count, T* to) {
+  if (count > 0) std::memcpy(static_cast<void*>(to), from, count * sizeof(T));
+  from += count * sizeof(T);
+}
+
+std::vector<uint8_t> packed(const Mesh& mesh) {
+  const Counts counts{mesh.vertices.size(), mesh.triangles.size()};
+  std::vector<uint8_t> out(counts.bytes());
+  uint8_t* to = out.data();
+  put(&counts, 1, to);
+  put(mesh.vertices.data(), mesh.vertices.size(), to);
+  put(mesh.triangles.data(), mesh.triangles.size(), to);
+  return out;
+}
+
+Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name) {
+  const auto refuse = [&] {
+    throw InputError(name, "a mesh", "one of which assimp makes nonsense");
+  };
+  Counts counts;
+  if (bytes.size() < sizeof counts) refuse();
+  const uint8_t* from = bytes.data();
+  take(from, 1, &counts);
+  if (counts.vertices > kMaxVertices || counts.triangles > kMaxTriangles ||
+      counts.bytes() != bytes.size())
+    refuse();
+  Mesh mesh;
+  mesh.vertices.resize(counts.vertices);
+  mesh.triangles.resize(counts.triangles);
+  take(from, counts.vertices, mesh.vertices.data());
+  take(from, counts.triangles, mesh.triangles.data());
+  return mesh;
+}
+
+/// What came out of a process that a file may have led astray is judged as a file would be.
+Mesh checked(Mesh soup, const std::string& name) {
+  const auto count = static_cast<int>(soup.vertices.size());
+  for (const Eigen::Vector3i& triangle : soup.triangles) {
+    for (const int corner : triangle) {
+      if (corner < 0 || corner >= count)
+        throw InputError(name, fmt::format("indices of {} vertices", count),
+                         fmt::format("{}", corner));
+      const Eigen::Vector3f& v = soup.vertices[static_cast<size_t>(corner)];
+      if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kMaxCoordinate_m)
+        throw InputError(name, fmt::format("coordinates within {:g} m", kMaxCoordinate_m),
+                         fmt::format("({:g}, {:g}, {:g})", v.x(), v.y(), v.z()));
+    }
+  }
+  return soup;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return text;
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits) {
+  const std::string extension = lower_case(file.extension().string());
+  if (extension == ".tri") return read_tri(file).mesh;
+  const ForeignParser assimp = {
+      .library = "assimp",
+      .expected = extension.empty() ? "a mesh file" : fmt::format("a {} mesh", extension.substr(1)),
+      .way_out = "export it again, for example as .stl or .tri"};
+  const auto parse = [&](const RegularFile& opened) {
+    return packed(triangles_by_assimp(opened, limits.most_file_bytes, kMaxVertices, kMaxTriangles));
+  };
+  const Mesh mesh = welded(
+      checked(unpacked(parse_apart(file, assimp, limits, parse), file.string()), file.string()));
+  if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
+  return mesh;
+}
+
+}  // namespace throng

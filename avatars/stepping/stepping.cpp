@@ -1,0 +1,271 @@
+#include "avatars/stepping/stepping.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "avatars/gait/gait_curves.h"
+#include "avatars/gait/gait_cycle.h"
+#include "avatars/gait/gait_table.h"
+#include "avatars/stepping/stepping_kernels.h"
+#include "avatars/stepping/stepping_tables.h"
+#include "base/elementary.h"
+
+namespace throng {
+namespace {
+
+float grained(double value) {
+  constexpr double kGrain = 1.0 / (1 << 18);
+  return static_cast<float>(std::nearbyint(value / kGrain) * kGrain);
+}
+
+std::array<float, 3> floats(const Eigen::Vector3d& v) {
+  return {grained(v.x()), grained(v.y()), grained(v.z())};
+}
+
+std::array<float, 2> flat_floats(const Eigen::Vector2d& v) {
+  return {grained(v.x()), grained(v.y())};
+}
+
+SignedAxis signed_axis(const Eigen::Vector3d& direction) {
+  Eigen::Index index = 0;
+  direction.cwiseAbs().maxCoeff(&index);
+  return {static_cast<int>(index), direction[index] > 0 ? 1.0f : -1.0f};
+}
+
+// The tangent of a lean whose sine this is, as reach_for() has it.
+double lean_of(double sine) { return sine * (1 + 0.5 * sine * sine); }
+
+}  // namespace
+
+Stepping::Stepping(const Walker& walker, const PosableModel& model,
+                   std::span<const std::vector<WalkerPose>> cycles, float cells_per_root_speed,
+                   float shortest_stride, std::span<const RootBox> rest_boxes)
+    : tables_(std::make_unique<SteppingTables>()), vertical_column_(walker.vertical_column()) {
+  SteppingTables& t = *tables_;
+  t.leg_length_m = static_cast<float>(walker.leg_length_m());
+  t.per_leg_length = 1 / t.leg_length_m;
+  t.cells_per_root_speed = cells_per_root_speed;
+  t.highest_root_speed = static_cast<float>(cycles.size() - 1) / cells_per_root_speed;
+  t.shortest_stride_m = shortest_stride * t.leg_length_m;
+  t.phases = static_cast<int>(cycles.front().size());
+  t.speeds = static_cast<int>(cycles.size());
+  t.most_drop_m = static_cast<float>(most_drop_m(walker));
+  for (size_t side = 0; side < 2; ++side) read_leg(walker, model, side);
+  t.table.resize((t.box(static_cast<int32_t>(rest_boxes.size())) + 15) / 16);
+  float* const to = t.table.front().floats;
+  for (int speed = 0; speed < t.speeds; ++speed) {
+    const std::vector<WalkerPose>& cycle = cycles[static_cast<size_t>(speed)];
+    add_track(walker, cycle, speed / static_cast<double>(cells_per_root_speed),
+              to + t.track(speed));
+    for (int phase = 0; phase <= t.phases; ++phase)
+      add_node(walker, cycle[static_cast<size_t>(phase % t.phases)],
+               to + t.node(speed * (t.phases + 1) + phase));
+  }
+  float* corner = to + t.box(0);
+  for (const RootBox& box : rest_boxes)
+    for (const float number : {box.min_m[0], box.min_m[1], box.max_m[0], box.max_m[1]})
+      *corner++ = number;
+}
+
+void Stepping::set_room(float centre_z_m, float radius_m, float upright_radius_m) {
+  SteppingTables& t = *tables_;
+  t.sphere_z_m = centre_z_m;
+  t.sphere_m = radius_m;
+  t.upright_m = upright_radius_m;
+  // Whatever is allowed lies in the upright cylinder, but for the slack of what is told of it.
+  constexpr float kSpare = 1.2f;
+  t.corner_m = -kSpare * t.upright_m;
+  t.grain_m = -2 * t.corner_m / static_cast<float>(SteppingTables::kGrains);
+  t.per_grain = 1 / t.grain_m;
+}
+
+const float* Stepping::table() const { return tables_->table.front().floats; }
+
+Stepping::~Stepping() = default;
+
+double Stepping::most_drop_m(const Walker& walker) {
+  constexpr double kShare = 0.09;
+  return kShare * walker.leg_length_m();
+}
+
+void Stepping::read_leg(const Walker& walker, const PosableModel& model, size_t side) {
+  const LegShape shape = walker.leg(side).shape();
+  const Eigen::Vector3d middle = 0.5 * (walker.leg(0).hip_m() + walker.leg(1).hip_m());
+  LegNumbers& leg = tables_->legs[side];
+  leg.hip_m = floats(shape.hip_m - middle);
+  leg.thigh_m = flat_floats(shape.thigh_m);
+  leg.shank_m = flat_floats(shape.shank_m);
+  leg.knee_side_m = grained(shape.knee_side_m);
+  leg.ankle_side_m = grained(shape.ankle_side_m);
+  leg.square_sum_m2 = grained(shape.thigh_m.squaredNorm() + shape.shank_m.squaredNorm());
+  leg.per_twice_product = grained(0.5 / (shape.thigh_m.norm() * shape.shank_m.norm()));
+  // As turned() of gait_leg.cpp turns.
+  const double straight =
+      arc_tan2(shape.shank_m.y() * shape.thigh_m.x() - shape.shank_m.x() * shape.thigh_m.y(),
+               shape.shank_m.dot(shape.thigh_m));
+  leg.straight_rad = static_cast<float>(straight);
+  leg.straight_sin = static_cast<float>(sin_cos(straight).sin);
+  leg.straight_cos = static_cast<float>(sin_cos(straight).cos);
+  leg.knee_sign = shape.knee_sign > 0 ? 1.0f : -1.0f;
+  leg.ankle_sign = shape.ankle_sign > 0 ? 1.0f : -1.0f;
+  leg.columns = shape.columns;
+  for (size_t i = 0; i < 5; ++i) {
+    const JointColumn& column =
+        model.model().kinematics.columns()[static_cast<size_t>(shape.columns[i])];
+    leg.lower_rad[i] = column.lower;
+    leg.upper_rad[i] = column.upper;
+  }
+  double least = static_cast<double>(leg.lower_rad[3]),
+         most = static_cast<double>(leg.upper_rad[3]);
+  if (leg.knee_sign < 0) std::tie(least, most) = std::pair(-most, -least);
+  least = std::max(least, Walker::kStraightestKnee_rad);
+  const auto beyond = [&](double angle) {
+    return static_cast<float>(sin_cos(std::clamp(angle - straight, 0.0, 3.14)).cos);
+  };
+  leg.straightest_cos = beyond(least);
+  leg.most_bent_cos = beyond(most - 1e-4);
+  const double longest = walker.leg(side).reach_m(least);
+  leg.longest_m2 = grained(longest * longest);
+  leg.sole_half_width_m = grained(shape.sole_half_width_m);
+  const Eigen::Vector3d cross = shape.hip_axes[0].cross(shape.hip_axes[2]);
+  leg.axis1 = signed_axis(shape.hip_axes[0]);
+  leg.axis3 = signed_axis(shape.hip_axes[2]);
+  leg.axis13 = signed_axis(cross);
+  leg.hand = shape.hip_axes[1].dot(cross) < 0 ? 1.0f : -1.0f;
+  leg.thigh_radius_m = grained(shape.thigh_radius_m);
+  leg.shank_radius_m = grained(shape.shank_radius_m);
+  leg.knee_radius_m = std::max(leg.thigh_radius_m, leg.shank_radius_m);
+  leg.foot_middle_m = floats(shape.foot_m.center());
+  leg.foot_half_m = floats(0.5 * shape.foot_m.sizes());
+}
+
+void Stepping::add_node(const Walker& walker, const WalkerPose& pose, float* to) {
+  for (size_t side = 0; side < 2; ++side) {
+    const WalkerPose::Foot& foot = pose.feet[side];
+    const LegNumbers& leg = tables_->legs[side];
+    const Eigen::Vector3d up = walker.leg(side).up_along_leg(foot.hip_m, foot.target);
+    // A leaning foot stands on the sole's edge: that part of the height depends on the leg's lean.
+    const double height =
+        (foot.target.ankle_m - foot.ground_m).z() / up.z() -
+        static_cast<double>(leg.sole_half_width_m) * lean_of(length_of(up.x(), up.y()));
+    const double roll = walker.leg(side).roll_m(foot.target.pitch_rad);
+    for (const double value : {foot.ground_m.x() - roll * sin_cos(foot.target.heading_rad).cos,
+                               foot.ground_m.z(), height, roll, foot.target.pitch_rad})
+      *to++ = grained(value);
+  }
+  Eigen::Quaterniond turn(pose.root_from_pelvis);
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+  const Eigen::Vector3d middle = 0.5 * (pose.feet[0].hip_m + pose.feet[1].hip_m);
+  for (const double value : {turn.x(), turn.y(), turn.z(), middle.x(), middle.y(), middle.z()})
+    *to++ = grained(value);
+}
+
+void Stepping::add_track(const Walker& walker, const std::vector<WalkerPose>& cycle,
+                         double root_speed, float* to) {
+  const WalkerPose &right_strike = cycle.front(), &left_strike = cycle[cycle.size() / 2];
+  const double stride_m =
+      stride_per_root_speed(walker.style()) * root_speed * walker.leg_length_m();
+  const double stance = stance_fraction(root_speed * root_speed, walker.style());
+  // Without what the foot has rolled along its heading.
+  const auto side_m = [&](const WalkerPose::Foot& foot, size_t side) {
+    return foot.ground_m.y() -
+           walker.leg(side).roll_m(foot.target.pitch_rad) * sin_cos(foot.target.heading_rad).sin;
+  };
+  const WalkerPose::Foot &right = right_strike.feet[0], &left = left_strike.feet[1];
+  const SinCos toes_out = sin_cos(left.target.heading_rad);
+  for (const double value : {stance, right_strike.shift_m, side_m(right, 0), side_m(left, 1),
+                             stride_m, toes_out.sin, toes_out.cos, 0.0})
+    *to++ = grained(value);
+}
+
+uint64_t Stepping::walk(WalkChunk& chunk, SimdTarget target) const {
+  assert(chunk.count > 0 && chunk.count <= WalkChunk::kRoom);
+  chunk.fill_up();
+  if (target == SimdTarget::kScalar)
+    walk_one_by_one(*tables_, chunk);
+  else
+    walk_simd(*tables_, chunk, target);
+  uint64_t lost = 0;
+  for (size_t lane = 0; lane < chunk.count; ++lane)
+    if (chunk.out_of_reach[lane] != 0 && !settle(chunk, lane)) lost |= uint64_t{1} << lane;
+  return lost;
+}
+
+/// Takes from the shift of the feet that the legs do not reach what they do not; from both feet's
+/// where that does not help. One person in some hundred needs it.
+bool Stepping::settle(WalkChunk& chunk, size_t lane) const {
+  const std::array<float, WalkChunk::kFeetNumbers> whole = chunk.feet_of(lane);
+  std::array<float, WalkChunk::kFeetNumbers> reached{};
+  const auto reaches = [&](int sides, float share) {
+    chunk.set_feet(lane, whole);
+    if (!reach_with(*tables_, chunk, lane, sides, share)) return false;
+    reached = chunk.feet_of(lane);
+    return true;
+  };
+  int sides = static_cast<int>(chunk.out_of_reach[lane]);
+  if (!reaches(sides, 0) && (sides == 3 || !reaches(sides = 3, 0))) return false;
+  constexpr int kHalvings = 6;  // of 0.4 m, some millimetres
+  float low = 0, high = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const float share = 0.5f * (low + high);
+    (reaches(sides, share) ? low : high) = share;
+  }
+  chunk.set_feet(lane, reached);
+  return true;
+}
+
+void Stepping::put(const WalkPosture& posture, float* row) const {
+  for (size_t side = 0; side < 2; ++side)
+    for (size_t i = 0; i < 5; ++i)
+      row[tables_->legs[side].columns[i]] = posture.numbers[5 * side + i];
+  row[vertical_column_] -= posture.numbers[WalkPosture::kDrop];
+}
+
+void Stepping::take(const float* row, WalkPosture& posture) const {
+  for (size_t side = 0; side < 2; ++side)
+    for (size_t i = 0; i < 5; ++i)
+      posture.numbers[5 * side + i] = row[tables_->legs[side].columns[i]];
+  posture.numbers[WalkPosture::kDrop] = 0;
+}
+
+WalkRoom Stepping::room_of(const RootBox& box, float scale) const {
+  const auto grains = [&](int axis) {
+    return grains_between(*tables_, box.min_m[axis] / scale, box.max_m[axis] / scale);
+  };
+  return {grains(0), grains(1)};
+}
+
+RootBox Stepping::box_of(const WalkRoom& room, float scale) const {
+  const SteppingTables& t = *tables_;
+  RootBox box{};
+  for (int axis = 0; axis < 2; ++axis) {
+    const auto both = static_cast<uint32_t>(axis == 0 ? room.x : room.y);
+    const auto at = [&](uint32_t grains) {
+      return scale * (t.corner_m + static_cast<float>(static_cast<int32_t>(grains)) * t.grain_m);
+    };
+    box.min_m[axis] = at(both / SteppingTables::kGrains);
+    box.max_m[axis] = at(both % SteppingTables::kGrains);
+  }
+  // Who stands upright is told from others by what is seen from above.
+  box.min_m[2] = scale * (t.sphere_z_m - t.sphere_m);
+  box.max_m[2] = scale * (t.sphere_z_m + t.sphere_m);
+  return box;
+}
+
+void WalkChunk::fill_up() {
+  const size_t end = (count + kMostLanes - 1) / kMostLanes * kMostLanes;
+  const auto fill = [&](Numbers& numbers) {
+    std::fill(numbers + count, numbers + end, numbers[count - 1]);
+  };
+  for (Numbers* numbers : {&way_x_m, &way_y_m, &w_before, &z_before, &w_after, &z_after, &ahead_mps,
+                           &scales, &present, &gait_mps, &phases})
+    fill(*numbers);
+  for (Numbers& numbers : feet) fill(numbers);
+  std::fill(tables.begin() + static_cast<ptrdiff_t>(count),
+            tables.begin() + static_cast<ptrdiff_t>(end), tables[count - 1]);
+}
+
+}  // namespace throng

@@ -1,0 +1,259 @@
+#include "base/files/foreign.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "base/errors.h"
+#include "base/files/foreign_child.h"
+
+namespace throng {
+namespace {
+
+using foreign::Answer;
+using foreign::Budget;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kCpuSecondsPerMiB = 0.5;
+constexpr double kWallSecondsPerMiB = 1;
+constexpr uint64_t kMemoryPerByte = 16;
+
+Budget budget_for(uint64_t file_bytes, const ForeignLimits& limits) {
+  const double mib = static_cast<double>(file_bytes >> 20);
+  return {.cpu_s = limits.cpu_s + static_cast<int>(kCpuSecondsPerMiB * mib),
+          .wall_s = limits.wall_s + kWallSecondsPerMiB * mib,
+          .memory_bytes = limits.most_memory_bytes + kMemoryPerByte * file_bytes,
+          .result_bytes = limits.most_result_bytes};
+}
+
+[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
+  throw EnvironmentError(fmt::format("{}: cannot start the process that reads it: {}: {}",
+                                     file.string(), what, std::strerror(errno)));
+}
+
+/// What is announced is only believed so far; beyond that, memory grows with what comes.
+constexpr uint64_t kMostReserved = 64 << 20;
+
+/// A pipe whose ends are not 0, 1 or 2, which the child lays on /dev/null.
+class Pipe {
+ public:
+  explicit Pipe(const std::filesystem::path& file) {
+    int low[2];
+    if (::pipe2(low, O_CLOEXEC) != 0) fail(file, "pipe");
+    for (int i = 0; i < 2; ++i) ends_[i] = ::fcntl(low[i], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    const int error = errno;
+    for (const int end : low) ::close(end);
+    errno = error;
+    if (ends_[0] < 0 || ends_[1] < 0) {
+      close();
+      fail(file, "pipe");
+    }
+    // Large meshes come back in fewer turns; a kernel that gives less is fine.
+    ::fcntl(ends_[1], F_SETPIPE_SZ, 1 << 20);
+  }
+  ~Pipe() { close(); }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  int read_end() const { return ends_[0]; }
+  int write_end() const { return ends_[1]; }
+  void close_write_end() { close(ends_[1]); }
+
+ private:
+  static void close(int& end) {
+    if (end >= 0) ::close(std::exchange(end, -1));
+  }
+  void close() {
+    for (int& end : ends_) close(end);
+  }
+
+  int ends_[2] = {-1, -1};
+};
+
+/// Killed and reaped at the latest when it goes out of scope.
+class Child {
+ public:
+  explicit Child(pid_t id) : id_(id), ended_(static_cast<int>(::syscall(SYS_pidfd_open, id, 0))) {}
+  ~Child() {
+    end();
+    if (ended_ >= 0) ::close(ended_);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  pid_t id() const { return id_; }
+  /// To poll: readable once it has ended; negative on kernels before 5.3.
+  int ended() const { return ended_; }
+  /// Its wait status; 0 where somebody else in this process reaps all children (SIGCHLD ignored).
+  int end() {
+    if (id_ < 0) return status_;
+    ::kill(id_, SIGKILL);  // changes nothing for one that has ended
+    while (::waitpid(id_, &status_, 0) < 0 && errno == EINTR) continue;
+    id_ = -1;
+    return status_;
+  }
+
+ private:
+  pid_t id_;
+  int ended_;
+  int status_ = 0;
+};
+
+enum class Outcome { kAnswered, kEnded, kTooSlow, kTooMuchMemory, kTooMuchResult };
+
+/// What the child says, until it has said all, ended, or gone too far.
+class Listener {
+ public:
+  Listener(const Pipe& pipe, const Child& child, const Budget& budget)
+      : pipe_(pipe), child_(child), budget_(budget), resident_(resident_of(::getpid())) {
+    ::fcntl(pipe.read_end(), F_SETFL, O_NONBLOCK);
+  }
+
+  Outcome listen() {
+    const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                             std::chrono::duration<double>(budget_.wall_s));
+    while (true) {
+      const auto left =
+          std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+      if (left <= 0) return Outcome::kTooSlow;
+      pollfd watched[2] = {{pipe_.read_end(), POLLIN, 0}, {child_.ended(), POLLIN, 0}};
+      // A wait of a minute at most: the sum of milliseconds fits, and nothing hangs on it.
+      const auto wait_ms = std::min<int64_t>(left, foreign::kHasShadowMemory ? 10 : 60'000);
+      if (::poll(watched, 2, static_cast<int>(wait_ms)) < 0 && errno != EINTR)
+        return Outcome::kEnded;
+      if (is_too_large()) return Outcome::kTooMuchMemory;
+      // What has ended has said all that it ever will: one more look into the pipe, and done.
+      const bool has_ended = (watched[1].revents & POLLIN) != 0;
+      if (const std::optional<Outcome> outcome = take_what_is_there()) return *outcome;
+      if (has_ended) return Outcome::kEnded;
+    }
+  }
+
+  /// Of a whole answer.
+  Answer head() const {
+    Answer out;
+    std::memcpy(&out, said_.data(), sizeof out);
+    return out;
+  }
+  std::span<const uint8_t> body() const { return std::span(said_).subspan(sizeof(Answer)); }
+  std::vector<uint8_t> take_body() {
+    said_.erase(said_.begin(), said_.begin() + sizeof(Answer));
+    return std::move(said_);
+  }
+
+ private:
+  static uint64_t resident_of(pid_t process) {
+    return foreign::kHasShadowMemory ? foreign::memory_of(process, foreign::Memory::kResident) : 0;
+  }
+  bool is_too_large() const {
+    return foreign::kHasShadowMemory && resident_of(child_.id()) > resident_ + budget_.memory_bytes;
+  }
+
+  std::optional<Outcome> take_what_is_there() {
+    while (true) {
+      const size_t before = said_.size();
+      // Grows by what comes, not by what was announced.
+      said_.resize(before + std::clamp<size_t>(before, 4096, 1 << 20));
+      const ssize_t count = ::read(pipe_.read_end(), said_.data() + before, said_.size() - before);
+      const int error = errno;
+      said_.resize(before + static_cast<size_t>(std::max<ssize_t>(count, 0)));
+      if (count < 0 && error == EINTR) continue;
+      if (count < 0 && error == EAGAIN) return std::nullopt;
+      if (count <= 0) return Outcome::kEnded;
+      if (said_.size() < sizeof(Answer)) continue;
+      const Answer head = this->head();
+      if (head.magic != Answer::kMagic) return Outcome::kEnded;
+      const uint64_t most =
+          head.kind == Answer::Kind::kBytes ? budget_.result_bytes : 2 * foreign::kMostTextBytes;
+      if (head.size > most) return Outcome::kTooMuchResult;
+      said_.reserve(sizeof(Answer) + static_cast<size_t>(std::min(head.size, kMostReserved)));
+      if (said_.size() - sizeof(Answer) >= head.size) {
+        said_.resize(sizeof(Answer) + static_cast<size_t>(head.size));
+        return Outcome::kAnswered;
+      }
+    }
+  }
+
+  const Pipe& pipe_;
+  const Child& child_;
+  const Budget budget_;
+  const uint64_t resident_;
+  std::vector<uint8_t> said_;
+};
+
+std::string signal_name(int number) {
+  const char* name = ::sigabbrev_np(number);
+  return name != nullptr ? fmt::format("SIG{}", name) : fmt::format("signal {}", number);
+}
+
+/// "one that crashes assimp (SIGSEGV)".
+std::string what_happened(Outcome outcome, int status, const std::string& library,
+                          const Budget& budget) {
+  // SIGKILL is ours, in case that it closed its end of the pipe and did not end.
+  const bool was_killed =
+      outcome == Outcome::kEnded && WIFSIGNALED(status) && WTERMSIG(status) != SIGKILL;
+  if (outcome == Outcome::kTooSlow)
+    return fmt::format("one that keeps {} busy for more than {:g} s", library, budget.wall_s);
+  if (was_killed && WTERMSIG(status) == SIGXCPU)
+    return fmt::format("one that keeps {} busy for more than {} s of processor time", library,
+                       budget.cpu_s);
+  if (outcome == Outcome::kTooMuchMemory)
+    return fmt::format("one for which {} wants more than {} MiB of memory", library,
+                       budget.memory_bytes >> 20);
+  if (outcome == Outcome::kTooMuchResult)
+    return fmt::format("one of which {} makes more than {} MiB", library,
+                       budget.result_bytes >> 20);
+  if (was_killed)
+    return fmt::format("one that crashes {} ({})", library, signal_name(WTERMSIG(status)));
+  return fmt::format("one on which {} ends the process that reads it", library);
+}
+
+}  // namespace
+
+std::vector<uint8_t> parse_apart(
+    const std::filesystem::path& path, const ForeignParser& parser, const ForeignLimits& limits,
+    const std::function<std::vector<uint8_t>(const RegularFile&)>& parse) {
+  const RegularFile file(path, parser.expected, limits.most_file_bytes);
+  const Budget budget = budget_for(file.size(), limits);
+  Pipe pipe(path);
+  const pid_t parent = ::getpid();
+  const pid_t id = ::fork();
+  if (id < 0) fail(path, "fork");
+  if (id == 0) foreign::answer(file, pipe.write_end(), parent, budget, parse);
+  Child child(id);
+  pipe.close_write_end();
+  Listener listener(pipe, child, budget);
+  const Outcome outcome = listener.listen();
+  const int status = child.end();
+  const auto refusal = [&](const std::string& found) {
+    return InputError(path.string(), parser.expected, found);
+  };
+  if (outcome == Outcome::kAnswered) {
+    const Answer head = listener.head();
+    if (head.kind == Answer::Kind::kBytes) return listener.take_body();
+    const std::string text(listener.body().begin(), listener.body().end());
+    const auto cut = static_cast<size_t>(std::min<uint64_t>(head.expected_size, text.size()));
+    if (head.kind == Answer::Kind::kRefused)
+      throw InputError(path.string(), text.substr(0, cut), text.substr(cut));
+    if (head.kind == Answer::Kind::kThrew)
+      throw refusal(fmt::format("one that {} refuses: {}", parser.library, text));
+  }
+  const bool is_too_large =
+      outcome == Outcome::kAnswered && listener.head().kind == Answer::Kind::kOutOfMemory;
+  throw refusal(fmt::format("{}; {}",
+                            what_happened(is_too_large ? Outcome::kTooMuchMemory : outcome, status,
+                                          parser.library, budget),
+                            parser.way_out));
+}
+
+}  // namespace throng

@@ -1,0 +1,143 @@
+#include "base/files/whole_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// As many as the kernel follows.
+constexpr int kMaxSymlinks = 40;
+
+/// What every program creates files with; the umask takes away from it.
+constexpr mode_t kMode = 0666;
+
+class Writer {
+ public:
+  Writer(const fs::path& file, const WholeFileOptions& options)
+      : file_(file), real_(links_followed(file)), options_(options) {
+    struct stat old {};
+    const bool is_there = ::stat(real_.c_str(), &old) == 0;
+    const bool in_place = is_there && (!S_ISREG(old.st_mode) || old.st_nlink > 1);
+    if (!in_place) open_beside();
+    if (descriptor_ < 0) {
+      open_in_place();
+    } else if (is_there) {
+      // Who may read the old one may read the new one.
+      [[maybe_unused]] const int changed = ::fchmod(descriptor_, old.st_mode & 07777);
+    }
+  }
+  ~Writer() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!beside_.empty()) ::unlink(beside_.c_str());
+  }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  void write(std::span<const uint8_t> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail(errno);
+      bytes = bytes.subspan(static_cast<size_t>(n));
+    }
+  }
+
+  void finish() {
+    // On the disk before it has the name. A pipe has no disk.
+    if (options_.to_disk && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
+      fail(errno);
+    if (is_nameless_) name_it();
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+    if (beside_.empty()) return;
+    if (::rename(beside_.c_str(), real_.c_str()) != 0) fail(errno);
+    beside_.clear();
+  }
+
+ private:
+  [[noreturn]] void fail(int error) const {
+    throw EnvironmentError(fmt::format("{}: cannot write{}{}: {}", file_.string(),
+                                       options_.what.empty() ? "" : " ", options_.what,
+                                       std::strerror(error)));
+  }
+
+  /// A name that nobody else has: another run may write the same file at this moment.
+  fs::path name_beside() const {
+    static std::atomic<uint64_t> count{0};
+    fs::path name = real_;
+    name += fmt::format(".new-{}-{}", ::getpid(), count++);
+    return name;
+  }
+
+  /// Leaves descriptor_ at -1 where the folder takes no files; the old one may still be writable.
+  void open_beside() {
+    const fs::path folder = real_.has_parent_path() ? real_.parent_path() : fs::path(".");
+    // Without a name, so that a killed run leaves nothing behind.
+    descriptor_ = ::open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, kMode);
+    is_nameless_ = descriptor_ >= 0;
+    if (is_nameless_) return;
+    const fs::path name = name_beside();  // of a file system that has no files without names
+    descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+    if (descriptor_ >= 0) beside_ = name;
+  }
+
+  void name_it() {
+    const fs::path name = name_beside();
+    const std::string nameless = fmt::format("/proc/self/fd/{}", descriptor_);
+    if (::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0)
+      fail(errno);
+    beside_ = name;
+  }
+
+  void open_in_place() {
+    descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
+    if (descriptor_ < 0) fail(errno);
+  }
+
+  fs::path file_;
+  fs::path real_;
+  WholeFileOptions options_;
+  int descriptor_ = -1;
+  bool is_nameless_ = false;
+  fs::path beside_;  ///< until it has the right name
+};
+
+}  // namespace
+
+fs::path links_followed(fs::path path) {
+  std::error_code error;
+  for (int i = 0; i < kMaxSymlinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
+    const fs::path target = fs::read_symlink(path, error);
+    if (error) return path;
+    // What /proc calls a link may lead to a pipe, which has no path.
+    if (fs::exists(path, error) && !fs::exists(path.parent_path() / target, error)) return path;
+    path = path.parent_path() / target;  // an absolute target replaces the folder
+  }
+  return path;
+}
+
+void write_whole_file(const fs::path& file, std::span<const uint8_t> bytes,
+                      const WholeFileOptions& options) {
+  Writer writer(file, options);
+  writer.write(bytes);
+  writer.finish();
+}
+
+void write_whole_file(const fs::path& file, std::string_view text,
+                      const WholeFileOptions& options) {
+  write_whole_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}, options);
+}
+
+}  // namespace throng

@@ -1,0 +1,1 @@
+// Nothing: the headers of cmake/Targets.cmake are precompiled with it.

@@ -1,0 +1,295 @@
+#include "culling/deadline/deadline.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "culling/stages/stopwatch.h"
+
+namespace throng {
+namespace {
+
+constexpr size_t kTaskPairs = 512;  // pairs of bodies a task
+constexpr size_t kWaveTasks = 16;   // as many for any number of threads
+constexpr size_t kMostInWave = kTaskPairs * kWaveTasks;
+constexpr size_t kFewestInWave = 16;
+constexpr size_t kFewestByClock = 64;
+constexpr size_t kSortBodies = 4096;  // bodies a task when keys are sorted
+/// Without a number yet: what a pair of bodies takes to the part volume, roughly.
+constexpr double kFirstGuess_ns = 200;
+constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
+
+}  // namespace
+
+Deadline::Deadline(const CullerOptions& options, Workers& workers)
+    : options_(options),
+      workers_(workers),
+      stages_(kWaveTasks),
+      most_exact_(kWaveTasks),
+      decided_(kWaveTasks),
+      pair_ns_(kFirstGuess_ns) {}
+
+void Deadline::add(PairKey key, PairLevel level) {
+  found_.grow(found_count_ + 1, found_count_);
+  found_[found_count_++] = {key, static_cast<uint8_t>(level)};
+}
+
+bool Deadline::time_is_up() const {
+  return options_.deadline_ms.has_value() && Clock::now() >= until_;
+}
+
+/// Tests that the dearest pair of bodies can take: two boxes, then all parts at every stage.
+uint64_t Deadline::worst_tests(const PartStageFrame& shared) const {
+  uint64_t parts = 0;
+  for (const auto& type : shared.types)
+    parts = std::max(parts, static_cast<uint64_t>(type->part_count()));
+  return 1 + parts * parts * (options_.exact ? 3 : 2);
+}
+
+void Deadline::refine(Clock::time_point start, const BodiesView& bodies,
+                      const PosedBodies::Frame& posing, const BroadPhase& broad,
+                      const PartStageFrame& shared) {
+  const Slots& slots = posing.slots;
+  for (PartStage& stage : stages_) stage.clear_counters();
+  found_count_ = 0;
+  tests_left_ = options_.deadline_tests.value_or(kNoLimit);
+  worst_tests_ = worst_tests(shared);
+  until_ = start + std::chrono::nanoseconds(
+                       static_cast<int64_t>(options_.deadline_ms.value_or(0) * 1e6 - events_ns_));
+  find_touched();
+  queue_.fill(bodies, broad, slots, {touched_.data(), touched_count_}, workers_);
+  bodies_.clear_counters();
+  bodies_.clear();
+  bodies_.prepare(slots.count());
+  const Frame frame{posing, shared};
+  while (!queue_.empty() && tests_left_ > 0 && !time_is_up()) refine_wave(frame, next_wave(slots));
+  for (const UrgentPair& pair : queue_.rest()) {
+    const uint32_t a = slots.body(pair.slots.a), b = slots.body(pair.slots.b);
+    add(PairKey(std::min(a, b), std::max(a, b), kWholeBody, kWholeBody), PairLevel::kSphere);
+  }
+}
+
+/// Pairs that were decided to touch, not those that nobody had time for.
+void Deadline::find_touched() {
+  const auto last =
+      static_cast<uint8_t>(options_.exact ? PairLevel::kExact : PairLevel::kPartVolume);
+  touched_.resize(now_.count);
+  touched_count_ = 0;
+  for (size_t i = 0; i < now_.count; ++i)
+    if (now_.levels[i] == last) touched_[touched_count_++] = now_.keys[i];
+}
+
+/// As many pairs as the budget surely covers, in groups, or a few in their exact order.
+std::span<const UrgentPair> Deadline::next_wave(const Slots& slots) {
+  size_t wanted = kMostInWave;
+  if (options_.deadline_ms) {
+    const double left_ns = std::chrono::duration<double, std::nano>(until_ - Clock::now()).count();
+    const double half = std::clamp(0.5 * left_ns / pair_ns_, 0.0, double{kMostInWave});
+    wanted = std::max(kFewestByClock, static_cast<size_t>(half));
+  }
+  // What the clock cuts is not repeatable anyway: the groups are order enough.
+  if (!options_.deadline_tests) return queue_.peek_sorted(wanted);
+  const uint64_t covered = tests_left_ / worst_tests_;
+  if (!queue_.sorting()) {
+    const auto groups = queue_.peek(wanted);
+    if (groups.size() <= std::min<uint64_t>(covered, kMostInWave)) return groups;
+  }
+  wanted = std::clamp(static_cast<size_t>(covered), kFewestInWave, wanted);
+  queue_.sort_next(wanted, slots);
+  return queue_.peek_sorted(wanted);
+}
+
+void Deadline::refine_wave(const Frame& frame, std::span<const UrgentPair> wave) {
+  Stopwatch watch;
+  wave = wave.first(std::min<uint64_t>(wave.size(), tests_left_));
+  pose(frame, wave);
+  const size_t tasks = test_bodies(frame, wave);
+  const auto run = [&](const auto& step) {
+    workers_.for_blocks(static_cast<int>(tasks),
+                        [&](int task, int) { step(static_cast<size_t>(task)); });
+  };
+  cut_pairs(frame, tasks);
+  run([&](size_t task) { stages_[task].find_candidates(frame.shared); });
+  cut_candidates(tasks);
+  run([&](size_t task) { stages_[task].test_parts(frame.shared); });
+  cut_triangles(tasks);
+  if (options_.exact)
+    run([&](size_t task) {
+      decided_[task] = stages_[task].decide_by_triangles(frame.shared, most_exact_[task]);
+    });
+  for (size_t task = 0; task < tasks; ++task) report(stages_[task], decided_[task]);
+  queue_.take(wave.size());
+  pair_ns_ = std::max(1.0, watch.lap_ns() / static_cast<double>(std::max<size_t>(1, wave.size())));
+}
+
+void Deadline::pose(const Frame& frame, std::span<const UrgentPair> wave) {
+  for (const UrgentPair& pair : wave) {
+    bodies_.need(pair.slots.a);
+    bodies_.need(pair.slots.b);
+  }
+  bodies_.pose(frame.posing, workers_);
+}
+
+/// Box against box of every pair of bodies in the wave; returns the number of tasks.
+size_t Deadline::test_bodies(const Frame& frame, std::span<const UrgentPair> wave) {
+  wave_pairs_.resize(wave.size());
+  for (size_t i = 0; i < wave.size(); ++i) wave_pairs_[i] = wave[i].slots;
+  const size_t tasks = (wave.size() + kTaskPairs - 1) / kTaskPairs;
+  workers_.for_blocks(static_cast<int>(tasks), [&](int index, int) {
+    const size_t first = static_cast<size_t>(index) * kTaskPairs;
+    PartStage& stage = stages_[static_cast<size_t>(index)];
+    stage.begin(frame.shared, bodies_);
+    stage.add(frame.shared,
+              {wave_pairs_.data() + first, std::min(kTaskPairs, wave.size() - first)});
+  });
+  tests_left_ -= wave.size();
+  return tasks;
+}
+
+/// Leaves out the pairs of bodies whose part boxes nobody has time to test.
+void Deadline::cut_pairs(const Frame& frame, size_t tasks) {
+  bool stop = time_is_up();
+  for (size_t task = 0; task < tasks; ++task) {
+    PartStage& stage = stages_[task];
+    size_t kept = 0;
+    for (const BodyPair& pair : stage.pairs()) {
+      const uint64_t tests = box_tests(frame.shared, pair);
+      stop = stop || tests > tests_left_;
+      if (stop) {
+        add(PairKey(pair.body_a, pair.body_b, kWholeBody, kWholeBody), PairLevel::kBox);
+      } else {
+        tests_left_ -= tests;
+        ++kept;
+      }
+    }
+    stage.keep_pairs(frame.shared, kept);
+  }
+}
+
+/// Leaves out the pairs of parts whose volumes nobody has time to test.
+void Deadline::cut_candidates(size_t tasks) {
+  const bool stop = time_is_up();
+  for (size_t task = 0; task < tasks; ++task) {
+    PartStage& stage = stages_[task];
+    const auto candidates = stage.candidates();
+    const size_t kept = stop ? 0 : std::min<uint64_t>(candidates.size(), tests_left_);
+    for (const Candidate& c : candidates.subspan(kept)) add(stage.key_of(c), PairLevel::kBox);
+    tests_left_ -= kept;
+    stage.keep_candidates(kept);
+    decided_[task] = kept;
+  }
+}
+
+/// Shares out the triangle tests that are left.
+void Deadline::cut_triangles(size_t tasks) {
+  if (!options_.exact) return;
+  const bool stop = time_is_up();
+  for (size_t task = 0; task < tasks; ++task) {
+    const std::span<const uint8_t> overlaps = stages_[task].overlaps();
+    const auto hits = static_cast<uint64_t>(std::count(overlaps.begin(), overlaps.end(), 1));
+    most_exact_[task] = stop ? 0 : std::min(hits, tests_left_);
+    tests_left_ -= most_exact_[task];
+  }
+}
+
+void Deadline::report(const PartStage& stage, size_t decided) {
+  const PairLevel last = options_.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+  const auto candidates = stage.candidates();
+  const auto overlaps = stage.overlaps();
+  for (size_t i = 0; i < candidates.size(); ++i)
+    if (overlaps[i]) add(stage.key_of(candidates[i]), i < decided ? last : PairLevel::kPartVolume);
+}
+
+/// By body a with a counting sort, then each body's few by comparison; then from body indices to
+/// ids, which ascend together.
+void Deadline::sort_found(size_t bodies) {
+  start_of_body_.resize(bodies + 2);
+  std::fill_n(start_of_body_.data(), bodies + 2, 0u);
+  for (size_t i = 0; i < found_count_; ++i) ++start_of_body_[size_t{found_[i].key.a()} + 2];
+  std::partial_sum(start_of_body_.data(), start_of_body_.data() + bodies + 2,
+                   start_of_body_.data());
+  sorted_.resize(found_count_);
+  for (size_t i = 0; i < found_count_; ++i)
+    sorted_[start_of_body_[size_t{found_[i].key.a()} + 1]++] = found_[i];
+  workers_.for_blocks(static_cast<int>((bodies + kSortBodies - 1) / kSortBodies), [&](int block,
+                                                                                      int) {
+    const size_t first = static_cast<size_t>(block) * kSortBodies;
+    for (size_t body = first; body < std::min(bodies, first + kSortBodies); ++body)
+      std::sort(sorted_.data() + start_of_body_[body], sorted_.data() + start_of_body_[body + 1],
+                [](const LeveledKey& x, const LeveledKey& y) { return x.key < y.key; });
+  });
+}
+
+void Deadline::take_events(const BodiesView& bodies, PairEvents& events) {
+  Stopwatch watch;
+  sort_found(bodies.ids.size());
+  std::swap(now_, was_);
+  now_.count = found_count_;
+  now_.keys.resize(found_count_);
+  now_.levels.resize(found_count_);
+  reported_ = {};
+  for (size_t i = 0; i < found_count_; ++i) {
+    const auto& [key, level] = sorted_[i];
+    now_.keys[i] = PairKey(bodies.ids[key.a()], bodies.ids[key.b()], key.part_a(), key.part_b());
+    now_.levels[i] = level;
+    ++reported_[level];
+  }
+  events.advance({now_.keys.data(), now_.count});
+  find_event_levels(events);
+  events_ns_ = watch.lap_ns();
+}
+
+void Deadline::archive(Archive& a, std::span<const PairKey> touching) {
+  std::vector<uint8_t> last(levels().begin(), levels().end());
+  a.resized(last, touching.size());
+  if (!a.is_reading()) return;
+  if (last.size() != touching.size()) a.refuse("a level for every pair", "another number");
+  for (const uint8_t level : last)
+    if (level >= kPairLevels) a.refuse("a level", std::to_string(level));
+  now_.count = touching.size();
+  now_.keys.resize(now_.count);
+  now_.levels.resize(now_.count);
+  std::copy(touching.begin(), touching.end(), now_.keys.data());
+  std::copy(last.begin(), last.end(), now_.levels.data());
+}
+
+void Deadline::finish(PairEvents& events) {
+  std::swap(now_, was_);
+  now_.count = 0;
+  events.advance({});
+  find_event_levels(events);
+}
+
+/// Events and both frames' pairs are sorted alike: one walk.
+void Deadline::find_event_levels(const PairEvents& events) {
+  event_level_count_ = events.events().size();
+  event_levels_.resize(event_level_count_);
+  size_t now = 0, was = 0, next = 0;
+  for (const PairEvent& event : events.events()) {
+    const bool begins = event.kind == EventKind::kBegin;
+    size_t& at = begins ? now : was;
+    const Reported& in = begins ? now_ : was_;
+    while (in.keys[at] < event.pair) ++at;
+    event_levels_[next++] = in.levels[at];
+  }
+}
+
+PartStageCounters Deadline::counters() const {
+  PartStageCounters sum;
+  for (const PartStage& stage : stages_) sum.add(stage.counters());
+  return sum;
+}
+
+uint64_t Deadline::times_grown() const {
+  uint64_t sum = queue_.times_grown() + wave_pairs_.times_grown() + bodies_.times_grown() +
+                 found_.times_grown() + sorted_.times_grown() + start_of_body_.times_grown() +
+                 touched_.times_grown() + event_levels_.times_grown();
+  for (const Reported* each : {&now_, &was_})
+    sum += each->keys.times_grown() + each->levels.times_grown();
+  for (const PartStage& stage : stages_) sum += stage.times_grown();
+  return sum;
+}
+
+}  // namespace throng

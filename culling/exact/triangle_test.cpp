@@ -1,0 +1,97 @@
+#include "culling/exact/triangle_test.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+using Eigen::Vector3d;
+
+/// What rounding can make of a product of lengths, 45 units: a projection is a sum of six products
+/// whose factors were rounded a few times.
+constexpr double kRounding = 1e-14;
+
+double min3(double a, double b, double c) { return std::min(a, std::min(b, c)); }
+double max3(double a, double b, double c) { return std::max(a, std::max(b, c)); }
+
+/// True if the projections on `axis` lie apart by more than `tolerance`.
+bool separates(const Vector3d& axis, const Triangle& a, const Triangle& b, double tolerance) {
+  const double a0 = axis.dot(a.corner[0]), a1 = axis.dot(a.corner[1]), a2 = axis.dot(a.corner[2]);
+  const double b0 = axis.dot(b.corner[0]), b1 = axis.dot(b.corner[1]), b2 = axis.dot(b.corner[2]);
+  return min3(b0, b1, b2) - max3(a0, a1, a2) > tolerance ||
+         min3(a0, a1, a2) - max3(b0, b1, b2) > tolerance;
+}
+
+/// The shortest vector from segment p + [0, 1] u to segment q + [0, 1] v (Ericson 2005, 5.1.9).
+Vector3d between_segments(const Vector3d& p, const Vector3d& u, const Vector3d& q,
+                          const Vector3d& v) {
+  const Vector3d r = p - q;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), ur = u.dot(r),
+               vr = v.dot(r);
+  double s = 0, t = 0;
+  const double determinant = uu * vv - uv * uv;
+  if (uu > 0 && vv > 0) {
+    s = determinant > 0 ? std::clamp((uv * vr - ur * vv) / determinant, 0.0, 1.0) : 0.0;
+    t = (uv * s + vr) / vv;
+    if (t < 0) {
+      t = 0;
+      s = std::clamp(-ur / uu, 0.0, 1.0);
+    } else if (t > 1) {
+      t = 1;
+      s = std::clamp((uv - ur) / uu, 0.0, 1.0);
+    }
+  } else if (uu > 0) {
+    s = std::clamp(-ur / uu, 0.0, 1.0);
+  } else if (vv > 0) {
+    t = std::clamp(vr / vv, 0.0, 1.0);
+  }
+  return q + t * v - (p + s * u);
+}
+
+/// Where a triangle is a segment or both lie in one plane, the face normals and edge products say
+/// nothing. The shortest vector between two disjoint triangles always separates, and there it joins
+/// two edges.
+bool shortest_vector_separates(const Triangle& a, const Triangle& b, double reach) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Vector3d axis = between_segments(a.corner[i], a.corner[(i + 1) % 3] - a.corner[i],
+                                             b.corner[j], b.corner[(j + 1) % 3] - b.corner[j]);
+      if (separates(axis, a, b, kRounding * axis.norm() * reach)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool triangles_touch(const Triangle& a, const Triangle& b) {
+  const Vector3d ea[3] = {a.corner[1] - a.corner[0], a.corner[2] - a.corner[1],
+                          a.corner[0] - a.corner[2]};
+  const Vector3d eb[3] = {b.corner[1] - b.corner[0], b.corner[2] - b.corner[1],
+                          b.corner[0] - b.corner[2]};
+  // Squared lengths of the longest edges, and the largest coordinate.
+  const double la2 = max3(ea[0].squaredNorm(), ea[1].squaredNorm(), ea[2].squaredNorm());
+  const double lb2 = max3(eb[0].squaredNorm(), eb[1].squaredNorm(), eb[2].squaredNorm());
+  double reach = 0;
+  for (int i = 0; i < 3; ++i)
+    reach = max3(reach, a.corner[i].cwiseAbs().maxCoeff(), b.corner[i].cwiseAbs().maxCoeff());
+
+  const Vector3d na = ea[0].cross(ea[1]);
+  if (separates(na, a, b, kRounding * la2 * reach)) return false;
+  const Vector3d nb = eb[0].cross(eb[1]);
+  if (separates(nb, a, b, kRounding * lb2 * reach)) return false;
+  const double tolerance = kRounding * std::sqrt(la2 * lb2) * reach;
+  for (const Vector3d& u : ea)
+    for (const Vector3d& v : eb)
+      if (separates(u.cross(v), a, b, tolerance)) return false;
+
+  const double na2 = na.squaredNorm(), nb2 = nb.squaredNorm();
+  const bool degenerate = na2 <= 1e-18 * la2 * la2 || nb2 <= 1e-18 * lb2 * lb2;
+  if (degenerate || na.cross(nb).squaredNorm() <= 1e-12 * na2 * nb2)
+    return !shortest_vector_separates(a, b, reach);
+  return true;
+}
+
+}  // namespace throng

@@ -1,0 +1,282 @@
+// Boxes with Highway, compiled once a target: bodies of one type, or the parts of a body as lanes.
+// Included by kernels_simd.cpp only.
+#if defined(THRONG_CULLING_KERNELS_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef THRONG_CULLING_KERNELS_BOXES_INL_H_
+#undef THRONG_CULLING_KERNELS_BOXES_INL_H_
+#else
+#define THRONG_CULLING_KERNELS_BOXES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+
+#include "culling/kernels/kernels.h"
+#include "culling/kernels/kernels_bound-inl.h"
+
+#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Stores rows of four parts, a body a lane, at `offset` of each body's block.
+HWY_INLINE void store_parts(const V (&by_part)[4], float* const* blocks, size_t offset,
+                            size_t bodies) {
+  V by_body[4];
+  transpose4(by_part, by_body);
+  const Lanes d;
+  const hn::CappedTag<float, 4> quad;
+  HWY_ALIGN float rows[4][kLanes];
+  for (size_t i = 0; i < 4; ++i) hn::Store(by_body[i], d, rows[i]);
+  for (size_t lane = 0; lane < bodies; ++lane)
+    hn::Store(hn::Load(quad, &rows[lane % 4][lane / 4 * 4]), quad, blocks[lane] + offset);
+}
+
+HWY_NOINLINE void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses,
+                             const float* scales, const float* margins, size_t bodies,
+                             float* const* blocks) {
+  const Lanes d;
+  const size_t padded = padded_parts(parts);
+  const V nothing_low = hn::Set(d, kEmptyLow), nothing_high = hn::Set(d, kEmptyHigh);
+  for (size_t first = 0; first < bodies; first += kLanes) {
+    const size_t in_use = HWY_MIN(kLanes, bodies - first);
+    HWY_ALIGN float scale_of[kLanes], margin_of[kLanes];
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const size_t body = first + HWY_MIN(lane, in_use - 1);
+      scale_of[lane] = scales[body];
+      margin_of[lane] = margins[body];
+    }
+    const V scale = hn::Load(d, scale_of), margin = hn::Load(d, margin_of);
+    V body_low[3] = {nothing_low, nothing_low, nothing_low};
+    V body_high[3] = {nothing_high, nothing_high, nothing_high};
+    for (size_t quad = 0; quad < padded; quad += 4) {
+      V low[3][4], high[3][4];
+      for (size_t p = 0; p < 4; ++p) {
+        const size_t part = quad + p;
+        if (part >= parts) {
+          for (size_t axis = 0; axis < 3; ++axis)
+            low[axis][p] = nothing_low, high[axis][p] = nothing_high;
+          continue;
+        }
+        const Poses pose = load_poses([&](size_t lane) {
+          return &poses[(first + HWY_MIN(lane, in_use - 1)) * parts + part];
+        });
+        const float* half_box = tables[part].half_box;
+        const V half_x = hn::Set(d, half_box[0]), half_y = hn::Set(d, half_box[1]),
+                half_z = hn::Set(d, half_box[2]);
+        const V3 origin = centre_of(tables[part], pose, scale);
+        const V middle[3] = {origin.x, origin.y, origin.z};
+        const V3 direction[3] = {{pose.column[0].x, pose.column[1].x, pose.column[2].x},
+                                 {pose.column[0].y, pose.column[1].y, pose.column[2].y},
+                                 {pose.column[0].z, pose.column[1].z, pose.column[2].z}};
+        for (size_t axis = 0; axis < 3; ++axis) {
+          const V3 in_units = {hn::Mul(direction[axis].x, half_x),
+                               hn::Mul(direction[axis].y, half_y),
+                               hn::Mul(direction[axis].z, half_z)};
+          const Interval extent = scaled(bound<26>(tables[part], in_units), scale);
+          const V centre = hn::Add(middle[axis], extent.centre);
+          const V half = hn::Add(extent.half, margin);
+          low[axis][p] = hn::Sub(centre, half);
+          high[axis][p] = hn::Add(centre, half);
+          body_low[axis] = hn::Min(body_low[axis], low[axis][p]);
+          body_high[axis] = hn::Max(body_high[axis], high[axis][p]);
+        }
+      }
+      for (size_t axis = 0; axis < 3; ++axis) {
+        store_parts(low[axis], blocks + first, kBoxLanes + axis * padded + quad, in_use);
+        store_parts(high[axis], blocks + first, kBoxLanes + (axis + 3) * padded + quad, in_use);
+      }
+    }
+    const V zero = hn::Zero(d);
+    store_parts({body_low[0], body_low[1], body_low[2], zero}, blocks + first, 0, in_use);
+    store_parts({body_high[0], body_high[1], body_high[2], zero}, blocks + first, 4, in_use);
+  }
+}
+
+/// Low and high corner of a box, the same in every lane.
+struct Box {
+  V low[3], high[3];
+};
+
+HWY_INLINE Box splat(const float* low, const float* high) {
+  const Lanes d;
+  Box b;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    b.low[axis] = hn::Set(d, low[axis]);
+    b.high[axis] = hn::Set(d, high[axis]);
+  }
+  return b;
+}
+
+/// The boxes of sixteen parts.
+class SixteenBoxes {
+ public:
+  /// rows: of the first of them; moved by shift.
+  HWY_INLINE SixteenBoxes(const float* rows, size_t padded, const V (&shift)[3]) {
+    const Lanes d;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      for (size_t i = 0; i < kRegisters; ++i) {
+        const float* low = rows + axis * padded + i * kLanes;
+        low_[axis][i] = hn::Add(hn::Load(d, low), shift[axis]);
+        high_[axis][i] = hn::Add(hn::Load(d, low + 3 * padded), shift[axis]);
+      }
+    }
+  }
+  /// Bit p: part p overlaps the box.
+  HWY_INLINE uint32_t overlapping(const Box& box) const {
+    uint32_t bits = 0;
+    for (size_t i = 0; i < kRegisters; ++i) {
+      const M x = hn::And(hn::Le(low_[0][i], box.high[0]), hn::Ge(high_[0][i], box.low[0]));
+      const M y = hn::And(hn::Le(low_[1][i], box.high[1]), hn::Ge(high_[1][i], box.low[1]));
+      const M z = hn::And(hn::Le(low_[2][i], box.high[2]), hn::Ge(high_[2][i], box.low[2]));
+      bits |= bits_of(hn::And(hn::And(x, y), z)) << (i * kLanes);
+    }
+    return bits;
+  }
+
+ private:
+  static constexpr size_t kRegisters = kBoxLanes / kLanes;
+  V low_[3][kRegisters], high_[3][kRegisters];
+};
+
+/// Where the body boxes of a pair overlap, in a's coordinates; false where they do not.
+struct Overlap {
+  float low[3], high[3];
+};
+HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift, Overlap& out) {
+  bool apart = false;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const float b_low = b[axis] + shift[axis], b_high = b[4 + axis] + shift[axis];
+    out.low[axis] = a[axis] > b_low ? a[axis] : b_low;
+    out.high[axis] = a[4 + axis] < b_high ? a[4 + axis] : b_high;
+    apart |= out.low[axis] > out.high[axis];
+  }
+  return !apart;
+}
+
+/// The box of one part, in every lane.
+HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part) {
+  const Lanes d;
+  Box b;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    b.low[axis] = hn::Set(d, rows[axis * padded + part]);
+    b.high[axis] = hn::Set(d, rows[(axis + 3) * padded + part]);
+  }
+  return b;
+}
+
+/// Writes the candidates of one pair of bodies.
+class CandidateWriter {
+ public:
+  HWY_INLINE CandidateWriter(const BoxFrame& frame, const BodyPair& pair, uint32_t index)
+      : bucket_(frame, pair.type_a, pair.type_b),
+        index_(index),
+        all_have_buckets_(bucket_.first_a() + frame.type_parts[pair.type_a] <= bucket_.shapes() &&
+                          bucket_.first_b() + frame.type_parts[pair.type_b] <= bucket_.shapes()) {}
+
+  /// Part a with those of sixteen parts of b, from first_b on, that have a bit. May write beyond
+  /// the new end, kBoxLanes candidates from `out` at most.
+  HWY_INLINE Candidate* add(uint32_t part_a, uint32_t first_b, uint32_t hits,
+                            Candidate* out) const {
+    if (kLanes == kBoxLanes && all_have_buckets_) return add_row(part_a, first_b, hits, out);
+    for (; hits != 0; hits &= hits - 1) {
+      const uint32_t part_b = first_b + static_cast<uint32_t>(std::countr_zero(hits));
+      *out++ = {index_, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b),
+                bucket_(part_a, part_b)};
+    }
+    return out;
+  }
+
+ private:
+  /// The same without a branch on the bits: the last one ends a loop where no predictor expects it.
+  HWY_INLINE Candidate* add_row(uint32_t part_a, uint32_t first_b, uint32_t hits,
+                                Candidate* out) const {
+    const LaneBits d;
+    const hn::Repartition<uint64_t, LaneBits> wide;
+    const uint32_t shapes = bucket_.shapes(), shape_a = bucket_.first_a() + part_a;
+    const auto part_b = counting_from(first_b);
+    const auto a = hn::Set(d, shape_a), b = hn::Add(part_b, hn::Set(d, bucket_.first_b()));
+    // BucketRule: the lower shape times their number plus the higher.
+    const auto bucket =
+        hn::Add(hn::Min(hn::Set(d, shape_a * shapes), b * hn::Set(d, shapes)), hn::Max(a, b));
+    const auto turn = hn::IfThenElseZero(hn::Lt(b, a), hn::Set(d, uint32_t{Candidate::kTurned}));
+    const auto parts = hn::Or(hn::Set(d, part_a), hn::ShiftLeft<8>(part_b));
+    const auto upper_half = hn::Or3(parts, hn::ShiftLeft<16>(bucket), hn::ShiftLeft<16>(turn));
+    const auto hit = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&hits));
+    const auto packed = hn::Compress(upper_half, hit);
+    const auto with_index = [&](auto half) {
+      return hn::Or(hn::ShiftLeft<32>(hn::PromoteTo(wide, half)), hn::Set(wide, uint64_t{index_}));
+    };
+    static_assert(sizeof(Candidate) == sizeof(uint64_t) && offsetof(Candidate, pair) == 0 &&
+                  offsetof(Candidate, part_b) == 5 && offsetof(Candidate, bucket_and_turn) == 6);
+    const hn::Half<LaneBits> half;
+    hn::StoreU(with_index(hn::LowerHalf(half, packed)), wide, reinterpret_cast<uint64_t*>(out));
+    hn::StoreU(with_index(hn::UpperHalf(half, packed)), wide,
+               reinterpret_cast<uint64_t*>(out + kBoxLanes / 2));
+    return out + std::popcount(hits);
+  }
+
+  BucketRule bucket_;
+  uint32_t index_;
+  bool all_have_buckets_;
+};
+
+/// Appends the overlapping parts of one pair; returns the new end.
+HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
+                               Candidate* out) {
+  const float* block_a = frame.blocks + size_t{pair.box_a} * kBoxLanes;
+  const float* block_b = frame.blocks + size_t{pair.box_b} * kBoxLanes;
+  Overlap both;
+  if (!body_overlap(block_a, block_b, pair.shift_m, both)) return out;
+  const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
+  const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
+  const float* rows_a = block_a + kBoxLanes;
+  const float* rows_b = block_b + kBoxLanes;
+  const Box overlap = splat(both.low, both.high);
+  const Lanes d;
+  const V shift[3] = {hn::Set(d, pair.shift_m[0]), hn::Set(d, pair.shift_m[1]),
+                      hn::Set(d, pair.shift_m[2])};
+  const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  const CandidateWriter writer(frame, pair, index);
+  if (padded_a == kBoxLanes && padded_b == kBoxLanes) {  // all in registers
+    const SixteenBoxes boxes_a(rows_a, padded_a, still), boxes_b(rows_b, padded_b, shift);
+    const uint32_t inside_b = boxes_b.overlapping(overlap);
+    uint32_t inside_a = inside_b == 0 ? 0 : boxes_a.overlapping(overlap);
+    for (; inside_a != 0; inside_a &= inside_a - 1) {
+      const uint32_t part_a = static_cast<uint32_t>(std::countr_zero(inside_a));
+      const Box box = part_box(rows_a, kBoxLanes, part_a);
+      out = writer.add(part_a, 0, inside_b & boxes_b.overlapping(box), out);
+    }
+    return out;
+  }
+  for (uint32_t group_a = 0; group_a < padded_a; group_a += kBoxLanes) {
+    uint32_t inside_a = SixteenBoxes(rows_a + group_a, padded_a, still).overlapping(overlap);
+    for (; inside_a != 0; inside_a &= inside_a - 1) {
+      const uint32_t part_a = group_a + static_cast<uint32_t>(std::countr_zero(inside_a));
+      const Box box = part_box(rows_a, padded_a, part_a);
+      for (uint32_t group_b = 0; group_b < padded_b; group_b += kBoxLanes)
+        out = writer.add(part_a, group_b,
+                         SixteenBoxes(rows_b + group_b, padded_b, shift).overlapping(box), out);
+    }
+  }
+  return out;
+}
+
+HWY_NOINLINE size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first,
+                              size_t count, Candidate* out, size_t room, size_t* found) {
+  Candidate* const start = out;
+  size_t i = first;
+  for (; i < count; ++i) {
+    const size_t worst = worst_candidates(frame, pairs[i]);
+    if (room - static_cast<size_t>(out - start) < worst) break;
+    out = box_pair(frame, pairs[i], static_cast<uint32_t>(i), out);
+  }
+  *found = static_cast<size_t>(out - start);
+  return i;
+}
+
+}  // namespace throng::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif  // HWY_SCALAR
+
+#endif  // per-target include guard

@@ -1,0 +1,294 @@
+// or-DOP against or-DOP with Highway, compiled once a target: pairs of the same two part shapes as
+// lanes. Included by kernels_simd.cpp only.
+#if defined(THRONG_CULLING_KERNELS_ORDOP_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef THRONG_CULLING_KERNELS_ORDOP_INL_H_
+#undef THRONG_CULLING_KERNELS_ORDOP_INL_H_
+#else
+#define THRONG_CULLING_KERNELS_ORDOP_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "culling/kernels/kernels.h"
+#include "culling/kernels/kernels_bound-inl.h"
+
+#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Separating axes along the directions of one or-DOP ("own") against another ("other"), in units
+/// of own's half sides and scale, so that own's slabs are constants.
+template <int K>
+struct HalfTest {
+  const OrdopTable& own;
+  const OrdopTable& other;
+  V3 column[3];  ///< own's axes in other's frame and units
+  V3 offset;     ///< other's centre in own's frame and units
+  V margin;      ///< over own's scale
+
+  /// True where direction `index` of own, `d` in other's frame, separates; tau = direction .
+  /// offset.
+  HWY_INLINE M separates(size_t index, const V3& d, V tau) const {
+    const Lanes tag;
+    const Interval far = bound<K>(other, d);
+    const Slab& near = own.slabs.slab[index];
+    V between = hn::Add(tau, far.centre);
+    if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
+    const V margin_along = hn::Mul(margin, hn::Set(tag, own.length[index]));
+    const V reach = hn::Add(hn::Add(hn::Set(tag, near.half), far.half), margin_along);
+    return hn::Gt(hn::Abs(between), reach);
+  }
+  HWY_INLINE M axes() const {
+    const M x = separates(0, column[0], offset.x);
+    const M y = separates(1, column[1], offset.y);
+    const M z = separates(2, column[2], offset.z);
+    return hn::Or(x, hn::Or(y, z));
+  }
+  HWY_INLINE M edges() const {
+    const V3 &x = column[0], &y = column[1], &z = column[2];
+    M out = separates(3, y + z, hn::Add(offset.y, offset.z));
+    out = hn::Or(out, separates(4, y - z, hn::Sub(offset.y, offset.z)));
+    out = hn::Or(out, separates(5, x + z, hn::Add(offset.x, offset.z)));
+    out = hn::Or(out, separates(6, x - z, hn::Sub(offset.x, offset.z)));
+    out = hn::Or(out, separates(7, x + y, hn::Add(offset.x, offset.y)));
+    return hn::Or(out, separates(8, x - y, hn::Sub(offset.x, offset.y)));
+  }
+  HWY_INLINE M corners() const {
+    const V3 sum = column[0] + column[1], difference = column[0] - column[1];
+    const V3& z = column[2];
+    const V plus = hn::Add(offset.x, offset.y), minus = hn::Sub(offset.x, offset.y);
+    M out = separates(9, sum + z, hn::Add(plus, offset.z));
+    out = hn::Or(out, separates(10, sum - z, hn::Sub(plus, offset.z)));
+    out = hn::Or(out, separates(11, difference + z, hn::Add(minus, offset.z)));
+    return hn::Or(out, separates(12, difference - z, hn::Sub(minus, offset.z)));
+  }
+
+  /// How many times as far as own reaches other's centre lies: at most 1 inside own.
+  HWY_INLINE V centre_over_reach() const {
+    const Lanes tag;
+    const auto in_units = [&](size_t index, V tau) {
+      return hn::Max(hn::Mul(tau, hn::Set(tag, own.per_reach_up[index])),
+                     hn::Mul(tau, hn::Set(tag, own.per_reach_down[index])));
+    };
+    const V3& o = offset;
+    V most = hn::Max(in_units(0, o.x), hn::Max(in_units(1, o.y), in_units(2, o.z)));
+    const auto extend = [&](size_t index, V tau) { most = hn::Max(most, in_units(index, tau)); };
+    const V plus = hn::Add(o.x, o.y), minus = hn::Sub(o.x, o.y);
+    if constexpr (K != 14) {
+      extend(3, hn::Add(o.y, o.z)), extend(4, hn::Sub(o.y, o.z));
+      extend(5, hn::Add(o.x, o.z)), extend(6, hn::Sub(o.x, o.z));
+      extend(7, plus), extend(8, minus);
+    }
+    if constexpr (K != 18) {
+      extend(9, hn::Add(plus, o.z)), extend(10, hn::Sub(plus, o.z));
+      extend(11, hn::Add(minus, o.z)), extend(12, hn::Sub(minus, o.z));
+    }
+    return most;
+  }
+};
+
+/// True where the line from centre to centre leaves one or-DOP in the other: they share a point,
+/// so no direction separates them and the rest need not be tried. It settles most pairs that
+/// overlap (docs/culling.md). Of the line, own holds the first 1 / m, so both hold a point if 1 /
+/// m_a + 1 / m_b >= 1. What rounding can make of this is less than the margin.
+template <int K>
+HWY_INLINE M share_a_point(const HalfTest<K>& from_a, const HalfTest<K>& from_b) {
+  if (!from_a.own.holds_origin || !from_b.own.holds_origin)
+    return hn::RebindMask(Lanes(), hn::FirstN(LaneBits(), 0));
+  const V one = hn::Set(Lanes(), 1.0f);
+  const V beyond_a = hn::Sub(from_a.centre_over_reach(), one);
+  const V beyond_b = hn::Sub(from_b.centre_over_reach(), one);
+  return hn::Le(hn::Mul(beyond_a, beyond_b), one);
+}
+
+/// Candidates are worked on in chunks: those that the box directions and the line between the
+/// centres leave undecided are collected, because most lanes would otherwise wait for the others.
+inline constexpr size_t kChunk = 128;
+
+/// Where the lanes of a chunk find their input: part a of the bucket first, turned or not.
+struct ChunkInput {
+  const BodyPair* pair[kChunk + kLanes];
+  uint32_t pose_a[kChunk + kLanes], pose_b[kChunk + kLanes];
+  HWY_ALIGN uint32_t turned[kChunk + kLanes];
+  uint32_t order[kChunk + kLanes];
+
+  /// Lanes beyond the last candidate, up to a full register, repeat it.
+  ChunkInput(const BodyPair* pairs, const Candidate* candidates, const uint32_t* of_chunk,
+             size_t count) {
+    for (size_t i = 0; i < count; ++i) set(i, pairs, candidates, of_chunk[i]);
+    for (size_t i = count; i < count + kLanes - 1; ++i)
+      set(i, pairs, candidates, of_chunk[count - 1]);
+  }
+
+ private:
+  HWY_INLINE void set(size_t i, const BodyPair* pairs, const Candidate* candidates,
+                      uint32_t index) {
+    const Candidate& c = candidates[index];
+    const BodyPair& bodies = pairs[c.pair];
+    const uint32_t a = bodies.pose_a + c.part_a, b = bodies.pose_b + c.part_b;
+    const uint32_t turn = c.is_turned(), exchange = (a ^ b) & (0 - turn);
+    order[i] = index;
+    pair[i] = &bodies;
+    turned[i] = turn;
+    pose_a[i] = a ^ exchange;
+    pose_b[i] = b ^ exchange;
+  }
+};
+
+/// One part seen from the other, all that both halves of the test need.
+struct Relative {
+  static constexpr size_t kRows = 19;
+  V axes[3][3];  ///< [i][j]: axis i of b . axis j of a
+  V3 offset_a;   ///< b's centre in a's frame and units
+  V3 offset_b;   ///< a's centre in b's frame and units
+  V margin_a, margin_b;
+  V b_over_a, a_over_b;  ///< scales
+
+  Relative() = default;
+  Relative(const OrdopTable& a, const OrdopTable& b, const PartPose* poses, const ChunkInput& in,
+           size_t first) {
+    const Lanes d;
+    const Poses pa = load_poses([&](size_t lane) { return &poses[in.pose_a[first + lane]]; });
+    const Poses pb = load_poses([&](size_t lane) { return &poses[in.pose_b[first + lane]]; });
+    V shift[4], scales[4];
+    load_rows([&](size_t lane) { return &in.pair[first + lane]->shift_m[0]; }, shift);
+    load_rows([&](size_t lane) { return &in.pair[first + lane]->scale_a; }, scales);
+    const LaneBits bits;
+    const M turned = hn::RebindMask(d, hn::Ne(hn::Load(bits, in.turned + first), hn::Zero(bits)));
+    const auto towards = [&](V v) { return hn::IfThenElse(turned, hn::Neg(v), v); };
+    const V scale_a = hn::IfThenElse(turned, scales[1], scales[0]);
+    const V scale_b = hn::IfThenElse(turned, scales[0], scales[1]);
+    const V3 delta =
+        (V3{towards(shift[0]), towards(shift[1]), towards(shift[2])} + centre_of(b, pb, scale_b)) -
+        centre_of(a, pa, scale_a);
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) axes[i][j] = dot(pb.column[i], pa.column[j]);
+    const V one = hn::Set(d, 1.0f);
+    const V per_a = hn::Div(one, scale_a), per_b = hn::Div(one, scale_b);
+    b_over_a = hn::Mul(scale_b, per_a);
+    a_over_b = hn::Mul(scale_a, per_b);
+    offset_a = in_units(
+        a,
+        V3{dot(pa.column[0], delta), dot(pa.column[1], delta), dot(pa.column[2], delta)} * per_a);
+    offset_b = in_units(b, V3{hn::Neg(dot(pb.column[0], delta)), hn::Neg(dot(pb.column[1], delta)),
+                              hn::Neg(dot(pb.column[2], delta))} *
+                               per_b);
+    margin_a = hn::Mul(shift[3], per_a);
+    margin_b = hn::Mul(shift[3], per_b);
+  }
+
+  /// Calls visit(row number, register) for everything above.
+  template <typename Visit>
+  HWY_INLINE void each_row(const Visit& visit) {
+    for (size_t i = 0; i < 9; ++i) visit(i, axes[i / 3][i % 3]);
+    visit(9, offset_a.x), visit(10, offset_a.y), visit(11, offset_a.z);
+    visit(12, offset_b.x), visit(13, offset_b.y), visit(14, offset_b.z);
+    visit(15, margin_a), visit(16, margin_b), visit(17, b_over_a), visit(18, a_over_b);
+  }
+
+  template <int K>
+  HWY_INLINE HalfTest<K> from_a(const OrdopTable& a, const OrdopTable& b) const {
+    HalfTest<K> half{a, b, {}, offset_a, margin_a};
+    const OrdopTable::Ratios ratio = b.ratios_to(a);
+    for (size_t j = 0; j < 3; ++j)
+      half.column[j] = V3{scaled_axis(axes[0][j], b_over_a, ratio.of[0][j]),
+                          scaled_axis(axes[1][j], b_over_a, ratio.of[1][j]),
+                          scaled_axis(axes[2][j], b_over_a, ratio.of[2][j])};
+    return half;
+  }
+  template <int K>
+  HWY_INLINE HalfTest<K> from_b(const OrdopTable& a, const OrdopTable& b) const {
+    HalfTest<K> half{b, a, {}, offset_b, margin_b};
+    const OrdopTable::Ratios ratio = a.ratios_to(b);
+    for (size_t j = 0; j < 3; ++j)
+      half.column[j] = V3{scaled_axis(axes[j][0], a_over_b, ratio.of[0][j]),
+                          scaled_axis(axes[j][1], a_over_b, ratio.of[1][j]),
+                          scaled_axis(axes[j][2], a_over_b, ratio.of[2][j])};
+    return half;
+  }
+
+ private:
+  static HWY_INLINE V scaled_axis(V axis, V scales, float ratio) {
+    return hn::Mul(hn::Mul(axis, scales), hn::Set(Lanes(), ratio));
+  }
+  static HWY_INLINE V3 in_units(const OrdopTable& own, const V3& v) {
+    const Lanes d;
+    return {hn::Mul(v.x, hn::Set(d, own.per_half_box[0])),
+            hn::Mul(v.y, hn::Set(d, own.per_half_box[1])),
+            hn::Mul(v.z, hn::Set(d, own.per_half_box[2]))};
+  }
+};
+
+/// The candidates of a chunk that are left undecided: by the box directions, which separate three
+/// in four of all that are apart, and by share_a_point().
+struct Undecided {
+  HWY_ALIGN float rows[Relative::kRows][kChunk + kLanes];
+  HWY_ALIGN uint32_t index[kChunk + kLanes];
+  size_t count = 0;
+
+  HWY_INLINE void add(Relative& relative, const uint32_t* order, M left) {
+    const Lanes d;
+    const LaneBits bits;
+    // Whole registers: a masked store costs several times as much.
+    relative.each_row(
+        [&](size_t row, V v) { hn::StoreU(hn::Compress(v, left), d, rows[row] + count); });
+    const auto indices = hn::Compress(hn::LoadU(bits, order), hn::RebindMask(bits, left));
+    hn::StoreU(indices, bits, index + count);
+    count += hn::CountTrue(d, left);
+  }
+  HWY_INLINE Relative at(size_t first) const {
+    const Lanes d;
+    Relative relative;
+    relative.each_row([&](size_t row, V& v) { v = hn::Load(d, rows[row] + first); });
+    return relative;
+  }
+};
+
+template <int K>
+HWY_INLINE M apart_by_the_rest(const HalfTest<K>& from_a, const HalfTest<K>& from_b) {
+  if constexpr (K == 14) return hn::Or(from_a.corners(), from_b.corners());
+  const M by_edges = hn::Or(from_a.edges(), from_b.edges());
+  if constexpr (K == 18) return by_edges;
+  if (hn::AllTrue(Lanes(), by_edges)) return by_edges;
+  return hn::Or(by_edges, hn::Or(from_a.corners(), from_b.corners()));
+}
+
+template <int K>
+HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
+                              const PartPose* poses, const Candidate* candidates,
+                              const uint32_t* order, size_t count, uint8_t* overlaps) {
+  const Lanes d;
+  const LaneBits bits;
+  for (size_t chunk = 0; chunk < count; chunk += kChunk, order += kChunk) {
+    const size_t in_chunk = HWY_MIN(count - chunk, kChunk);
+    const ChunkInput input(pairs, candidates, order, in_chunk);
+    Undecided undecided;
+    for (size_t first = 0; first < in_chunk; first += kLanes) {
+      Relative relative(a, b, poses, input, first);
+      const HalfTest<K> from_a = relative.from_a<K>(a, b), from_b = relative.from_b<K>(a, b);
+      const M apart = hn::Or(from_a.axes(), from_b.axes());
+      const M together = hn::AndNot(apart, share_a_point(from_a, from_b));
+      const size_t in_use = HWY_MIN(kLanes, in_chunk - first);
+      const M used = hn::RebindMask(d, hn::FirstN(bits, in_use));
+      undecided.add(relative, input.order + first, hn::AndNot(hn::Or(apart, together), used));
+      const uint32_t decided = bits_of(together);
+      for (size_t lane = 0; lane < in_use; ++lane)
+        overlaps[input.order[first + lane]] = (decided >> lane) & 1;
+    }
+    for (size_t first = 0; first < undecided.count; first += kLanes) {
+      const Relative relative = undecided.at(first);
+      const uint32_t apart =
+          bits_of(apart_by_the_rest<K>(relative.from_a<K>(a, b), relative.from_b<K>(a, b)));
+      const size_t in_use = HWY_MIN(kLanes, undecided.count - first);
+      for (size_t lane = 0; lane < in_use; ++lane)
+        overlaps[undecided.index[first + lane]] = ((apart >> lane) & 1) ^ 1;
+    }
+  }
+}
+
+}  // namespace throng::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif  // HWY_SCALAR
+
+#endif  // per-target include guard

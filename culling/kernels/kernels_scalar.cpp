@@ -1,0 +1,312 @@
+#include "culling/kernels/kernels_scalar.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "culling/volumes/directions.h"
+#include "culling/volumes/ordop_pair.h"
+#include "culling/volumes/pose_math.h"
+
+namespace throng {
+
+namespace {
+
+/// The interval of values, half width rounded up.
+Slab around(double low, double high, bool centred) {
+  const float centre = centred ? 0 : static_cast<float>(0.5 * (low + high));
+  const double half =
+      std::max(high - static_cast<double>(centre), static_cast<double>(centre) - low);
+  return {centre, std::nextafter(static_cast<float>(half), std::numeric_limits<float>::max())};
+}
+
+}  // namespace
+
+OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& p : points) box.extend(p.cast<double>());
+  // A flat part has a thickness, too small to matter.
+  const double thinnest = std::max(1e-4 * box.sizes().maxCoeff(), 1e-6);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    origin[axis] = static_cast<float>(box.center()[i]);
+    half_box[axis] = static_cast<float>(std::max(0.5 * box.sizes()[i], thinnest));
+    per_half_box[axis] = 1.0f / half_box[axis];
+  }
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    double low = std::numeric_limits<double>::infinity(), high = -low, length2 = 0;
+    for (const Eigen::Vector3f& p : points) {
+      double at = 0;
+      for (size_t axis = 0; axis < 3; ++axis)
+        at += kDirections[d][axis] * ((static_cast<double>(p[static_cast<Eigen::Index>(axis)]) -
+                                       static_cast<double>(origin[axis])) /
+                                      static_cast<double>(half_box[axis]));
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    for (size_t axis = 0; axis < 3; ++axis)
+      length2 += std::abs(kDirections[d][axis]) /
+                 (static_cast<double>(half_box[axis]) * static_cast<double>(half_box[axis]));
+    slabs.slab[d] = around(low, high, d < static_cast<size_t>(kAxisDirections));
+    length[d] =
+        std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
+  }
+  // The same number already, but for a flat part and the last bit.
+  const float half = std::max({slabs.slab[0].half, slabs.slab[1].half, slabs.slab[2].half});
+  for (size_t axis = 0; axis < 3; ++axis) slabs.slab[axis].half = half;
+  fill_lookups();
+  fill_reaches();
+}
+
+OrdopTable::OrdopTable(const Slabs& fitted) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    origin[axis] = fitted.slab[axis].centre;
+    half_box[axis] = per_half_box[axis] = 1;
+  }
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    double moved = static_cast<double>(fitted.slab[d].centre);
+    for (size_t axis = 0; axis < 3; ++axis)
+      moved -= kDirections[d][axis] * static_cast<double>(origin[axis]);
+    const double half = static_cast<double>(fitted.slab[d].half);
+    slabs.slab[d] = around(moved - half, moved + half, d < static_cast<size_t>(kAxisDirections));
+    length[d] = direction_length(static_cast<int>(d));
+  }
+  fill_lookups();
+  fill_reaches();
+}
+
+void OrdopTable::fill_lookups() {
+  std::fill_n(edge_half + 24, 8, 0.0f);
+  std::fill_n(edge_centre + 24, 8, 0.0f);
+  for (size_t entry = 0; entry < 16; ++entry) {
+    const bool negative[3] = {(entry & 1) != 0, (entry & 2) != 0, (entry & 4) != 0};
+    for (size_t omitted = 0; omitted < 3; ++omitted) {
+      const size_t first = omitted == 0 ? 1 : 0, second = omitted == 2 ? 1 : 2;
+      const Slab& slab = slabs.slab[edge_direction(omitted, negative[first] != negative[second])];
+      edge_half[omitted * 8 + entry % 8] = slab.half;
+      edge_centre[omitted * 8 + entry % 8] = negative[first] ? -slab.centre : slab.centre;
+    }
+    const Slab& slab =
+        slabs.slab[corner_direction(negative[1] != negative[0], negative[2] != negative[0])];
+    corner_half[entry] = slab.half;
+    corner_centre[entry] = negative[0] ? -slab.centre : slab.centre;
+  }
+}
+
+void OrdopTable::fill_reaches() {
+  // A part as thin as rounding, whose inverse reach would be infinite, holds nothing.
+  constexpr float kThinnest = 1e-6f;
+  holds_origin = true;
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    const Slab& slab = slabs.slab[d];
+    per_reach_up[d] = 1 / (slab.centre + slab.half);
+    per_reach_down[d] = 1 / (slab.centre - slab.half);
+    holds_origin &= slab.half - std::abs(slab.centre) > kThinnest;
+  }
+}
+
+namespace {
+
+bool spheres_overlap(const SphereRows& s, uint32_t i, uint32_t j) {
+  const float dx = s.x[j] - s.x[i], dy = s.y[j] - s.y[i], dz = s.z[j] - s.z[i];
+  const float reach = s.radius[j] + s.radius[i];
+  const float around = s.upright[j] + s.upright[i];
+  const float flat2 = dx * dx + dy * dy;
+  return flat2 + dz * dz <= reach * reach && flat2 <= around * around;
+}
+
+/// Separating axes along the sides of both rectangles.
+bool rectangles_overlap(const RectangleRows& s, uint32_t i, uint32_t j) {
+  const float dx = s.mid_x[j] - s.mid_x[i], dy = s.mid_y[j] - s.mid_y[i];
+  const float ax = s.axis_x[i], ay = s.axis_y[i], bx = s.axis_x[j], by = s.axis_y[j];
+  const float c = std::fabs(ax * bx + ay * by), n = std::fabs(ax * by - ay * bx);
+  const float ahx = s.half_x[i], ahy = s.half_y[i], bhx = s.half_x[j], bhy = s.half_y[j];
+  return std::fabs(dx * ax + dy * ay) <= ahx + (bhx * c + bhy * n) &&
+         std::fabs(dy * ax - dx * ay) <= ahy + (bhx * n + bhy * c) &&
+         std::fabs(dx * bx + dy * by) <= bhx + (ahx * c + ahy * n) &&
+         std::fabs(dy * bx - dx * by) <= bhy + (ahx * n + ahy * c);
+}
+
+size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, uint32_t end, SlotPair* out) {
+  size_t found = 0;
+  for (uint32_t j = begin; j < end; ++j)
+    if (spheres_overlap(s, i, j)) out[found++] = {i, j};
+  return found;
+}
+
+size_t body_runs(const SphereRows& s, const RectangleRows& r, SlotRun own, const SlotRun* runs,
+                 size_t run_count, SlotPair* out, uint64_t* spheres_passed) {
+  size_t found = 0;
+  for (uint32_t i = own.begin; i < own.end; ++i) {
+    for (const SlotRun& run : std::span(runs, run_count)) {
+      for (uint32_t j = run.first_for(i); j < run.end; ++j) {
+        if (!spheres_overlap(s, i, j)) continue;
+        ++*spheres_passed;
+        if (rectangles_overlap(r, i, j)) out[found++] = {i, j};
+      }
+    }
+  }
+  return found;
+}
+
+/// Where the origin of a table's slabs lies, relative to the body's root.
+Eigen::Vector3f centre_m(const OrdopTable& table, const PartPose& pose, float scale) {
+  const Eigen::Vector3f origin(scale * table.origin[0], scale * table.origin[1],
+                               scale * table.origin[2]);
+  return translation_m(pose) + turned(pose, origin);
+}
+
+void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, const float* scales,
+                const float* margins, size_t bodies, float* const* blocks) {
+  const size_t padded = padded_parts(parts);
+  for (size_t body = 0; body < bodies; ++body) {
+    float* const own = blocks[body];
+    float* const rows = own + kBoxLanes;
+    std::fill_n(own, 8, 0.0f);
+    std::fill_n(own, 3, kEmptyLow);
+    std::fill_n(own + 4, 3, kEmptyHigh);
+    std::fill_n(rows, 3 * padded, kEmptyLow);
+    std::fill_n(rows + 3 * padded, 3 * padded, kEmptyHigh);
+    for (size_t part = 0; part < parts; ++part) {
+      const PartPose& pose = poses[body * parts + part];
+      const Eigen::Vector3f centre = centre_m(tables[part], pose, scales[body]);
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const auto& row = pose.rows[axis];
+        const auto& h = tables[part].half_box;
+        const Slab extent =
+            tables[part].slabs.bound<26>({row[0] * h[0], row[1] * h[1], row[2] * h[2]});
+        const float middle = centre[static_cast<int>(axis)] + scales[body] * extent.centre;
+        const float half = scales[body] * extent.half + margins[body];
+        const float low = middle - half, high = middle + half;
+        rows[axis * padded + part] = low;
+        rows[(axis + 3) * padded + part] = high;
+        own[axis] = std::min(own[axis], low);
+        own[4 + axis] = std::max(own[4 + axis], high);
+      }
+    }
+  }
+}
+
+/// Part boxes of a against part boxes of b, all of them, one by one, in a's coordinates.
+Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index, Candidate* out) {
+  const size_t parts_a = frame.type_parts[pair.type_a], padded_a = padded_parts(parts_a);
+  const size_t parts_b = frame.type_parts[pair.type_b], padded_b = padded_parts(parts_b);
+  const float* rows_a = frame.blocks + (size_t{pair.box_a} + 1) * kBoxLanes;
+  const float* rows_b = frame.blocks + (size_t{pair.box_b} + 1) * kBoxLanes;
+  const BucketRule bucket(frame, pair.type_a, pair.type_b);
+  for (size_t a = 0; a < parts_a; ++a) {
+    for (size_t b = 0; b < parts_b; ++b) {
+      bool overlap = true;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const float low = rows_b[axis * padded_b + b] + pair.shift_m[axis];
+        const float high = rows_b[(axis + 3) * padded_b + b] + pair.shift_m[axis];
+        overlap &= low <= rows_a[(axis + 3) * padded_a + a] && high >= rows_a[axis * padded_a + a];
+      }
+      if (!overlap) continue;
+      *out++ = {index, static_cast<uint8_t>(a), static_cast<uint8_t>(b),
+                bucket(static_cast<uint32_t>(a), static_cast<uint32_t>(b))};
+    }
+  }
+  return out;
+}
+
+size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first, size_t count,
+                 Candidate* out, size_t room, size_t* found) {
+  Candidate* const start = out;
+  size_t i = first;
+  for (; i < count; ++i) {
+    const size_t worst = worst_candidates(frame, pairs[i]);
+    if (room - static_cast<size_t>(out - start) < worst) break;
+    out = box_pair(frame, pairs[i], static_cast<uint32_t>(i), out);
+  }
+  *found = static_cast<size_t>(out - start);
+  return i;
+}
+
+/// One or-DOP's directions against the other's bound, in units of its own half sides and scale.
+struct HalfTest {
+  const OrdopTable& own;
+  const OrdopTable& other;
+  Eigen::Matrix3f other_from_own;  // directions of own in units of other
+  Eigen::Vector3f offset;          // of other's centre, in own's frame and units
+  float margin;                    // over own's scale
+
+  HalfTest(const OrdopTable& own_table, const OrdopTable& other_table, const Eigen::Matrix3f& axes,
+           float other_over_own, const Eigen::Vector3f& offset_m, float per_own, float margin_m)
+      : own(own_table), other(other_table), margin(margin_m * per_own) {
+    const OrdopTable::Ratios ratio = other.ratios_to(own);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        other_from_own(i, j) = (axes(i, j) * other_over_own) * ratio.of[i][j];
+    for (int j = 0; j < 3; ++j) offset[j] = (offset_m[j] * per_own) * own.per_half_box[j];
+  }
+
+  template <int K>
+  bool separates() const {
+    for (size_t i = 0; i < kDirections.size(); ++i) {
+      if (!has_direction(K, static_cast<int>(i))) continue;
+      const Eigen::Vector3f n = direction_vector(static_cast<int>(i));
+      const Eigen::Vector3f d(along(n, other_from_own.row(0)), along(n, other_from_own.row(1)),
+                              along(n, other_from_own.row(2)));
+      const Slab far = other.slabs.bound<K>(d);
+      const Slab& near = own.slabs.slab[i];
+      const float gap = std::fabs((along(n, offset) + far.centre) - near.centre);
+      if (gap > (near.half + far.half) + margin * own.length[i]) return true;
+    }
+    return false;
+  }
+};
+
+/// One part of a pair of bodies.
+struct Side {
+  const OrdopTable& table;
+  const PartPose& pose;
+  float scale;
+};
+
+template <int K>
+bool overlap(const Side& a, const Side& b, const Eigen::Vector3f& a_to_b, float margin) {
+  const Eigen::Vector3f delta =
+      a_to_b + centre_m(b.table, b.pose, b.scale) - centre_m(a.table, a.pose, a.scale);
+  Eigen::Matrix3f b_from_a;
+  for (int column = 0; column < 3; ++column)
+    b_from_a.col(column) = turned_back(
+        b.pose, {a.pose.rows[0][column], a.pose.rows[1][column], a.pose.rows[2][column]});
+  const float per_a = 1.0f / a.scale, per_b = 1.0f / b.scale;
+  const HalfTest from_a(a.table, b.table, b_from_a, b.scale * per_a, turned_back(a.pose, delta),
+                        per_a, margin);
+  const HalfTest from_b(b.table, a.table, b_from_a.transpose(), a.scale * per_b,
+                        -turned_back(b.pose, delta), per_b, margin);
+  return !from_a.separates<K>() && !from_b.separates<K>();
+}
+
+template <int K>
+void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
+                 const PartPose* poses, const Candidate* candidates, const uint32_t* order,
+                 size_t count, uint8_t* overlaps) {
+  for (size_t i = 0; i < count; ++i) {
+    const Candidate& c = candidates[order[i]];
+    const BodyPair& pair = pairs[c.pair];
+    const Eigen::Vector3f shift(pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]);
+    const PartPose& pose_a = poses[pair.pose_a + c.part_a];
+    const PartPose& pose_b = poses[pair.pose_b + c.part_b];
+    overlaps[order[i]] = c.is_turned()
+                             ? overlap<K>({a, pose_b, pair.scale_b}, {b, pose_a, pair.scale_a},
+                                          -shift, pair.shift_m[3])
+                             : overlap<K>({a, pose_a, pair.scale_a}, {b, pose_b, pair.scale_b},
+                                          shift, pair.shift_m[3]);
+  }
+}
+
+}  // namespace
+
+const Kernels& scalar_kernels() {
+  static constexpr Kernels kernels = {
+      sphere_run,      body_runs,       part_boxes,     box_pairs,      ordop_pairs<14>,
+      ordop_pairs<18>, ordop_pairs<26>, ordop_pair<14>, ordop_pair<18>, ordop_pair<26>};
+  return kernels;
+}
+
+}  // namespace throng

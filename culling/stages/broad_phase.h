@@ -1,0 +1,95 @@
+// Broad phase: where every body stands, and the pairs of slots that may touch.
+// One rule: bodies of usual size go through the pair search; the few large ones (walls, stands)
+// meet the crowd with their boxes, because their spheres would touch everybody.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/workers.h"
+#include "culling/culler.h"
+#include "culling/stages/pair_search.h"
+#include "culling/stages/posed_bodies.h"
+#include "culling/stages/slots.h"
+
+namespace throng {
+
+class BroadPhase {
+ public:
+  BroadPhase(std::span<const std::shared_ptr<const BodyType>> types, const Kernels& kernels,
+             Workers& workers, PairSearch kind);
+
+  /// Places the bodies, fills `slots` in the order of the search and lists the pairs.
+  void run(const BodiesView& bodies, const PoseSource& source, Slots& slots);
+
+  /// Pairs by the slot of the body that is not large; the last block has those of two large ones.
+  size_t block_count() const { return block_count_; }
+  std::span<const SlotPair> block(size_t i) const {
+    return {blocks_[i].pairs.data(), blocks_[i].count};
+  }
+
+  /// How deep two bodies of a listed pair overlap by what listed them: their spheres, or a large
+  /// body's box. Not negative beyond rounding.
+  float depth_m(const SlotPair& pair, const Slots& slots) const;
+
+  /// Every body's sphere, over pairs of bodies.
+  const StageCounters& counters() const { return counters_; }
+  /// Pairs whose spheres overlap, but not what bounds() says of their bodies.
+  uint64_t apart_by_bounds() const { return counters_.passed - listed_; }
+  uint32_t times_grown() const;
+
+ private:
+  struct Block {
+    GrowBuffer<SlotPair> pairs;
+    size_t count = 0;
+    PairSearcher::Found found;
+  };
+  /// What placing reads of a type.
+  struct TypeSize {
+    Eigen::Vector3f centre_m;
+    float radius_m, upright_m, margin_m;
+    bool is_static;
+  };
+  /// Sums over the bodies of a task.
+  struct Sizes {
+    double radii = 0;  ///< of what moves
+    size_t moving = 0;
+    float widest_m = 0;
+  };
+
+  void place(const BodiesView& bodies, const PoseSource& source);
+  void place_one(const RootPose& root, float scale, const TypeSize& type, const RootBox& bounds,
+                 PlacedBody& out) const;
+  void split_by_size();
+  void search_small(const Slots& slots);
+  void search_large(const PoseSource& source, const Slots& slots);
+  void box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low, Eigen::Vector3f& high) const;
+  void meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
+                  const Slots& slots);
+  void add(Block& block, size_t a, size_t b);
+
+  std::span<const std::shared_ptr<const BodyType>> types_;
+  const Kernels& kernels_;
+  Workers& workers_;
+  PairSearch kind_;
+  std::vector<TypeSize> sizes_of_type_;
+  bool any_static_ = false;
+  Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();  // of the coordinates of placed_
+  size_t body_count_ = 0;
+  GrowBuffer<PlacedBody> placed_;       // by body
+  GrowBuffer<Sizes> sizes_;             // by task of place()
+  GrowBuffer<uint32_t> small_, large_;  // bodies, ascending
+  size_t small_count_ = 0, large_count_ = 0;
+  float widest_m_ = 0;  // at least the largest sphere among the small bodies
+  PairSearcher searcher_;
+  PosedBodies posed_large_;
+  std::vector<Block> blocks_;  // of the pair search; the last holds the pairs of two large bodies
+  size_t block_count_ = 0;
+  uint64_t listed_ = 0;
+  StageCounters counters_;
+};
+
+}  // namespace throng

@@ -1,0 +1,97 @@
+// The poses and boxes of the bodies that one task works on, or one frame under a deadline.
+// One rule: a task poses what it needs into its own memory, so that poses are still in the cache
+// when parts are tested; a body on the border of two tasks is posed by both.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/grow_buffer.h"
+#include "base/workers.h"
+#include "culling/body_type.h"
+#include "culling/culler.h"
+#include "culling/kernels/kernels.h"
+#include "culling/stages/slots.h"
+
+namespace throng {
+
+/// A slot's body with its poses and boxes.
+struct PosedBody {
+  SlotBody slot;
+  uint32_t pose;   ///< its first PartPose
+  uint32_t block;  ///< its box block, in units of kBoxLanes floats
+};
+
+class PosedBodies {
+ public:
+  /// What posing reads.
+  struct Frame {
+    std::span<const std::shared_ptr<const BodyType>> types;
+    const Kernels& kernels;
+    const Slots& slots;
+    const PoseSource& source;
+  };
+
+  /// Makes room for slots below `slots`; the only call that grows with the crowd.
+  void prepare(size_t slots);
+  /// Forgets all bodies.
+  void clear();
+  /// Asks for a slot's body; more than once does no harm.
+  void need(uint32_t slot) {
+    uint32_t& local = local_of_slot_[slot];
+    if (local != kNone) return;
+    local = static_cast<uint32_t>(count_);
+    slots_.grow(count_ + 1, count_);
+    slots_[count_++] = slot;
+  }
+  /// Poses every needed body that is not posed yet and makes its boxes, on all workers.
+  void pose(const Frame& frame, Workers& workers);
+
+  size_t count() const { return count_; }
+  /// Of a slot that was needed before the last pose().
+  const PosedBody& of_slot(uint32_t slot) const { return bodies_[local_of_slot_[slot]]; }
+  const PartPose* poses() const { return poses_.data(); }
+  const float* boxes() const { return boxes_.data(); }
+  /// Low corner, -, high corner, - relative to the root.
+  const float* box_of(const PosedBody& body) const {
+    return boxes_.data() + size_t{body.block} * kBoxLanes;
+  }
+
+  struct Counters {
+    uint64_t bodies = 0, parts = 0;
+    double pose_ns = 0, box_ns = 0;
+    void add(const Counters& other);
+  };
+  const Counters& counters() const { return counters_; }
+  void clear_counters() { counters_ = {}; }
+
+  void reserve_like(const PosedBodies& other);
+  uint32_t times_grown() const;
+
+ private:
+  static constexpr uint32_t kNone = 0xffffffff;
+  /// Bodies of one type, consecutive in by_type_.
+  struct Batch {
+    uint32_t first, count;
+    Counters counters;
+  };
+
+  size_t plan_rows(const Frame& frame);
+  void pose_batch(const Frame& frame, Batch& batch);
+
+  GrowBuffer<uint32_t> local_of_slot_;  // kNone where nobody asked
+  size_t prepared_ = 0;
+  GrowBuffer<uint32_t> slots_;  // by local index
+  size_t count_ = 0, posed_ = 0;
+  GrowBuffer<PosedBody> bodies_;
+  GrowBuffer<uint32_t> by_type_, type_start_;  // local indices, type by type
+  GrowBuffer<Batch> batches_;
+  GrowBuffer<PartPose> poses_;
+  GrowBuffer<float> boxes_;
+  size_t pose_count_ = 0, unit_count_ = 0;
+  Counters counters_;
+};
+
+}  // namespace throng

@@ -1,0 +1,64 @@
+#include "lcmtypes/log/running_checks.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "base/files/checksum.h"
+#include "lcmtypes/log/log_format.h"
+
+namespace throng {
+namespace {
+
+constexpr size_t kOwnBytes = sizeof(checks_t::own_check);
+
+}  // namespace
+
+void RunningChecks::add(Channel channel, int64_t number, int64_t stamp_us, size_t size,
+                        uint64_t data_checksum) {
+  Sum& sum = (*this)[channel];
+  ++messages_;
+  ++sum.messages;
+  sum.bytes += static_cast<int64_t>(size);
+  for (const uint64_t word : {checksum(name_of(channel)), static_cast<uint64_t>(number),
+                              static_cast<uint64_t>(stamp_us), data_checksum})
+    sum.check = chained(sum.check, word);
+}
+
+void RunningChecks::add(Channel channel, int64_t number, int64_t stamp_us,
+                        std::span<const uint8_t> data) {
+  add(channel, number, stamp_us, data.size(), checksum(data));
+}
+
+void RunningChecks::fill(checks_t& out) const {
+  out.check_kind = kCheckKind;
+  out.channel_count = kChannelCount;
+  out.channels.resize(kChannelCount);
+  out.messages.resize(kChannelCount);
+  out.bytes.resize(kChannelCount);
+  out.checks.resize(kChannelCount);
+  for (const Channel channel : kAllChannels) {
+    const auto i = static_cast<size_t>(channel);
+    out.channels[i] = name_of(channel);
+    out.messages[i] = sums_[i].messages;
+    out.bytes[i] = sums_[i].bytes;
+    out.checks[i] = static_cast<int64_t>(sums_[i].check);
+  }
+}
+
+RunningChecks::Sum sum_of(Channel channel, const checks_t& said) {
+  const auto at = std::find(said.channels.begin(), said.channels.end(), name_of(channel));
+  if (at == said.channels.end()) return {};
+  const auto i = static_cast<size_t>(at - said.channels.begin());
+  return {said.messages[i], said.bytes[i], static_cast<uint64_t>(said.checks[i])};
+}
+
+uint64_t own_check_of(std::span<const uint8_t> encoded) {
+  assert(encoded.size() >= kOwnBytes);
+  return checksum(encoded.first(encoded.size() - kOwnBytes));
+}
+
+void seal(std::span<uint8_t> encoded) {
+  put_big_endian(encoded.data() + encoded.size() - kOwnBytes, own_check_of(encoded));
+}
+
+}  // namespace throng

@@ -1,0 +1,270 @@
+#include "scenes/crowd/crowd.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "avatars/gait/gait.h"
+#include "base/elementary.h"
+#include "scenes/crowd/crowd_blocks.h"
+#include "scenes/crowd/crowd_tuning.h"
+
+namespace throng {
+namespace {
+
+/// Nobody runs faster, whatever the scene and however hard others push.
+constexpr double kLargest_mps = 100;
+
+}  // namespace
+
+Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOptions& options,
+             Workers& workers)
+    : ways_(ways),
+      workers_(workers),
+      options_(options),
+      model_(make_steering_model(options.steering.model, options.simd)),
+      journeys_(ways, people, options.seed),
+      traffic_(ways, people, options.seed),
+      grid_(ways.walkable().ground(), people.size(), options.simd) {
+  steps_a_decision_ =
+      std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
+  period_s_ = steps_a_decision_ * options.step_s;
+  const SinCos largest = sin_cos(tuning::kMaxTurn_radps * options.step_s);
+  turn_cos_ = largest.cos;
+  turn_sin_ = largest.sin;
+  for (const Person& person : people) {
+    radii_m_.push_back(person.radius_m);
+    free_speeds_mps_.push_back(person.free_speed_mps);
+    positions_m_.push_back(person.position_m);
+    headings_.push_back(person.heading);
+    widest_m_ = std::max(widest_m_, static_cast<float>(person.radius_m));
+    fastest_mps_ = std::max(fastest_mps_, person.free_speed_mps);
+  }
+  const size_t count = people.size();
+  velocities_mps_.assign(count, Eigen::Vector2d::Zero());
+  walked_m_.assign(count, 0);
+  looks_rad_.assign(count, 0);
+  slot_of_.assign(count, kNowhere);
+  walkers_.resize(count);
+  carried_.resize(count);
+  slots_.resize(count);
+  slots_.crowded_counts.resize(static_cast<size_t>(block_count(count)));
+  walls_.resize(static_cast<size_t>(workers.threads()));
+  for (Walls& walls : walls_) {
+    walls.x.reserve(kPeopleABlock * kMostWalls);
+    walls.y.reserve(kPeopleABlock * kMostWalls);
+    walls.clearance_m.reserve(kPeopleABlock * kMostWalls);
+    walls.starts.reserve(kPeopleABlock + 1);
+  }
+  block_values_.resize(static_cast<size_t>(block_count(count)));
+  seat_people();
+}
+
+/// Everybody takes a slot with all that is known of them; who has just entered starts walking.
+void Crowd::seat_people() {
+  grid_.rebuild(positions_m_, traffic_.present());
+  std::swap(walkers_, carried_);
+  for_slots([this](size_t begin, size_t end, int) {
+    for (size_t slot = begin; slot < end; ++slot) {
+      const uint32_t from = slot_of_[grid_.order()[slot]];
+      if (from == kNowhere)
+        start_walking(slot);
+      else
+        walkers_.carry(carried_, from, slot);
+    }
+  });
+  if (traffic_.is_open()) std::fill(slot_of_.begin(), slot_of_.end(), kNowhere);
+  for_slots([this](size_t begin, size_t end, int) {
+    for (size_t slot = begin; slot < end; ++slot)
+      slot_of_[grid_.order()[slot]] = static_cast<uint32_t>(slot);
+  });
+}
+
+/// Whoever is on the way already walks at the free speed.
+void Crowd::start_walking(size_t slot) {
+  const uint32_t id = grid_.order()[slot];
+  const bool walks = journeys_.doing(id) == Doing::kWalking;
+  Walkers& w = walkers_;
+  w.radius_m[slot] = radii_m_[id];
+  w.free_speed_mps[slot] = free_speeds_mps_[id];
+  w.position_m[slot] = w.anchor_m[slot] = positions_m_[id];
+  w.heading[slot] = headings_[id];
+  velocities_mps_[id] =
+      walks ? Eigen::Vector2d(free_speeds_mps_[id] * headings_[id]) : Eigen::Vector2d::Zero();
+  w.velocity_mps[slot] = w.smooth_mps[slot] = w.old_mps[slot] = w.next_mps[slot] =
+      w.intent_mps[slot] = velocities_mps_[id];
+  w.drift_mps[slot].setZero();
+  w.clearance_m[slot] = 0;
+  w.look_to_rad[slot] = looks_rad_[id] = 0;
+  w.anchor_step[slot] = steps_;
+  w.queued_steps[slot] = 0;
+  w.queuing[slot] = 0;
+}
+
+template <typename Value>
+void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
+  Value nothing{};
+  if constexpr (!std::is_arithmetic_v<Value>) nothing.setZero();
+  std::vector<Value> by_id(size(), nothing);
+  const std::span<const uint32_t> ids = grid_.order();
+  if (!a.is_reading())
+    for (size_t slot = 0; slot < ids.size(); ++slot) by_id[ids[slot]] = by_slot[slot];
+  a(by_id);
+  if (a.is_reading())
+    for (size_t slot = 0; slot < ids.size(); ++slot) by_slot[slot] = by_id[ids[slot]];
+}
+
+void Crowd::archive(Archive& a) {
+  a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, counters_);
+  if (a.is_reading()) {
+    for (uint32_t id = 0; id < size(); ++id)
+      if (journeys_.is_present(id) && !ways_.walkable().ground().contains(positions_m_[id]))
+        a.refuse("a place on the ground", "one outside");
+    std::fill(slot_of_.begin(), slot_of_.end(), kNowhere);
+    seat_people();
+  }
+  Walkers& w = walkers_;
+  a(velocities_mps_, looks_rad_);
+  for (auto* speeds : {&w.smooth_mps, &w.old_mps, &w.next_mps, &w.drift_mps, &w.intent_mps})
+    archive_by_id(a, *speeds);
+  archive_by_id(a, w.clearance_m);
+  archive_by_id(a, w.look_to_rad);
+  archive_by_id(a, w.anchor_m);
+  archive_by_id(a, w.anchor_step);
+  archive_by_id(a, w.queued_steps);
+  archive_by_id(a, w.queuing);
+  if (!a.is_reading()) return;
+  for (size_t slot = 0; slot < grid_.order().size(); ++slot)
+    w.velocity_mps[slot] = velocities_mps_[grid_.order()[slot]];
+  // Written so that NaN is refused, too.
+  for (const auto* looks : {&looks_rad_, &w.look_to_rad})
+    for (const float look_rad : *looks)
+      if (!(std::abs(look_rad) <= Gait::kMostLook_rad))
+        a.refuse("a head turned as far as heads do", "another");
+  for (const auto* speeds : {&velocities_mps_, &headings_, &w.smooth_mps, &w.old_mps, &w.next_mps,
+                             &w.drift_mps, &w.intent_mps})
+    for (const Eigen::Vector2d& speed : *speeds)
+      if (!(speed.norm() <= kLargest_mps)) a.refuse("the speed of a person", "another");
+}
+
+void Crowd::Walkers::resize(size_t count) {
+  each([count](auto& values) {
+    using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+    Value nothing{};
+    if constexpr (!std::is_arithmetic_v<Value>) nothing.setZero();
+    values.assign(count, nothing);
+  });
+}
+
+void Crowd::Walkers::carry(Walkers& from, size_t from_slot, size_t slot) {
+  const auto take = [from_slot, slot](auto& to, const auto& source) {
+    to[slot] = source[from_slot];
+  };
+  take(position_m, from.position_m), take(velocity_mps, from.velocity_mps);
+  take(heading, from.heading), take(smooth_mps, from.smooth_mps);
+  take(old_mps, from.old_mps), take(next_mps, from.next_mps);
+  take(drift_mps, from.drift_mps), take(intent_mps, from.intent_mps);
+  take(clearance_m, from.clearance_m), take(radius_m, from.radius_m);
+  take(free_speed_mps, from.free_speed_mps), take(look_to_rad, from.look_to_rad);
+  take(anchor_m, from.anchor_m);
+  take(anchor_step, from.anchor_step), take(queued_steps, from.queued_steps);
+  take(queuing, from.queuing);
+}
+
+void Crowd::Slots::resize(size_t count) {
+  for (std::vector<float>* each :
+       {&vx_mps, &vy_mps, &radius_m, &wanted_x_mps, &wanted_y_mps, &max_speed_mps, &horizon_s,
+        &urge, &way_x, &way_y, &next_x_mps, &next_y_mps, &expected_x_m, &expected_y_m, &swept_x_m,
+        &swept_y_m})
+    each->resize(count);
+  neighbours.resize(count * kMaxNeighbours);
+  neighbour_counts.resize(count);
+  close_counts.resize(count);
+  crowded.resize(count);
+  touched.resize(count);
+  swept_touched.resize(count);
+}
+
+void Crowd::step() {
+  if (size() == 0) return;
+  if (steps_ % steps_a_decision_ == 0) decide();
+  const std::span<const double> turned = by_block([this](size_t begin, size_t end) {
+    double turned_rad = 0;
+    for (size_t slot = begin; slot < end; ++slot) {
+      move(slot);
+      turned_rad += turn(slot);
+      look(slot);
+    }
+    return turned_rad;
+  });
+  for (const double each : turned) counters_.turned_rad += each;
+  counters_.walked_s += options_.step_s * static_cast<double>(grid_.order().size());
+  ++steps_;
+}
+
+void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
+                  const Eigen::Vector2d& velocity_mps) {
+  walked_m_[id] = (position_m - positions_m_[id]).norm();
+  positions_m_[id] = position_m;
+  headings_[id] = heading;
+  velocities_mps_[id] = velocity_mps;
+  const uint32_t slot = slot_of_[id];
+  if (slot == kNowhere) return;
+  Walkers& w = walkers_;
+  w.position_m[slot] = position_m;
+  w.heading[slot] = heading;
+  w.velocity_mps[slot] = w.smooth_mps[slot] = w.intent_mps[slot] = velocity_mps;
+  w.old_mps[slot] = w.next_mps[slot] = velocity_mps;
+  w.drift_mps[slot].setZero();
+  // Who is driven is not stuck, however long it stands.
+  w.anchor_m[slot] = position_m;
+  w.anchor_step[slot] = steps_;
+}
+
+void Crowd::move(size_t slot) {
+  Walkers& w = walkers_;
+  const auto part = static_cast<double>(steps_ % steps_a_decision_);
+  const Eigen::Vector2d change = w.next_mps[slot] - w.old_mps[slot];
+  const Eigen::Vector2d midway =
+      w.old_mps[slot] + (part + 0.5) / steps_a_decision_ * change + w.drift_mps[slot];
+  w.velocity_mps[slot] = w.old_mps[slot] + (part + 1) / steps_a_decision_ * change;
+  const Eigen::Vector2d from = w.position_m[slot];
+  Eigen::Vector2d to = from + options_.step_s * midway;
+  // Far from any wall at the decision, nobody reaches one before the next.
+  const double reach_m =
+      period_s_ * (2 * tuning::kHaste * w.free_speed_mps[slot] + tuning::kMaxDrift_mps);
+  if (w.clearance_m[slot] < reach_m + tuning::kWallGap_m)
+    to = ways_.walkable().slide(from, to, tuning::kWallGap_m);
+  w.position_m[slot] = to;
+  const uint32_t id = grid_.order()[slot];
+  walked_m_[id] = (to - from).norm();
+  positions_m_[id] = to;
+  velocities_mps_[id] = w.velocity_mps[slot];
+}
+
+void Crowd::look(size_t slot) {
+  const auto share = static_cast<float>(options_.step_s / (tuning::kLook_s + options_.step_s));
+  float& look_rad = looks_rad_[grid_.order()[slot]];
+  look_rad += share * (walkers_.look_to_rad[slot] - look_rad);
+}
+
+double Crowd::turn(size_t slot) {
+  Eigen::Vector2d& smooth = walkers_.smooth_mps[slot];
+  smooth += options_.step_s / (tuning::kTurnSmoothing_s + options_.step_s) *
+            (walkers_.velocity_mps[slot] - smooth);
+  const double speed = smooth.norm();
+  if (speed < tuning::kTurnSpeed_mps) return 0;
+  const Eigen::Vector2d to = smooth / speed;
+  const Eigen::Vector2d from = walkers_.heading[slot];
+  Eigen::Vector2d& published = headings_[grid_.order()[slot]];
+  if (from.dot(to) >= turn_cos_) {
+    published = walkers_.heading[slot] = to;
+    return (to - from).norm();  // less than a thousandth below the angle
+  }
+  const double side = from.x() * to.y() - from.y() * to.x() >= 0 ? turn_sin_ : -turn_sin_;
+  const Eigen::Vector2d turned(turn_cos_ * from.x() - side * from.y(),
+                               side * from.x() + turn_cos_ * from.y());
+  published = walkers_.heading[slot] = turned.normalized();
+  return tuning::kMaxTurn_radps * options_.step_s;
+}
+
+}  // namespace throng

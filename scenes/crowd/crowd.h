@@ -1,0 +1,224 @@
+// People who walk: a steering model ten times a second, smooth motion at every step in between.
+// One rule: each pass reads the old state and writes the new, so that the same crowd walks the same
+// way for any number of threads. Who is near in space is near in memory: state lies by slot, the
+// order of cells of the latest decision (see NeighbourGrid), and is carried along to a new one.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/files/archive.h"
+#include "base/workers.h"
+#include "scenes/crowd/journeys.h"
+#include "scenes/crowd/neighbour_grid.h"
+#include "scenes/crowd/spawn.h"
+#include "scenes/crowd/steering/steering.h"
+#include "scenes/crowd/traffic.h"
+#include "scenes/ways/ways.h"
+
+namespace throng {
+
+struct CrowdOptions {
+  uint64_t seed = 1;
+  double step_s = 1.0 / 60.0;
+  SteeringRule steering;
+  SimdTarget simd = SimdTarget::kBest;
+};
+
+/// What steering went through.
+struct SteeringCounters {
+  // In the latest decision.
+  int sweeps = 0;                ///< of disc relaxation
+  double deepest_overlap_m = 0;  ///< of two discs, where people stand now
+  double longest_stall_s = 0;    ///< how long the most stuck walker has not moved kStall_m, the
+                                 ///< time of queuing taken off
+  uint64_t queuing = 0;          ///< people held up by others ahead who go the same way
+  // So far.
+  uint64_t rounds = 0;     ///< decisions of everybody
+  uint64_t decisions = 0;  ///< of all people together
+  uint64_t all_sweeps = 0;
+  int most_sweeps = 0;
+  double turned_rad = 0;  ///< of all headings, to either side
+  double walked_s = 0;    ///< of all people together
+
+  double mean_sweeps() const {
+    return rounds == 0 ? 0 : static_cast<double>(all_sweeps) / static_cast<double>(rounds);
+  }
+  double mean_heading_rate_radps() const { return walked_s > 0 ? turned_rad / walked_s : 0; }
+
+  void archive(Archive& a) {
+    a(sweeps, deepest_overlap_m, longest_stall_s, queuing, rounds, decisions, all_sweeps,
+      most_sweeps, turned_rad, walked_s);
+  }
+};
+
+class Crowd {
+ public:
+  /// Keeps references to `ways` and `workers`.
+  Crowd(const Ways& ways, std::span<const Person> people, const CrowdOptions& options,
+        Workers& workers);
+
+  /// Advances by step_s. Allocates nothing.
+  void step();
+  /// Puts somebody where something outside wants them, after the step that steering took; others
+  /// keep clear of the disc as of any other, reckoning with its velocity.
+  void drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
+             const Eigen::Vector2d& velocity_mps);
+
+  /// Everything that the next step depends on and that the constructor does not know.
+  void archive(Archive& a);
+
+  /// One decision of everybody, without moving: what step() does ten times a second.
+  void decide();
+
+  /// Everybody there may ever be; who is in the scene now says traffic().present().
+  size_t size() const { return positions_m_.size(); }
+  const Journeys& journeys() const { return journeys_; }
+  const Traffic& traffic() const { return traffic_; }
+  std::span<const Eigen::Vector2d> positions_m() const { return positions_m_; }
+  /// Unit vectors: the way the body faces.
+  std::span<const Eigen::Vector2d> headings() const { return headings_; }
+  std::span<const Eigen::Vector2d> velocities_mps() const { return velocities_mps_; }
+  /// How far each head is turned away from the heading, to the left: towards where its owner wants
+  /// to go, which the body follows later. At most Gait::kMostLook_rad. Keeps its place in memory.
+  std::span<const float> looks_rad() const { return looks_rad_; }
+  /// The way of the latest step.
+  std::span<const double> walked_m() const { return walked_m_; }
+  const SteeringCounters& counters() const { return counters_; }
+
+  static constexpr size_t kMaxNeighbours = NeighbourGrid::kMost;
+  /// Whoever has moved less than this is making no progress.
+  static constexpr double kStall_m = 0.3;
+
+ private:
+  /// Outside or gone: has no slot.
+  static constexpr uint32_t kNowhere = UINT32_MAX;
+
+  /// What moves, by slot.
+  struct Walkers {
+    std::vector<Eigen::Vector2d> position_m, velocity_mps, heading;
+    std::vector<Eigen::Vector2d> smooth_mps;  ///< the velocity that the heading follows
+    // Decisions: the velocity goes from old to next within a period.
+    std::vector<Eigen::Vector2d> old_mps, next_mps;
+    std::vector<Eigen::Vector2d> drift_mps;   ///< what disc relaxation adds
+    std::vector<Eigen::Vector2d> intent_mps;  ///< the wanted velocity, smoothed
+    std::vector<double> clearance_m, radius_m, free_speed_mps;
+    std::vector<float> look_to_rad;  ///< where the head turns
+    // Stalls.
+    std::vector<Eigen::Vector2d> anchor_m;
+    std::vector<int64_t> anchor_step;
+    std::vector<int64_t> queued_steps;  ///< since the anchor
+    std::vector<uint8_t> queuing;
+
+    template <typename Visit>
+    void each(const Visit& visit) {
+      visit(position_m), visit(velocity_mps), visit(heading), visit(smooth_mps);
+      visit(old_mps), visit(next_mps), visit(drift_mps), visit(intent_mps);
+      visit(clearance_m), visit(radius_m), visit(free_speed_mps), visit(look_to_rad);
+      visit(anchor_m), visit(anchor_step), visit(queued_steps), visit(queuing);
+    }
+    void resize(size_t count);
+    void carry(Walkers& from, size_t from_slot, size_t slot);
+  };
+
+  /// What a decision works out, by slot.
+  struct Slots {
+    std::vector<float> vx_mps, vy_mps, radius_m, wanted_x_mps, wanted_y_mps, max_speed_mps,
+        horizon_s, urge;
+    std::vector<float> way_x, way_y;  ///< where to: a unit vector, or zero
+    std::vector<float> next_x_mps, next_y_mps;
+    std::vector<uint32_t> neighbours;
+    std::vector<uint8_t> neighbour_counts;
+    std::vector<uint8_t> close_counts;     ///< of the neighbours, who may overlap; they come first
+    std::vector<uint32_t> crowded;         ///< of a block, from its first place on: slots with some
+    std::vector<uint32_t> crowded_counts;  ///< by block
+    // Where people will stand after the period, from the middle of the ground, and what the sweep
+    // found there; before and after a sweep.
+    std::vector<float> expected_x_m, expected_y_m, swept_x_m, swept_y_m;
+    std::vector<uint8_t> touched, swept_touched;
+    void resize(size_t count);
+  };
+
+  /// The walls of one block, one a worker.
+  struct Walls {
+    std::vector<float> x, y, clearance_m;
+    std::vector<uint32_t> starts;
+  };
+
+  template <typename Body>
+  void for_slots(const Body& body);  // body(begin, end, worker)
+  template <typename Body>
+  std::span<const double> by_block(const Body& body);  // body(begin, end) of all blocks
+  template <typename Body>
+  double largest(const Body& body);
+
+  // Each for the people of a block.
+  double wish(size_t begin, size_t end);
+  void choose(size_t begin, size_t end, Walls& walls);
+  double find_close(size_t begin, size_t end);
+  double sweep(size_t begin, size_t end);
+  void set_drift(size_t begin, size_t end);
+
+  void change_people();
+  void seat_people();
+  void start_walking(size_t slot);
+  template <typename Value>
+  void archive_by_id(Archive& a, std::vector<Value>& by_slot);
+  bool is_queuing(size_t slot) const;
+  Eigen::Vector2d wanted_mps(size_t slot);
+  void find_walls(size_t slot, Walls& walls);
+  SteeringView view() const;
+  void limit_to_gap(size_t slot);
+  void limit_to_density(const SteeringView& people, size_t slot);
+  void limit_forward(size_t slot);
+  void relax_discs();
+  bool is_settled(size_t slot) const;
+  double relax_disc(size_t slot);
+  void hold_back(size_t slot, float& to_x, float& to_y) const;
+  void move(size_t slot);
+  double turn(size_t slot);  ///< by how much, in radians
+  void look(size_t slot);
+  float look_to_rad(size_t slot) const;
+  double stalled_s_of(size_t slot) const;
+  double watch_progress(size_t slot);
+
+  const Ways& ways_;
+  Workers& workers_;
+  CrowdOptions options_;
+  std::unique_ptr<const SteeringModel> model_;
+  int steps_a_decision_ = 6;
+  double period_s_ = 0.1;
+  double turn_cos_ = 1;  ///< the largest turn in a step
+  double turn_sin_ = 0;
+  int64_t steps_ = 0;
+
+  // What never changes, by person.
+  std::vector<double> radii_m_;
+  std::vector<double> free_speeds_mps_;
+  float widest_m_ = 0;      ///< of all radii
+  double fastest_mps_ = 0;  ///< of all free speeds
+
+  // What others see, by person.
+  std::vector<Eigen::Vector2d> positions_m_;
+  std::vector<Eigen::Vector2d> velocities_mps_;
+  std::vector<Eigen::Vector2d> headings_;
+  std::vector<float> looks_rad_;
+  std::vector<double> walked_m_;
+
+  Journeys journeys_;
+  Traffic traffic_;
+
+  NeighbourGrid grid_;
+  std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere
+  Walkers walkers_;
+  Walkers carried_;  ///< the slots before, while people take their new ones
+  Slots slots_;
+  std::vector<Walls> walls_;          ///< one a worker
+  std::vector<double> block_values_;  ///< one a block, reduced in order
+  SteeringCounters counters_;
+};
+
+}  // namespace throng

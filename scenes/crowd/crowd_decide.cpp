@@ -1,0 +1,286 @@
+// How people decide where to go next: who is near, walls, and the steering model's choice.
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/crowd/crowd.h"
+#include "scenes/crowd/crowd_blocks.h"
+#include "scenes/crowd/crowd_tuning.h"
+#include "scenes/crowd/steering/collision_free_speed.h"
+
+namespace throng {
+
+void Crowd::decide() {
+  change_people();
+  seat_people();
+  walkers_.old_mps.swap(walkers_.next_mps);
+  counters_.longest_stall_s =
+      largest([this](size_t begin, size_t end) { return wish(begin, end); });
+  counters_.queuing = 0;
+  for (size_t slot = 0; slot < grid_.order().size(); ++slot)
+    counters_.queuing += walkers_.queuing[slot];
+  for_slots([this](size_t begin, size_t end, int worker) {
+    choose(begin, end, walls_[static_cast<size_t>(worker)]);
+  });
+  relax_discs();
+  ++counters_.rounds;
+  counters_.decisions += grid_.order().size();
+}
+
+/// Goals are reached, and people come and go, before anybody looks around.
+void Crowd::change_people() {
+  const double now_s = options_.step_s * static_cast<double>(steps_);
+  for_slots([&](size_t begin, size_t end, int) {
+    for (size_t slot = begin; slot < end; ++slot)
+      journeys_.follow(grid_.order()[slot], walkers_.position_m[slot], now_s);
+  });
+  if (!traffic_.is_open()) return;
+  traffic_.release(journeys_);
+  traffic_.admit(now_s, journeys_, positions_m_);
+  for (const uint32_t id : traffic_.entered()) {
+    const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
+    if (way.squaredNorm() > 0) headings_[id] = way;
+  }
+}
+
+/// Returns the longest stall.
+double Crowd::wish(size_t begin, size_t end) {
+  // The fields are too large for the caches: fetched now, they are there after the search.
+  for (size_t slot = begin; slot < end; ++slot)
+    journeys_.prefetch(grid_.order()[slot], walkers_.position_m[slot]);
+  grid_.nearest(begin, end, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
+                slots_.neighbour_counts.data());
+  double longest_s = 0;
+  for (size_t slot = begin; slot < end; ++slot) {
+    longest_s = std::max(longest_s, watch_progress(slot));
+    const Eigen::Vector2f wanted = wanted_mps(slot).cast<float>();
+    Eigen::Vector2f velocity = walkers_.old_mps[slot].cast<float>();
+    const double stalled_s = stalled_s_of(slot);
+    const double stuck = std::clamp(
+        (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0);
+    const auto urge = static_cast<float>(stuck);
+    // Who is stuck shows where to, so that others can make way.
+    velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
+    slots_.vx_mps[slot] = velocity.x();
+    slots_.vy_mps[slot] = velocity.y();
+    slots_.radius_m[slot] = static_cast<float>(walkers_.radius_m[slot]);
+    slots_.wanted_x_mps[slot] = wanted.x();
+    slots_.wanted_y_mps[slot] = wanted.y();
+    const float length = std::sqrt(wanted.x() * wanted.x() + wanted.y() * wanted.y());
+    const bool walks = length >= static_cast<float>(tuning::kWish_mps);
+    slots_.way_x[slot] = walks ? wanted.x() / length : 0.0f;
+    slots_.way_y[slot] = walks ? wanted.y() / length : 0.0f;
+    walkers_.look_to_rad[slot] = look_to_rad(slot);
+    slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * walkers_.free_speed_mps[slot]);
+    slots_.horizon_s[slot] = static_cast<float>(
+        stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s : tuning::kHorizon_s);
+    slots_.urge[slot] = urge;
+  }
+  return longest_s;
+}
+
+SteeringView Crowd::view() const {
+  SteeringView view;
+  view.x_m = grid_.x().data();
+  view.y_m = grid_.y().data();
+  view.vx_mps = slots_.vx_mps.data();
+  view.vy_mps = slots_.vy_mps.data();
+  view.radius_m = slots_.radius_m.data();
+  view.wanted_x_mps = slots_.wanted_x_mps.data();
+  view.wanted_y_mps = slots_.wanted_y_mps.data();
+  view.max_speed_mps = slots_.max_speed_mps.data();
+  view.horizon_s = slots_.horizon_s.data();
+  view.urge = slots_.urge.data();
+  view.neighbours = slots_.neighbours.data();
+  view.neighbour_counts = slots_.neighbour_counts.data();
+  view.period_s = static_cast<float>(period_s_);
+  view.wall_horizon_s = static_cast<float>(tuning::kWallHorizon_s);
+  return view;
+}
+
+void Crowd::choose(size_t begin, size_t end, Walls& walls) {
+  walls.x.clear();
+  walls.y.clear();
+  walls.clearance_m.clear();
+  walls.starts.assign(1, 0);
+  for (size_t slot = begin; slot < end; ++slot) {
+    find_walls(slot, walls);
+    walls.starts.push_back(static_cast<uint32_t>(walls.x.size()));
+  }
+  SteeringView people = view();
+  people.wall_x = walls.x.data();
+  people.wall_y = walls.y.data();
+  people.wall_clearance_m = walls.clearance_m.data();
+  people.wall_starts = walls.starts.data();
+  people.first_slot = begin;
+  const bool by_density = options_.steering.density_speed;
+  // The other model has a gap in time of its own, and density keeps people apart, too.
+  const bool by_gap = options_.steering.model == SteeringKind::kOrca && !by_density;
+  for (size_t slot = begin; by_density && slot < end; ++slot) limit_to_density(people, slot);
+  for (size_t slot = begin; by_gap && slot < end; ++slot) limit_to_gap(slot);
+  model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());
+  for (size_t slot = begin; (by_density || by_gap) && slot < end; ++slot) limit_forward(slot);
+  const float half_period_s = 0.5f * people.period_s;
+  for (size_t slot = begin; slot < end; ++slot) {
+    const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
+    walkers_.next_mps[slot] = {static_cast<double>(x), static_cast<double>(y)};
+    // By the velocity that people have, not by the one they show: they would be pushed apart in
+    // places where they never are.
+    const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
+    slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
+    slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
+  }
+}
+
+/// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.
+/// Of two who are ahead of one another, who has the other more ahead keeps it.
+void Crowd::limit_to_gap(size_t slot) {
+  float& wanted_x = slots_.wanted_x_mps[slot];
+  float& wanted_y = slots_.wanted_y_mps[slot];
+  const float way_x = slots_.way_x[slot], way_y = slots_.way_y[slot];
+  const float wanted = wanted_x * way_x + wanted_y * way_y;
+  const auto gap_s = static_cast<float>(tuning::kTimeGap_s);
+  const float* x = grid_.x().data();
+  const float* y = grid_.y().data();
+  const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+  const size_t count = slots_.neighbour_counts[slot];
+  const auto same_way = [&](uint32_t other) {
+    return way_x * slots_.way_x[other] + way_y * slots_.way_y[other];
+  };
+  const float reach_m = slots_.radius_m[slot] + widest_m_ + wanted * gap_s;
+  float speed = wanted;
+  for (size_t k = 0; k < count; ++k) {
+    const uint32_t other = near[k];
+    const float dx = x[other] - x[slot], dy = y[other] - y[slot];
+    const float square = dx * dx + dy * dy;
+    if (square > reach_m * reach_m) break;  // they come nearest first
+    const float ahead = dx * way_x + dy * way_y;
+    const float aside = dx * way_y - dy * way_x;
+    const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
+    const float ahead_of_other = -(dx * slots_.way_x[other] + dy * slots_.way_y[other]);
+    if (ahead <= 0 || ahead <= ahead_of_other || aside * aside >= radius_m * radius_m ||
+        same_way(other) < static_cast<float>(tuning::kSameWay))
+      continue;
+    speed = std::min(speed, (std::sqrt(square) - radius_m) / gap_s);
+  }
+  if (!(speed < wanted)) return;
+  for (size_t k = 0; k < count; ++k)
+    if (same_way(near[k]) < -static_cast<float>(tuning::kSameWay) &&
+        (x[near[k]] - x[slot]) * way_x + (y[near[k]] - y[slot]) * way_y > 0)
+      return;
+  // As with density, the wish keeps its direction.
+  speed = std::max(speed, static_cast<float>(2 * tuning::kWish_mps));
+  wanted_x *= speed / wanted;
+  wanted_y *= speed / wanted;
+}
+
+/// Slows the wish; never so far that it has no direction.
+void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
+  float& x = slots_.wanted_x_mps[slot];
+  float& y = slots_.wanted_y_mps[slot];
+  const float wanted = std::sqrt(x * x + y * y);
+  if (!(wanted > 0)) return;
+  const double free_mps = walkers_.free_speed_mps[slot];
+  const float density = density_ahead(people, slot, x / wanted, y / wanted);
+  const float limit = std::max(static_cast<float>(2 * tuning::kWish_mps),
+                               static_cast<float>(free_mps) * weidmann_share(density));
+  if (wanted <= limit) return;
+  x *= limit / wanted;
+  y *= limit / wanted;
+}
+
+/// Making way for those behind is no reason to walk faster than the people ahead allow, and a
+/// little to pass.
+void Crowd::limit_forward(size_t slot) {
+  const float way_x = slots_.way_x[slot], way_y = slots_.way_y[slot];
+  if (way_x == 0 && way_y == 0) return;
+  const float wanted = slots_.wanted_x_mps[slot] * way_x + slots_.wanted_y_mps[slot] * way_y;
+  const float excess = slots_.next_x_mps[slot] * way_x + slots_.next_y_mps[slot] * way_y -
+                       static_cast<float>(tuning::kHaste) * wanted;
+  if (excess <= 0) return;
+  slots_.next_x_mps[slot] -= excess * way_x;
+  slots_.next_y_mps[slot] -= excess * way_y;
+}
+
+void Crowd::find_walls(size_t slot, Walls& walls) {
+  const Walkable& walkable = ways_.walkable();
+  const Eigen::Vector2d& position = walkers_.position_m[slot];
+  const double radius_m = walkers_.radius_m[slot];
+  const double reach_m =
+      radius_m + tuning::kHaste * walkers_.free_speed_mps[slot] * tuning::kWallHorizon_s;
+  const size_t first = walls.x.size();
+  double clearance_m = Walkable::kReach_m;
+  const auto add = [&](const Eigen::Vector2d& normal, double distance_m) {
+    clearance_m = std::min(clearance_m, distance_m);
+    if (distance_m >= reach_m) return;
+    const auto left_m = static_cast<float>(distance_m - radius_m);
+    size_t place = walls.x.size();
+    if (place - first == kMostWalls) {  // the nearest stay
+      place = static_cast<size_t>(
+          std::max_element(walls.clearance_m.begin() + static_cast<ptrdiff_t>(first),
+                           walls.clearance_m.end()) -
+          walls.clearance_m.begin());
+      if (walls.clearance_m[place] <= left_m) return;
+    } else {
+      walls.x.push_back(0);
+      walls.y.push_back(0);
+      walls.clearance_m.push_back(0);
+    }
+    walls.x[place] = static_cast<float>(normal.x());
+    walls.y[place] = static_cast<float>(normal.y());
+    walls.clearance_m[place] = left_m;
+  };
+  const Eigen::Vector2d low = position - walkable.ground().min_m;
+  const Eigen::Vector2d high = walkable.ground().max_m - position;
+  add(Eigen::Vector2d::UnitX(), low.x());
+  add(Eigen::Vector2d::UnitY(), low.y());
+  add(-Eigen::Vector2d::UnitX(), high.x());
+  add(-Eigen::Vector2d::UnitY(), high.y());
+  for (const uint32_t footprint : walkable.near(position)) {
+    const Walkable::Nearest wall = walkable.nearest(footprint, position);
+    add(wall.normal, wall.distance_m);
+  }
+  walkers_.clearance_m[slot] = clearance_m;
+}
+
+double Crowd::stalled_s_of(size_t slot) const {
+  return options_.step_s * static_cast<double>(steps_ - walkers_.anchor_step[slot]);
+}
+
+/// How long somebody has been stuck, the time of queuing taken off.
+double Crowd::watch_progress(size_t slot) {
+  Walkers& w = walkers_;
+  const bool stands = journeys_.doing(grid_.order()[slot]) != Doing::kWalking;
+  if (stands || (w.position_m[slot] - w.anchor_m[slot]).squaredNorm() >= kStall_m * kStall_m) {
+    w.anchor_m[slot] = w.position_m[slot];
+    w.anchor_step[slot] = steps_;
+    w.queued_steps[slot] = 0;
+  }
+  w.queuing[slot] = is_queuing(slot);
+  if (w.queuing[slot] != 0) w.queued_steps[slot] += steps_a_decision_;
+  return std::max(0.0, options_.step_s * static_cast<double>(steps_ - w.anchor_step[slot] -
+                                                             w.queued_steps[slot]));
+}
+
+bool Crowd::is_queuing(size_t slot) const {
+  const uint32_t id = grid_.order()[slot];
+  if (journeys_.doing(id) != Doing::kWalking) return false;
+  const double slow_mps = tuning::kQueueSpeed * walkers_.free_speed_mps[slot];
+  if (walkers_.velocity_mps[slot].squaredNorm() > slow_mps * slow_mps) return false;
+  const Eigen::Vector2d& position = walkers_.position_m[slot];
+  const FlowField* field = journeys_.stop(id).field;
+  const Eigen::Vector2d way = journeys_.direction(id, position);
+  for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
+    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
+    const Eigen::Vector2d offset = walkers_.position_m[other] - position;
+    const double reach_m = walkers_.radius_m[slot] + walkers_.radius_m[other] + tuning::kQueueGap_m;
+    if (offset.squaredNorm() > reach_m * reach_m) return false;
+    // Ahead within 60 degrees, and with the same way to go.
+    const uint32_t other_id = grid_.order()[other];
+    if (journeys_.doing(other_id) == Doing::kWalking && journeys_.stop(other_id).field == field &&
+        way.dot(offset) > 0.5 * offset.norm())
+      return true;
+  }
+  return false;
+}
+
+}  // namespace throng

@@ -1,0 +1,170 @@
+// What is left of overlaps between discs after everybody has chosen: they are pushed apart, sweep
+// by sweep, until none is deeper than kSlop_m.
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/crowd/crowd.h"
+#include "scenes/crowd/crowd_blocks.h"
+#include "scenes/crowd/crowd_tuning.h"
+
+namespace throng {
+namespace {
+
+// What a sweep found of a person.
+constexpr uint8_t kMoved = 1;
+constexpr uint8_t kOverlapping = 2;
+
+}  // namespace
+
+void Crowd::relax_discs() {
+  counters_.deepest_overlap_m =
+      largest([this](size_t begin, size_t end) { return find_close(begin, end); });
+  slots_.swept_x_m = slots_.expected_x_m;
+  slots_.swept_y_m = slots_.expected_y_m;
+  slots_.swept_touched = slots_.touched;
+  counters_.sweeps = 0;
+  double deepest_m = tuning::kSlop_m;
+  while (deepest_m >= tuning::kSlop_m && counters_.sweeps < tuning::kSweeps) {
+    deepest_m = largest([this](size_t begin, size_t end) { return sweep(begin, end); });
+    slots_.expected_x_m.swap(slots_.swept_x_m);
+    slots_.expected_y_m.swap(slots_.swept_y_m);
+    slots_.touched.swap(slots_.swept_touched);
+    ++counters_.sweeps;
+  }
+  counters_.all_sweeps += static_cast<uint64_t>(counters_.sweeps);
+  counters_.most_sweeps = std::max(counters_.most_sweeps, counters_.sweeps);
+  for_slots([this](size_t begin, size_t end, int) { set_drift(begin, end); });
+}
+
+/// Brings those neighbours to the front who may overlap at the end of the period. Returns the
+/// deepest overlap of those who stand now.
+double Crowd::find_close(size_t begin, size_t end) {
+  float deepest_m = 0;
+  const float* x = grid_.x().data();
+  const float* y = grid_.y().data();
+  const auto moved_m = static_cast<float>(2 * period_s_ * tuning::kHaste * fastest_mps_);
+  uint32_t crowded = 0;
+  for (size_t slot = begin; slot < end; ++slot) {
+    uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+    const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
+    const float reach_m = slots_.radius_m[slot] + widest_m_ + margin_m + moved_m;
+    size_t close = 0;
+    for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
+      const uint32_t other = near[k];
+      const float dx = x[other] - x[slot], dy = y[other] - y[slot];
+      const float square = dx * dx + dy * dy;
+      if (square > reach_m * reach_m) break;  // they come nearest first
+      const float ex = slots_.expected_x_m[other] - slots_.expected_x_m[slot];
+      const float ey = slots_.expected_y_m[other] - slots_.expected_y_m[slot];
+      const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
+      const float apart_m = radius_m + margin_m;
+      if (square < radius_m * radius_m)
+        deepest_m = std::max(deepest_m, radius_m - std::sqrt(square));
+      if (ex * ex + ey * ey < apart_m * apart_m) std::swap(near[close++], near[k]);
+    }
+    slots_.close_counts[slot] = static_cast<uint8_t>(close);
+    slots_.touched[slot] = close > 0 ? kMoved : 0;  // the first sweep looks at all of them
+    if (close > 0) slots_.crowded[begin + crowded++] = static_cast<uint32_t>(slot);
+  }
+  slots_.crowded_counts[begin / kPeopleABlock] = crowded;
+  return static_cast<double>(deepest_m);
+}
+
+double Crowd::sweep(size_t begin, size_t) {
+  double deepest_m = 0;
+  const uint32_t* crowded = slots_.crowded.data() + begin;
+  const uint32_t* end_of_crowded = crowded + slots_.crowded_counts[begin / kPeopleABlock];
+  for (; crowded != end_of_crowded; ++crowded) {
+    if (is_settled(*crowded))
+      slots_.swept_touched[*crowded] = 0;
+    else
+      deepest_m = std::max(deepest_m, relax_disc(*crowded));
+  }
+  return deepest_m;
+}
+
+/// Overlapping nobody at the sweep before, and neither this one nor anybody near moved since: the
+/// sweep would change nothing. What it would write stands there from the sweep before.
+bool Crowd::is_settled(size_t slot) const {
+  if (slots_.touched[slot] != 0) return false;
+  const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+  for (size_t k = 0; k < slots_.close_counts[slot]; ++k)
+    if ((slots_.touched[near[k]] & kMoved) != 0) return false;
+  return true;
+}
+
+/// Those behind push nobody forward, beyond where one's own step would have led: a person who is
+/// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
+void Crowd::hold_back(size_t slot, float& to_x, float& to_y) const {
+  const float ahead_x = slots_.way_x[slot], ahead_y = slots_.way_y[slot];
+  if (ahead_x == 0 && ahead_y == 0) return;
+  const float x = grid_.x()[slot], y = grid_.y()[slot];
+  const auto half_period_s = static_cast<float>(0.5 * period_s_);
+  const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
+  const float planned_x = half_period_s * (old.x() + slots_.next_x_mps[slot]);
+  const float planned_y = half_period_s * (old.y() + slots_.next_y_mps[slot]);
+  const float planned_m = std::max(0.0f, planned_x * ahead_x + planned_y * ahead_y);
+  const float excess_m = (to_x - x) * ahead_x + (to_y - y) * ahead_y - planned_m;
+  if (excess_m <= 0) return;
+  to_x -= excess_m * ahead_x;
+  to_y -= excess_m * ahead_y;
+}
+
+double Crowd::relax_disc(size_t slot) {
+  const float x = slots_.expected_x_m[slot], y = slots_.expected_y_m[slot];
+  float push_x = 0, push_y = 0, deepest_m = 0;
+  for (size_t k = 0; k < slots_.close_counts[slot]; ++k) {
+    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
+    const float dx = x - slots_.expected_x_m[other], dy = y - slots_.expected_y_m[other];
+    const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
+    const float square = dx * dx + dy * dy;
+    if (square >= radius_m * radius_m) continue;
+    const float distance_m = std::sqrt(square);
+    const float depth_m = radius_m - distance_m;
+    const float push_m = static_cast<float>(tuning::kSweepShare) * depth_m;
+    if (distance_m > 0) {
+      push_x += push_m * (dx / distance_m);
+      push_y += push_m * (dy / distance_m);
+    } else {
+      push_x += slot < other ? -push_m : push_m;
+    }
+    deepest_m = std::max(deepest_m, depth_m);
+  }
+  float to_x = x + push_x, to_y = y + push_y;
+  if (deepest_m > 0) hold_back(slot, to_x, to_y);
+  if (deepest_m > 0 && walkers_.clearance_m[slot] < 2 * walkers_.radius_m[slot] + 1) {
+    const Eigen::Vector2d to = Eigen::Vector2f(to_x, to_y).cast<double>() + grid_.middle_m();
+    const Eigen::Vector2f slid =
+        (ways_.walkable().slide(walkers_.position_m[slot], to, tuning::kWallGap_m) -
+         grid_.middle_m())
+            .cast<float>();
+    to_x = slid.x();
+    to_y = slid.y();
+  }
+  slots_.swept_x_m[slot] = to_x;
+  slots_.swept_y_m[slot] = to_y;
+  const bool moved = to_x != x || to_y != y;
+  slots_.swept_touched[slot] =
+      static_cast<uint8_t>((moved ? kMoved : 0) | (deepest_m > 0 ? kOverlapping : 0));
+  return static_cast<double>(deepest_m);
+}
+
+/// The correction is spread over the period, so that nobody jumps.
+void Crowd::set_drift(size_t begin, size_t end) {
+  const auto half_period_s = static_cast<float>(0.5 * period_s_);
+  for (size_t slot = begin; slot < end; ++slot) {
+    Eigen::Vector2d& drift = walkers_.drift_mps[slot];
+    drift.setZero();
+    if (slots_.close_counts[slot] == 0) continue;
+    const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
+    const float chosen_x = grid_.x()[slot] + half_period_s * (old.x() + slots_.next_x_mps[slot]);
+    const float chosen_y = grid_.y()[slot] + half_period_s * (old.y() + slots_.next_y_mps[slot]);
+    drift = {static_cast<double>(slots_.expected_x_m[slot] - chosen_x),
+             static_cast<double>(slots_.expected_y_m[slot] - chosen_y)};
+    drift /= period_s_;
+    const double length = drift.norm();
+    if (length > tuning::kMaxDrift_mps) drift *= tuning::kMaxDrift_mps / length;
+  }
+}
+
+}  // namespace throng

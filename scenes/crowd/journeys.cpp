@@ -1,0 +1,178 @@
+#include "scenes/crowd/journeys.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "base/random.h"
+#include "scenes/crowd/crowd_tuning.h"
+#include "scenes/file/shapes.h"
+
+namespace throng {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+/// Whoever stays at a goal stops this near to the chosen place.
+constexpr double kStop_m = 0.25;
+/// Away from the rim, so that arriving means having entered; a narrow goal has only its middle.
+constexpr double kRim_m = 0.3;
+constexpr uint32_t kTries = 16;
+/// Beyond any coordinate of a scene file.
+constexpr double kFarthest_m = 1e6;
+/// What is this near to the end of a way is what ends it.
+constexpr double kInTheWay_m = 1;
+
+}  // namespace
+
+Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t seed)
+    : ways_(ways), seed_(seed) {
+  for (const Person& person : people) {
+    groups_.push_back(person.group);
+    delays_s_.push_back(person.delay_s);
+    targets_m_.push_back(person.position_m);
+  }
+  doing_.assign(people.size(), Doing::kOutside);
+  next_.assign(people.size(), Doing::kWalking);
+  until_s_.assign(people.size(), kNever);
+  stops_.assign(people.size(), 0);
+  visits_.assign(people.size(), 0);
+  for (uint32_t id = 0; id < people.size(); ++id)
+    if (people[id].entrance == Person::kFromTheStart) enter(id, people[id].position_m, 0);
+}
+
+void Journeys::archive(Archive& a) {
+  a(doing_, next_, until_s_, stops_, visits_, targets_m_);
+  if (!a.is_reading()) return;
+  for (uint32_t id = 0; id < doing_.size(); ++id) {
+    if (doing_[id] > Doing::kGone || next_[id] > Doing::kGone)
+      a.refuse("something that people do", "something else");
+    if (stops_[id] >= ways_.route(groups_[id]).size()) a.refuse("a stop of the route", "another");
+    // Written so that NaN is refused, too.
+    if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
+      a.refuse("a place", "one out of the world");
+  }
+}
+
+void Journeys::enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
+  set_out(id, position_m);
+  if (doing_[id] != Doing::kWalking || delays_s_[id] == 0) return;
+  doing_[id] = Doing::kWaiting;
+  next_[id] = Doing::kWalking;
+  until_s_[id] = now_s + delays_s_[id];
+}
+
+void Journeys::set_out(uint32_t id, const Eigen::Vector2d& position_m) {
+  until_s_[id] = kNever;
+  doing_[id] = ways_.leads(stop(id), position_m) ? Doing::kWalking : Doing::kStranded;
+  choose_target(id, position_m);
+}
+
+void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
+  const Stop& to = stop(id);
+  const Rectangle* area = &to.area_near(position_m);
+  const Eigen::Vector2d rim = (0.25 * area->size_m()).cwiseMin(kRim_m);
+  for (uint32_t attempt = 0; attempt < kTries; ++attempt) {
+    const RandomKey key{seed_, id, visits_[id], Purpose::kGoal};
+    targets_m_[id] = {
+        random_uniform(key, area->min_m.x() + rim.x(), area->max_m.x() - rim.x(), 2 * attempt),
+        random_uniform(key, area->min_m.y() + rim.y(), area->max_m.y() - rim.y(), 2 * attempt + 1)};
+    if (to.field->reaches(targets_m_[id])) return;
+  }
+}
+
+void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
+  if (doing_[id] == Doing::kWaiting && now_s >= until_s_[id]) {
+    doing_[id] = next_[id];
+    until_s_[id] = kNever;
+    if (doing_[id] == Doing::kWalking) set_out(id, position_m);
+  }
+  if (doing_[id] != Doing::kWalking) return;
+  const Stop& to = stop(id);
+  if (!to.contains(position_m)) return;
+  const bool is_last = stops_[id] + 1 == ways_.route(groups_[id]).size();
+  const OnArrival after = ways_.on_arrival(groups_[id]);
+  const bool leaves = is_last && after == OnArrival::kLeave;
+  if (until_s_[id] == kNever) {
+    // Inside for the first time: with several areas, the place lies in the one that was reached.
+    until_s_[id] = now_s + tuning::kPatience_s;
+    if (to.goal.areas.size() > 1) choose_target(id, position_m);
+  }
+  const bool stays = to.goal.wait_s > 0 || (is_last && after == OnArrival::kStay);
+  const double near_m = stays ? kStop_m : tuning::kArrival_m;
+  const bool is_there = (targets_m_[id] - position_m).norm() < near_m;
+  if (is_there || to.goal.pass || (leaves && !stays) || now_s >= until_s_[id])
+    arrive(id, position_m, now_s);
+}
+
+void Journeys::arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
+  const size_t stops = ways_.route(groups_[id]).size();
+  const bool is_last = stops_[id] + 1 == stops;
+  const double wait_s = stop(id).goal.wait_s;
+  ++visits_[id];
+  Doing next = Doing::kWalking;
+  if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kStay) next = Doing::kStaying;
+  if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kLeave) next = Doing::kLeaving;
+  if (next == Doing::kWalking) stops_[id] = static_cast<uint32_t>((stops_[id] + 1) % stops);
+  if (wait_s > 0) {
+    doing_[id] = Doing::kWaiting;
+    next_[id] = next;
+    until_s_[id] = now_s + wait_s;
+  } else if (next == Doing::kWalking) {
+    set_out(id, position_m);
+  } else {
+    doing_[id] = next;
+  }
+}
+
+Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position_m) const {
+  if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
+  const Stop& to = stop(id);
+  if (!to.contains(position_m)) {
+    const Eigen::Vector2d way = to.field->direction(position_m);
+    if (way.squaredNorm() > 0) return way;
+  }
+  const Eigen::Vector2d way = targets_m_[id] - position_m;
+  const double length_m = way.norm();
+  return length_m > 0 ? Eigen::Vector2d(way / length_m) : Eigen::Vector2d::Zero();
+}
+
+std::vector<Stranding> Journeys::strandings(std::span<const Eigen::Vector2d> positions_m) const {
+  std::vector<Stranding> all;
+  for (uint32_t id = 0; id < doing_.size(); ++id) {
+    if (doing_[id] != Doing::kStranded) continue;
+    auto known = all.begin();
+    while (known != all.end() && (known->group != groups_[id] || known->stop != stops_[id]))
+      ++known;
+    if (known == all.end()) {
+      const Path path = ways_.nav_mesh().path(positions_m[id], stop(id).goal.areas);
+      const Eigen::Vector2d end = path.corners_m.empty() ? positions_m[id] : path.corners_m.back();
+      known = all.insert(all.end(), {groups_[id], stops_[id], 0, positions_m[id], end});
+    }
+    ++known->people;
+  }
+  return all;
+}
+
+std::string describe(const Stranding& stranding, const Scene& scene) {
+  std::string obstacle;
+  double nearest_m = kInTheWay_m;
+  for (const Obstacle& each : scene.obstacles) {
+    if (!blocks_people(each)) continue;
+    // Of the ground only what is near: there may be thousands of obstacles.
+    const Eigen::Vector2d near = Eigen::Vector2d::Constant(kInTheWay_m);
+    const Walkable alone({stranding.end_m - near, stranding.end_m + near}, {footprint_of(each)});
+    const double away_m = alone.nearest(0, stranding.end_m).distance_m;
+    if (away_m >= nearest_m) continue;
+    nearest_m = away_m;
+    obstacle = fmt::format(" at '{}'", each.name);
+  }
+  return fmt::format(
+      "group '{}': {} cannot reach goal {} from ({:.1f}, {:.1f}) m; the way ends at ({:.1f}, "
+      "{:.1f}) m{}",
+      scene.groups[stranding.group].name,
+      stranding.people == 1 ? "1 person" : fmt::format("{} people", stranding.people),
+      stranding.stop + 1, stranding.place_m.x(), stranding.place_m.y(), stranding.end_m.x(),
+      stranding.end_m.y(), obstacle);
+}
+
+}  // namespace throng

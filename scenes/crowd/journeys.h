@@ -1,0 +1,96 @@
+// What everybody is about: which goal they walk to, waiting, staying, gone.
+// One rule: what a person does depends on where that person stands and on the time only, so that
+// persons can be asked in any order.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/files/archive.h"
+#include "scenes/crowd/spawn.h"
+#include "scenes/ways/ways.h"
+
+namespace throng {
+
+enum class Doing : uint8_t {
+  kOutside,  ///< has not entered yet
+  kWaiting,  ///< stands still until a time: before setting out, or at a goal
+  kWalking,
+  kStaying,   ///< at the last goal, for good
+  kStranded,  ///< no way leads from here to the goal
+  kLeaving,   ///< at the last goal; to be taken out of the scene
+  kGone,
+};
+
+/// People of one group who cannot reach one of their goals.
+struct Stranding {
+  uint32_t group = 0;
+  uint32_t stop = 0;  ///< index into the route
+  int people = 0;
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< where one of them stands
+  Eigen::Vector2d end_m = Eigen::Vector2d::Zero();    ///< as near as that one could get
+};
+
+class Journeys {
+ public:
+  /// Keeps a reference to `ways`. Those with an entrance are outside until enter(); the others
+  /// begin at time 0.
+  Journeys(const Ways& ways, std::span<const Person> people, uint64_t seed);
+
+  /// Everything that follow() may have changed.
+  void archive(Archive& a);
+
+  /// Somebody comes in at a place.
+  void enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
+  /// Somebody who is leaving has left.
+  void leave(uint32_t id) { doing_[id] = Doing::kGone; }
+
+  /// Once a decision: arrives, waits, goes on. Touches nobody else's state.
+  void follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
+
+  /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
+  Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m) const;
+
+  /// direction() of the same is asked for soon.
+  void prefetch(uint32_t id, const Eigen::Vector2d& position_m) const {
+    if (doing_[id] == Doing::kWalking) stop(id).field->prefetch(position_m);
+  }
+
+  Doing doing(uint32_t id) const { return doing_[id]; }
+  bool is_present(uint32_t id) const {
+    return doing_[id] != Doing::kOutside && doing_[id] != Doing::kGone;
+  }
+  /// The goal, being walked to or stood at.
+  const Stop& stop(uint32_t id) const { return ways_.route(groups_[id])[stops_[id]]; }
+  /// Goals reached so far.
+  uint32_t visits(uint32_t id) const { return visits_[id]; }
+
+  /// Everybody who is stranded now, by group and stop. One caller at a time.
+  std::vector<Stranding> strandings(std::span<const Eigen::Vector2d> positions_m) const;
+
+ private:
+  void set_out(uint32_t id, const Eigen::Vector2d& position_m);
+  void arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
+  void choose_target(uint32_t id, const Eigen::Vector2d& position_m);
+
+  const Ways& ways_;
+  uint64_t seed_;
+  // By person.
+  std::vector<uint32_t> groups_;
+  std::vector<double> delays_s_;
+  std::vector<Doing> doing_;
+  std::vector<Doing> next_;  ///< after waiting
+  std::vector<double>
+      until_s_;  ///< end of waiting; of walking inside a goal: when to take any place
+  std::vector<uint32_t> stops_;  ///< index into the route
+  std::vector<uint32_t> visits_;
+  std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
+};
+
+/// A line for the user: who cannot reach what from where, and what is in the way.
+std::string describe(const Stranding& stranding, const Scene& scene);
+
+}  // namespace throng

@@ -1,0 +1,206 @@
+#include "scenes/crowd/spawn.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/elementary.h"
+#include "base/random.h"
+#include "scenes/file/scene_limits.h"
+
+namespace throng {
+namespace {
+
+/// Gaps between discs, from comfortable to touching; kDarts tries each.
+constexpr double kGaps_m[] = {0.30, 0.12, 0.02};
+constexpr uint32_t kDarts = 60;
+constexpr double kReferenceHeight_m = 1.70;
+constexpr double kReferenceRadius_m = 0.22;
+constexpr uint32_t kNobody = UINT32_MAX;
+
+/// The people placed so far in lists by cell.
+class Places {
+ public:
+  /// `widest_m` is the largest radius of all.
+  Places(const Rectangle& ground, double widest_m) : origin_m_(ground.min_m) {
+    // A cell is as wide as two discs with their gap, so that the nine around see all conflicts.
+    cell_m_ = std::max({1.0, 2 * widest_m + kGaps_m[0], std::sqrt(ground.area_m2() / (1 << 22))});
+    columns_ = static_cast<int>(ground.size_m().x() / cell_m_) + 1;
+    rows_ = static_cast<int>(ground.size_m().y() / cell_m_) + 1;
+    first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNobody);
+  }
+
+  bool is_free(const Eigen::Vector2d& point, double radius_m, double gap_m,
+               const std::vector<Person>& people) const {
+    const auto [column, row] = cell_of(point);
+    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
+        for (uint32_t id = first_[index(c, r)]; id != kNobody; id = next_[id]) {
+          const double apart = radius_m + people[id].radius_m + gap_m;
+          if ((people[id].position_m - point).squaredNorm() < apart * apart) return false;
+        }
+    return true;
+  }
+
+  void add(const Eigen::Vector2d& point, size_t id) {
+    const auto [column, row] = cell_of(point);
+    uint32_t& first = first_[index(column, row)];
+    next_.resize(id + 1, kNobody);
+    next_[id] = first;
+    first = static_cast<uint32_t>(id);
+  }
+
+ private:
+  std::pair<int, int> cell_of(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d offset = (point - origin_m_) / cell_m_;
+    return {std::clamp(static_cast<int>(offset.x()), 0, columns_ - 1),
+            std::clamp(static_cast<int>(offset.y()), 0, rows_ - 1)};
+  }
+  size_t index(int column, int row) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
+  }
+
+  Eigen::Vector2d origin_m_;
+  double cell_m_ = 1;
+  int columns_ = 1;
+  int rows_ = 1;
+  std::vector<uint32_t> first_;  ///< by cell
+  std::vector<uint32_t> next_;   ///< by person
+};
+
+void stand_at(const Eigen::Vector2d& point, const Stop& goal, Person& person) {
+  person.position_m = point;
+  Eigen::Vector2d heading = goal.field->direction(point);
+  if (heading.squaredNorm() == 0) heading = goal.area_near(point).middle_m() - point;
+  if (heading.squaredNorm() > 0) person.heading = heading.normalized();
+}
+
+/// Finds a free place in the group's spawn area; `id` names the person asked for, placed or not.
+/// A place without a way to the goal is taken if there is no other: its people are told of, not
+/// left out.
+bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64_t id,
+                const std::vector<Person>& people, const Places& places, Person& person) {
+  const Stop& goal = ways.route(person.group).front();
+  uint32_t dart = 0;
+  bool has_poor_place = false;
+  for (const double gap_m : kGaps_m) {
+    for (uint32_t attempt = 0; attempt < kDarts; ++attempt, ++dart) {
+      const RandomKey key{scene.seed, id, dart, Purpose::kSpawnPosition};
+      const Eigen::Vector2d point(
+          random_uniform(key, group.spawn.min_m.x(), group.spawn.max_m.x(), 0),
+          random_uniform(key, group.spawn.min_m.y(), group.spawn.max_m.y(), 1));
+      if (!places.is_free(point, person.radius_m, gap_m, people)) continue;
+      if (ways.walkable().clearance_m(point) < wall_gap_m(person.radius_m, person.height_m))
+        continue;
+      const bool is_good = goal.field->reaches(point);
+      if (!is_good && has_poor_place) continue;
+      stand_at(point, goal, person);
+      if (is_good) return true;
+      has_poor_place = true;
+    }
+  }
+  return has_poor_place;
+}
+
+/// Of the steering disc of somebody in the group.
+double disc_of(const Group& group, double height_m) {
+  if (group.radius_m > 0) return group.radius_m;
+  if (has_people(group)) return disc_radius_m(height_m);
+  const Model& body = *group.body;
+  // All of a robot as it starts: unlike a person it has no arms to draw in.
+  return std::clamp(static_cast<double>(body.footprint_radius_m()) * height_m /
+                        static_cast<double>(body.height_m),
+                    kMinRadius_m, kMaxRadius_m);
+}
+
+double tallest_m(const Group& group) {
+  if (group.height_m) return group.height_m->max;
+  double most_m = 0;
+  for (size_t age = 0; age < kAgeCount; ++age)
+    most_m = std::max(most_m, age_group(static_cast<Age>(age)).height_m.max);
+  return most_m;
+}
+
+Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
+  const Group& group = scene.groups[group_index];
+  Person person;
+  person.group = static_cast<uint32_t>(group_index);
+  const AgeGroup& age = age_group(draw_age(group.ages, scene.seed, id));
+  person.height_m = draw(group.height_m.value_or(age.height_m), scene.seed, id, Purpose::kHeight);
+  person.free_speed_mps =
+      draw(group.speed_mps.value_or(age.speed_mps), scene.seed, id, Purpose::kFreeSpeed);
+  person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
+  person.radius_m = disc_of(group, person.height_m);
+  person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
+  if (group.driven.empty())
+    person.style = draw_style(group.styles.value_or(age.styles), scene.seed, id);
+  return person;
+}
+
+/// Those of one source, with the times at which they come.
+void list_source(const Scene& scene, const Ways& ways, size_t group, const Source& source,
+                 uint32_t entrance, uint64_t first_id, std::vector<Person>& people) {
+  double time_s = source.start_s;
+  for (int i = 0; i < source.count; ++i) {
+    const uint64_t id = first_id + static_cast<uint64_t>(i);
+    Person person = person_of(scene, group, id);
+    // Gaps of a Poisson process are exponential; 1 - u is above 0.
+    const double gap =
+        source.random ? -natural_log(1 - random_uniform({scene.seed, id, 0, Purpose::kEmission}))
+                      : (i == 0 ? 0.0 : 1.0);
+    time_s += gap / source.rate_per_s;
+    person.enters_s = time_s;
+    person.entrance = entrance;
+    stand_at(source.area.middle_m(), ways.route(group).front(), person);
+    people.push_back(person);
+  }
+}
+
+}  // namespace
+
+double disc_radius_m(double height_m) {
+  return kReferenceRadius_m * (height_m / kReferenceHeight_m);
+}
+
+double wall_gap_m(double radius_m, double height_m) {
+  // Half of 0.25 m for 1.70 m; no more than discs of any height would be, since robots are tall,
+  // too.
+  return std::max(radius_m, std::min(kReferenceRadius_m, 0.125 * (height_m / kReferenceHeight_m)));
+}
+
+Spawned spawn(const Scene& scene, const Ways& ways) {
+  Spawned out;
+  double widest_m = 0;
+  for (const Group& group : scene.groups)
+    widest_m = std::max(widest_m, disc_of(group, tallest_m(group)));
+  Places places(scene.ground, widest_m);
+  uint64_t id = 0;
+  uint32_t entrance = 0;
+  for (size_t g = 0; g < scene.groups.size(); ++g) {
+    const Group& group = scene.groups[g];
+    // A robot's size comes from a file of somebody else's, perhaps in millimetres: it is said.
+    if (!has_people(group))
+      out.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
+    int placed = 0;
+    for (int i = 0; i < group.count; ++i, ++id) {
+      Person person = person_of(scene, g, id);
+      if (!find_place(scene, group, ways, id, out.people, places, person)) continue;
+      places.add(person.position_m, out.people.size());
+      out.people.push_back(person);
+      ++placed;
+    }
+    for (const Source& source : group.sources) {
+      list_source(scene, ways, g, source, entrance++, id, out.people);
+      id += static_cast<uint64_t>(source.count);
+    }
+    out.unplaced.push_back(group.count - placed);
+    if (placed < group.count)
+      out.notes.push_back(
+          fmt::format("group '{}': placed {} of {} people; its spawn area holds no more",
+                      group.name, placed, group.count));
+  }
+  return out;
+}
+
+}  // namespace throng

@@ -1,0 +1,55 @@
+// Placing people: apart from each other, off the obstacles, with a way to their goal.
+// One rule: every person asked for is placed or counted as not placed, and the same seed places
+// alike.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/file/people.h"
+#include "scenes/file/scene.h"
+#include "scenes/ways/ways.h"
+
+namespace throng {
+
+/// One person at the start of a run.
+struct Person {
+  uint32_t group = 0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d heading = Eigen::Vector2d::UnitX();  ///< unit
+  double radius_m = 0;                                 ///< of the steering disc
+  double height_m = 0;
+  double free_speed_mps = 0;
+  double phase = 0;  ///< of the gait cycle, in [0, 1)
+  GaitStyle style = GaitStyle::kPlain;
+  double delay_s = 0;  ///< stands still for so long after entering
+  /// Index into Ways::entrances() of somebody who enters later, at enters_s or as soon as there is
+  /// room after that; until then the place is the middle of that area.
+  uint32_t entrance = kFromTheStart;
+  double enters_s = 0;
+
+  static constexpr uint32_t kFromTheStart = UINT32_MAX;
+};
+
+struct Spawned {
+  std::vector<Person> people;  ///< group by group
+  std::vector<int> unplaced;   ///< by group, of those who should stand there at the start
+  std::vector<std::string> notes;
+};
+
+/// Throws darts (at first 0.3 m between discs, then closer, at last touching) until a place is free
+/// or patience ends. Who enters later is listed, not placed: of each group first those who stand
+/// there, then those of its sources, in the order they enter.
+Spawned spawn(const Scene& scene, const Ways& ways);
+
+/// Radius of the steering disc: 0.22 m for a person of 1.70 m. Half the shoulder breadth is 0.255
+/// m, so that shoulders and arms touch where discs do not.
+double disc_radius_m(double height_m);
+
+/// How far from walls somebody starts: the disc, or half the depth of the trunk where a scene makes
+/// the disc narrower than that.
+double wall_gap_m(double radius_m, double height_m);
+
+}  // namespace throng

@@ -1,0 +1,157 @@
+#include "scenes/crowd/steering/collision_free_speed.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "scenes/crowd/steering/orca.h"
+
+namespace throng {
+namespace {
+
+// The paper's values: strength and range of the pull away from others, and the time gap.
+constexpr float kStrength = 5;
+constexpr float kRange_m = 0.1f;
+constexpr float kTimeGap_s = 1;
+
+/// Density is looked up within this, less where it is so dense that neighbours end sooner.
+constexpr float kDensityReach_m = 1.5f;
+
+struct Direction {
+  float x, y;
+};
+
+Direction turned_away(const SteeringView& p, size_t slot, Direction wish) {
+  Direction sum = wish;
+  const auto push = [&](float away_x, float away_y, float gap_m) {
+    // Deeper than a disc's radius the exponential would drown everything else.
+    const float strength = gap_m > 0 ? kStrength * decaying_exp(gap_m / kRange_m)
+                                     : kStrength * (1 + std::min(-gap_m / kRange_m, 3.0f));
+    sum.x += strength * away_x;
+    sum.y += strength * away_y;
+  };
+  for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
+    const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
+    const float dx = p.x_m[slot] - p.x_m[other];
+    const float dy = p.y_m[slot] - p.y_m[other];
+    const float distance_m = std::sqrt(dx * dx + dy * dy);
+    const float gap_m = distance_m - (p.radius_m[slot] + p.radius_m[other]);
+    if (distance_m > 0)
+      push(dx / distance_m, dy / distance_m, gap_m);
+    else
+      push(slot < other ? -1.0f : 1.0f, 0, gap_m);
+  }
+  const size_t in_block = slot - p.first_slot;
+  for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w)
+    push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w]);
+  const float length = std::sqrt(sum.x * sum.x + sum.y * sum.y);
+  if (!(length > kTiny_mps)) return wish;
+  return {sum.x / length, sum.y / length};
+}
+
+/// Between the discs of a person and of the nearest in the way along `direction`.
+float gap_ahead_m(const SteeringView& p, size_t slot, Direction direction) {
+  float gap_m = 1e9f;
+  for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
+    const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
+    const float dx = p.x_m[other] - p.x_m[slot];
+    const float dy = p.y_m[other] - p.y_m[slot];
+    const float radius_m = p.radius_m[slot] + p.radius_m[other];
+    const float ahead = dx * direction.x + dy * direction.y;
+    const float aside = dx * direction.y - dy * direction.x;
+    if (ahead < 0 || std::abs(aside) > radius_m) continue;
+    gap_m = std::min(gap_m, std::sqrt(dx * dx + dy * dy) - radius_m);
+  }
+  return gap_m;
+}
+
+}  // namespace
+
+float decaying_exp(float x) {
+  // (1 - y + y^2/2)^256 with y = x/256.
+  const double y = std::min(static_cast<double>(x), 200.0) / 256;
+  double power = 1 - y + 0.5 * y * y;
+  for (int i = 0; i < 8; ++i) power *= power;
+  return static_cast<float>(power);
+}
+
+float weidmann_share(float people_per_m2) {
+  constexpr float kSteepness = 1.913f, kJam_per_m2 = 5.4f;
+  if (people_per_m2 >= kJam_per_m2) return 0;
+  const float room_m2 = 1 / std::max(people_per_m2, 0.01f) - 1 / kJam_per_m2;
+  return 1 - decaying_exp(kSteepness * room_m2);
+}
+
+float density_ahead(const SteeringView& p, size_t slot, float direction_x, float direction_y) {
+  const size_t count = p.neighbour_counts[slot];
+  const uint32_t* near = p.neighbours + NeighbourGrid::kMost * slot;
+  const auto square = [&](uint32_t other) {
+    const float dx = p.x_m[other] - p.x_m[slot];
+    const float dy = p.y_m[other] - p.y_m[slot];
+    return dx * dx + dy * dy;
+  };
+  float reach_square = kDensityReach_m * kDensityReach_m;
+  if (count == NeighbourGrid::kMost) reach_square = std::min(reach_square, square(near[count - 1]));
+  float people = 0.5f;  // a person ahead of whom half of the person stands
+  for (size_t k = 0; k < count; ++k) {
+    const float dx = p.x_m[near[k]] - p.x_m[slot];
+    const float dy = p.y_m[near[k]] - p.y_m[slot];
+    if (dx * direction_x + dy * direction_y <= 0) continue;
+    const float at = square(near[k]);
+    // Of the farthest, whose distance is the reach, half lies within.
+    people += at < reach_square ? 1.0f : (at == reach_square ? 0.5f : 0.0f);
+  }
+  // The share of the half-disc that is not behind a wall, by points of equal area.
+  static constexpr std::array<std::array<float, 2>, 12> kPoints{{{0.96f, 0.13f},
+                                                                 {0.96f, -0.13f},
+                                                                 {0.8f, 0.5f},
+                                                                 {0.8f, -0.5f},
+                                                                 {0.45f, 0.83f},
+                                                                 {0.45f, -0.83f},
+                                                                 {0.6f, 0.15f},
+                                                                 {0.6f, -0.15f},
+                                                                 {0.3f, 0.5f},
+                                                                 {0.3f, -0.5f},
+                                                                 {0.12f, 0.85f},
+                                                                 {0.12f, -0.85f}}};
+  const float reach_m = std::sqrt(reach_square);
+  const size_t in_block = slot - p.first_slot;
+  int open = 0;
+  for (const auto& [ahead, aside] : kPoints) {
+    const float x = reach_m * (ahead * direction_x - aside * direction_y);
+    const float y = reach_m * (ahead * direction_y + aside * direction_x);
+    bool behind = false;
+    for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w)
+      behind =
+          behind || p.wall_x[w] * x + p.wall_y[w] * y < -(p.wall_clearance_m[w] + p.radius_m[slot]);
+    open += behind ? 0 : 1;
+  }
+  const float area_m2 =
+      1.5707963f * reach_square * static_cast<float>(std::max(open, 2)) / kPoints.size();
+  return people / area_m2;
+}
+
+void decide_collision_free_speed(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
+                                 float* next_y_mps) {
+  std::array<HalfPlane, kMostPlanes> planes;
+  for (size_t slot = begin; slot < end; ++slot) {
+    const float wx = p.wanted_x_mps[slot], wy = p.wanted_y_mps[slot];
+    const float wanted = std::sqrt(wx * wx + wy * wy);
+    Direction wish{0, 0};
+    if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
+    const Direction way = turned_away(p, slot, wish);
+    const float speed = std::min(wanted, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
+    size_t count = 0;
+    const size_t in_block = slot - p.first_slot;
+    for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w)
+      planes[count++] =
+          keep_off({p.wall_x[w], p.wall_y[w]}, p.wall_clearance_m[w], p.wall_horizon_s);
+    const Eigen::Vector2f v =
+        choose_velocity({planes.data(), count}, static_cast<int>(count),
+                        {speed * way.x, speed * way.y}, p.max_speed_mps[slot]);
+    next_x_mps[slot] = v.x();
+    next_y_mps[slot] = v.y();
+  }
+}
+
+}  // namespace throng

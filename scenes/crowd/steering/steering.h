@@ -1,0 +1,57 @@
+// How people choose their next velocity: models behind one interface.
+// One rule: a choice depends on the old state of the person and of those near, in this order, so it
+// is the same for any split into blocks and any number of threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "base/simd.h"
+#include "scenes/crowd/neighbour_grid.h"
+#include "scenes/crowd/steering/steering_rule.h"
+
+namespace throng {
+
+/// The people of a decision. Arrays are by slot (see NeighbourGrid) unless they say otherwise.
+struct SteeringView {
+  const float* x_m = nullptr;
+  const float* y_m = nullptr;
+  const float* vx_mps = nullptr;
+  const float* vy_mps = nullptr;
+  const float* radius_m = nullptr;
+  const float* wanted_x_mps = nullptr;
+  const float* wanted_y_mps = nullptr;
+  const float* max_speed_mps = nullptr;
+  const float* horizon_s = nullptr;      ///< no collision for so long
+  const float* urge = nullptr;           ///< 0 to 1: others make way for who has more of it
+  const uint32_t* neighbours = nullptr;  ///< NeighbourGrid::kMost a slot, nearest first
+  const uint8_t* neighbour_counts = nullptr;
+
+  /// Walls near the slots of one block: normals point from the wall to the person, clearances are
+  /// what is left between wall and disc. Those of slot s are [wall_starts[s - first_slot], ...).
+  const float* wall_x = nullptr;
+  const float* wall_y = nullptr;
+  const float* wall_clearance_m = nullptr;
+  const uint32_t* wall_starts = nullptr;
+  size_t first_slot = 0;
+
+  float period_s = 0.1f;  ///< until the next decision
+  float wall_horizon_s = 0.5f;
+};
+
+class SteeringModel {
+ public:
+  virtual ~SteeringModel() = default;
+  /// Writes the velocities of the slots [begin, end), all of one block. No allocation. Walls are
+  /// hard: nobody's velocity leads nearer to one than its clearance within the wall's horizon.
+  virtual void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
+                      float* next_y_mps) const = 0;
+};
+
+std::unique_ptr<const SteeringModel> make_steering_model(SteeringKind kind, SimdTarget target);
+
+/// Walls that a person can have at once; beyond, the farthest are left out.
+inline constexpr size_t kMostWalls = 24;
+
+}  // namespace throng

@@ -1,0 +1,167 @@
+// A scene as its YAML file describes it, checked.
+// One rule: a Scene that exists can be run; every complaint names file:line and the way out.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "avatars/model/model.h"
+#include "culling/culler.h"
+#include "scenes/crowd/steering/steering_rule.h"
+#include "scenes/file/people.h"
+
+namespace throng {
+
+struct Rectangle {
+  Eigen::Vector2d min_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d max_m = Eigen::Vector2d::Zero();
+
+  Eigen::Vector2d size_m() const { return max_m - min_m; }
+  Eigen::Vector2d middle_m() const { return 0.5 * (min_m + max_m); }
+  double area_m2() const { return size_m().prod(); }
+  bool contains(const Eigen::Vector2d& point) const {
+    return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
+  }
+  bool operator==(const Rectangle&) const = default;
+};
+
+/// Somewhere to go: into any one of the areas, whichever has the shortest way.
+struct Goal {
+  Goal() = default;
+  Goal(const Rectangle& area) : areas{area} {}
+
+  std::vector<Rectangle> areas;  ///< at least one
+  double wait_s = 0;             ///< how long everybody stands there before going on
+  bool pass = false;  ///< reached on entering it; otherwise people walk to a place inside
+
+  bool contains(const Eigen::Vector2d& point) const {
+    for (const Rectangle& area : areas)
+      if (area.contains(point)) return true;
+    return false;
+  }
+  bool operator==(const Goal&) const = default;
+};
+
+/// What people do who reached their last goal.
+enum class OnArrival : uint8_t { kLoop, kStay, kLeave };
+
+/// Where people of a group enter while the scene runs.
+struct Source {
+  Rectangle area;
+  int count = 0;          ///< in all; each has an id from the start
+  double rate_per_s = 0;  ///< above 0
+  double start_s = 0;     ///< when the first one comes
+  bool random = false;    ///< a Poisson process; otherwise evenly spaced
+};
+
+/// People of one model who start in one area, or enter from sources, and walk to goals.
+struct Group {
+  std::string name;
+  std::filesystem::path model;  ///< a URDF, absolute; "adult" in the file means the bundled one
+  std::shared_ptr<const Model> body;        ///< what `model` holds; load_scene() fills it
+  int count = 0;                            ///< at the start
+  Rectangle spawn;                          ///< where they stand then
+  std::vector<Source> sources;              ///< of people who enter later
+  std::vector<Goal> goals;                  ///< visited in order
+  OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
+  Distribution delay_s{0, 0, 0, 0};         ///< standing still before setting out
+  AgeShares ages = kAdultsOnly;
+  std::optional<Distribution> speed_mps;  ///< free speed; none: by age
+  std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()
+  std::optional<StyleShares> styles;      ///< of walking; none: by age
+  double radius_m = 0;                    ///< of the steering disc; 0: from the height
+  /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
+  /// goal, its spawn area, and no sources.
+  std::string driven;
+
+  /// Everybody there may ever be.
+  int64_t total() const {
+    int64_t sum = count;
+    for (const Source& source : sources) sum += source.count;
+    return sum;
+  }
+};
+
+/// Something solid that stands still.
+struct Obstacle {
+  enum class Kind { kBox, kCylinder, kMesh };
+  std::string name;
+  Kind kind = Kind::kBox;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< a mesh: where its origin lies
+  double heading_rad = 0;
+  Eigen::Vector3d size_m =
+      Eigen::Vector3d::Ones();  ///< box edges; cylinder: diameter, diameter, height; mesh: extent
+  std::filesystem::path mesh_file;
+  Mesh mesh;  ///< the solid in the obstacle's own frame, whatever its kind
+};
+
+/// The paper's world instead of a crowd: loose parts of one body, in turn, that fly in a closed
+/// box.
+struct PartsBox {
+  std::filesystem::path model;        ///< whose parts; as in a group
+  std::shared_ptr<const Model> body;  ///< what `model` holds
+  int count = 0;
+  int static_every = 0;  ///< every n-th part stands still; 0: none does
+  double edge_m = 0;
+  double min_speed_mps = 0.5;
+  double max_speed_mps = 1.5;
+  double max_spin_radps = 3;
+};
+
+struct Scene {
+  std::string name;
+  std::string description;
+  std::filesystem::path file;
+  uint64_t seed = 1;
+  double step_s = 1.0 / 60.0;
+  double duration_s = 10;
+  Rectangle ground;
+  std::vector<Group> groups;
+  std::vector<Obstacle> obstacles;
+  std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
+  SteeringRule steering;
+  VolumeKind part_volume = VolumeKind::kOrdop26;
+  bool exact = false;
+  bool planted_feet = true;  ///< feet stay where they are put on curves, too
+  uint64_t content_hash =
+      0;  ///< of what the file says and of what it refers to, not of where it lies
+};
+
+/// Hash of everything in a scene that shapes its frames, and of its name; not of its duration (a
+/// longer run begins with the shorter one's frames), its description, or where files lie.
+uint64_t content_hash_of(const Scene& scene);
+
+/// Not robots; a group without a body yet is one of people.
+bool has_people(const Group& group);
+
+/// Gives a group whose height nobody says that of its `body`, if it is a robot or driven: these are
+/// as large as their model. What the height of people is follows from their ages.
+void keep_own_size(Group& group);
+
+/// What becomes of a group's model: how large, at which scale, where it stands.
+std::string describe_size(const Group& group);
+
+/// A path, or the name of a bundled scene. Throws InputError with file:line or a did-you-mean.
+Scene load_scene(const std::string& path_or_name);
+
+/// The bundled scenes (name and one-line description), sorted by name.
+struct SceneEntry {
+  std::string name;
+  std::string description;
+};
+std::vector<SceneEntry> bundled_scenes();
+
+/// Scales groups and sources (and their rates) in proportion to `total` people (by largest
+/// remainders, so that the sum is exact). Where spawn areas or the ground become too full, the plan
+/// grows by one factor about the middle of the ground: ground, areas, the places of obstacles, and
+/// the lengths of those that span it (walls). Heights stay. A box of parts keeps its density. Says
+/// on `notes` what it changed, and returns how many times longer the plan is. Throws InputError if
+/// `total` is out of range.
+double scale_to(Scene& scene, int total, std::vector<std::string>& notes);
+
+}  // namespace throng

@@ -1,0 +1,213 @@
+#include "scenes/file/scene_fields.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "base/errors.h"
+#include "base/text.h"
+
+namespace throng {
+namespace {
+
+std::optional<double> parse_decimal(std::string_view text) {
+  double value = 0;
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+/// A decimal, or a fraction: 1/60 of a second has no short decimal.
+std::optional<double> parse_number(std::string_view text) {
+  const size_t slash = text.find('/');
+  if (slash == std::string_view::npos) return parse_decimal(text);
+  const auto above = parse_decimal(text.substr(0, slash));
+  const auto below = parse_decimal(text.substr(slash + 1));
+  if (!above || !below || *below == 0) return std::nullopt;
+  return *above / *below;
+}
+
+std::string describe_range(const Range& range) {
+  if (range.above_min) return fmt::format("above {} and at most {}", range.min, range.max);
+  return fmt::format("from {} to {}", range.min, range.max);
+}
+
+}  // namespace
+
+std::string describe(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::kNull:
+      return "nothing";
+    case YamlNode::Kind::kScalar:
+      return node.scalar.size() <= 60 ? fmt::format("'{}'", node.scalar)
+                                      : fmt::format("'{}...'", escaped(node.scalar.substr(0, 60)));
+    case YamlNode::Kind::kList:
+      return fmt::format("a list of {}", node.items.size());
+    case YamlNode::Kind::kMap:
+      return "a map";
+  }
+  return "nothing";
+}
+
+Fields::Fields(const std::string& file, const YamlNode& node, std::string what)
+    : file_(file), node_(node), what_(std::move(what)) {
+  if (node.kind != YamlNode::Kind::kMap)
+    throw InputError(where(node), fmt::format("{} (a map of keys)", what_), describe(node));
+}
+
+std::string Fields::where(const YamlNode& node) const { return at_line(file_, node.line); }
+
+const YamlNode* Fields::find(const std::string& key) {
+  known_.push_back(key);
+  for (const YamlEntry& entry : node_.entries)
+    if (entry.key == key) return &entry.value;
+  return nullptr;
+}
+
+const YamlNode& Fields::require(const std::string& key) {
+  const YamlNode* node = find(key);
+  if (node != nullptr) return *node;
+  throw InputError(where(node_), fmt::format("the key '{}' in {}", key, what_), "none");
+}
+
+std::string Fields::text(const std::string& key) {
+  const YamlNode& node = require(key);
+  if (node.kind != YamlNode::Kind::kScalar || node.scalar.empty())
+    throw InputError(where(node), fmt::format("a text for '{}'", key), describe(node));
+  return node.scalar;
+}
+
+std::string Fields::text_or(const std::string& key, const std::string& fallback) {
+  if (find(key) == nullptr) return fallback;
+  known_.pop_back();
+  return text(key);
+}
+
+std::string Fields::name_or(const std::string& key, const std::string& fallback) {
+  const YamlNode* node = find(key);
+  if (node == nullptr) return fallback;
+  known_.pop_back();
+  std::string name = text(key);
+  const std::string defect = defect_of_name(name);
+  if (!defect.empty())
+    throw InputError(where(*node),
+                     fmt::format("a name of 1 to {} printable bytes for '{}'", kMaxNameBytes, key),
+                     defect);
+  return name;
+}
+
+std::string Fields::line_or(const std::string& key, const std::string& fallback) {
+  std::string line = text_or(key, fallback);
+  while (!line.empty() && line.back() == '\n') line.pop_back();
+  for (char& c : line)
+    if (c == '\n' || c == '\t') c = ' ';
+  return line;
+}
+
+double Fields::to_number(const std::string& key, const YamlNode& node, const Range& range) const {
+  std::optional<double> value;
+  if (node.kind == YamlNode::Kind::kScalar && !node.quoted) value = parse_number(node.scalar);
+  if (!value) throw InputError(where(node), fmt::format("a number for '{}'", key), describe(node));
+  if (*value > range.max || *value < range.min || (range.above_min && *value == range.min))
+    throw InputError(where(node), fmt::format("'{}' {}", key, describe_range(range)), node.scalar);
+  return *value;
+}
+
+double Fields::number(const std::string& key, const Range& range) {
+  return to_number(key, require(key), range);
+}
+
+double Fields::number_or(const std::string& key, const Range& range, double fallback) {
+  const YamlNode* node = find(key);
+  return node == nullptr ? fallback : to_number(key, *node, range);
+}
+
+int64_t Fields::integer_or(const std::string& key, int64_t min, int64_t max,
+                           std::optional<int64_t> fallback) {
+  const YamlNode* node = fallback ? find(key) : &require(key);
+  if (node == nullptr) return *fallback;
+  int64_t value = 0;
+  const std::string& text = node->scalar;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_integer = node->kind == YamlNode::Kind::kScalar && !node->quoted &&
+                          end == text.data() + text.size() && !text.empty() &&
+                          error != std::errc::invalid_argument;
+  if (!is_integer || error == std::errc::result_out_of_range || value < min || value > max)
+    throw InputError(where(*node),
+                     fmt::format("a whole number from {} to {} for '{}'", min, max, key),
+                     describe(*node));
+  return value;
+}
+
+bool Fields::boolean_or(const std::string& key, bool fallback) {
+  const YamlNode* node = find(key);
+  if (node == nullptr) return fallback;
+  if (node->scalar == "true" && !node->quoted) return true;
+  if (node->scalar == "false" && !node->quoted) return false;
+  throw InputError(where(*node), fmt::format("true or false for '{}'", key), describe(*node));
+}
+
+std::vector<double> Fields::numbers(const std::string& key, int count, const Range& range) {
+  const YamlNode& node = require(key);
+  if (node.kind != YamlNode::Kind::kList || node.items.size() != static_cast<size_t>(count))
+    throw InputError(where(node), fmt::format("a list of {} numbers for '{}'", count, key),
+                     describe(node));
+  std::vector<double> values;
+  for (const YamlNode& item : node.items) values.push_back(to_number(key, item, range));
+  return values;
+}
+
+void Fields::expect_keys(const std::vector<std::string>& keys) const {
+  for (const YamlEntry& entry : node_.entries)
+    if (std::find(keys.begin(), keys.end(), entry.key) == keys.end())
+      throw InputError(at_line(file_, entry.line), fmt::format("a key of {}", what_),
+                       fmt::format("'{}'{}", entry.key, did_you_mean(entry.key, keys)));
+}
+
+void Fields::done() const { expect_keys(known_); }
+
+Rectangle read_rectangle(Fields& fields, const std::string& what) {
+  const Range range{-kMaxCoordinate_m, kMaxCoordinate_m};
+  const std::vector<double> min = fields.numbers("min_m", 2, range);
+  const std::vector<double> max = fields.numbers("max_m", 2, range);
+  if (min[0] >= max[0] || min[1] >= max[1])
+    throw InputError(at_line(fields.file(), fields.line()),
+                     fmt::format("min_m below max_m in {}", what),
+                     fmt::format("[{}, {}] and [{}, {}]", min[0], min[1], max[0], max[1]));
+  return {{min[0], min[1]}, {max[0], max[1]}};
+}
+
+Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what) {
+  Fields fields(file, node, what);
+  const Rectangle area = read_rectangle(fields, what);
+  fields.done();
+  return area;
+}
+
+Distribution read_distribution(const std::string& file, const YamlNode& node,
+                               const std::string& what, const Distribution& fallback,
+                               const Range& range) {
+  if (node.kind == YamlNode::Kind::kScalar) {
+    const YamlNode wrapper{YamlNode::Kind::kMap,     node.line, "", false, {},
+                           {{what, node.line, node}}};
+    const double value = Fields(file, wrapper, what).number(what, range);
+    return {value, 0, value, value};
+  }
+  Fields fields(file, node, what);
+  Distribution out;
+  out.mean = fields.number_or("mean", range, fallback.mean);
+  out.deviation = fields.number_or("deviation", {0, range.max}, fallback.deviation);
+  out.min = fields.number_or("min", range, fallback.min);
+  out.max = fields.number_or("max", range, fallback.max);
+  fields.done();
+  if (!(out.min <= out.mean && out.mean <= out.max))
+    throw InputError(at_line(file, node.line), fmt::format("min <= mean <= max in {}", what),
+                     fmt::format("min {}, mean {}, max {}", out.min, out.mean, out.max));
+  return out;
+}
+
+}  // namespace throng

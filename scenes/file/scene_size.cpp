@@ -1,0 +1,36 @@
+// How large the bodies of a group come out.
+#include <fmt/format.h>
+
+#include "scenes/file/scene.h"
+
+namespace throng {
+
+bool has_people(const Group& group) { return group.body == nullptr || group.body->is_person; }
+
+void keep_own_size(Group& group) {
+  if (group.height_m || (group.driven.empty() && has_people(group))) return;
+  const auto height_m = static_cast<double>(group.body->height_m);
+  group.height_m = Distribution{height_m, 0, height_m, height_m};
+}
+
+std::string describe_size(const Group& group) {
+  const Model& body = *group.body;
+  const auto own_m = static_cast<double>(body.height_m);
+  if (!group.height_m)
+    return fmt::format("people of all heights after '{}', which is {:.3g} m tall", body.name,
+                       own_m);
+  const double least = group.height_m->min / own_m, most = group.height_m->max / own_m;
+  const double mean = group.height_m->mean / own_m;
+  std::string scale = "its own size";
+  if (group.height_m->deviation > 0 && least < most)
+    scale = fmt::format("scale {:.3g} ({:.3g} to {:.3g})", mean, least, most);
+  else if (mean != 1)
+    scale = fmt::format("scale {:.3g}", mean);
+  const Eigen::Vector3d size = mean * body.start_box_m.sizes().cast<double>();
+  return fmt::format(
+      "{} '{}', {:.3g} x {:.3g} x {:.3g} m at {}, its root {:.3g} m above the ground",
+      body.is_person ? "person" : "robot", body.name, size.x(), size.y(), size.z(), scale,
+      mean * static_cast<double>(body.root_above_ground_m()));
+}
+
+}  // namespace throng

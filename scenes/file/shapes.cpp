@@ -1,0 +1,63 @@
+#include "scenes/file/shapes.h"
+
+#include <algorithm>
+
+#include "base/elementary.h"
+
+namespace throng {
+namespace {
+
+/// The tallest person a scene may hold is 2.5 m; what hangs higher is in nobody's way.
+constexpr double kHeadroom_m = 2.6;
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
+  const auto before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  };
+  const auto turn = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                       const Eigen::Vector2d& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+  };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<Eigen::Vector2d> hull;
+  for (int pass = 0; pass < 2; ++pass) {  // the lower chain, then the upper
+    const size_t start = hull.size();
+    for (const Eigen::Vector2d& point : points) {
+      while (hull.size() >= start + 2 && turn(hull[hull.size() - 2], hull.back(), point) <= 0)
+        hull.pop_back();
+      hull.push_back(point);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle) {
+  const SinCos turn = sin_cos(obstacle.heading_rad);
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(obstacle.mesh.vertices.size());
+  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
+    const Eigen::Vector3d v = vertex.cast<double>();
+    points.emplace_back(obstacle.centre_m.x() + turn.cos * v.x() - turn.sin * v.y(),
+                        obstacle.centre_m.y() + turn.sin * v.x() + turn.cos * v.y());
+  }
+  return convex_hull(std::move(points));
+}
+
+bool blocks_people(const Obstacle& obstacle) {
+  double bottom = kHeadroom_m;
+  double top = 0;
+  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
+    const double z = obstacle.centre_m.z() + static_cast<double>(vertex.z());
+    bottom = std::min(bottom, z);
+    top = std::max(top, z);
+  }
+  return bottom < kHeadroom_m && top > 0;
+}
+
+}  // namespace throng

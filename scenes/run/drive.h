@@ -1,0 +1,74 @@
+// Avatars that something outside moves: a robot whose controller is under test.
+// One rule: whatever comes in is brought within what the bounds of the body hold, so that no
+// contact is missed; nothing that comes can be anything but a pose.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "avatars/model/model.h"
+#include "base/files/archive.h"
+#include "culling/culler.h"
+#include "scenes/crowd/crowd.h"
+#include "scenes/file/scene.h"
+
+namespace throng {
+
+/// Where a driven avatar is from the next step on.
+struct DrivenPose {
+  RootPose root;
+  Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
+  /// A posture row (rad or m, by column of the model); empty: joints stay as they are.
+  std::span<const double> joints;
+};
+
+/// How far above or below the ground a driven root may be.
+inline constexpr double kMaxDrivenHeight_m = 100;
+/// How fast people may be told that it comes; faster is no robot among people.
+inline constexpr double kMaxDrivenSpeed_mps = 20;
+
+/// The nearest pose with a root above `ground`, a unit quaternion, a possible speed; `clamped`
+/// counts the numbers that were changed (a quaternion is only brought to length 1). What is no
+/// number becomes that of `last`.
+DrivenPose within(const DrivenPose& pose, const DrivenPose& last, const Rectangle& ground,
+                  int& clamped);
+
+/// Writes the joints into a row of floats within the limits of the model.
+void write_row(std::span<const double> joints, const FlatModel& kinematics, std::span<float> row,
+               int& clamped);
+
+/// The driven avatars of a run and where they are.
+class DrivenAvatars {
+ public:
+  /// In ascending order. Its joints are at zero, or as near as their limits let them.
+  void add(uint32_t avatar, const FlatModel& kinematics, const RootPose& root);
+  bool empty() const { return all_.empty(); }
+
+  /// See Simulation::drive().
+  int drive(uint32_t avatar, const DrivenPose& pose, const Rectangle& ground);
+
+  /// Puts them where they are, after steering and over what it made of them.
+  void lead(Crowd& crowd) const;
+  void place(std::span<RootPose> roots) const;
+  /// Where everybody is, for checkpoints.
+  void archive(Archive& a);
+  /// Sets the posture row of each; the pointers hold as long as this object.
+  void hold(std::span<const float*> rows) const;
+
+ private:
+  struct One {
+    uint32_t avatar = 0;
+    const FlatModel* kinematics = nullptr;
+    DrivenPose pose;  ///< its joints are in row
+    std::vector<float> row;
+  };
+  std::vector<One> all_;
+};
+
+/// Radius of the sphere about the root's origin that holds every part in every posture within the
+/// joints' limits (metres, unscaled).
+float reach_of(const Model& model);
+
+}  // namespace throng

@@ -1,0 +1,32 @@
+// The kinds of bodies of a scene: models of avatars, and what culling knows of each kind.
+// One rule: a sphere holds every posture that its kind can take.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "avatars/gait/gait.h"
+#include "avatars/model/model.h"
+#include "culling/body_type.h"
+#include "scenes/file/scene.h"
+
+namespace throng {
+
+/// The kinds of avatars: models, and which of them each group has.
+struct Kinds {
+  std::vector<std::shared_ptr<const Model>> models;
+  std::vector<uint16_t> of_group;
+};
+
+/// Groups that walk with the same model share a kind; a driven group has its own, for its bounds
+/// are its own. Throws InputError if a model has no parts or too many.
+Kinds kinds_of(const Scene& scene);
+
+/// Around every posture at all.
+RootSphere driven_sphere(const Model& model);
+
+std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere);
+std::shared_ptr<const BodyType> obstacle_type(const Obstacle& obstacle);
+
+}  // namespace throng

@@ -1,0 +1,181 @@
+#include "scenes/run/runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double nanoseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+}
+
+/// The latest samples of a stage. A day at 60 Hz has five million frames; the last quarter of a
+/// million tell the median as well.
+class Samples {
+ public:
+  explicit Samples(int64_t expected) {
+    // Written once, so that all its memory is there from the first frame on: what grows later is a
+    // leak.
+    values_.resize(static_cast<size_t>(std::min<int64_t>(expected, kMost)));
+    values_.clear();
+  }
+
+  void add(double value_ms) {
+    const auto value = static_cast<float>(value_ms);
+    if (static_cast<int64_t>(values_.size()) < kMost)
+      values_.push_back(value);
+    else
+      values_[next_++ % values_.size()] = value;
+  }
+  Quantiles quantiles() const { return quantiles_of(values_); }
+  double median() const { return quantiles().median; }
+
+ private:
+  static constexpr int64_t kMost = 1 << 18;
+  std::vector<float> values_;
+  size_t next_ = 0;
+};
+
+/// A sample a frame of everything whose median is asked for.
+struct Measurements {
+  explicit Measurements(int64_t frames)
+      : frame(frames),
+        cull(frames),
+        steering(frames),
+        gait(frames),
+        kinematics(frames),
+        avatar_cull(frames),
+        part_cull(frames),
+        exact(frames),
+        events(frames),
+        publish(frames) {}
+
+  void add(const FrameTimes& times, const CullingCounters& counters) {
+    frame.add(times.frame_ns * 1e-6);
+    cull.add((counters.wall_ns - counters.events_ns) * 1e-6);
+    steering.add(times.steering_ns * 1e-6);
+    gait.add(times.gait_ns * 1e-6);
+    kinematics.add(times.kinematics_ns * 1e-6);
+    avatar_cull.add(times.avatar_cull_ns * 1e-6);
+    part_cull.add(times.part_cull_ns * 1e-6);
+    exact.add(times.exact_ns * 1e-6);
+    events.add(times.events_ns * 1e-6);
+    publish.add(times.publish_ns * 1e-6);
+  }
+
+  void summarise(RunSummary& summary) const {
+    summary.frame_ms = frame.quantiles();
+    summary.cull_ms = cull.quantiles();
+    summary.stage_ms = {steering.median(),    gait.median(),      kinematics.median(),
+                        avatar_cull.median(), part_cull.median(), exact.median(),
+                        events.median(),      publish.median()};
+  }
+
+  Samples frame, cull, steering, gait, kinematics, avatar_cull, part_cull, exact, events, publish;
+};
+
+void add_stage(StageCounters& total, const StageCounters& stage) {
+  total.volume = stage.volume;
+  total.updates += stage.updates;
+  total.tests += stage.tests;
+  total.passed += stage.passed;
+  total.update_ns += stage.update_ns;
+  total.test_ns += stage.test_ns;
+}
+
+void add_counters(CullingCounters& total, const CullingCounters& frame) {
+  add_stage(total.avatar, frame.avatar);
+  add_stage(total.body_box, frame.body_box);
+  add_stage(total.box, frame.box);
+  add_stage(total.part, frame.part);
+  add_stage(total.exact, frame.exact);
+  total.primitive_tests += frame.primitive_tests;
+  for (size_t level = 0; level < kPairLevels; ++level) total.levels[level] += frame.levels[level];
+  total.posed_bodies += frame.posed_bodies;
+  total.pose_ns += frame.pose_ns;
+  total.events_ns += frame.events_ns;
+  total.wall_ns += frame.wall_ns;
+  total.allocations_grown += frame.allocations_grown;
+}
+
+void add_frame(RunSummary& summary, const Frame& frame, bool exact,
+               const SteeringCounters& steering) {
+  summary.persists += frame.persisting;
+  const auto last = static_cast<uint8_t>(exact ? PairLevel::kExact : PairLevel::kPartVolume);
+  const auto undecided = [last](uint8_t level) { return level < last; };
+  summary.frames_cut += std::any_of(frame.levels.begin(), frame.levels.end(), undecided);
+  summary.pairs_peak = std::max(summary.pairs_peak, uint64_t{frame.pairs.size()});
+  summary.deepest_overlap_m = std::max(summary.deepest_overlap_m, steering.deepest_overlap_m);
+  summary.queuing_peak = std::max(summary.queuing_peak, steering.queuing);
+  summary.longest_stall_s = std::max(summary.longest_stall_s, steering.longest_stall_s);
+  add_counters(summary.totals, *frame.counters);
+}
+
+RunSummary describe(const Simulation& simulation) {
+  const RunInfo& info = simulation.info();
+  RunSummary summary;
+  summary.avatars = info.avatar_count();
+  summary.unplaced = simulation.unplaced();
+  summary.run_id = info.run_id;
+  for (const uint16_t model : info.model_of_avatar)
+    summary.parts += info.models[model]->part_count();
+  return summary;
+}
+
+}  // namespace
+
+Quantiles quantiles_of(std::vector<float> samples) {
+  if (samples.empty()) return {};
+  std::sort(samples.begin(), samples.end());
+  const auto at = [&](double share) {
+    const double rank = std::ceil(share * static_cast<double>(samples.size())) - 1;
+    return static_cast<double>(samples[static_cast<size_t>(std::max(0.0, rank))]);
+  };
+  return {at(0.5), at(0.95), static_cast<double>(samples.back())};
+}
+
+int64_t frame_count(double duration_s, double step_s) {
+  return std::max<int64_t>(1, std::llround(duration_s / step_s));
+}
+
+RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
+               const std::function<bool(const Frame&)>& keep_going) {
+  const RunInfo& info = simulation.info();
+  const int64_t frames = frame_count(simulation.scene().duration_s, info.step_s);
+  RunSummary summary = describe(simulation);
+  Measurements measurements(frames);
+  for (Sink* sink : sinks) sink->begin(info);
+  const auto start = Clock::now();
+  FrameTimes& times = simulation.times();
+  while (simulation.next_frame() < frames && !summary.stopped_early) {
+    const auto frame_start = Clock::now();
+    const Frame& frame = simulation.step();
+    const auto publish_start = Clock::now();
+    for (Sink* sink : sinks) sink->frame(info, frame);
+    times.publish_ns = nanoseconds_since(publish_start);
+    times.frame_ns = nanoseconds_since(frame_start);
+    measurements.add(times, *frame.counters);
+    add_frame(summary, frame, info.exact, simulation.steering());
+    ++summary.frames;
+    summary.stopped_early = keep_going && !keep_going(frame) && simulation.next_frame() < frames;
+  }
+  summary.steering = simulation.steering();
+  const RunEnd end = simulation.finish();
+  for (Sink* sink : sinks) sink->end(info, end);
+  summary.wall_s = nanoseconds_since(start) * 1e-9;
+  summary.simulated_s = static_cast<double>(summary.frames) * info.step_s;
+  summary.realtime_factor = summary.wall_s > 0 ? summary.simulated_s / summary.wall_s : 0;
+  summary.begins = end.begins;
+  summary.ends = end.ends;
+  summary.hash = end.hash;
+  summary.traffic = simulation.traffic();
+  summary.strandings = simulation.strandings();
+  measurements.summarise(summary);
+  return summary;
+}
+
+}  // namespace throng

@@ -1,0 +1,109 @@
+// What a run tells to whoever listens: once at the start, once a frame, once at the end.
+// One rule: spans are valid during the call only; a sink never changes what the run computes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "avatars/model/model.h"
+#include "culling/culler.h"
+#include "scenes/file/scene.h"
+
+namespace throng {
+
+/// Where a run goes on that was stopped or killed.
+struct Resumed {
+  int64_t frame = 0;  ///< the last one before; the run's first frame is the next
+  int64_t utime_us = 0;
+  std::vector<PairKey> touching;  ///< at that frame: their begins were told before
+  std::vector<uint8_t> levels;    ///< as in Frame
+  uint64_t hash = 0;              ///< of the events up to that frame
+};
+
+struct RunInfo {
+  const Scene* scene = nullptr;
+  uint64_t run_id =
+      0;  ///< hashes scene content, seed and the options that change results; nothing else
+  uint64_t instance = 0;  ///< random for each run, to tell two runs on one channel apart
+  double step_s = 0;
+  std::vector<std::shared_ptr<const Model>> models;
+  std::vector<uint16_t> model_of_avatar;  ///< index into models; ids are 0 .. avatars-1
+  std::vector<float> scale_of_avatar;
+  std::vector<std::string> groups;        ///< names; a person is called "<group> <id>"
+  std::vector<uint16_t> group_of_avatar;  ///< index into groups
+  /// One a group: the LCM channel that moves its avatars, "" where the simulation does.
+  std::vector<std::string> drive_channels;
+  VolumeKind part_volume = VolumeKind::kOrdop26;
+  bool exact = false;
+  bool culling = true;  ///< false: nobody was looked at, and there are no events
+  Strategy strategy = Strategy::kPipeline;
+  /// A frame's budget, where there is one: then pairs have levels, and the hash holds them, too.
+  std::optional<double> deadline_ms;
+  std::optional<uint64_t> deadline_tests;
+  std::optional<Resumed> resumed;  ///< then the first frame is not number 0
+
+  bool has_deadline() const { return deadline_ms || deadline_tests; }
+  int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
+  /// Obstacle i has body id avatar_count() + i.
+  uint32_t obstacle_id(int i) const { return static_cast<uint32_t>(avatar_count() + i); }
+};
+
+/// Wall-clock medians and sums of one frame's stages, nanoseconds.
+struct FrameTimes {
+  double steering_ns = 0;
+  double gait_ns = 0;
+  double kinematics_ns = 0;
+  double avatar_cull_ns = 0;
+  double part_cull_ns = 0;
+  double exact_ns = 0;
+  double events_ns = 0;
+  double publish_ns = 0;
+  double frame_ns = 0;
+};
+
+struct Frame {
+  int64_t number = 0;
+  int64_t utime_us = 0;               ///< simulation time
+  std::span<const RootPose> roots;    ///< one an avatar
+  std::span<const float> speeds_mps;  ///< one an avatar
+  std::span<const float>
+      postures;  ///< rows one after another, avatar by avatar (see posture_offsets)
+  std::span<const size_t> posture_offsets;  ///< avatar_count + 1 entries into postures
+  std::span<const PairKey> pairs;           ///< all that touch now, sorted
+  std::span<const PairEvent> events;        ///< begins and ends of this frame, sorted
+  /// One an avatar, 0 where it is not in the scene at this time; empty: everybody is. Who is absent
+  /// has no pairs and keeps the last root.
+  std::span<const uint8_t> present;
+  /// PairLevel, one a pair; empty: all are fully decided.
+  std::span<const uint8_t> levels;
+  /// One an event, of an end that of the pair's last frame; empty: all are fully decided.
+  std::span<const uint8_t> event_levels;
+  uint64_t persisting = 0;
+  uint64_t hash = 0;  ///< of all events up to this frame's (see culling/event_hash.h)
+  const CullingCounters* counters = nullptr;
+  const FrameTimes* times = nullptr;  ///< of the frame so far; publish_ns is the previous frame's
+};
+
+struct RunEnd {
+  int64_t frames = 0;
+  int64_t utime_us = 0;
+  std::span<const PairEvent> events;      ///< the ends of what still touched
+  std::span<const uint8_t> event_levels;  ///< as in Frame
+  uint64_t begins = 0;                    ///< over the whole run
+  uint64_t ends = 0;                      ///< over the whole run, those above included
+  uint64_t hash = 0;                      ///< of all events
+};
+
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  virtual void begin(const RunInfo& run) = 0;
+  virtual void frame(const RunInfo& run, const Frame& frame) = 0;
+  virtual void end(const RunInfo& run, const RunEnd& end) = 0;
+};
+
+}  // namespace throng

@@ -1,0 +1,73 @@
+#include "scenes/run/walk.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+namespace throng {
+
+Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
+  const double cosine = std::clamp(heading.x(), -1.0, 1.0);
+  // The larger of the two from the root, the smaller from the larger, which has lost no digits.
+  const double larger = std::sqrt(0.5 * (1 + std::abs(cosine)));
+  const double smaller = 0.5 * std::abs(heading.y()) / larger;
+  const double w = cosine > 0 ? larger : smaller;
+  const double z = std::copysign(cosine > 0 ? smaller : larger, heading.y());
+  return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
+}
+
+void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step_s, uint32_t first,
+             SimdTarget target, BodyStates& bodies) {
+  assert(avatars.size() <= WalkChunk::kRoom);
+  WalkChunk chunk;
+  chunk.count = avatars.size();
+  chunk.step_s = static_cast<float>(step_s);
+  for (size_t i = 0; i < avatars.size(); ++i) {
+    const RootPose &before = avatars[i].before, &after = bodies.roots[first + i];
+    chunk.way_x_m[i] = static_cast<float>(after.position_m.x() - before.position_m.x());
+    chunk.way_y_m[i] = static_cast<float>(after.position_m.y() - before.position_m.y());
+    chunk.w_before[i] = before.world_from_root.w();
+    chunk.z_before[i] = before.world_from_root.z();
+    chunk.w_after[i] = after.world_from_root.w();
+    chunk.z_after[i] = after.world_from_root.z();
+    chunk.ahead_mps[i] = avatars[i].ahead_mps;
+    chunk.gaits[i] = &posing.gait_of(first + static_cast<uint32_t>(i));
+    chunk.present[i] = avatars[i].is_present ? 1 : 0;
+  }
+  const auto bring = [&](const std::vector<float>& from, WalkChunk::Numbers& to) {
+    std::copy_n(from.data() + first, chunk.count, to);
+  };
+  const auto keep = [&](const WalkChunk::Numbers& from, std::vector<float>& to) {
+    std::copy_n(from, chunk.count, to.data() + first);
+  };
+  bring(bodies.scales, chunk.scales);
+  bring(bodies.gait_mps, chunk.gait_mps);
+  bring(bodies.phases, chunk.phases);
+  for (size_t i = 0; i < WalkChunk::kFeetNumbers; ++i) bring(bodies.feet[i], chunk.feet[i]);
+  std::array<WalkPosture, WalkChunk::kRoom> scratch;
+  const bool fills_registers = chunk.count % WalkChunk::kMostLanes == 0;
+  chunk.postures = fills_registers ? bodies.postures.data() + first : scratch.data();
+  Gait::walk(chunk, target);
+  keep(chunk.gait_mps, bodies.gait_mps);
+  keep(chunk.phases, bodies.phases);
+  for (size_t i = 0; i < WalkChunk::kFeetNumbers; ++i) keep(chunk.feet[i], bodies.feet[i]);
+  if (!chunk.gaits[0]->has_legs()) return;
+  keep(chunk.room_x, bodies.room_x);
+  keep(chunk.room_y, bodies.room_y);
+  if (!fills_registers) std::copy_n(scratch.data(), chunk.count, bodies.postures.data() + first);
+}
+
+void glide_on(const Posing& posing, float speed_mps, double walked_m, uint32_t id,
+              BodyStates& bodies) {
+  bodies.gait_mps[id] = speed_mps;
+  if (walked_m == 0) return;
+  const double stride_m =
+      static_cast<double>(posing.gait_of(id).stride_length_m(speed_mps, bodies.scales[id]));
+  const double phase = static_cast<double>(bodies.phases[id]) + walked_m / stride_m;
+  // Rounding to float must not turn 0.99999999 into 1.
+  const auto wrapped = static_cast<float>(phase - std::floor(phase));
+  bodies.phases[id] = wrapped < 1 ? wrapped : 0;
+}
+
+}  // namespace throng

@@ -1,0 +1,33 @@
+// How bodies walk where their roots go: speed, phase, feet and legs of the gait, step by step.
+// One rule: it depends on the way of each root alone, never on whether anybody poses it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/simd.h"
+#include "scenes/run/posing.h"
+
+namespace throng {
+
+/// Rotation about z of a heading given as unit vector, by half-angle formulas: exact to rounding
+/// and the same on every machine.
+Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading);
+
+/// What walk_on() asks of an avatar besides its root.
+struct WalkNow {
+  RootPose before;         ///< its root in the frame before
+  float ahead_mps = 0;     ///< its speed, the way it faces
+  bool is_present = true;  ///< if not, it keeps phase, feet and legs
+};
+
+/// Walks avatars first, first + 1, ... of one model, at most WalkChunk::kRoom, on to
+/// bodies.roots: sets their gait speeds, phases, feet and legs.
+void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step_s, uint32_t first,
+             SimdTarget target, BodyStates& bodies);
+
+/// Moves one on by the gait alone, whatever its way: sets gait speed and phase.
+void glide_on(const Posing& posing, float speed_mps, double walked_m, uint32_t id,
+              BodyStates& bodies);
+
+}  // namespace throng

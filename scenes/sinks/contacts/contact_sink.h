@@ -1,0 +1,50 @@
+// Writes a run's contact statistics into a folder: CSV files, and figures where gnuplot is there.
+// One rule: the list of contacts grows with the run; the rest is written at its end.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/figure.h"
+#include "scenes/run/sink.h"
+#include "scenes/sinks/contacts/contact_statistics.h"
+
+namespace throng {
+
+class ContactSink final : public Sink {
+ public:
+  /// Creates the folder; begin() replaces contacts.csv in it. Throws EnvironmentError, here and in
+  /// all calls, if something cannot be written.
+  explicit ContactSink(std::filesystem::path folder);
+
+  void begin(const RunInfo& run) override;
+  void frame(const RunInfo& run, const Frame& frame) override;
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+  /// Null before begin().
+  const ContactStatistics* statistics() const { return statistics_.get(); }
+  /// Which figures there are none of, and why; or "".
+  const std::string& note() const { return note_; }
+
+ private:
+  void list_ended();
+  void write_pairs() const;
+  void draw_figures();
+
+  std::filesystem::path folder_;
+  std::ofstream contacts_;
+  std::unique_ptr<ContactStatistics> statistics_;
+  std::string note_;
+};
+
+/// The names of all files that it writes into the folder.
+std::vector<std::string> contact_files();
+
+/// How often people touched, how long, with what, and at which density; a figure that has nothing
+/// to show is left out.
+std::vector<Figure> figures_of(const ContactStatistics& statistics);
+
+}  // namespace throng

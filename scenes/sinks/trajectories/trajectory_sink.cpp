@@ -1,0 +1,68 @@
+#include "scenes/sinks/trajectories/trajectory_sink.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.h"
+#include "base/version.h"
+#include "scenes/sinks/trajectories/walkable_area.h"
+
+namespace throng {
+namespace {
+
+std::unique_ptr<TrajectoryWriter> open_trajectory(const std::filesystem::path& file) {
+  if (!is_trajectory_name(file))
+    throw InputError("--trajectory", "a name that ends in .sqlite or .csv",
+                     fmt::format("'{}'", file.string()));
+  return file.extension() == ".csv" ? open_csv_trajectory(file) : open_sqlite_trajectory(file);
+}
+
+double heading_rad(const Eigen::Quaternionf& turn) {
+  return 2 * std::atan2(static_cast<double>(turn.z()), static_cast<double>(turn.w()));
+}
+
+}  // namespace
+
+bool is_trajectory_name(const std::filesystem::path& file) {
+  return file.extension() == ".sqlite" || file.extension() == ".csv";
+}
+
+TrajectorySink::TrajectorySink(const TrajectoryOptions& options)
+    : fps_(options.fps), writer_(open_trajectory(options.file)) {}
+
+void TrajectorySink::begin(const RunInfo& run) {
+  every_ = std::max<int64_t>(1, std::llround(1 / (fps_ * run.step_s)));
+  const Scene& scene = *run.scene;
+  TrajectoryHead head;
+  head.fps = 1 / (static_cast<double>(every_) * run.step_s);
+  head.bounds = scene.ground;
+  head.wkt = walkable_wkt(scene);
+  head.facts = {{"version", std::string(version())},
+                {"commit", std::string(commit())},
+                {"scene", scene.name},
+                {"seed", fmt::format("{}", scene.seed)},
+                {"run_id", fmt::format("{:016x}", run.run_id)},
+                {"step_s", fmt::format("{}", run.step_s)}};
+  for (size_t id = 0; id < run.group_of_avatar.size(); ++id)
+    head.people.push_back(fmt::format("{} {}", run.groups[run.group_of_avatar[id]], id));
+  writer_->begin(head);
+}
+
+void TrajectorySink::frame(const RunInfo&, const Frame& frame) {
+  if (frame.number % every_ != 0) return;
+  rows_.clear();
+  for (uint32_t id = 0; id < frame.roots.size(); ++id) {
+    if (!frame.present.empty() && frame.present[id] == 0) continue;
+    const RootPose& root = frame.roots[id];
+    rows_.push_back({id, root.position_m.x(), root.position_m.y(),
+                     heading_rad(root.world_from_root), static_cast<double>(frame.speeds_mps[id])});
+  }
+  writer_->frame(frames_++, rows_);
+  rows_total_ += static_cast<int64_t>(rows_.size());
+}
+
+void TrajectorySink::end(const RunInfo&, const RunEnd&) { writer_->end(); }
+
+}  // namespace throng

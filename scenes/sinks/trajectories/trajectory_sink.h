@@ -1,0 +1,44 @@
+// Records where people are, for tools that read trajectories (PedPy, JuPedSim, spreadsheets).
+// One rule: a row for everybody who is there, none for anybody who is not.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "scenes/run/sink.h"
+#include "scenes/sinks/trajectories/trajectory_writer.h"
+
+namespace throng {
+
+struct TrajectoryOptions {
+  std::filesystem::path file;  ///< NAME.sqlite or NAME.csv
+  double fps = 10;             ///< wanted; every so many steps are recorded that it comes nearest
+};
+
+class TrajectorySink final : public Sink {
+ public:
+  /// Opens the file; begin() empties it. Throws InputError for another extension, EnvironmentError
+  /// if it cannot be opened; so do all calls if it cannot be written any more.
+  explicit TrajectorySink(const TrajectoryOptions& options);
+
+  void begin(const RunInfo& run) override;
+  void frame(const RunInfo& run, const Frame& frame) override;
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+  int64_t frames() const { return frames_; }  ///< recorded so far
+  int64_t rows() const { return rows_total_; }
+
+ private:
+  double fps_;
+  std::unique_ptr<TrajectoryWriter> writer_;
+  int64_t every_ = 1;  ///< steps
+  int64_t frames_ = 0;
+  int64_t rows_total_ = 0;
+  std::vector<TrajectoryRow> rows_;
+};
+
+/// True if the name ends in .sqlite or .csv.
+bool is_trajectory_name(const std::filesystem::path& file);
+
+}  // namespace throng

@@ -1,0 +1,107 @@
+// The way to a goal from everywhere: walking distance on a grid around inflated obstacles, and its
+// downhill direction. Gaps too narrow for the grid's cells are looked for between them.
+// One rule: built once a goal, O(1) a question (a binary search more before narrow gaps), the same
+// on every machine.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "scenes/ways/walkable.h"
+
+namespace throng {
+
+/// The cells of the ground, and which of them a person's centre may pass through.
+class FlowGrid {
+ public:
+  explicit FlowGrid(const Walkable& walkable);
+
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  size_t cell_count() const { return slowness_.size(); }
+  double cell_m() const { return cell_m_; }
+  bool is_free(size_t cell) const { return slowness_[cell] > 0; }
+  /// How much longer a metre counts here than in the open: people keep off walls if they can. 0
+  /// where nobody passes.
+  double slowness(size_t cell) const { return static_cast<double>(slowness_[cell]); }
+  Eigen::Vector2d centre_m(size_t cell) const;
+  /// Where one passes through a free cell: its centre, or in a narrow gap the middle of the gap.
+  Eigen::Vector2d place_m(size_t cell) const;
+  /// The cells left, right, below and above that one can walk to; -1 where none is.
+  std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
+  /// The cells in and before gaps that hold no cell's centre; ascending.
+  const std::vector<std::pair<size_t, Eigen::Vector2d>>& narrow() const { return narrow_; }
+  /// The straight ways from cell to cell through gaps that hold few centres of cells or none.
+  const std::vector<Passage>& passages() const { return passages_; }
+  /// From wall to wall, where two cells are near each other and nobody fits through between them.
+  const std::vector<Passage>& closures() const { return closures_; }
+  size_t cell_at(const Eigen::Vector2d& point) const;
+  const Eigen::Vector2d& origin_m() const { return origin_m_; }
+
+  /// How far from a footprint a person's centre may pass, on cells of this size: half the hips, or
+  /// so far that no wall slips between two cell centres.
+  static double margin_m(double cell_m);
+  /// Wider gaps hold centres of cells that are neighbours, whichever way they run.
+  static double widest_gap_m(double cell_m) { return 2 * margin_m(cell_m) + 1.5 * cell_m; }
+
+ private:
+  void find_narrow(const Walkable& walkable, std::span<const float> clearances_m);
+  void add_mouths(const Walkable& walkable, std::span<const float> clearances_m);
+  void link(const Walkable& walkable, std::span<const float> clearances_m);
+  void join(const Walkable& walkable, size_t from, size_t to);
+  bool is_narrow(size_t cell) const;
+
+  Eigen::Vector2d origin_m_;
+  double cell_m_ = 0;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<float> slowness_;
+  std::vector<uint8_t> ways_;  ///< by cell, a bit for each of left, right, below, above
+  std::vector<std::pair<size_t, Eigen::Vector2d>> narrow_;
+  std::vector<Passage> passages_;
+  std::vector<Passage> closures_;
+};
+
+class FlowField {
+ public:
+  /// Solves |grad distance| = slowness from the areas of a goal by fast marching (Sethian 1996):
+  /// each point leads to the area with the shortest way. Keeps a reference to `grid`.
+  FlowField(const FlowGrid& grid, std::span<const Rectangle> areas);
+  FlowField(const FlowGrid& grid, const Rectangle& area)
+      : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
+
+  /// Unit direction to walk, blended between cells; zero at the goal and where no way leads to it.
+  Eigen::Vector2d direction(const Eigen::Vector2d& point) const;
+  /// Lets the memory bring what direction() of the same point will read.
+  void prefetch(const Eigen::Vector2d& point) const;
+  /// Walking distance to the goal from the point's cell, slow metres counted longer; infinite if
+  /// there is no way, or if the cell is too near an obstacle.
+  double distance_m(const Eigen::Vector2d& point) const;
+  bool reaches(const Eigen::Vector2d& point) const;
+
+ private:
+  /// The cells around a point, and how far it is from the first of them to the last.
+  struct Patch {
+    size_t cell, right, above;  ///< right and above are 0 at the rim
+    double fx, fy;
+  };
+  Patch patch_at(const Eigen::Vector2d& point) const;
+  void march(std::span<const Rectangle> areas);
+  void point_downhill();
+  void lead_out_of_walls();
+  void aim_through_gaps();
+  const Eigen::Vector2d* aim_at(size_t cell) const;
+
+  const FlowGrid* grid_;
+  std::vector<float> distance_m_;
+  std::vector<Eigen::Vector2f> direction_;
+  /// In and before narrow gaps, the place to walk to next; ascending by cell.
+  std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
+};
+
+}  // namespace throng

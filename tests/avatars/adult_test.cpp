@@ -1,0 +1,211 @@
+// The bundled adult's files: what Table 1 of Suaib et al. 2013 and the anthropometric tables
+// promise.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "avatars/mesh/tri.h"
+#include "avatars/models/adult_body.h"
+
+namespace throng {
+namespace {
+
+const std::filesystem::path kFolder =
+    std::filesystem::path(THRONG_SOURCE_DIR) / "avatars/models/adult";
+
+const std::map<std::string, size_t> kTable1 = {
+    {"head.tri", 542},           {"torso.tri", 841},          {"pelvis.tri", 74},
+    {"upperRightLeg.tri", 706},  {"upperLeftLeg.tri", 706},   {"lowerRightLeg.tri", 706},
+    {"lowerLeftLeg.tri", 706},   {"leftFoot.tri", 122},       {"rightFoot.tri", 122},
+    {"upperLeftArm.tri", 1346},  {"upperRightArm.tri", 1346}, {"lowerLeftArm.tri", 1138},
+    {"lowerRightArm.tri", 1138}, {"leftHand.tri", 589},       {"RightHand.tri", 589}};
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  EXPECT_TRUE(in) << file;
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Mesh committed(const std::string& name) { return read_tri(kFolder / name).mesh; }
+
+Eigen::Vector3f size_of(const Mesh& mesh) {
+  Eigen::Vector3f low = mesh.vertices[0];
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  return high - low;
+}
+
+/// Length of the polygon in which the plane z = height cuts a mesh.
+double girth_m(const Mesh& mesh, float height) {
+  double girth = 0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    std::vector<Eigen::Vector3f> cut;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3f& a = mesh.vertices[static_cast<size_t>(t[i])];
+      const Eigen::Vector3f& b = mesh.vertices[static_cast<size_t>(t[(i + 1) % 3])];
+      if ((a.z() > height) != (b.z() > height))
+        cut.push_back(a + (b - a) * ((height - a.z()) / (b.z() - a.z())));
+    }
+    if (cut.size() == 2) girth += static_cast<double>((cut[1] - cut[0]).norm());
+  }
+  return girth;
+}
+
+double widest_girth_m(const Mesh& mesh, float from, float to) {
+  double widest = 0;
+  for (int i = 0; i <= 40; ++i)
+    widest =
+        std::max(widest, girth_m(mesh, from + (to - from) * static_cast<float>(i) / 40 + 1e-6F));
+  return widest;
+}
+
+void expect_within(const char* what, double found, double expected, double tolerance) {
+  EXPECT_LE(std::abs(found / expected - 1), tolerance)
+      << what << ": expected " << expected << " m (ANSUR II, men), found " << found << " m, off by "
+      << 100 * (found / expected - 1) << " %, allowed " << 100 * tolerance << " %";
+}
+
+TEST(Adult, HasTheFilesAndVertexCountsOfTable1) {
+  std::set<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder))
+    if (entry.path().extension() == ".tri") found.insert(entry.path().filename().string());
+  std::set<std::string> expected;
+  for (const auto& [name, count] : kTable1) {
+    expected.insert(name);
+    EXPECT_EQ(committed(name).vertices.size(), count) << name;
+  }
+  EXPECT_EQ(found, expected);
+}
+
+TEST(Adult, CommittedFilesAreWhatTheGeneratorWrites) {
+  const std::vector<AdultPart> parts = adult_parts();
+  ASSERT_EQ(parts.size(), kTable1.size());
+  for (const AdultPart& part : parts)
+    EXPECT_TRUE(bytes_of(kFolder / part.file) == format_tri(part.mesh)) << part.file;
+  EXPECT_TRUE(bytes_of(kFolder / "adult.urdf") == adult_urdf_text());
+}
+
+TEST(Adult, EveryPartIsOneClosedSurfaceOrientedOutwards) {
+  for (const auto& [name, count] : kTable1) {
+    const Mesh mesh = committed(name);
+    EXPECT_TRUE(is_closed(mesh)) << name;
+    EXPECT_GT(signed_volume_m3(mesh), 0) << name;
+    // One sphere without handles, every vertex used: V - E + F = 2 with E = 3F/2.
+    EXPECT_EQ(mesh.vertices.size() - mesh.triangles.size() / 2, 2u) << name;
+  }
+}
+
+TEST(Adult, NoTriangleIsDegenerateAndNoVertexStandsTwice) {
+  for (const auto& [name, count] : kTable1) {
+    const Mesh mesh = committed(name);
+    for (const Eigen::Vector3i& t : mesh.triangles) {
+      const auto at = [&](int i) -> Eigen::Vector3d {
+        return mesh.vertices[static_cast<size_t>(t[i])].cast<double>();
+      };
+      const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+      EXPECT_GT(area, 1e-8) << name << ": triangle " << t.transpose() << " has " << area << " m2";
+    }
+    std::set<std::array<float, 3>> places;
+    for (const Eigen::Vector3f& v : mesh.vertices) places.insert({v.x(), v.y(), v.z()});
+    EXPECT_EQ(places.size(), mesh.vertices.size()) << name;
+  }
+}
+
+TEST(Adult, LeftPartsMirrorRightParts) {
+  const std::map<std::string, std::string> pairs = {
+      {"upperLeftLeg.tri", "upperRightLeg.tri"}, {"lowerLeftLeg.tri", "lowerRightLeg.tri"},
+      {"leftFoot.tri", "rightFoot.tri"},         {"upperLeftArm.tri", "upperRightArm.tri"},
+      {"lowerLeftArm.tri", "lowerRightArm.tri"}, {"leftHand.tri", "RightHand.tri"}};
+  for (const auto& [left_name, right_name] : pairs) {
+    const Mesh left = committed(left_name);
+    const Mesh right = committed(right_name);
+    ASSERT_EQ(left.vertices.size(), right.vertices.size());
+    for (size_t i = 0; i < left.vertices.size(); ++i) {
+      const Eigen::Vector3f& v = left.vertices[i];
+      ASSERT_EQ(right.vertices[i], Eigen::Vector3f(v.x(), -v.y(), v.z())) << left_name << ' ' << i;
+    }
+    for (size_t i = 0; i < left.triangles.size(); ++i) {
+      const Eigen::Vector3i& t = left.triangles[i];
+      ASSERT_EQ(right.triangles[i], Eigen::Vector3i(t[0], t[2], t[1])) << left_name << ' ' << i;
+    }
+  }
+}
+
+TEST(Adult, PartsOnTheMidlineAreSymmetric) {
+  for (const char* name : {"head.tri", "torso.tri", "pelvis.tri"}) {
+    const Mesh mesh = committed(name);
+    std::set<std::array<float, 3>> places;
+    for (const Eigen::Vector3f& v : mesh.vertices) places.insert({v.x(), v.y(), v.z()});
+    for (const Eigen::Vector3f& v : mesh.vertices)
+      EXPECT_TRUE(places.count({v.x(), v.y() == 0 ? 0.0F : -v.y(), v.z()}))
+          << name << ": " << v.transpose();
+  }
+}
+
+TEST(Adult, StandsOnTheGroundAsTallAsItSays) {
+  float low = 1;
+  float high = 0;
+  float widest = 0;
+  for (const AdultPart& part : adult_parts())
+    for (const Eigen::Vector3f& v : part.mesh.vertices) {
+      const Eigen::Vector3f p = v + part.origin.cast<float>();
+      low = std::min(low, p.z());
+      high = std::max(high, p.z());
+      if (part.file.rfind("upper", 0) == 0) widest = std::max(widest, std::abs(p.y()));
+    }
+  EXPECT_NEAR(low, 0, 2e-5);
+  EXPECT_NEAR(high, kAdultHeight_m, 2e-5);
+  // Bideltoid breadth of men: 5th to 95th percentile.
+  EXPECT_GT(2 * widest, 0.459F);
+  EXPECT_LT(2 * widest, 0.567F);
+}
+
+TEST(Adult, GirthsAndSizesAreThoseOfTheSurvey) {
+  const Mesh head = committed("head.tri");
+  expect_within("thigh circumference",
+                widest_girth_m(committed("upperLeftLeg.tri"), -0.15F, -0.03F), 0.625, 0.05);
+  expect_within("calf circumference", widest_girth_m(committed("lowerLeftLeg.tri"), -0.20F, -0.08F),
+                0.392, 0.05);
+  expect_within("ankle circumference", girth_m(committed("lowerLeftLeg.tri"), -0.36F), 0.229, 0.05);
+  expect_within("neck circumference", girth_m(head, 0.005F), 0.398, 0.08);
+  expect_within("forearm circumference",
+                widest_girth_m(committed("lowerLeftArm.tri"), -0.12F, -0.02F), 0.310, 0.08);
+  expect_within("wrist circumference", girth_m(committed("lowerLeftArm.tri"), -0.255F), 0.176,
+                0.08);
+  const Eigen::Vector3f foot = size_of(committed("leftFoot.tri"));
+  expect_within("foot length", static_cast<double>(foot.x()), 0.271, 0.03);
+  expect_within("foot breadth", static_cast<double>(foot.y()), 0.102, 0.05);
+  expect_within("hand length", static_cast<double>(size_of(committed("leftHand.tri")).z()), 0.193,
+                0.03);
+  const Eigen::Vector3f hips = size_of(committed("pelvis.tri"));
+  expect_within("hip breadth", static_cast<double>(hips.y()), 0.346, 0.03);
+  expect_within("buttock depth", static_cast<double>(hips.x()), 0.246, 0.05);
+  expect_within("chest depth", static_cast<double>(size_of(committed("torso.tri")).x()), 0.254,
+                0.05);
+}
+
+TEST(Adult, NoseAndToesPointForwardAndThumbsToo) {
+  // x forward: the foremost point of the head is the nose, on the midline.
+  const auto foremost = [](const Mesh& mesh) {
+    return *std::max_element(
+        mesh.vertices.begin(), mesh.vertices.end(),
+        [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() < b.x(); });
+  };
+  const Eigen::Vector3f nose = foremost(committed("head.tri"));
+  EXPECT_EQ(nose.y(), 0);
+  EXPECT_GT(nose.x(), 0.12F);
+  EXPECT_GT(foremost(committed("leftFoot.tri")).x(), 0.15F);
+  EXPECT_GT(foremost(committed("leftHand.tri")).x(), 0.05F);
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,69 @@
+// Boxes, cylinders and spheres: closed, outward, and never smaller than the true solid.
+#include "avatars/mesh/primitives.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace throng {
+namespace {
+
+/// The smallest distance from the origin to the plane of a face whose normal `counts`.
+template <typename Counts>
+double nearest_face(const Mesh& mesh, const Counts& counts) {
+  double nearest = 1e9;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return mesh.vertices[static_cast<size_t>(t[k])].cast<double>();
+    };
+    const Eigen::Vector3d normal =
+        (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    if (counts(normal)) nearest = std::min(nearest, normal.dot(corner(0)));
+  }
+  return nearest;
+}
+
+double farthest_vertex(const Mesh& mesh) {
+  double farthest = 0;
+  for (const Eigen::Vector3f& v : mesh.vertices)
+    farthest = std::max(farthest, v.cast<double>().norm());
+  return farthest;
+}
+
+TEST(Primitives, are_closed_and_outward) {
+  for (const Mesh& mesh : {box_mesh({1, 2, 3}), cylinder_mesh(0.5, 2), sphere_mesh(0.3)}) {
+    EXPECT_TRUE(is_closed(mesh));
+    EXPECT_GT(signed_volume_m3(mesh), 0);
+  }
+}
+
+TEST(Primitives, a_box_has_its_edges) {
+  EXPECT_NEAR(signed_volume_m3(box_mesh({1, 2, 3})), 6, 1e-12);
+  EXPECT_EQ(farthest_vertex(box_mesh({2, 4, 4})), 3);
+}
+
+TEST(Primitives, a_sphere_encloses_the_true_one_and_stands_out_by_less_than_3_percent) {
+  for (const double radius_m : {0.001, 0.3, 7.0}) {
+    const Mesh mesh = sphere_mesh(radius_m);
+    EXPECT_GE(nearest_face(mesh, [](const Eigen::Vector3d&) { return true; }), radius_m);
+    EXPECT_LT(farthest_vertex(mesh), 1.03 * radius_m);
+  }
+}
+
+TEST(Primitives, a_cylinder_encloses_the_true_one_and_stands_out_by_less_than_1_percent) {
+  for (const double radius_m : {0.001, 0.3, 7.0}) {
+    const Mesh mesh = cylinder_mesh(radius_m, 0.5);
+    const auto is_side = [](const Eigen::Vector3d& normal) { return std::abs(normal.z()) < 0.5; };
+    const auto is_cap = [](const Eigen::Vector3d& normal) { return std::abs(normal.z()) > 0.5; };
+    EXPECT_GE(nearest_face(mesh, is_side), radius_m);
+    EXPECT_EQ(nearest_face(mesh, is_cap), 0.25);
+    EXPECT_LT(farthest_vertex(mesh), std::hypot(1.01 * radius_m, 0.25));
+    EXPECT_LT(signed_volume_m3(mesh), 1.02 * std::numbers::pi * radius_m * radius_m * 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace throng

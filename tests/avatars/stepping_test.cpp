@@ -1,0 +1,345 @@
+// Planted feet: they stay where they are on curves, on the spot, sideways, starting and stopping,
+// and what the legs do for it stays inside the bounds that culling was given before.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "avatars/gait/gait_curves.h"
+#include "base/random.h"
+#include "tests/avatars/gait_fixture.h"
+
+namespace throng {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using test::Walking;
+
+/// A walker's velocity and turning, in its own axes.
+struct Pace {
+  float forward_mps = 0;
+  float left_mps = 0;
+  float turn_radps = 0;
+};
+
+/// One adult who walks at changing paces, and what its feet do to the ground.
+class Path {
+ public:
+  explicit Path(float start_mps = 0, float step_s = 1.0f / 60) {
+    chunk_.count = 1;
+    chunk_.step_s = step_s;
+    chunk_.scales[0] = chunk_.present[0] = chunk_.w_before[0] = chunk_.w_after[0] = 1;
+    chunk_.gait_mps[0] = kNotComeIn;
+    chunk_.ahead_mps[0] = start_mps;
+    walk();
+  }
+
+  void step(const Pace& pace) {
+    const double step_s = static_cast<double>(chunk_.step_s);
+    const double turn = static_cast<double>(pace.turn_radps) * step_s;
+    // The chord of an arc.
+    const Eigen::Vector2d way = Eigen::Rotation2Dd(heading_rad_ + 0.5 * turn) *
+                                Eigen::Vector2d(static_cast<double>(pace.forward_mps) * step_s,
+                                                static_cast<double>(pace.left_mps) * step_s);
+    chunk_.way_x_m[0] = static_cast<float>(way.x());
+    chunk_.way_y_m[0] = static_cast<float>(way.y());
+    set_turn(chunk_.w_before[0], chunk_.z_before[0]);
+    heading_rad_ += turn;
+    set_turn(chunk_.w_after[0], chunk_.z_after[0]);
+    chunk_.ahead_mps[0] = pace.forward_mps;
+    position_m_ += way;
+    walk();
+  }
+  void steps(const Pace& pace, double seconds) {
+    for (int i = 0; i < seconds / static_cast<double>(chunk_.step_s); ++i) step(pace);
+  }
+  /// Nobody turns or goes sideways at once: the pace comes within a second.
+  void ease_into(const Pace& pace) {
+    for (float share = 0; share < 1; share += chunk_.step_s)
+      step({pace.forward_mps, share * pace.left_mps, share * pace.turn_radps});
+  }
+
+  /// How far a foot's contact moved on the ground in each stance.
+  const std::vector<double>& slides_m() const { return slides_m_; }
+  double worst_slide_m() const {
+    return std::max(
+        {*std::max_element(slid_m_.begin(), slid_m_.end()),
+         slides_m_.empty() ? 0 : *std::max_element(slides_m_.begin(), slides_m_.end())});
+  }
+  int stances() const { return static_cast<int>(slides_m_.size()); }
+  double deepest_m() const { return deepest_m_; }
+  double highest_planted_m() const { return highest_m_; }
+  int out_of_reach() const { return out_of_reach_; }
+  const std::vector<float>& row() const { return row_; }
+  const std::vector<PartPose>& poses() const { return poses_; }
+  /// The farthest that a foot is from where the gait has it.
+  float shift_m() const {
+    return std::max(std::hypot(chunk_.feet[0][0], chunk_.feet[1][0]),
+                    std::hypot(chunk_.feet[3][0], chunk_.feet[4][0]));
+  }
+  RootBox bounds() const { return walking_.gait.box_of({chunk_.room_x[0], chunk_.room_y[0]}, 1); }
+
+ private:
+  void set_turn(float& w, float& z) const {
+    w = static_cast<float>(std::cos(0.5 * heading_rad_));
+    z = static_cast<float>(std::sin(0.5 * heading_rad_));
+  }
+
+  void walk() {
+    std::array<WalkPosture, WalkChunk::kRoom> postures;
+    chunk_.postures = postures.data();
+    chunk_.gaits[0] = &walking_.gait;
+    Gait::walk(chunk_, SimdTarget::kScalar);
+    out_of_reach_ += chunk_.out_of_reach[0] != 0;
+    row_.resize(static_cast<size_t>(walking_.gait.column_count()));
+    const uint32_t me = 0;
+    Gait::postures({&chunk_.gaits[0], 1}, postures, {&me, 1}, row_);
+    poses_ = walking_.poses(row_);
+    for (size_t side = 0; side < 2; ++side) watch_foot(side);
+  }
+
+  bool is_planted(size_t side) const {
+    const float speed = chunk_.gait_mps[0], phase = chunk_.phases[0];
+    const double stride = static_cast<double>(walking_.gait.stride_length_m(speed, 1));
+    const double mps = static_cast<double>(speed);
+    double stance = stance_fraction(0);
+    if (mps > 0.01) {
+      const double leg = stride * stride / (kStridePerRootSpeed * kStridePerRootSpeed * mps);
+      stance = stance_fraction(mps / leg);
+    }
+    const float own = side == 0 ? phase : phase + (phase < 0.5f ? 0.5f : -0.5f);
+    return static_cast<double>(own) < stance;
+  }
+
+  void watch_foot(size_t side) {
+    const size_t foot = side == 0 ? walking_.right_foot : walking_.left_foot;
+    const auto [lowest, vertex] = walking_.lowest(foot, poses_[foot]);
+    deepest_m_ = std::min(deepest_m_, lowest.z());
+    if (!is_planted(side)) {
+      if (was_planted_[side]) slides_m_.push_back(slid_m_[side]);
+      slid_m_[side] = 0;
+      was_planted_[side] = false;
+      return;
+    }
+    highest_m_ = std::max(highest_m_, lowest.z());
+    Isometry3d root = Isometry3d::Identity();
+    root.translate(Vector3d(position_m_.x(), position_m_.y(), 0));
+    root.rotate(Eigen::AngleAxisd(heading_rad_, Vector3d::UnitZ()));
+    if (was_planted_[side]) {
+      const Vector3d is =
+          root * (to_isometry(poses_[foot]) *
+                  walking_.model->parts[foot].mesh.vertices[contact_[side]].cast<double>());
+      slid_m_[side] += (is - was_[side]).head<2>().norm();
+    }
+    was_planted_[side] = true;
+    contact_[side] = vertex;
+    was_[side] = root * lowest;
+  }
+
+  const Walking& walking_ = Walking::adult();
+  WalkChunk chunk_{};
+  double heading_rad_ = 0;
+  Eigen::Vector2d position_m_ = Eigen::Vector2d::Zero();
+  std::vector<float> row_;
+  std::vector<PartPose> poses_;
+  std::array<Vector3d, 2> was_;
+  std::array<size_t, 2> contact_{};
+  std::array<bool, 2> was_planted_{};
+  std::array<double, 2> slid_m_{};
+  std::vector<double> slides_m_;
+  double deepest_m_ = 0;
+  double highest_m_ = 0;
+  int out_of_reach_ = 0;
+};
+
+void expect_firm(const Path& path, const Pace& pace) {
+  SCOPED_TRACE(testing::Message() << pace.forward_mps << " m/s ahead, " << pace.left_mps
+                                  << " m/s left, " << pace.turn_radps << " rad/s");
+  std::printf(
+      "%5.2f m/s ahead, %5.2f m/s left, %5.2f rad/s: a foot slides %4.1f mm a step at most\n",
+      static_cast<double>(pace.forward_mps), static_cast<double>(pace.left_mps),
+      static_cast<double>(pace.turn_radps), 1000 * path.worst_slide_m());
+  EXPECT_LT(path.worst_slide_m(), 0.01);
+  EXPECT_GT(path.stances(), 4);
+  EXPECT_GT(path.deepest_m(), -0.01) << "a foot sinks into the ground";
+  EXPECT_LT(path.highest_planted_m(), 0.012) << "a planted foot hovers";
+  EXPECT_EQ(path.out_of_reach(), 0);
+}
+
+TEST(Stepping, ThePlantedFootSlidesLessThanACentimetreOnCurves) {
+  for (const float speed : {0.4f, 0.8f, 1.34f, 1.8f})
+    for (const float radius_m : {1e6f, 20.0f, 5.0f, 2.0f, 1.0f}) {
+      if (speed * speed / radius_m > 2) continue;  // nobody leans into so tight a curve
+      for (const float side : {1.0f, -1.0f}) {
+        const Pace pace{speed, 0, side * speed / radius_m};
+        Path path(speed);
+        path.ease_into(pace);
+        path.steps(pace, 8);
+        expect_firm(path, pace);
+      }
+    }
+}
+
+TEST(Stepping, ThePlantedFootSlidesLessThanACentimetreOnAnSCurve) {
+  for (const float speed : {0.8f, 1.34f})
+    for (const float radius_m : {5.0f, 2.0f, 1.0f}) {
+      Path path(speed);
+      const float turn_radps = speed / radius_m;
+      // From one side to the other within half a second, every two seconds.
+      for (int i = 0; i < 720; ++i) {
+        const float wave = std::sin(static_cast<float>(i) / 240 * 6.2831853f);
+        path.step({speed, 0, turn_radps * std::clamp(1.5f * wave, -1.0f, 1.0f)});
+      }
+      expect_firm(path, {speed, 0, turn_radps});
+    }
+}
+
+/// A foot that the legs do not reach is not let go: it is dragged as far as it has to be.
+TEST(Stepping, WhoIsSpunAroundKeepsTheFeetNearWhereTheyStand) {
+  Path path(1.2f);
+  path.steps({1.2f, 0, 0}, 2);
+  path.steps({1.2f, 0, 3}, 6);
+  EXPECT_LT(path.worst_slide_m(), 0.1);
+  EXPECT_GT(path.stances(), 8);
+}
+
+TEST(Stepping, FeetStepOnTheSpotSidewaysAndBackwards) {
+  for (const Pace& pace : {Pace{0, 0, 0.5f}, Pace{0, 0, -1}, Pace{0, 0, 2}, Pace{0, 0.2f, 0},
+                           Pace{0, -0.5f, 0}, Pace{-0.3f, 0, 0}}) {
+    Path path;
+    path.ease_into(pace);
+    path.steps(pace, 8);
+    expect_firm(path, pace);
+  }
+}
+
+TEST(Stepping, WhoStartsAndStopsSetsBothFeetDown) {
+  Path path;
+  for (int round = 0; round < 6; ++round) {
+    for (int i = 0; i < 90; ++i)
+      path.step({1.3f * std::min(1.0f, static_cast<float>(i) / 60), 0, 0});
+    for (int i = 60; i > 0; --i) path.step({1.3f * static_cast<float>(i) / 60, 0, 0});
+    path.steps({}, 4);
+    const std::vector<float> standing = path.row();
+    path.steps({}, 0.3);
+    EXPECT_EQ(path.row(), standing) << "who stands still moves";
+  }
+  expect_firm(path, {1.3f, 0, 0});
+}
+
+TEST(Stepping, OnAStraightWayAtAConstantSpeedNothingIsAdded) {
+  for (const float speed : {0.3f, 0.5f, 1.0f, 1.34f, 1.8f, 2.2f}) {
+    Path path(speed);
+    for (int i = 0; i < 600; ++i) {
+      path.step({speed, 0, 0});
+      ASSERT_LT(path.shift_m(), 2e-4f) << speed << " m/s, step " << i;
+    }
+  }
+}
+
+/// The law that culling lives by: the box given before posing, the sphere and the cylinder hold
+/// every pose that stepping can come to.
+TEST(Stepping, EveryPoseOfAWildWalkStaysInsideItsBoundsAndJointLimits) {
+  const Walking& walking = Walking::adult();
+  const std::vector<JointColumn>& columns = walking.model->kinematics.columns();
+  const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
+  int shifted = 0, refused = 0;
+  for (uint64_t seed = 1; seed <= 24; ++seed) {
+    Path path(0, 1.0f / 30);
+    for (uint64_t i = 0; i < 150; ++i) {
+      const auto draw = [&](uint32_t index, double low, double high) {
+        return static_cast<float>(
+            random_uniform({seed, i / 9, 0, Purpose::kBoxWorld}, low, high, index));
+      };
+      path.step({draw(0, -0.5, 2.6), draw(1, -0.8, 0.8), draw(2, -3, 3)});
+      shifted += path.shift_m() > 0.01f;
+      for (size_t c = 0; c < columns.size(); ++c) {
+        ASSERT_GE(path.row()[c], columns[c].lower) << columns[c].name << ", seed " << seed;
+        ASSERT_LE(path.row()[c], columns[c].upper) << columns[c].name << ", seed " << seed;
+      }
+      const RootBox box = path.bounds();
+      for (size_t part = 0; part < path.poses().size(); ++part) {
+        const Eigen::Isometry3f pose = to_isometry(path.poses()[part]).cast<float>();
+        for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
+          const Eigen::Vector3f p = pose * vertex;
+          const std::string where = walking.model->parts[part].name + ", seed " +
+                                    std::to_string(seed) + ", step " + std::to_string(i);
+          for (int axis = 0; axis < 3; ++axis) {
+            ASSERT_GE(p[axis], box.min_m[axis]) << where << ", axis " << axis;
+            ASSERT_LE(p[axis], box.max_m[axis]) << where << ", axis " << axis;
+          }
+          ASSERT_LE(p.head<2>().norm(), walking.gait.upright_radius_m()) << where;
+          ASSERT_LE((p - centre).norm(), walking.gait.sphere_radius_m()) << where;
+        }
+      }
+    }
+    refused += path.out_of_reach();
+  }
+  EXPECT_GT(shifted, 3000) << "the walk was not wild";
+  EXPECT_LT(refused, shifted / 20);
+}
+
+/// Whatever is walked on, every vector target gives the reference's bits.
+TEST(Stepping, EveryTargetGivesTheSameBits) {
+  const Walking& walking = Walking::adult();
+  const Gait other(*walking.model, GaitStyle::kShortSteps);
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    WalkChunk start{};
+    start.count = 1 + 9 * seed % WalkChunk::kRoom;
+    start.step_s = 1.0f / 30;
+    std::vector<WalkChunk> chunks(simd_targets_of_this_machine().size(), start);
+    std::vector<std::array<WalkPosture, WalkChunk::kRoom>> postures(chunks.size());
+    for (size_t target = 0; target < chunks.size(); ++target)
+      chunks[target].postures = postures[target].data();
+    for (uint64_t frame = 0; frame < 60; ++frame)
+      for (size_t target = 0; target < chunks.size(); ++target) {
+        WalkChunk& chunk = chunks[target];
+        for (size_t i = 0; i < chunk.count; ++i) {
+          const auto draw = [&](uint32_t index, double low, double high) {
+            return static_cast<float>(
+                random_uniform({seed, i, frame / 7, Purpose::kBoxWorld}, low, high, index));
+          };
+          if (frame == 0) {
+            chunk.scales[i] = draw(9, 0.6, 1.2);
+            chunk.phases[i] = draw(8, 0, 1);
+            chunk.gait_mps[i] = kNotComeIn;
+            chunk.w_after[i] = 1;
+            chunk.gaits[i] = i % 3 == 0 ? &walking.gait : &other;
+          }
+          chunk.present[i] = draw(7, 0, 1) < 0.95f;
+          chunk.ahead_mps[i] = draw(0, -0.5, 2.5);
+          chunk.w_before[i] = chunk.w_after[i];
+          chunk.z_before[i] = chunk.z_after[i];
+          const Eigen::Quaternionf turn =
+              Eigen::Quaternionf(chunk.w_after[i], 0, 0, chunk.z_after[i]) *
+              Eigen::AngleAxisf(draw(1, -0.1, 0.1), Eigen::Vector3f::UnitZ());
+          chunk.w_after[i] = turn.w();
+          chunk.z_after[i] = turn.z();
+          const float jump = draw(5, 0, 1) < 0.01f ? 40.0f : 1.0f;
+          chunk.way_x_m[i] = jump * draw(2, -0.06, 0.06);
+          chunk.way_y_m[i] = jump * draw(3, -0.06, 0.06);
+        }
+        Gait::walk(chunk, simd_targets_of_this_machine()[target]);
+        const WalkChunk& reference = chunks.front();
+        for (size_t i = 0; i < chunk.count; ++i) {
+          ASSERT_EQ(std::memcmp(chunk.postures[i].numbers, reference.postures[i].numbers,
+                                sizeof(chunk.postures[i].numbers)),
+                    0)
+              << name_of(simd_targets_of_this_machine()[target]) << ", seed " << seed << ", lane "
+              << i << ", frame " << frame;
+          ASSERT_EQ(chunk.feet_of(i), reference.feet_of(i));
+          ASSERT_EQ(chunk.room_x[i], reference.room_x[i]);
+          ASSERT_EQ(chunk.room_y[i], reference.room_y[i]);
+          ASSERT_EQ(chunk.phases[i], reference.phases[i]);
+          ASSERT_EQ(chunk.gait_mps[i], reference.gait_mps[i]);
+        }
+      }
+  }
+}
+
+}  // namespace
+}  // namespace throng

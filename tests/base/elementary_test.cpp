@@ -1,0 +1,79 @@
+// The elementary functions agree with the C library's, which is accurate but not the same on every
+// machine.
+#include "base/elementary.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "base/random.h"
+
+namespace throng {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(Elementary, SineAndCosineAgreeWithTheCLibrary) {
+  for (double angle = -13; angle <= 13; angle += 0.0137) {
+    const SinCos found = sin_cos(angle);
+    ASSERT_NEAR(found.sin, std::sin(angle), 4e-15) << "at " << angle;
+    ASSERT_NEAR(found.cos, std::cos(angle), 4e-15) << "at " << angle;
+  }
+}
+
+TEST(Elementary, ArcTangentAgreesInEveryQuadrant) {
+  for (uint64_t i = 0; i < 20'000; ++i) {
+    const RandomKey key{.seed = 3, .id = i};
+    // Directions of every steepness, from 1e-9 to 1e9.
+    const double x = random_uniform(key, -1, 1, 0) * std::pow(10, random_uniform(key, -9, 0, 1));
+    const double y = random_uniform(key, -1, 1, 2) * std::pow(10, random_uniform(key, -9, 0, 3));
+    ASSERT_NEAR(arc_tan2(y, x), std::atan2(y, x), 1e-15) << y << ", " << x;
+  }
+}
+
+TEST(Elementary, ArcTangentIsRightOnTheAxes) {
+  EXPECT_EQ(arc_tan2(0, 0), 0);
+  EXPECT_EQ(arc_tan2(0, 2), 0);
+  EXPECT_EQ(arc_tan2(3, 0), kPi / 2);
+  EXPECT_EQ(arc_tan2(-3, 0), -kPi / 2);
+  EXPECT_EQ(arc_tan2(0, -2), kPi);
+}
+
+TEST(Elementary, ArcSineAndCosineAgreeUpToTheirEnds) {
+  for (int i = -10'000; i <= 10'000; ++i) {
+    const double value = i / 10'000.0;
+    ASSERT_NEAR(arc_sin(value), std::asin(value), 1e-15) << value;
+    ASSERT_NEAR(arc_cos(value), std::acos(value), 1e-15) << value;
+  }
+}
+
+TEST(Elementary, LogarithmAndCubeRootAgreeOverAllScales) {
+  for (uint64_t i = 0; i < 20'000; ++i) {
+    const RandomKey key{.seed = 4, .id = i};
+    const double value = std::pow(10, random_uniform(key, -300, 300));
+    ASSERT_NEAR(natural_log(value), std::log(value), 1e-15 * std::abs(std::log(value))) << value;
+    ASSERT_NEAR(cube_root(value), std::cbrt(value), 1e-15 * std::cbrt(value)) << value;
+    const double near_one = 1 - random_uniform(key, 0, 0.01, 1);
+    ASSERT_NEAR(natural_log(near_one), std::log(near_one), 1e-15) << near_one;
+  }
+  EXPECT_EQ(natural_log(1), 0);
+  EXPECT_EQ(cube_root(27), 3);
+}
+
+TEST(Elementary, TurningAgreesWithAngleAndAxis) {
+  for (uint64_t i = 0; i < 1000; ++i) {
+    const RandomKey key{.seed = 5, .id = i};
+    const Eigen::Vector3d axis =
+        Eigen::Vector3d(random_uniform(key, -1, 1, 0), random_uniform(key, -1, 1, 1),
+                        random_uniform(key, -1, 1, 2))
+            .normalized();
+    const double angle = random_uniform(key, -7, 7, 3);
+    const Eigen::Matrix3d expected = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    ASSERT_LT((turn_about(axis, angle) - expected).cwiseAbs().maxCoeff(), 4e-15) << i;
+  }
+}
+
+}  // namespace
+}  // namespace throng

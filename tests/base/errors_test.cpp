@@ -1,0 +1,46 @@
+// An error says where, what was expected, what was found, and what was meant.
+#include "base/errors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace throng {
+namespace {
+
+using testing::IsEmpty;
+using testing::StrEq;
+
+const std::vector<std::string> kNames = {"plaza", "corridor", "station"};
+
+TEST(Errors, InputErrorReadsAsOneLine) {
+  const InputError error(at_line("head.tri", 17), "3 vertex indices", "2");
+  EXPECT_THAT(error.what(), StrEq("head.tri:17: expected 3 vertex indices, found 2"));
+}
+
+TEST(Errors, InputErrorStaysOnOneLineWhateverWasFound) {
+  const InputError error("a.yaml:2", "a number", "'1\n2\x1b[2J'");
+  EXPECT_THAT(error.what(), StrEq("a.yaml:2: expected a number, found '1 2 [2J'"));
+}
+
+TEST(Errors, SlipOfTheFingerIsGuessed) {
+  EXPECT_EQ(did_you_mean("plazza", kNames), " (did you mean 'plaza'?)");
+  EXPECT_EQ(did_you_mean("coridor", kNames), " (did you mean 'corridor'?)");
+  EXPECT_EQ(did_you_mean("sttaion", kNames), " (did you mean 'station'?)");
+}
+
+TEST(Errors, AnotherWordIsNotGuessed) {
+  EXPECT_THAT(did_you_mean("airport", kNames), IsEmpty());
+  EXPECT_THAT(did_you_mean("", kNames), IsEmpty());
+  EXPECT_THAT(did_you_mean("plaza", {}), IsEmpty());
+}
+
+TEST(Errors, NearestNameWinsAndTiesGoToTheFirst) {
+  EXPECT_EQ(did_you_mean("ordop15", std::vector<std::string>{"kdop14", "ordop14", "ordop18"}),
+            " (did you mean 'ordop14'?)");
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,147 @@
+// `throng bench` as a user meets it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/engines/engines.h"
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+using testing::HasSubstr;
+
+/// What `throng bench` with the options says, to people and to machines; a failure fails the test.
+struct Told {
+  std::string out;
+  nlohmann::json json;
+};
+Told bench_told(const std::string& options, const ScratchFolder& folder) {
+  const Outcome run = shell("throng bench " + options + " --json told.json", folder);
+  EXPECT_EQ(run.exit_code, 0) << options << ": " << run.out << run.err;
+  if (run.exit_code != 0) return {};
+  return {run.out, nlohmann::json::parse(read_file(folder / "told.json"))};
+}
+
+TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
+  const ScratchFolder folder;
+  auto [out, json] = bench_told("--avatars 100 --density 4 --frames 2 --engines none", folder);
+  EXPECT_THAT(out, HasSubstr("throng ordop26"));
+  EXPECT_GT(json["throng"]["ms"].get<double>(), 0);
+  EXPECT_GT(json["throng"]["pairs"].get<int>(), 0);
+  EXPECT_TRUE(json["throng"]["simd"].is_string());
+  EXPECT_TRUE(json["engines"].empty());
+  EXPECT_EQ(json["skipped"].size(), bench::engine_kinds().size());
+  EXPECT_TRUE(json["ratio_fastest"].is_null());
+  EXPECT_TRUE(json["ratio_fcl"].is_null());
+  EXPECT_GT(json["peak_rss_bytes"].get<uint64_t>(), 1'000'000u);
+}
+
+TEST(BenchCommand, TellsHowTheLoadGrowsWhileTheCrowdMixes) {
+  const ScratchFolder folder;
+  auto [out, json] = bench_told("--avatars 400 --density 4 --frames 10 --engines none", folder);
+  EXPECT_THAT(out, HasSubstr("frames 1 to 2 "));
+  EXPECT_THAT(out, HasSubstr("frames 8 to 10 "));
+  ASSERT_EQ(json["quarters"].size(), 4u);
+  EXPECT_EQ(json["quarters"][3]["last_frame"], 10);
+  EXPECT_EQ(json["quarters"][3]["pairs"], json["throng"]["pairs"]);
+  EXPECT_LT(json["quarters"][0]["pairs"], json["quarters"][3]["pairs"]);
+}
+
+TEST(BenchCommand, ThePlazaSteersAndHasItsOwnDensity) {
+  const ScratchFolder folder;
+  auto [out, json] = bench_told("--crowd plaza --avatars 200 --frames 3 --engines none", folder);
+  EXPECT_THAT(out, HasSubstr("plaza: 200 avatars"));
+  EXPECT_EQ(json["crowd"], "plaza");
+  EXPECT_GT(json["density_per_m2"].get<double>(), 0.05);
+  EXPECT_LT(json["density_per_m2"].get<double>(), 2);
+  EXPECT_EQ(shell("throng bench --crowd plaza --density 2 --engines none", folder).exit_code, 2);
+}
+
+TEST(BenchCommand, EveryEngineIsComparedOrNamedWithTheReason) {
+  const ScratchFolder folder;
+  auto [out, json] = bench_told("--avatars 60 --density 4 --frames 2", folder);
+  for (const bench::EngineKind& kind : bench::engine_kinds()) {
+    const auto& rows = kind.make != nullptr ? json["engines"] : json["skipped"];
+    bool named = false;
+    for (const auto& row : rows) {
+      if (row["name"] != std::string(kind.name)) continue;
+      named = true;
+      if (kind.make != nullptr) {
+        EXPECT_TRUE(row["agrees"].get<bool>()) << kind.name;
+        EXPECT_GT(row["ms"].get<double>(), 0) << kind.name;
+        EXPECT_GT(row["pairs"].get<int>(), 0) << kind.name;
+        EXPECT_FALSE(row["version"].get<std::string>().empty()) << kind.name;
+        EXPECT_THAT(row["what"].get<std::string>(), HasSubstr("boxes only"));
+      } else {
+        EXPECT_EQ(row["reason"].get<std::string>(), std::string(kind.missing));
+      }
+    }
+    EXPECT_TRUE(named) << kind.name << " is neither compared nor named as skipped";
+  }
+}
+
+TEST(BenchCommand, CsvGrowsByTheRowsOfEachRun) {
+  const ScratchFolder folder;
+  const std::string line = "throng bench --avatars 50 --frames 1 --engines none --csv b.csv";
+  ASSERT_EQ(shell(line + "\n" + line, folder).exit_code, 0);
+  const std::string csv = read_file(folder / "b.csv");
+  EXPECT_EQ(line_count(csv), 1 + 2 * 2) << csv;
+  EXPECT_TRUE(csv.starts_with("avatars,per_m2,threads,")) << csv;
+}
+
+TEST(BenchCommand, AgedAndFreshDoTheSameWork) {
+  const ScratchFolder folder;
+  auto [out, json] = bench_told("--avatars 100 --frames 2 --engines none --age 30", folder);
+  EXPECT_EQ(json["walked_frames"], 30);
+  EXPECT_GT(json["throng"]["aged_work"].get<uint64_t>(), 0u);
+  EXPECT_EQ(json["throng"]["aged_work"], json["throng"]["fresh_work"]);
+}
+
+TEST(BenchCommand, PartsPrintsTheMatrixOfAVolume) {
+  const ScratchFolder folder;
+  auto [out, json] = bench_told("--avatars 40 --density 4 --frames 1 --parts obb", folder);
+  EXPECT_THAT(out, HasSubstr("obb, part by part"));
+  EXPECT_EQ(json["matrix"].size(), 15u * 16 / 2);
+  EXPECT_EQ(json["volumes"]["ordop26"]["missed"], 0);
+}
+
+TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
+  const ScratchFolder folder;
+  auto [out, json] = bench_told("--steering --avatars 1000 --frames 2", folder);
+  EXPECT_THAT(out, HasSubstr("It did not run here"));
+  ASSERT_EQ(json["steering"].size(), 2u);
+  EXPECT_EQ(json["steering"][0]["model"], "orca");
+  EXPECT_EQ(json["steering"][1]["model"], "speed");
+  for (const auto& row : json["steering"]) {
+    EXPECT_EQ(row["people"], 1000);
+    EXPECT_GT(row["ms"].get<double>(), 0);
+    EXPECT_GE(row["sweeps"].get<double>(), 1);
+    EXPECT_EQ(row["rvo2_ms"], 1.08);
+  }
+  // It is known for one core and for some numbers of people.
+  for (const char* others : {"--avatars 50", "--avatars 1000 --threads 2"}) {
+    const Outcome other =
+        shell(std::string("throng bench --steering --frames 1 --json s.json ") + others, folder);
+    ASSERT_EQ(other.exit_code, 0) << other.err;
+    EXPECT_TRUE(
+        nlohmann::json::parse(read_file(folder / "s.json"))["steering"][0]["rvo2_ms"].is_null());
+  }
+}
+
+TEST(BenchCommand, RefusesWhatItDoesNotKnow) {
+  const ScratchFolder folder;
+  for (const char* options :
+       {"--engines fcll", "--simd mmx", "--parts cube", "--avatars 1", "--density 0", "--age 0",
+        "--engines fcl,", "--steering --age 3", "--steering --crowd plaza",
+        "--steering --csv a.csv", "--steering --engines fcl", "--steering --pair-search grid"}) {
+    const Outcome run = shell(std::string("throng bench ") + options, folder);
+    EXPECT_EQ(run.exit_code, 2) << options << ": " << run.err;
+    EXPECT_EQ(line_count(run.err), 1) << options << ": " << run.err;
+  }
+  EXPECT_THAT(shell("throng bench --engines fcll", folder).err, HasSubstr("did you mean 'fcl'"));
+}
+
+}  // namespace
+}  // namespace throng

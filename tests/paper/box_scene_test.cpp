@@ -1,0 +1,124 @@
+// A box of parts is a scene like any other: the same run, the same events on any number of threads.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "base/errors.h"
+#include "bench/paper/parts.h"
+#include "culling/exact/triangle_bvh.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/runner.h"
+
+namespace throng {
+namespace {
+
+RunSummary run_scene(const std::string& name, const SimulationOptions& options, double seconds,
+                     bool exact = false) {
+  Scene scene = load_scene(name);
+  scene.duration_s = seconds;
+  scene.exact = exact;
+  Simulation simulation(std::move(scene), options);
+  return run(simulation, {});
+}
+
+TEST(BoxScene, ThePapersFourScenesHoldItsNumbersOfObjects) {
+  for (const int count : {15, 50, 350, 500}) {
+    const RunSummary summary = run_scene("paper_" + std::to_string(count), {}, 0.05);
+    EXPECT_EQ(summary.avatars, count);
+    EXPECT_EQ(summary.parts, count);
+    EXPECT_EQ(summary.unplaced, 0);
+  }
+}
+
+TEST(BoxScene, HasTheSameEventsOnEveryNumberOfThreadsAndSimdTarget) {
+  SimulationOptions options;
+  const RunSummary expected = run_scene("paper_350", options, 1);
+  EXPECT_GT(expected.begins, 0u);
+  EXPECT_EQ(expected.begins, expected.ends);
+  options.threads = 2;
+  EXPECT_EQ(run_scene("paper_350", options, 1).hash, expected.hash) << "2 threads";
+  options.threads = 1;
+  for (const SimdTarget target : simd_targets_of_this_machine()) {
+    options.simd = target;
+    EXPECT_EQ(run_scene("paper_350", options, 1).hash, expected.hash) << name_of(target);
+  }
+}
+
+/// The slow way: every pair of parts, their triangles, in every frame.
+TEST(BoxScene, ReportsExactlyThePairsWhoseTrianglesTouch) {
+  Scene scene = load_scene("paper_50");
+  scene.exact = true;
+  Simulation simulation(scene, {});
+  std::vector<TriangleBvh> surfaces;
+  size_t found = 0;
+  for (int number = 0; number < 40; ++number) {
+    const Frame& frame = simulation.step();
+    const RunInfo& info = simulation.info();
+    if (surfaces.empty())
+      for (const auto& model : info.models)
+        surfaces.emplace_back(model->parts[0].mesh.vertices, model->parts[0].mesh.triangles);
+    std::vector<PartPose> poses;
+    for (const RootPose& root : frame.roots) {
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.linear() = root.world_from_root.cast<double>().toRotationMatrix();
+      poses.push_back(to_part_pose(pose));
+    }
+    std::vector<PairKey> expected;
+    ExactCounters counters;
+    for (uint32_t a = 0; a < frame.roots.size(); ++a)
+      for (uint32_t b = a + 1; b < frame.roots.size(); ++b)
+        if (solids_touch(surfaces[info.model_of_avatar[a]], poses[a], 1,
+                         surfaces[info.model_of_avatar[b]], poses[b], 1,
+                         (frame.roots[b].position_m - frame.roots[a].position_m).cast<float>(),
+                         counters))
+          expected.emplace_back(a, b, 0, 0);
+    found += expected.size();
+    const std::vector<PairKey> reported(frame.pairs.begin(), frame.pairs.end());
+    ASSERT_TRUE(reported == expected) << "frame " << number << ": " << reported.size()
+                                      << " pairs reported, " << expected.size() << " touch";
+  }
+  EXPECT_GT(found, 0u);
+}
+
+TEST(BoxScene, KeepsItsDensityWhenScaled) {
+  Scene scene = load_scene("paper_15");
+  const double edge_m = scene.box->edge_m;
+  std::vector<std::string> notes;
+  scale_to(scene, 120, notes);
+  EXPECT_EQ(scene.box->count, 120);
+  EXPECT_NEAR(scene.box->edge_m, 2 * edge_m, 1e-9);
+  EXPECT_EQ(notes.size(), 1u);
+}
+
+/// What loading a scene of this text complains about, or "".
+std::string complaint_about(const std::string& text) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("throng_box_" + std::to_string(getpid()) + ".yaml");
+  std::ofstream(file) << text;
+  std::string complaint;
+  try {
+    Simulation simulation(load_scene(file.string()), {});
+  } catch (const InputError& error) {
+    complaint = error.what();
+  }
+  std::filesystem::remove(file);
+  return complaint;
+}
+
+TEST(BoxScene, ComplaintsNameWhatIsWrong) {
+  EXPECT_EQ(complaint_about("kind: box\nbox: {count: 3, edge_m: 3}\n"), "");
+  EXPECT_NE(complaint_about("kind: bix\nbox: {count: 3, edge_m: 3}\n").find("did you mean 'box'"),
+            std::string::npos);
+  EXPECT_NE(complaint_about("kind: box\nbox: {count: 3, edge_m: 0.3}\n").find("can move in it"),
+            std::string::npos);
+  EXPECT_NE(complaint_about("kind: box\nbox: {count: 3, edge_m: 3, max_speed_mps: 0.1}\n")
+                .find("min_speed_mps"),
+            std::string::npos);
+  EXPECT_NE(complaint_about("kind: box\nbox: {count: 3, edge_m: 3}\ngroups: []\n").find("groups"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace throng

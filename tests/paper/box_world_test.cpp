@@ -1,0 +1,110 @@
+// The box of the paper: nothing leaves it, nothing slows down, the same seed flies the same way.
+#include "scenes/box/box_world.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kSeed = 7;
+
+BoxWorld world_of(uint64_t seed, double edge_m = 2) {
+  const std::vector<double> radii_m = {0.1, 0.3, 0.05};
+  BoxWorldOptions options;
+  options.seed = seed;
+  options.edge_m = edge_m;
+  return BoxWorld::of_kinds(options, radii_m, 40, 4);
+}
+
+TEST(BoxWorld, KeepsEveryObjectWhollyInside) {
+  BoxWorld world = world_of(kSeed);
+  const std::vector<double> radii_m = {0.1, 0.3, 0.05};
+  for (int frame = 0; frame < 5000; ++frame) {
+    for (size_t i = 0; i < world.size(); ++i) {
+      const Eigen::Vector3d& p = world.positions_m()[i];
+      const double r = radii_m[i % 3];
+      const double out = std::max((world.low_m() - p).maxCoeff(), (p - world.high_m()).maxCoeff());
+      ASSERT_LE(out + r, 1e-12) << "object " << i << ", frame " << frame << ", seed " << kSeed;
+      ASSERT_LE(p.norm(), world.reach_m());
+    }
+    world.step();
+  }
+}
+
+TEST(BoxWorld, KeepsSpeedAndSpinToTheBit) {
+  BoxWorld world = world_of(kSeed);
+  std::vector<double> speeds2;
+  std::vector<Eigen::Vector3d> spins(world.spins_radps().begin(), world.spins_radps().end());
+  for (const Eigen::Vector3d& v : world.velocities_mps()) speeds2.push_back(v.squaredNorm());
+  for (int frame = 0; frame < 5000; ++frame) world.step();
+  for (size_t i = 0; i < world.size(); ++i) {
+    EXPECT_EQ(world.velocities_mps()[i].squaredNorm(), speeds2[i]) << "object " << i;
+    EXPECT_EQ(world.spins_radps()[i], spins[i]) << "object " << i;
+  }
+}
+
+TEST(BoxWorld, MovesByVelocityAndTurnsByItsSpin) {
+  BoxWorld world = world_of(kSeed, 50);  // so wide that nobody meets a wall in a second
+  const std::vector<Eigen::Vector3d> start(world.positions_m().begin(), world.positions_m().end());
+  const std::vector<Eigen::Quaterniond> turned(world.orientations().begin(),
+                                               world.orientations().end());
+  const std::vector<Eigen::Vector3d> flying(world.velocities_mps().begin(),
+                                            world.velocities_mps().end());
+  for (int frame = 0; frame < 60; ++frame) world.step();
+  size_t checked = 0;
+  for (size_t i = 0; i < world.size(); ++i) {
+    if (world.velocities_mps()[i] != flying[i]) continue;  // met a wall
+    ++checked;
+    EXPECT_LT((world.positions_m()[i] - start[i] - flying[i]).norm(), 1e-12) << "object " << i;
+    const double angle_rad = world.spins_radps()[i].norm();
+    const Eigen::Vector3d axis = angle_rad > 0 ? Eigen::Vector3d(world.spins_radps()[i] / angle_rad)
+                                               : Eigen::Vector3d::UnitX();
+    const Eigen::Quaterniond expected(Eigen::AngleAxisd(angle_rad, axis) * turned[i]);
+    EXPECT_LT(expected.angularDistance(world.orientations()[i]), 1e-7) << "object " << i;
+    EXPECT_NEAR(world.orientations()[i].norm(), 1, 1e-15);
+  }
+  EXPECT_GT(checked, 20u);
+}
+
+TEST(BoxWorld, EveryFourthObjectStandsStill) {
+  BoxWorld world = world_of(kSeed);
+  for (size_t i = 0; i < world.size(); ++i) {
+    const bool still = i % 4 == 3;
+    EXPECT_EQ(world.velocities_mps()[i].norm() == 0, still) << "object " << i;
+    EXPECT_EQ(world.spins_radps()[i].norm() == 0, still) << "object " << i;
+  }
+}
+
+TEST(BoxWorld, SameSeedSameFlightOtherSeedAnother) {
+  BoxWorld one = world_of(1), again = world_of(1), other = world_of(2);
+  for (int frame = 0; frame < 100; ++frame) {
+    one.step();
+    again.step();
+    other.step();
+  }
+  for (size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one.positions_m()[i], again.positions_m()[i]);
+    EXPECT_EQ(one.orientations()[i].coeffs(), again.orientations()[i].coeffs());
+    EXPECT_NE(one.positions_m()[i], other.positions_m()[i]);
+  }
+}
+
+TEST(BoxWorld, PosesAreRotationsThatAgreeWithTheQuaternions) {
+  BoxWorld world = world_of(kSeed);
+  world.step();
+  for (size_t i = 0; i < world.size(); ++i) {
+    const Eigen::Isometry3d pose = to_isometry(world.pose(i));
+    EXPECT_LT((pose.linear() - world.orientations()[i].toRotationMatrix()).cwiseAbs().maxCoeff(),
+              1e-7);
+    EXPECT_LT((pose.translation() - world.positions_m()[i]).cwiseAbs().maxCoeff(), 3e-7);
+  }
+}
+
+TEST(BoxWorld, RefusesAnObjectThatDoesNotFit) { EXPECT_THROW(world_of(1, 0.6), InputError); }
+
+}  // namespace
+}  // namespace throng

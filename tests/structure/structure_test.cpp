@@ -1,0 +1,174 @@
+// The tree is the architecture: includes point one way, libraries stay behind the folder that uses
+// them, files stay small, and nothing knows the machine it was written on.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "tests/structure/source_tree.h"
+
+namespace throng {
+namespace {
+
+using Names = std::set<std::string, std::less<>>;
+
+const std::set<std::string_view> kCode = {".cpp", ".h"};
+
+/// Whom a folder may include, besides itself and base.
+const std::map<std::string, Names> kMayInclude = {
+    {"base", {}},
+    {"kinematics", {}},
+    {"culling", {}},
+    {"avatars", {"kinematics", "culling"}},
+    {"scenes", {"kinematics", "culling", "avatars"}},
+    {"lcmtypes", {"kinematics", "culling", "avatars", "scenes"}},
+    {"viewer", {"kinematics", "culling", "avatars", "scenes", "lcmtypes"}},
+    {"bench", {"kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer"}},
+    {"apps", {"kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer", "bench"}},
+    {"examples", {"kinematics", "culling", "avatars", "scenes", "lcmtypes"}},
+};
+
+/// Which folders may see a library's headers, by the first part of the header's path. A folder's
+/// tests may see what the folder may.
+const std::map<std::string, Names> kLibraryOf = {
+    {"kdl", {"kinematics", "bench"}},
+    {"urdf_parser", {"kinematics"}},
+    {"urdf_model", {"kinematics"}},
+    {"urdf_exception", {"kinematics"}},
+    {"console_bridge", {"kinematics"}},
+    {"assimp", {"avatars"}},
+    {"yaml-cpp", {"scenes"}},
+    {"sqlite3.h", {"scenes"}},
+    {"boost", {"scenes"}},
+    {"Recast.h", {"scenes"}},
+    {"DetourNavMesh.h", {"scenes"}},
+    {"DetourNavMeshQuery.h", {"scenes"}},
+    {"DetourNavMeshBuilder.h", {"scenes"}},
+    {"lcm", {"lcmtypes"}},
+    {"fcl", {"culling", "bench"}},
+    {"tbb", {"base"}},
+    {"hwy", {"base", "kinematics", "culling", "avatars", "scenes"}},
+    {"png.h", {"viewer"}},
+    {"webp", {"viewer"}},
+    {"CLI", {"apps"}},
+    {"nlohmann", {"apps", "bench", "paper", "viewer"}},
+    {"glib.h", {"viewer"}},
+    {"zlib.h", {"viewer"}},
+};
+
+std::string first_part(const std::string& path) { return path.substr(0, path.find('/')); }
+
+class Structure : public testing::Test {
+ protected:
+  static const std::vector<SourceFile>& files() {
+    static const std::vector<SourceFile> tree = read_source_tree();
+    return tree;
+  }
+};
+
+TEST_F(Structure, IncludesPointOneWay) {
+  int seen = 0;
+  for (const SourceFile& file : files()) {
+    const auto allowed = kMayInclude.find(file.folder());
+    if (!file.has_extension(kCode) || file.is_test() || allowed == kMayInclude.end()) continue;
+    for (const Include& include : includes_of(file)) {
+      const std::string folder = first_part(include.path);
+      if (!kMayInclude.contains(folder)) continue;
+      ++seen;
+      EXPECT_TRUE(folder == file.folder() || folder == "base" || allowed->second.contains(folder))
+          << file.path << ":" << include.line << ": " << file.folder() << " must not know "
+          << folder;
+    }
+  }
+  EXPECT_GT(seen, 100) << "the test does not read the sources any more";
+}
+
+TEST_F(Structure, LibrariesStayInTheirFolder) {
+  Names seen;
+  for (const SourceFile& file : files()) {
+    if (!file.has_extension(kCode)) continue;
+    for (const Include& include : includes_of(file)) {
+      const auto library = kLibraryOf.find(first_part(include.path));
+      if (library == kLibraryOf.end()) continue;
+      seen.insert(library->first);
+      EXPECT_TRUE(library->second.contains(file.folder()))
+          << file.path << ":" << include.line << ": <" << include.path << "> is the business of "
+          << *library->second.begin() << "/";
+    }
+  }
+  EXPECT_TRUE(seen.contains("kdl") && seen.contains("lcm") && seen.contains("CLI"))
+      << "the test does not read the sources any more";
+}
+
+TEST_F(Structure, OwnHeadersAreNamedFromTheTop) {
+  for (const SourceFile& file : files()) {
+    if (!file.has_extension(kCode) || file.is_test()) continue;
+    for (const Include& include : includes_of(file))
+      EXPECT_TRUE(include.angled || include.path.find('/') != std::string::npos)
+          << file.path << ":" << include.line << ": \"" << include.path << "\"";
+  }
+}
+
+TEST_F(Structure, HeadersBeginByTellingTheirPurpose) {
+  for (const SourceFile& file : files()) {
+    if (!file.has_extension({".h"})) continue;
+    EXPECT_TRUE(file.text.starts_with("// ")) << file.path;
+    const bool repeats = file.path.ends_with("-inl.h");  // once a SIMD target, with its own guard
+    EXPECT_TRUE(repeats || file.text.find("\n#pragma once\n") != std::string::npos) << file.path;
+  }
+}
+
+TEST_F(Structure, NoFileIsLongerThanFiveHundredLines) {
+  const std::set<std::string_view> written = {".cpp", ".h", ".lcm", ".sh", ".js", ".ts", ".py"};
+  for (const SourceFile& file : files()) {
+    if (!file.has_extension(written)) continue;
+    EXPECT_LE(lines_of(file).size(), 500u) << file.path;
+  }
+}
+
+TEST_F(Structure, OnePlaceSpeaksToStandardError) {
+  // Whatever throws, or ends the process, where stderr takes nothing must not be used.
+  const std::vector<std::string_view> ways = {"stderr", "std::cerr", "std::clog", "perror(",
+                                              "STDERR_FILENO,"};
+  bool said = false;
+  for (const SourceFile& file : files()) {
+    if (!file.has_extension(kCode) || file.is_test()) continue;
+    for (const Line& line : lines_of(file)) {
+      const std::string_view code = line.text.substr(0, line.text.find("//"));
+      // Where a sanitizer reports to is no message of ours.
+      if (code.find("__sanitizer_set_report_path") != std::string_view::npos) continue;
+      for (const std::string_view way : ways) {
+        if (code.find(way) == std::string_view::npos) continue;
+        said |= file.path == "base/say.cpp";
+        EXPECT_EQ(file.path, "base/say.cpp")
+            << file.path << ":" << line.number
+            << ": messages go through say() of base/say.h: " << line.text;
+      }
+    }
+  }
+  EXPECT_TRUE(said) << "the test does not read the sources any more";
+}
+
+TEST_F(Structure, NothingKnowsTheMachineItWasWrittenOn) {
+  // Put together here, so that this file does not find itself.
+  std::vector<std::string> places;
+  for (const char* folder : {"home", "root", "work", "Users", "mnt"})
+    places.push_back(fmt::format("/{}/", folder));
+  for (const SourceFile& file : files()) {
+    for (const Line& line : lines_of(file)) {
+      for (const std::string& place : places) {
+        const size_t at = line.text.find(place);
+        // "a/work/b" is a relative path; an absolute one follows a blank, a quote or the like.
+        const bool absolute = at != std::string::npos &&
+                              (at == 0 || std::string_view(" \t\"'`=:(<").find(line.text[at - 1]) !=
+                                              std::string::npos);
+        EXPECT_FALSE(absolute) << file.path << ":" << line.number << ": " << line.text;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace throng

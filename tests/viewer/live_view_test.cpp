@@ -1,0 +1,145 @@
+// A run over LCM behind the page, whatever else comes over the network.
+#include "viewer/server/live_view.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "base/random.h"
+#include "lcmtypes/wire/lcm_sink.h"
+#include "tests/lcmtypes/memory_bus.h"
+#include "tests/lcmtypes/synthetic_run.h"
+#include "tests/viewer/web_socket.h"
+
+namespace throng {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A sender and a viewer in one process, joined by LCM's memory queue.
+class LiveCrowd : public testing::Test {
+ protected:
+  LiveCrowd()
+      : lcm_(memory_bus()),
+        view_(std::make_unique<Receiver>(lcm_), {.send_buffer_bytes = 4096}, "<!doctype html>") {}
+
+  /// The next binary message of a kind.
+  static std::string next(TestSocket& browser, uint32_t kind) {
+    for (;;) {
+      const auto message = browser.read_message();
+      if (!message) return "";
+      uint32_t found = 0;
+      if (message->opcode == Opcode::kBinary && message->payload.size() >= 4)
+        std::memcpy(&found, message->payload.data(), 4);
+      if (found == kind) return message->payload;
+    }
+  }
+  static FrameHead head_of(const std::string& message) {
+    FrameHead head;
+    if (message.size() >= sizeof head) std::memcpy(&head, message.data(), sizeof head);
+    return head;
+  }
+
+  std::shared_ptr<lcm::LCM> lcm_;
+  LiveView view_;
+};
+
+TEST_F(LiveCrowd, TellsThatItWaits) {
+  TestSocket browser(view_.server().port());
+  browser.open();
+  const auto message = browser.read_message();
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->opcode, Opcode::kText);
+  EXPECT_NE(message->payload.find("waiting"), std::string::npos) << message->payload;
+}
+
+TEST_F(LiveCrowd, ShowsARunThatBeganBeforeAndAfterThePage) {
+  TestSocket early(view_.server().port());
+  early.open();
+  SyntheticRun run({.avatars = 30});
+  LcmSink sink({.url = "memq://"}, lcm_);
+  sink.begin(run.info());
+  sink.frame(run.info(), run.step());
+  EXPECT_NE(next(early, kRunMessage), "");
+  TestSocket late(view_.server().port());
+  late.open();
+  EXPECT_NE(next(late, kRunMessage), "");
+  for (int i = 0; i < 5; ++i) {
+    sink.frame(run.info(), run.step());
+    std::this_thread::sleep_for(5ms);
+  }
+  for (TestSocket* browser : {&early, &late}) {
+    const FrameHead head = head_of(next(*browser, kFrameMessage));
+    EXPECT_EQ(head.avatars, 30u);
+    EXPECT_GE(head.frame, 0);
+  }
+}
+
+// The run's process only sends; what the viewer does with a browser that stopped reading must not
+// even be felt by the viewer's own listening: every frame of the run is heard.
+TEST_F(LiveCrowd, AClientThatStopsReadingCostsNoFrame) {
+  TestSocket lazy(view_.server().port(), 4096);
+  lazy.open();
+  SyntheticRun run({.avatars = 200});
+  LcmSink sink({.url = "memq://"}, lcm_);
+  sink.begin(run.info());
+  uint64_t sent = 0;
+  for (; sent == 0 || (view_.frames_built() == 0 && sent < 600); ++sent) {
+    sink.frame(run.info(), run.step());  // the first picture takes long
+    std::this_thread::sleep_for(100ms);
+  }
+  // As many frames as it takes until pictures were made of 30: a busy machine makes one of several.
+  for (; view_.frames_built() < 30 && sent < 3000; ++sent) {
+    sink.frame(run.info(), run.step());
+    std::this_thread::sleep_for(2ms);
+  }
+  for (int i = 0; i < 1000 && view_.frames_heard() < sent; ++i) std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(view_.frames_heard(), sent);
+  const uint64_t built = view_.frames_built();
+  EXPECT_GE(built, 30u);
+  EXPECT_GE(view_.server().frames_dropped() + 10, built)
+      << "a few frames fit into the socket, the rest is dropped and counted";
+}
+
+TEST_F(LiveCrowd, SurvivesAHundredThousandDamagedMessages) {
+  TestSocket browser(view_.server().port());
+  browser.open();
+  SyntheticRun run({.avatars = 10, .deadline = true});
+  std::vector<MessageList::Message> messages = messages_of(run, 20);
+  constexpr uint64_t kSeed = 11;
+  constexpr int kPackets = 100'000;
+  int sent = 0;
+  for (uint64_t i = 0; sent < kPackets; ++i) {
+    const RandomKey key{.seed = kSeed, .id = i};
+    const MessageList::Message& message = messages[random_bits(key, 0) % messages.size()];
+    // Descriptions are large: damaged ones are sent more rarely, so that the test stays quick.
+    if (message.bytes.size() > 8000 && i % 50 != 0) continue;
+    std::vector<uint8_t> bytes = message.bytes;
+    for (uint32_t change = 0; change < 1 + random_bits(key, 1) % 4; ++change)
+      bytes[random_bits(key, 10 + change) % bytes.size()] =
+          static_cast<uint8_t>(random_bits(key, 20 + change));
+    if (random_bits(key, 2) % 3 == 0) bytes.resize(random_bits(key, 3) % (bytes.size() + 1));
+    publish(*lcm_, message.channel, bytes);
+    ++sent;
+    if (i % 500 == 0) std::this_thread::sleep_for(1ms);
+  }
+  // And it still shows a run that is sound.
+  SyntheticRun sound({.avatars = 17, .seed = 99});
+  sound.set_instance(12345);
+  LcmSink sink({.url = "memq://"}, lcm_);
+  TestSocket late(view_.server().port());
+  late.open();
+  sink.begin(sound.info());
+  FrameHead head;
+  for (int i = 0; i < 200 && head.avatars != 17; ++i) {
+    sink.frame(sound.info(), sound.step());
+    head = head_of(next(late, kFrameMessage));
+  }
+  EXPECT_EQ(head.avatars, 17u);
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,202 @@
+// A log behind the page: any frame, in any order, is the frame that the run had.
+#include "viewer/server/log_player.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.h"
+#include "base/random.h"
+#include "tests/lcmtypes/synthetic_run.h"
+
+namespace throng {
+namespace {
+
+constexpr int kFrames = 200;
+
+class RecordedCrowd : public testing::Test {
+ protected:
+  void record(const SyntheticRun::Options& options, double state_every = 1) {
+    SyntheticRun run(options);
+    LogSink sink(log_.path(), {.state_every = state_every});
+    run.play(sink, kFrames);
+  }
+  std::shared_ptr<const Bytes> fresh(const LogIndex& index, const RunGeometry& geometry,
+                                     int64_t frame) {
+    return LogPlayer(index, geometry).frame(frame);
+  }
+  static RunReader described(const LogIndex& index) {
+    RunReader run;
+    for (const auto& piece : index.description()) run.take(name_of(Channel::kRun), piece);
+    return run;
+  }
+  ScratchFile log_;
+};
+
+FrameHead head_of(const Bytes& message) {
+  FrameHead head;
+  std::memcpy(&head, message.data(), sizeof head);
+  return head;
+}
+
+/// All but the numbers that differ from player to player.
+std::vector<uint8_t> picture_of(const Bytes& message) {
+  return {message.begin() + sizeof(FrameHead), message.end()};
+}
+
+TEST_F(RecordedCrowd, JumpingAndPlayingShowTheSame) {
+  for (const double state_every : {1.0, 2.4, 7.0, 150.0}) {
+    record({.avatars = 30, .seed = 3, .pairs = 60, .comings = true, .deadline = true}, state_every);
+    LogIndex index(log_.path());
+    index.wait();
+    RunReader run = described(index);
+    const RunGeometry geometry(run);
+    LogPlayer playing(index, geometry), jumping(index, geometry);
+    std::vector<std::vector<uint8_t>> played;
+    for (int64_t frame = 0; frame < kFrames; ++frame) {
+      const auto message = playing.frame(frame);
+      ASSERT_NE(message, nullptr);
+      ASSERT_EQ(head_of(*message).frame, static_cast<double>(frame));
+      played.push_back(picture_of(*message));
+    }
+    for (uint64_t i = 0; i < 60; ++i) {
+      const auto frame = static_cast<int64_t>(random_bits({.seed = 4, .id = i}) % kFrames);
+      const auto message = jumping.frame(frame);
+      ASSERT_NE(message, nullptr);
+      ASSERT_EQ(picture_of(*message), played[static_cast<size_t>(frame)])
+          << "frame " << frame << ", jump " << i << ", states every " << state_every;
+    }
+  }
+}
+
+TEST_F(RecordedCrowd, FramesHoldWhatTheRunSaid) {
+  const SyntheticRun::Options options{.avatars = 12, .seed = 8, .pairs = 20, .comings = true};
+  record(options);
+  LogIndex index(log_.path());
+  index.wait();
+  RunReader run = described(index);
+  const RunGeometry geometry(run);
+  LogPlayer player(index, geometry);
+  SyntheticRun again(options);
+  for (int64_t number = 0; number < kFrames; ++number) {
+    const Frame& frame = again.step();
+    const auto message = player.frame(number);
+    const FrameHead head = head_of(*message);
+    ASSERT_EQ(head.pairs, frame.pairs.size()) << "frame " << number;
+    ASSERT_EQ(head.avatars, frame.roots.size());
+    uint32_t present = 0;
+    for (size_t i = 0; i < frame.roots.size(); ++i) {
+      present += frame.present.empty() || frame.present[i] != 0 ? 1 : 0;
+      float xyz[3];
+      std::memcpy(xyz, message->data() + sizeof head + 16 * i, sizeof xyz);
+      for (int axis = 0; axis < 3; ++axis)
+        ASSERT_NEAR(xyz[axis], frame.roots[i].position_m[axis], 1e-4);
+    }
+    ASSERT_EQ(head.present, present) << "frame " << number;
+  }
+}
+
+TEST_F(RecordedCrowd, IsKnownToTheEnd) {
+  record({.avatars = 10});
+  LogIndex index(log_.path());
+  index.wait();
+  EXPECT_EQ(index.last_frame(), kFrames - 1);
+  EXPECT_EQ(index.problem(), "");
+  const auto json = nlohmann::json::parse(index.to_json(50))["index"];
+  EXPECT_EQ(json["frames"], kFrames);
+  EXPECT_LE(json["pairs"].size(), 50u);
+}
+
+TEST_F(RecordedCrowd, AFrameFarAheadOfAllOthersIsOneMoreFrame) {
+  // The largest number that a message may have; memory for all frames before it has nobody.
+  const int64_t far = int64_t{1} << 53;
+  {
+    SyntheticRun run({.avatars = 10});
+    LogSink sink(log_.path());
+    sink.begin(run.info());
+    for (int i = 0; i < 20; ++i) sink.frame(run.info(), run.step());
+    Frame last = run.step();
+    last.number = far;
+    sink.frame(run.info(), last);
+    sink.end(run.info(), run.finish());
+  }
+  LogIndex index(log_.path());
+  index.wait();
+  EXPECT_EQ(index.last_frame(), far);
+  const auto json = nlohmann::json::parse(index.to_json(50))["index"];
+  EXPECT_EQ(json["frames"], far + 1);
+  EXPECT_LE(json["pairs"].size(), 50u);
+}
+
+TEST_F(RecordedCrowd, PlaysWhatIsSoundOfATornLog) {
+  record({.avatars = 10});
+  std::vector<uint8_t> bytes = bytes_of(log_.path());
+  bytes.resize(bytes.size() * 2 / 3);
+  write_bytes(log_.path(), bytes);
+  LogIndex index(log_.path());
+  index.wait();
+  EXPECT_NE(index.problem(), "");
+  EXPECT_GT(index.last_frame(), 50);
+  RunReader run = described(index);
+  const RunGeometry geometry(run);
+  EXPECT_NE(fresh(index, geometry, kFrames), nullptr);
+}
+
+TEST_F(RecordedCrowd, SurvivesDamage) {
+  record({.avatars = 10, .pairs = 30});
+  const std::vector<uint8_t> sound = bytes_of(log_.path());
+  for (uint64_t seed = 0; seed < 60; ++seed) {
+    std::vector<uint8_t> bytes = sound;
+    for (uint64_t i = 0; i < 40; ++i) {
+      const RandomKey key{.seed = seed, .id = i};
+      bytes[random_bits(key, 0) % bytes.size()] = static_cast<uint8_t>(random_bits(key, 1));
+    }
+    write_bytes(log_.path(), bytes);
+    try {
+      LogIndex index(log_.path());
+      index.wait();
+      RunReader run = described(index);
+      const RunGeometry geometry(run);
+      LogPlayer player(index, geometry);
+      for (const int64_t frame : {150, 3, 199, 80}) player.frame(frame);
+    } catch (const InputError&) {
+      // Damaged where the description is: said so, and that is fine.
+    }
+  }
+}
+
+TEST_F(RecordedCrowd, KnowsThePairsOfAPerson) {
+  const SyntheticRun::Options options{.avatars = 8, .seed = 5, .pairs = 12};
+  record(options);
+  LogIndex index(log_.path());
+  index.wait();
+  // By hand: begins and ends of everybody, frame by frame.
+  SyntheticRun again(options);
+  std::map<PairKey, int64_t> open;
+  std::vector<std::array<int64_t, 2>> expected;  // begin, end of person 3's pairs up to frame 150
+  for (int64_t number = 0; number <= 150; ++number)
+    for (const PairEvent& event : again.step().events) {
+      if (event.pair.a() != 3 && event.pair.b() != 3) continue;
+      if (event.kind == EventKind::kBegin) {
+        open[event.pair] = number;
+      } else {
+        expected.push_back({open[event.pair], number});
+        open.erase(event.pair);
+      }
+    }
+  for (const auto& [pair, begin] : open) expected.push_back({begin, -1});
+  std::vector<std::array<int64_t, 2>> found;
+  const auto answer = nlohmann::json::parse(index.history().of(3, 150, 10000));
+  for (const auto& row : answer["pairs"]) found.push_back({row[0], row[1]});
+  std::sort(expected.begin(), expected.end());
+  std::sort(found.begin(), found.end());
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(found, expected);
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,174 @@
+// The rasteriser: what is drawn where, what hides what, and that a picture repeats to the byte.
+#include "viewer/picture/raster.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+constexpr float kRightAngle = 1.57079632679F;  // field of view: at 1 m, the picture is 2 m high
+
+/// Looks along +x from the origin at a picture of `size` x `size` pixels without ground.
+Image seen(std::span<const RenderItem> items, int size) {
+  const Camera camera{{0, 0, 0}, {1, 0, 0}, kRightAngle};
+  return render(items, camera,
+                {.width = size, .height = size, .samples = 1, .ground = false, .fog_start_m = 120});
+}
+
+std::array<int, 3> pixel(const Image& image, int x, int y) {
+  const auto at = static_cast<size_t>(3 * (y * image.width + x));
+  return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
+}
+
+bool is_red(const std::array<int, 3>& p) { return p[0] > 2 * p[1] && p[0] > 2 * p[2]; }
+bool is_blue(const std::array<int, 3>& p) { return p[2] > 2 * p[0] && p[2] > 2 * p[1]; }
+
+/// A triangle at distance x that faces the origin; picture right is -y.
+Mesh triangle_at(float x) {
+  return {{{x, x, x}, {x, x, -x}, {x, -x, -x}},
+          {{0, 1, 2}}};  // upper left, lower left, lower right
+}
+
+Mesh sphere(int rings, int segments) {
+  Mesh mesh;
+  const double pi = 3.14159265358979;
+  for (int r = 0; r <= rings; ++r)
+    for (int s = 0; s < segments; ++s)
+      mesh.vertices.push_back(
+          Eigen::Vector3d(std::sin(pi * r / rings) * std::cos(2 * pi * s / segments),
+                          std::sin(pi * r / rings) * std::sin(2 * pi * s / segments),
+                          std::cos(pi * r / rings))
+              .cast<float>());
+  for (int r = 0; r < rings; ++r)
+    for (int s = 0; s < segments; ++s) {
+      const int a = r * segments + s;
+      const int b = r * segments + (s + 1) % segments;
+      mesh.triangles.emplace_back(a, a + segments, b + segments);
+      mesh.triangles.emplace_back(a, b + segments, b);
+    }
+  return mesh;
+}
+
+TEST(Raster, ATriangleCoversThePixelsBelowItsDiagonal) {
+  const Mesh mesh = triangle_at(1);
+  RenderItem item;
+  item.mesh = &mesh;
+  item.rgb = {0.9F, 0.05F, 0.05F};
+  const Image image = seen({&item, 1}, 16);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x)
+      if (x != y) {  // the diagonal runs through those
+        EXPECT_EQ(is_red(pixel(image, x, y)), x < y) << x << ' ' << y;
+      }
+}
+
+TEST(Raster, TheNearerHidesTheFartherInEitherOrder) {
+  const Mesh near = triangle_at(2);
+  const Mesh far = triangle_at(3);
+  RenderItem red;
+  red.mesh = &near;
+  red.rgb = {0.9F, 0.05F, 0.05F};
+  RenderItem blue;
+  blue.mesh = &far;
+  blue.rgb = {0.05F, 0.05F, 0.9F};
+  for (const auto& order : {std::array<RenderItem, 2>{red, blue}, {blue, red}}) {
+    const Image image = seen(order, 16);
+    EXPECT_TRUE(is_red(pixel(image, 3, 12)));
+    EXPECT_FALSE(is_blue(pixel(image, 3, 12)));
+  }
+}
+
+TEST(Raster, FacesTurnedAwayAndThingsBehindTheEyeAreNotDrawn) {
+  Mesh away = triangle_at(1);
+  std::swap(away.triangles[0][1], away.triangles[0][2]);
+  const Mesh behind = triangle_at(-1);
+  for (const Mesh* mesh : std::initializer_list<const Mesh*>{&away, &behind}) {
+    RenderItem item;
+    item.mesh = mesh;
+    const Image image = seen({&item, 1}, 16);
+    EXPECT_EQ(image.rgb, seen({}, 16).rgb);
+  }
+}
+
+TEST(Raster, AClosedSphereShowsNoHoles) {
+  const Mesh mesh = sphere(24, 37);
+  RenderItem item;
+  item.mesh = &mesh;
+  item.rgb = {0.9F, 0.05F, 0.05F};
+  item.world_from_mesh.translate(Eigen::Vector3f(3, 0, 0));
+  constexpr int kSize = 200;
+  const Image image = seen({&item, 1}, kSize);
+  // Seen from 3 m, a unit sphere covers the disc of radius 1 / sqrt(9 - 1) at 1 m; its 37 segments
+  // fall short of the circle by less than 1 %.
+  const double radius = kSize / 2.0 / std::sqrt(8.0);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const double off = std::hypot(x + 0.5 - kSize / 2.0, y + 0.5 - kSize / 2.0);
+      if (off < 0.97 * radius) {
+        ASSERT_TRUE(is_red(pixel(image, x, y))) << "hole at " << x << ' ' << y;
+      }
+      if (off > radius + 1) {
+        ASSERT_FALSE(is_red(pixel(image, x, y))) << x << ' ' << y;
+      }
+    }
+}
+
+TEST(Raster, AShadowFallsOnTheGroundAwayFromTheSun) {
+  const Mesh mesh = sphere(12, 16);
+  RenderItem item;
+  item.mesh = &mesh;
+  item.scale = 0.3F;
+  item.world_from_mesh.translate(Eigen::Vector3f(0, 0, 1));
+  const Camera from_above{{0, 0, 6}, {0, 0, 0}, kRightAngle};
+  const RenderOptions options{.width = 120, .height = 120, .samples = 1};
+  const Image bare = render({}, from_above, options);
+  const Image image = render({&item, 1}, from_above, options);
+  // The sun stands towards (-0.45, -0.55, 1): the ball's shadow lies at (0.45, 0.55); 10 pixels a
+  // metre.
+  EXPECT_LT(pixel(image, 64, 54)[0] + 20, pixel(bare, 64, 54)[0]);
+  EXPECT_EQ(pixel(image, 40, 80), pixel(bare, 40, 80));
+}
+
+TEST(Raster, TheSamePictureTwiceIsTheSameFile) {
+  const Mesh mesh = sphere(12, 16);
+  RenderItem item;
+  item.mesh = &mesh;
+  const Image once = render({&item, 1}, Camera{}, {.width = 160, .height = 90});
+  const Image twice = render({&item, 1}, Camera{}, {.width = 160, .height = 90});
+  EXPECT_EQ(once.rgb, twice.rgb);
+  EXPECT_EQ(once.rgb.size(), 160u * 90u * 3u);
+}
+
+TEST(Raster, APngReadsBackAsThePicture) {
+  const Mesh mesh = sphere(12, 16);
+  RenderItem item;
+  item.mesh = &mesh;
+  const Image image = render({&item, 1}, Camera{}, {.width = 33, .height = 21});
+  const std::filesystem::path file = testing::TempDir() + "throng_raster.png";
+  write_png(file, image);
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&header, file.c_str()), 0);
+  header.format = PNG_FORMAT_RGB;
+  std::vector<uint8_t> rgb(PNG_IMAGE_SIZE(header));
+  ASSERT_NE(png_image_finish_read(&header, nullptr, rgb.data(), 0, nullptr), 0);
+  EXPECT_EQ(rgb, image.rgb);
+  std::filesystem::remove(file);
+}
+
+TEST(Raster, AFullDiskAndAMissingFolderAreTold) {
+  const Image image = render({}, Camera{}, {.width = 64, .height = 64});
+  EXPECT_THROW(write_png("/nowhere/picture.png", image), EnvironmentError);
+  EXPECT_THROW(write_png("/dev/full", image), EnvironmentError);
+}
+
+}  // namespace
+}  // namespace throng

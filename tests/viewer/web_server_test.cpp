@@ -1,0 +1,170 @@
+// The server: one page, few clients, nobody waits for anybody.
+#include "viewer/server/web_server.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "base/errors.h"
+#include "tests/viewer/web_socket.h"
+
+namespace throng {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::string_view kPage = "<!doctype html><p>crowd";
+constexpr const char* kAccepted = "HTTP/1.1 101 Switching Protocols";
+
+SharedBytes frame_of(size_t size, uint8_t value) { return std::make_shared<Bytes>(size, value); }
+
+/// Waits, without a guess how long, for what another thread does.
+template <typename Condition>
+bool soon(const Condition& condition) {
+  for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(5ms);
+  return condition();
+}
+
+TEST(WebServer, ServesThePage) {
+  WebServer server({}, kPage, {});
+  TestSocket browser(server.port());
+  browser.send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  const std::string head = browser.read_head();
+  EXPECT_TRUE(head.starts_with("HTTP/1.1 200 OK\r\n")) << head;
+  EXPECT_NE(head.find("Content-Length: " + std::to_string(kPage.size())), std::string::npos);
+  EXPECT_NE(head.find("X-Frame-Options: DENY"), std::string::npos);
+}
+
+TEST(WebServer, NamesWhatItDoesNotServe) {
+  WebServer server({}, kPage, {});
+  const std::pair<const char*, const char*> cases[] = {
+      {"GET /etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", "404"},
+      {"GET /../page HTTP/1.1\r\nHost: localhost\r\n\r\n", "404"},
+      {"POST / HTTP/1.1\r\nHost: localhost\r\n\r\n", "405"},
+      {"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n", "403"},
+      {"GET /ws HTTP/1.1\r\nHost: localhost\r\n\r\n", "426"},
+      {"nonsense\r\n\r\n", "400"},
+  };
+  for (const auto& [request, status] : cases) {
+    TestSocket browser(server.port());
+    browser.send(request);
+    EXPECT_EQ(browser.read_head().substr(9, 3), status) << request;
+  }
+}
+
+TEST(WebServer, ClosesOnAHeadWithoutEnd) {
+  WebServer server({}, kPage, {});
+  TestSocket browser(server.port());
+  browser.send("GET / HTTP/1.1\r\nX: " + std::string(3 * WebServer::kMostRequestBytes, 'x'));
+  EXPECT_TRUE(browser.is_closed());
+  EXPECT_EQ(server.refused(), 1u);
+}
+
+TEST(WebServer, RefusesAnotherSitesPage) {
+  WebServer server({}, kPage, {});
+  TestSocket evil(server.port());
+  EXPECT_EQ(evil.open("http://evil.example"), "HTTP/1.1 403 Forbidden");
+  TestSocket rebound(server.port());
+  EXPECT_EQ(rebound.open("http://evil.example:80", "evil.example:80"), "HTTP/1.1 403 Forbidden");
+  TestSocket own(server.port());
+  EXPECT_EQ(own.open("http://127.0.0.1:" + std::to_string(server.port())), kAccepted);
+  EXPECT_EQ(server.refused(), 2u);
+}
+
+TEST(WebServer, TakesOnlySoManyClients) {
+  WebServer server({.most_clients = 2}, kPage, {});
+  TestSocket first(server.port()), third(server.port());
+  {
+    TestSocket second(server.port());
+    EXPECT_EQ(first.open(), kAccepted);
+    EXPECT_EQ(second.open(), kAccepted);
+    EXPECT_EQ(third.open(), "HTTP/1.1 503 Service Unavailable");
+  }
+  // Who left makes room.
+  ASSERT_TRUE(soon([&] { return server.client_count() == 1; }));
+  TestSocket fourth(server.port());
+  EXPECT_EQ(fourth.open(), kAccepted);
+}
+
+TEST(WebServer, BringsFramesAndTextInOrder) {
+  WebServer server({}, kPage,
+                   {[](const std::shared_ptr<WebClient>& client) {
+                      client->send_binary(frame_of(70000, 1));
+                      client->send_text("then this");
+                    },
+                    {}});
+  TestSocket browser(server.port());
+  ASSERT_EQ(browser.open(), kAccepted);
+  auto message = browser.read_message();
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->opcode, Opcode::kBinary);
+  EXPECT_EQ(message->payload, std::string(70000, '\1'));
+  message = browser.read_message();
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->payload, "then this");
+  server.offer_frame(frame_of(200, 2));
+  message = browser.read_message();
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->payload, std::string(200, '\2'));
+}
+
+TEST(WebServer, HearsQuestionsAndAnswersPings) {
+  std::string heard;
+  WebServer server({}, kPage, {{}, [&](WebClient& client, std::string_view text) {
+                                 heard += text;
+                                 client.send_text("heard");
+                               }});
+  TestSocket browser(server.port());
+  ASSERT_EQ(browser.open(), kAccepted);
+  browser.send_frame(Opcode::kText, "who is ");
+  browser.send_frame(Opcode::kText, "there");
+  EXPECT_TRUE(browser.read_message() && browser.read_message());
+  EXPECT_EQ(heard, "who is there");
+  browser.send_frame(Opcode::kPing, "alive?");
+  const auto pong = browser.read_message();
+  ASSERT_TRUE(pong);
+  EXPECT_EQ(pong->opcode, Opcode::kPong);
+  EXPECT_EQ(pong->payload, "alive?");
+}
+
+TEST(WebServer, LetsGoOfAClientThatSaysTooMuch) {
+  WebServer server({}, kPage, {});
+  TestSocket browser(server.port());
+  ASSERT_EQ(browser.open(), kAccepted);
+  browser.send_frame(Opcode::kText, std::string(WebServer::kMostMessageBytes + 1, 'x'));
+  EXPECT_TRUE(browser.is_closed());
+  EXPECT_TRUE(soon([&] { return server.client_count() == 0; }));
+}
+
+// Nobody waits for a browser: offering frames returns at once whatever a client does, everything
+// that it did not take is counted, and the client next to it gets every frame.
+TEST(WebServer, AClientThatStopsReadingSlowsNobody) {
+  WebServer server({.send_buffer_bytes = 65536}, kPage, {});
+  TestSocket lazy(server.port(), 4096), eager(server.port());
+  ASSERT_EQ(lazy.open(), kAccepted);
+  ASSERT_EQ(eager.open(), kAccepted);
+  ASSERT_TRUE(soon([&] { return server.client_count() == 2; }));
+  constexpr int kFrames = 60;
+  for (int i = 0; i < kFrames; ++i) {
+    server.offer_frame(frame_of(1 << 19, static_cast<uint8_t>(i)));
+    const auto got = eager.read_message();  // `lazy` never reads
+    ASSERT_TRUE(got) << "frame " << i;
+    ASSERT_EQ(static_cast<uint8_t>(got->payload[0]), i) << "the eager client missed a frame";
+  }
+  // One frame is stuck on its way, one waits as the newest; all others were dropped.
+  EXPECT_EQ(server.frames_dropped(), static_cast<uint64_t>(kFrames) - 2);
+}
+
+TEST(WebServer, SaysWhichPortIsTaken) {
+  const WebServer first({}, kPage, {});
+  try {
+    const WebServer second({.port = first.port()}, kPage, {});
+    FAIL() << "two servers on one port";
+  } catch (const EnvironmentError& error) {
+    EXPECT_NE(std::string(error.what()).find("--port"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,245 @@
+#include "viewer/replay/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.h"
+#include "viewer/replay/posture_basis.h"
+
+namespace throng {
+namespace {
+
+using nlohmann::json;
+
+constexpr size_t kMostKept = size_t{2} << 30;
+constexpr int64_t kMostFrames = 10'000'000;  // two days; a damaged number must not ask for memory
+
+/// Seven bits a byte, low ones first; signs folded into the lowest bit.
+void put_varint(Bytes& out, int64_t value) {
+  auto folded = static_cast<uint64_t>(value) << 1 ^ static_cast<uint64_t>(value >> 63);
+  for (; folded >= 128; folded >>= 7) out.push_back(static_cast<uint8_t>(folded | 128));
+  out.push_back(static_cast<uint8_t>(folded));
+}
+
+/// A number over time as what a straight line through the last two does not foretell.
+class Curve {
+ public:
+  explicit Curve(Bytes& out) : out_(out) {}
+  void add(int64_t value) {
+    put_varint(out_, value - last_ - slope_);
+    slope_ = count_++ == 0 ? 0 : value - last_;
+    last_ = value;
+  }
+
+ private:
+  Bytes& out_;
+  int64_t last_ = 0, slope_ = 0, count_ = 0;
+};
+
+int64_t steps(double value, double step) { return std::llround(value / step); }
+
+Eigen::VectorXd tolerance_of(const Model& model) {
+  Eigen::VectorXd tolerance(model.kinematics.column_count());
+  for (int c = 0; c < model.kinematics.column_count(); ++c)
+    tolerance[c] = model.kinematics.columns()[static_cast<size_t>(c)].prismatic ? kReplayTravel_m
+                                                                                : kReplayAngle_rad;
+  return tolerance;
+}
+
+std::vector<float> floats_of(const Eigen::VectorXd& numbers) {
+  std::vector<float> out;
+  for (const double number : numbers) out.push_back(static_cast<float>(number));
+  return out;
+}
+
+}  // namespace
+
+double ReplayRecorder::seconds() const {
+  return run_.run() == nullptr ? 0 : static_cast<double>(last_frame_ + 1) * run_.run()->step_s;
+}
+
+void ReplayRecorder::keep_events(int64_t frame) {
+  for (size_t i = 0; i < run_.new_events().size(); ++i) {
+    const PairEvent& event = run_.new_events()[i];
+    std::vector<Stretch>& stretches = pairs_[event.pair];
+    if (event.kind == EventKind::kBegin) {
+      stretches.push_back({frame, -1, run_.new_event_levels()[i]});
+      ++stretches_;
+    } else if (!stretches.empty()) {
+      stretches.back().end = frame;
+    }
+  }
+}
+
+void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> bytes) {
+  switch (run_.take(channel, bytes)) {
+    case RunReader::Update::kEvents: {
+      MessageHeader header;
+      if (read_header(Channel::kEvents, bytes, header).empty()) keep_events(header.frame);
+      break;
+    }
+    case RunReader::Update::kState: {
+      const auto every =
+          static_cast<int64_t>(std::max(1.0, std::round(kReplayKeyPeriod_s / run_.run()->step_s)));
+      const CrowdState& crowd = run_.state();
+      if (!keys_.empty() && crowd.frame < keys_.back().frame + every) break;
+      bytes_per_key_ = crowd.roots.size() * (sizeof(RootPose) + 5) + crowd.postures.size() * 4;
+      if (bytes_kept() + bytes_per_key_ > kMostKept)
+        throw EnvironmentError(fmt::format(
+            "--html keeps at most {} MB in memory; that is {:.1f} s of {} people: fewer, please",
+            kMostKept >> 20, seconds(), avatars()));
+      keys_.push_back({crowd.frame, crowd});
+      break;
+    }
+    case RunReader::Update::kCounters:
+      if (run_.counters()->frame >= kMostFrames)
+        throw EnvironmentError(fmt::format("--html shows at most {} frames; found number {}",
+                                           kMostFrames, run_.counters()->frame));
+      last_frame_ = std::max(last_frame_, run_.counters()->frame);
+      frame_ms_.resize(static_cast<size_t>(last_frame_) + 1);
+      frame_ms_.back() = static_cast<float>(run_.counters()->frame_ns * 1e-6);
+      break;
+    default:
+      break;
+  }
+}
+
+void ReplayRecorder::put_people(Bytes& out) const {
+  const size_t avatars = keys_.front().crowd.roots.size();
+  const auto channel = [&](const auto& value_of) {
+    for (size_t i = 0; i < avatars; ++i) {
+      Curve curve(out);
+      for (const Key& key : keys_) curve.add(value_of(key.crowd, i));
+    }
+  };
+  channel([](const CrowdState& crowd, size_t i) { return int64_t{crowd.present[i]}; });
+  for (int axis = 0; axis < 3; ++axis)
+    channel([axis](const CrowdState& crowd, size_t i) {
+      return steps(crowd.roots[i].position_m[axis], kReplayPosition_m);
+    });
+  for (int c = 0; c < 4; ++c) {
+    for (size_t i = 0; i < avatars; ++i) {
+      Curve curve(out);
+      // q and -q are one rotation: the one nearer to the last key makes no jump.
+      Eigen::Vector4f last = keys_.front().crowd.roots[i].world_from_root.coeffs();
+      for (const Key& key : keys_) {
+        Eigen::Vector4f q = key.crowd.roots[i].world_from_root.coeffs();
+        if (q.dot(last) < 0) q = -q;
+        curve.add(steps(static_cast<double>(q[c]), kReplayQuaternion));
+        last = q;
+      }
+    }
+  }
+}
+
+void ReplayRecorder::put_pairs(Bytes& out) const {
+  // Column by column: like numbers next to each other compress best.
+  const auto column = [&](const auto& put_one) {
+    PairKey last(0, 0, 0, 0);
+    for (const auto& [pair, stretches] : pairs_) {
+      int64_t end = 0;
+      for (const Stretch& stretch : stretches) {
+        const bool is_same_a = pair.a() == last.a();
+        put_one(pair, last, is_same_a, stretch, end);
+        end = stretch.end < 0 ? last_frame_ + 1 : stretch.end;
+        last = pair;
+      }
+    }
+  };
+  using Pair = const PairKey&;
+  using Span = const Stretch&;
+  column([&](Pair pair, Pair last, bool, Span, int64_t) {
+    put_varint(out, int64_t{pair.a()} - int64_t{last.a()});
+  });
+  column([&](Pair pair, Pair last, bool is_same_a, Span, int64_t) {
+    put_varint(out, int64_t{pair.b()} - (is_same_a ? int64_t{last.b()} : int64_t{pair.a()}));
+  });
+  column(
+      [&](Pair pair, Pair, bool, Span, int64_t) { put(out, static_cast<uint8_t>(pair.part_a())); });
+  column(
+      [&](Pair pair, Pair, bool, Span, int64_t) { put(out, static_cast<uint8_t>(pair.part_b())); });
+  column([&](Pair, Pair, bool, Span part, int64_t) { put(out, static_cast<uint8_t>(part.level)); });
+  column([&](Pair, Pair, bool, Span part, int64_t end) { put_varint(out, part.begin - end); });
+  column([&](Pair, Pair, bool, Span part, int64_t) {
+    put_varint(out, (part.end < 0 ? last_frame_ + 1 : part.end) - part.begin);
+  });
+}
+
+/// The rows of a model's members, key by key within a member.
+Eigen::MatrixXd ReplayRecorder::rows_of(std::span<const size_t> members,
+                                        Eigen::Index joints) const {
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(members.size() * keys_.size()), joints);
+  Eigen::Index at = 0;
+  for (const size_t i : members)
+    for (const Key& key : keys_)
+      rows.row(at++) = Eigen::Map<const Eigen::VectorXf>(
+                           key.crowd.postures.data() + run_.posture_offsets()[i], joints)
+                           .cast<double>();
+  return rows;
+}
+
+PostureBasis ReplayRecorder::put_postures(size_t model_index, Bytes& out) {
+  const std::shared_ptr<const Model> model = run_.model(model_index);
+  const std::vector<int16_t>& model_of = run_.run()->model_of_avatar;
+  std::vector<size_t> members;
+  for (size_t i = 0; i < model_of.size(); ++i)
+    if (static_cast<size_t>(model_of[i]) == model_index) members.push_back(i);
+  const Eigen::MatrixXd rows = rows_of(members, model->kinematics.column_count());
+  PostureBasis basis = PostureBasis::of(rows, tolerance_of(*model));
+  const Eigen::MatrixXi coefficients = basis.coefficients(rows);
+  for (Eigen::Index c = 0; c < coefficients.cols(); ++c) {
+    Eigen::Index row = 0;
+    for (size_t member = 0; member < members.size(); ++member) {
+      Curve curve(out);
+      for (size_t key = 0; key < keys_.size(); ++key) curve.add(coefficients(row++, c));
+    }
+  }
+  return basis;
+}
+
+Bytes ReplayRecorder::finish() {
+  const RunGeometry geometry(run_);
+  // The last frame is a key too: people walk on to the end.
+  if (keys_.back().frame < run_.state().frame) keys_.push_back({run_.state().frame, run_.state()});
+  Bytes columns;
+  put_people(columns);
+  json models = json::array();
+  for (size_t m = 0; m < run_.run()->models.size(); ++m) {
+    const PostureBasis basis = put_postures(m, columns);
+    json directions = json::array();
+    for (int c = 0; c < basis.components(); ++c)
+      directions.push_back(floats_of(basis.directions.col(c)));
+    models.push_back({{"mean", floats_of(basis.mean)}, {"directions", directions}});
+  }
+  const size_t pairs_at = columns.size();
+  put_pairs(columns);
+  json head = {{"position_step_m", kReplayPosition_m},
+               {"quaternion_step", kReplayQuaternion},
+               {"frames", last_frame_ + 1},
+               {"pairs", stretches_},
+               {"pairs_at", pairs_at},
+               {"models", models}};
+  head["keys"] = json::array();
+  for (const Key& key : keys_) head["keys"].push_back(key.frame);
+  head["frame_us"] = json::array();
+  if (std::any_of(frame_ms_.begin(), frame_ms_.end(), [](float ms) { return ms > 0; }))
+    for (const float ms : frame_ms_) head["frame_us"].push_back(std::lround(ms * 1000));
+
+  Bytes out;
+  const auto put_sized = [&out](const Bytes& bytes) {
+    put(out, static_cast<uint32_t>(bytes.size()));
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  };
+  Bytes run = run_message(run_, geometry, ViewMode::kFile);
+  align(run, 4);
+  put_sized(run);
+  const std::string text = head.dump();
+  put_sized(Bytes(text.begin(), text.end()));
+  out.insert(out.end(), columns.begin(), columns.end());
+  return out;
+}
+
+}  // namespace throng

@@ -1,0 +1,185 @@
+#include "viewer/server/frame_message.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr size_t kBatch = 512;  // people whose poses are in the cache at a time
+constexpr float kUnit = 32767;
+
+struct AvatarRecord {
+  float x, y, z;
+  uint8_t flags, mark;
+  uint16_t speed_mmps;
+};
+static_assert(sizeof(AvatarRecord) == 16);
+
+struct PartRecord {
+  int16_t position[3];
+  uint16_t mark;
+  int16_t rotation_xyzw[4];
+};
+static_assert(sizeof(PartRecord) == 16);
+
+struct PairRecord {
+  uint32_t a, b;
+  uint8_t part_a, part_b, level, zero;
+};
+static_assert(sizeof(PairRecord) == 12);
+
+int16_t to_int16(float value) {
+  return static_cast<int16_t>(std::lrintf(std::clamp(value, -kUnit, kUnit)));
+}
+
+/// Shepperd 1978, written for matrices that are rotations up to rounding.
+void to_quaternion(const PartPose& pose, int16_t (&xyzw)[4]) {
+  const auto& m = pose.rows;
+  const float x = m[0][0], y = m[1][1], z = m[2][2];
+  float q[4];
+  if (x + y + z > 0) {
+    q[0] = m[2][1] - m[1][2], q[1] = m[0][2] - m[2][0], q[2] = m[1][0] - m[0][1];
+    q[3] = 1 + x + y + z;
+  } else if (x > y && x > z) {
+    q[0] = 1 + x - y - z, q[1] = m[0][1] + m[1][0], q[2] = m[0][2] + m[2][0];
+    q[3] = m[2][1] - m[1][2];
+  } else if (y > z) {
+    q[0] = m[0][1] + m[1][0], q[1] = 1 - x + y - z, q[2] = m[1][2] + m[2][1];
+    q[3] = m[0][2] - m[2][0];
+  } else {
+    q[0] = m[0][2] + m[2][0], q[1] = m[1][2] + m[2][1], q[2] = 1 - x - y + z;
+    q[3] = m[1][0] - m[0][1];
+  }
+  const float scale = kUnit / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (int i = 0; i < 4; ++i) xyzw[i] = to_int16(q[i] * scale);
+}
+
+template <typename Record>
+Record* records_at(Bytes& bytes, size_t at) {
+  return reinterpret_cast<Record*>(bytes.data() + at);
+}
+
+}  // namespace
+
+void FrameMessages::add_people() {
+  const CrowdState& crowd = run_.state();
+  const run_description_t& description = *run_.run();
+  spheres_.resize(crowd.roots.size());
+  crowded_flags_.resize(crowd.roots.size());
+  for (size_t i = 0; i < crowd.roots.size(); ++i) {
+    const RootPose& root = crowd.roots[i];
+    const AvatarSphere& sphere =
+        geometry_.spheres[static_cast<size_t>(description.model_of_avatar[i])];
+    const float scale = description.scale_of_avatar[i];
+    const Eigen::Vector3f up =
+        root.world_from_root * Eigen::Vector3f(0, 0, sphere.centre_z_m * scale);
+    const Eigen::Vector3f centre = root.position_m.cast<float>() + up;
+    const bool is_there = crowd.present[i] != 0;
+    spheres_[i] = {centre.x(), centre.y(), centre.z(), is_there ? sphere.radius_m * scale : 0};
+    if (is_there) ++head_.present;
+  }
+  head_.crowded = static_cast<uint32_t>(crowded_.mark(spheres_, crowded_flags_));
+  auto* people = records_at<AvatarRecord>(*out_, sizeof(FrameHead));
+  for (size_t i = 0; i < crowd.roots.size(); ++i) {
+    const Eigen::Vector3f position = crowd.roots[i].position_m.cast<float>();
+    const float speed_mmps = std::clamp(crowd.speeds_mps[i] * 1000, 0.0F, 65535.0F);
+    people[i] = {position.x(),
+                 position.y(),
+                 position.z(),
+                 static_cast<uint8_t>((crowd.present[i] != 0 ? 1 : 0) | crowded_flags_[i] << 1),
+                 person_marks_[i],
+                 static_cast<uint16_t>(speed_mmps)};
+  }
+}
+
+void FrameMessages::mark_pairs() {
+  const auto avatars = static_cast<uint32_t>(head_.avatars);
+  marks_.assign(head_.parts, 0);
+  person_marks_.assign(avatars, 0);
+  auto* pairs = records_at<PairRecord>(
+      *out_, sizeof(FrameHead) + avatars * sizeof(AvatarRecord) + head_.parts * sizeof(PartRecord));
+  for (const auto& [pair, pair_level] : run_.touching()) {
+    const auto level = static_cast<uint8_t>(pair_level);
+    const auto mark = [&](uint32_t body, uint32_t part) {
+      if (body >= avatars) return;  // an obstacle
+      const auto value = static_cast<uint8_t>(level + 1);
+      person_marks_[body] = std::max(person_marks_[body], value);
+      const uint32_t at = geometry_.first_part[body] + part;
+      if (at < geometry_.first_part[body + 1]) marks_[at] = std::max(marks_[at], value);
+    };
+    mark(pair.a(), pair.part_a());
+    mark(pair.b(), pair.part_b());
+    *pairs++ = {pair.a(),
+                pair.b(),
+                static_cast<uint8_t>(pair.part_a()),
+                static_cast<uint8_t>(pair.part_b()),
+                level,
+                0};
+  }
+}
+
+void FrameMessages::pose(size_t first, size_t end) {
+  const CrowdState& crowd = run_.state();
+  const run_description_t& description = *run_.run();
+  const auto model_index = static_cast<size_t>(description.model_of_avatar[first]);
+  const std::shared_ptr<const Model> model = run_.model(model_index);
+  roots_.clear();
+  for (size_t i = first; i < end; ++i)
+    roots_.push_back({crowd.roots[i].world_from_root, description.scale_of_avatar[i]});
+  const auto parts = static_cast<size_t>(model->part_count());
+  poses_.resize(parts * roots_.size());
+  const std::vector<size_t>& rows = run_.posture_offsets();
+  forward_kinematics(model->kinematics,
+                     std::span(crowd.postures).subspan(rows[first], rows[end] - rows[first]),
+                     roots_, poses_);
+  const float steps_per_metre = 1 / geometry_.part_step_m[model_index];
+  auto* out = records_at<PartRecord>(*out_, parts_at_) + geometry_.first_part[first];
+  const uint8_t* marks = marks_.data() + geometry_.first_part[first];
+  for (const PartPose& part : poses_) {
+    for (int axis = 0; axis < 3; ++axis)
+      out->position[axis] = to_int16(part.rows[axis][3] * steps_per_metre);
+    out->mark = *marks++;
+    to_quaternion(part, out->rotation_xyzw);
+    ++out;
+  }
+}
+
+void FrameMessages::add_parts() {
+  const std::vector<int16_t>& models = run_.run()->model_of_avatar;
+  for (size_t first = 0; first < models.size();) {
+    size_t end = first + 1;
+    while (end < models.size() && end - first < kBatch && models[end] == models[first]) ++end;
+    pose(first, end);
+    first = end;
+  }
+}
+
+std::shared_ptr<const Bytes> FrameMessages::build(double seq, int64_t frame, int64_t lost) {
+  const auto start = Clock::now();
+  const auto message = std::make_shared<Bytes>();
+  out_ = message.get();
+  head_ = {};
+  head_.avatars = static_cast<uint32_t>(run_.state().roots.size());
+  head_.parts = head_.avatars == 0 ? 0 : geometry_.first_part.back();
+  head_.pairs = static_cast<uint32_t>(run_.touching().size());
+  head_.frame = static_cast<double>(frame);
+  head_.time_s = static_cast<double>(frame) * run_.run()->step_s;
+  head_.seq = seq;
+  if (run_.counters()) head_.frame_ms = static_cast<float>(run_.counters()->frame_ns * 1e-6);
+  head_.lost = static_cast<float>(lost);
+  parts_at_ = sizeof(FrameHead) + head_.avatars * sizeof(AvatarRecord);
+  message->resize(parts_at_ + head_.parts * sizeof(PartRecord) + head_.pairs * sizeof(PairRecord));
+  mark_pairs();
+  add_people();
+  add_parts();
+  head_.build_ms = std::chrono::duration<float, std::milli>(Clock::now() - start).count();
+  std::memcpy(message->data(), &head_, sizeof head_);
+  out_ = nullptr;
+  return message;
+}
+
+}  // namespace throng

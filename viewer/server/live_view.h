@@ -1,0 +1,55 @@
+// Runs that are heard over LCM, behind the page.
+// One rule: it only listens; what it hears is judged before it is believed, and whoever watches
+// gets the newest frame.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "lcmtypes/wire/receiver.h"
+#include "viewer/server/frame_message.h"
+#include "viewer/server/pair_history.h"
+#include "viewer/server/web_server.h"
+
+namespace throng {
+
+class LiveView {
+ public:
+  /// Throws EnvironmentError if LCM cannot use the URL or the port is taken.
+  LiveView(const std::string& lcm_url, const WebOptions& options, std::string_view page);
+  LiveView(std::unique_ptr<Receiver> receiver, const WebOptions& options, std::string_view page);
+  ~LiveView();
+
+  WebServer& server() { return server_; }
+  uint64_t frames_heard() const { return heard_; }
+  uint64_t frames_built() const { return built_; }
+
+ private:
+  void listen();
+  void take(const ReceivedMessage& message);
+  void begin_run();
+  int64_t missing() const;
+  void tell_status();
+  void opened(const std::shared_ptr<WebClient>& client);
+  void said(WebClient& client, std::string_view text);
+
+  std::unique_ptr<Receiver> receiver_;
+  // Of the listening thread.
+  std::unique_ptr<RunGeometry> geometry_;
+  std::unique_ptr<FrameMessages> messages_;
+  bool is_fresh_ = false;
+
+  std::atomic<uint64_t> heard_{0}, built_{0};
+  PairHistory history_;
+  std::mutex mutex_;
+  SharedBytes run_message_;
+  std::string trouble_;  ///< why the run that is heard cannot be shown
+  std::atomic<bool> stopping_{false};
+  WebServer server_;
+  std::thread thread_;  // last: uses the rest
+};
+
+}  // namespace throng

@@ -1,0 +1,130 @@
+#include "viewer/server/log_index.h"
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+/// The newest mark at or before `frame`.
+std::optional<LogIndex::Mark> newest(const std::vector<LogIndex::Mark>& marks, int64_t frame) {
+  const auto after =
+      std::upper_bound(marks.begin(), marks.end(), frame,
+                       [](int64_t f, const LogIndex::Mark& mark) { return f < mark.frame; });
+  if (after == marks.begin()) return std::nullopt;
+  return *std::prev(after);
+}
+
+}  // namespace
+
+LogIndex::LogIndex(const std::filesystem::path& log) : log_(log), reader_(log) {
+  RunReader run;
+  LogEvent event;
+  while (run.run() == nullptr && reader_.next(event) == LogReader::Status::kEvent) {
+    if (event.channel == name_of(Channel::kRun))
+      description_.emplace_back(event.data.begin(), event.data.end());
+    run.take(event.channel, event.data);
+  }
+  if (run.run() == nullptr)
+    throw InputError(log.string(), "a run's description", "none; is it a log of `throng run`?");
+  touching_.push_back({0, reader_.offset()});  // before the first event nothing touches
+  thread_ = std::thread([this] { read_on(); });
+}
+
+LogIndex::~LogIndex() {
+  stopping_ = true;
+  thread_.join();
+}
+
+void LogIndex::take(const LogEvent& event, Channel channel) {
+  MessageHeader header;
+  if (!read_header(channel, event.data, header).empty()) return;
+  if (channel == Channel::kEvents) {
+    events_t events;
+    if (!decode(event.data, events).empty()) return;
+    std::vector<PairEvent> list;
+    for (size_t i = 0; i < events.a.size(); ++i)
+      list.push_back(
+          {PairKey(static_cast<uint32_t>(events.a[i]), static_cast<uint32_t>(events.b[i]),
+                   events.part_a[i], events.part_b[i]),
+           static_cast<EventKind>(events.kind[i])});
+    history_.add(header.frame, list);
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  const auto mark = [&](std::vector<Mark>& marks) {
+    if (header.chunk == 0 && (marks.empty() || marks.back().frame < header.frame))
+      marks.push_back({header.frame, event.offset});
+  };
+  if (channel == Channel::kStates) mark(states_);
+  if (channel == Channel::kTouching) mark(touching_);
+  if (channel == Channel::kCounters) {
+    counters_t counters;
+    if (!decode(event.data, counters).empty() || header.frame <= last_frame_) return;
+    samples_.push_back({header.frame, static_cast<int32_t>(counters.touching),
+                        static_cast<float>(counters.frame_ns * 1e-6)});
+    last_frame_ = header.frame;
+  }
+}
+
+void LogIndex::read_on() {
+  LogEvent event;
+  while (!stopping_) {
+    const LogReader::Status status = reader_.next(event);
+    if (status == LogReader::Status::kEvent) {
+      const std::optional<Channel> channel = channel_of(event.channel);
+      if (channel) take(event, *channel);
+      continue;
+    }
+    if (status != LogReader::Status::kEnd) {
+      const std::lock_guard lock(mutex_);
+      if (problem_.empty()) problem_ = reader_.problem();
+    }
+    if (status != LogReader::Status::kDamaged || !reader_.resync()) break;
+  }
+  complete_ = true;
+}
+
+void LogIndex::wait() const {
+  while (!complete_) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
+
+std::string LogIndex::problem() const {
+  const std::lock_guard lock(mutex_);
+  return problem_;
+}
+
+std::optional<LogIndex::Start> LogIndex::start_of(int64_t frame) const {
+  const std::lock_guard lock(mutex_);
+  const auto states = newest(states_, frame);
+  if (!states) return std::nullopt;
+  return Start{*states, newest(touching_, frame).value_or(touching_.front())};
+}
+
+std::string LogIndex::to_json(size_t most) const {
+  const std::lock_guard lock(mutex_);
+  const auto frames = static_cast<size_t>(last_frame_ + 1);
+  const size_t every = frames / most + 1;
+  std::vector<int32_t> pairs((frames + every - 1) / every);
+  std::vector<float> frame_ms(pairs.size());
+  for (const Sample& sample : samples_) {
+    // A peak must not fall between two samples.
+    const size_t i = static_cast<size_t>(sample.frame) / every;
+    pairs[i] = std::max(pairs[i], sample.pairs);
+    frame_ms[i] = std::max(frame_ms[i], sample.frame_ms);
+  }
+  return nlohmann::json{{"index",
+                         {{"frames", frames},
+                          {"complete", complete_.load()},
+                          {"problem", problem_},
+                          {"first_shown", states_.empty() ? 0 : states_.front().frame},
+                          {"every", every},
+                          {"pairs", pairs},
+                          {"frame_ms", frame_ms}}}}
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace throng

@@ -1,0 +1,78 @@
+// Where in a log each frame's messages lie, found while the page is already open.
+// One rule: heads are read, states are not decoded; a question is answered with what is known so
+// far.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "lcmtypes/codec/run_reader.h"
+#include "lcmtypes/log/log_reader.h"
+#include "viewer/server/pair_history.h"
+
+namespace throng {
+
+class LogIndex {
+ public:
+  /// Reads until the run's description is complete; the rest is read by a thread of its own. Throws
+  /// InputError if the file is no log or has no description.
+  explicit LogIndex(const std::filesystem::path& log);
+  ~LogIndex();
+
+  /// A place in the log: the first message of a frame's states, or of a full list of what touches.
+  struct Mark {
+    int64_t frame;
+    uint64_t offset;
+  };
+  /// Where to begin to read in order to know frame `frame`.
+  struct Start {
+    Mark states;    ///< the newest states at or before the frame
+    Mark touching;  ///< the newest list at or before the frame
+  };
+  std::optional<Start> start_of(int64_t frame) const;
+
+  /// The last frame known so far; -1 if none is.
+  int64_t last_frame() const { return last_frame_; }
+  bool is_complete() const { return complete_; }
+  /// How the log ends, if not soundly.
+  std::string problem() const;
+  /// {"index": {"frames", "complete", "problem", "first_shown", "every", "pairs": [...],
+  /// "frame_ms": [...]}}: the run in at most `most` samples, and the first frame that has states.
+  std::string to_json(size_t most) const;
+
+  const PairHistory& history() const { return history_; }
+  /// The messages of the description, one after the other.
+  const std::vector<std::vector<uint8_t>>& description() const { return description_; }
+  const std::filesystem::path& log() const { return log_; }
+
+  void wait() const;  ///< until the whole log was read
+
+ private:
+  /// Of a frame that the log has: a damaged number may leave out any number of frames before it.
+  struct Sample {
+    int64_t frame;
+    int32_t pairs;
+    float frame_ms;
+  };
+  void read_on();
+  void take(const LogEvent& event, Channel channel);
+
+  std::filesystem::path log_;
+  LogReader reader_;
+  std::vector<std::vector<uint8_t>> description_;
+  PairHistory history_;
+  mutable std::mutex mutex_;
+  std::vector<Mark> states_, touching_;
+  std::vector<Sample> samples_;  // in the order of frames
+  std::string problem_;
+  std::atomic<int64_t> last_frame_{-1};
+  std::atomic<bool> complete_{false}, stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace throng

@@ -1,0 +1,25 @@
+#include "viewer/server/page.h"
+
+// The assembler takes the file as it is: a C++ array of its size costs seconds of compilation.
+asm(R"(
+  .section .rodata
+  .balign 16
+throng_page_begin:
+  .incbin ")" THRONG_PAGE_FILE R"("
+throng_page_end:
+  .byte 0
+  .previous
+)");
+
+extern "C" {
+extern const char throng_page_begin[];
+extern const char throng_page_end[];
+}
+
+namespace throng {
+
+std::string_view page_html() {
+  return {throng_page_begin, static_cast<size_t>(throng_page_end - throng_page_begin)};
+}
+
+}  // namespace throng

@@ -1,0 +1,256 @@
+#include "viewer/server/web_server.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include "base/errors.h"
+#include "viewer/server/web_protocol.h"
+
+namespace throng {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kPollMs = 200;
+constexpr std::chrono::seconds kRequestTime{5};
+constexpr size_t kConnectionsBesides = 24;  // requests on their way, besides open sockets
+
+/// No address but our own is ever asked, and nobody may frame the page.
+constexpr std::string_view kSafety =
+    "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n"
+    "Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n";
+
+bool write_all(int descriptor, std::string_view bytes, const std::atomic<bool>& stopping) {
+  const auto end = Clock::now() + kRequestTime;
+  while (!bytes.empty() && !stopping && Clock::now() < end) {
+    const ssize_t sent =
+        ::send(descriptor, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent > 0) {
+      bytes.remove_prefix(static_cast<size_t>(sent));
+      continue;
+    }
+    if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
+    pollfd writable{descriptor, POLLOUT, 0};
+    ::poll(&writable, 1, kPollMs);
+  }
+  return bytes.empty();
+}
+
+/// Appends what has come; false when the other side is gone. Waits kPollMs at most.
+bool read_some(int descriptor, Bytes& buffer) {
+  pollfd readable{descriptor, POLLIN, 0};
+  if (::poll(&readable, 1, kPollMs) <= 0) return true;
+  uint8_t chunk[4096];
+  const ssize_t got = ::recv(descriptor, chunk, sizeof chunk, MSG_DONTWAIT);
+  if (got > 0) buffer.insert(buffer.end(), chunk, chunk + got);
+  return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
+}
+
+/// Bytes of the head, the empty line included; 0 if it is not whole.
+size_t head_bytes(const Bytes& buffer) {
+  const std::string_view text(reinterpret_cast<const char*>(buffer.data()), buffer.size());
+  const size_t end = text.find("\r\n\r\n");
+  return end == std::string_view::npos ? 0 : end + 4;
+}
+
+}  // namespace
+
+struct WebServer::Connection {
+  explicit Connection(int fd) : descriptor(fd) {}
+  ~Connection() {
+    thread.join();
+    ::close(descriptor);
+  }
+  int descriptor;
+  std::atomic<bool> done{false};
+  std::thread thread;
+};
+
+WebServer::WebServer(const WebOptions& options, std::string_view page, WebHandlers handlers)
+    : options_(options), page_(page), handlers_(std::move(handlers)) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<uint16_t>(options.port));
+  if (inet_pton(AF_INET, options.address.c_str(), &address.sin_addr) != 1)
+    throw InputError(options.address, "an IPv4 address to listen on, such as 127.0.0.1",
+                     fmt::format("'{}'", options.address));
+  loopback_ = (ntohl(address.sin_addr.s_addr) >> 24) == 127;
+  listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  socklen_t size = sizeof address;
+  if (listener_ < 0 || ::bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
+      ::listen(listener_, 16) != 0) {
+    const std::string why = std::strerror(errno);
+    if (listener_ >= 0) ::close(listener_);
+    throw EnvironmentError(fmt::format("cannot listen on {}:{}: {}; choose another with --port",
+                                       options.address, options.port, why));
+  }
+  ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+  port_ = ntohs(address.sin_port);
+  acceptor_ = std::thread([this] { accept_loop(); });
+}
+
+WebServer::~WebServer() {
+  stopping_ = true;
+  acceptor_.join();
+  for_each_client([](WebClient& client) { client.finish(); });
+  connections_.clear();  // joins their threads
+  ::close(listener_);
+}
+
+std::string WebServer::url() const {
+  return fmt::format("http://{}:{}/",
+                     options_.address == "0.0.0.0" ? "127.0.0.1" : options_.address, port_);
+}
+
+template <typename Do>
+void WebServer::for_each_client(const Do& act) const {
+  const std::lock_guard lock(mutex_);
+  for (const std::shared_ptr<WebClient>& client : clients_) act(*client);
+}
+
+void WebServer::offer_frame(const SharedBytes& frame) {
+  for_each_client([&](WebClient& client) { client.offer_frame(frame); });
+}
+
+void WebServer::send_text(const std::string& text) {
+  for_each_client([&](WebClient& client) { client.send_text(text); });
+}
+
+void WebServer::send_binary(const SharedBytes& bytes) {
+  for_each_client([&](WebClient& client) { client.send_binary(bytes); });
+}
+
+size_t WebServer::client_count() const {
+  const std::lock_guard lock(mutex_);
+  return clients_.size();
+}
+
+uint64_t WebServer::frames_dropped() const {
+  uint64_t dropped = past_drops_;
+  for_each_client([&](WebClient& client) { dropped += client.frames_dropped(); });
+  return dropped;
+}
+
+void WebServer::join_finished() {
+  connections_.remove_if([](const std::unique_ptr<Connection>& c) { return c->done.load(); });
+}
+
+void WebServer::accept_loop() {
+  while (!stopping_) {
+    pollfd readable{listener_, POLLIN, 0};
+    const int ready = ::poll(&readable, 1, kPollMs);
+    join_finished();
+    if (ready <= 0) continue;
+    const int descriptor = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (descriptor < 0) continue;
+    const int yes = 1;
+    ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    if (options_.send_buffer_bytes > 0)
+      ::setsockopt(descriptor, SOL_SOCKET, SO_SNDBUF, &options_.send_buffer_bytes, sizeof(int));
+    if (connections_.size() >= static_cast<size_t>(options_.most_clients) + kConnectionsBesides) {
+      ++refused_;
+      ::close(descriptor);
+      continue;
+    }
+    connections_.push_back(std::make_unique<Connection>(descriptor));
+    Connection& connection = *connections_.back();
+    connection.thread = std::thread([this, &connection] {
+      serve(connection);
+      ::shutdown(connection.descriptor, SHUT_RDWR);
+      connection.done = true;
+    });
+  }
+}
+
+void WebServer::reply(int descriptor, std::string_view status, std::string_view type,
+                      std::string_view body) {
+  const std::string head = fmt::format(
+      "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n{}Connection: close\r\n\r\n",
+      status, type, body.size(), kSafety);
+  if (write_all(descriptor, head, stopping_)) write_all(descriptor, body, stopping_);
+}
+
+void WebServer::serve(Connection& connection) {
+  const int descriptor = connection.descriptor;
+  Bytes buffer;
+  const auto end = Clock::now() + kRequestTime;
+  while (head_bytes(buffer) == 0) {
+    if (stopping_ || Clock::now() > end || buffer.size() > kMostRequestBytes) {
+      ++refused_;
+      return;
+    }
+    if (!read_some(descriptor, buffer)) return;
+  }
+  const size_t head = head_bytes(buffer);
+  const auto request = parse_request({reinterpret_cast<const char*>(buffer.data()), head});
+  const auto refuse = [&](std::string_view status) {
+    ++refused_;
+    reply(descriptor, status, "text/plain; charset=utf-8", fmt::format("{}\n", status));
+  };
+  if (!request || head > kMostRequestBytes) return refuse("400 Bad Request");
+  if (!is_own_page(*request, loopback_)) return refuse("403 Forbidden");
+  if (request->method != "GET") return refuse("405 Method Not Allowed");
+  if (request->path == "/ws") {
+    if (!request->asks_for_web_socket()) return refuse("426 Upgrade Required");
+    return serve_socket(connection, *request,
+                        Bytes(buffer.begin() + static_cast<std::ptrdiff_t>(head), buffer.end()));
+  }
+  if (request->path == "/") return reply(descriptor, "200 OK", "text/html; charset=utf-8", page_);
+  reply(descriptor, "404 Not Found", "text/plain; charset=utf-8", "404 Not Found\n");
+}
+
+void WebServer::serve_socket(Connection& connection, const HttpRequest& request, Bytes rest) {
+  const int descriptor = connection.descriptor;
+  std::shared_ptr<WebClient> client;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!stopping_ && clients_.size() < static_cast<size_t>(options_.most_clients)) {
+      const std::string hello = fmt::format(
+          "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+          "Sec-WebSocket-Accept: {}\r\n\r\n",
+          accept_key(request.header("sec-websocket-key")));
+      if (!write_all(descriptor, hello, stopping_)) return;
+      client = std::make_shared<WebClient>(descriptor);
+      clients_.push_back(client);
+    }
+  }
+  if (client == nullptr) {
+    ++refused_;
+    return reply(descriptor, "503 Service Unavailable", "text/plain; charset=utf-8",
+                 fmt::format("{} pages are open already\n", options_.most_clients));
+  }
+  if (handlers_.opened) handlers_.opened(client);
+  read_messages(connection, *client, std::move(rest));
+  client->finish();
+  const std::lock_guard lock(mutex_);
+  past_drops_ += client->frames_dropped();
+  clients_.remove(client);
+}
+
+void WebServer::read_messages(Connection& connection, WebClient& client, Bytes buffer) {
+  while (!stopping_ && !client.finished_) {
+    const ClientFrame frame = parse_frame(buffer, kMostMessageBytes);
+    if (frame.status == ClientFrame::Status::kRefused) return;
+    if (frame.status == ClientFrame::Status::kIncomplete) {
+      if (!read_some(connection.descriptor, buffer)) return;
+      continue;
+    }
+    buffer.erase(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(frame.bytes));
+    if (frame.opcode == Opcode::kClose) return;
+    if (frame.opcode == Opcode::kPing) client.pong(frame.payload);
+    if (frame.opcode == Opcode::kText && handlers_.said) handlers_.said(client, frame.payload);
+  }
+}
+
+}  // namespace throng
