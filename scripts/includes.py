@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Draws which folder includes which: scripts/includes.py [OUT.svg] [--top FOLDER].
+
+A row is a folder, a column what it includes, the number how many includes there are. Folders lie in the
+order in which they may know each other, so that everything stands left of the diagonal; what stands right
+of it is red, and points the wrong way. Needs nothing but Python.
+"""
+import re
+import sys
+from collections import Counter
+from pathlib import Path
+
+LAYERS = ["base", "kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer", "bench", "apps"]
+CELL, LABEL = 18, 190
+
+
+def folder_of(path):
+    return str(Path(path).parent)
+
+
+def read(top):
+    """How often a folder includes another: {(from, to): count}."""
+    counts = Counter()
+    for layer in LAYERS:
+        for file in sorted((top / layer).rglob("*")):
+            if file.suffix not in (".h", ".cpp"):
+                continue
+            source = folder_of(file.relative_to(top))
+            for name in re.findall(r'^#include "([^"]+)"', file.read_text(), re.M):
+                if name.split("/")[0] in LAYERS and "/" in name:
+                    counts[source, folder_of(name)] += 1
+    return counts
+
+
+def order(counts):
+    """Layer by layer; within one, a folder behind those that it includes, as far as that goes."""
+    names = {name for pair in counts for name in pair}
+
+    def rank(name, seen=()):
+        layer = name.split("/")[0]
+        below = {b for a, b in counts if a == name and b != a and b.split("/")[0] == layer}
+        return 1 + max((rank(b, seen + (name,)) for b in below if b not in seen), default=0)
+
+    return sorted(names, key=lambda n: (LAYERS.index(n.split("/")[0]), rank(n), n))
+
+
+def draw(counts):
+    names = order(counts)
+    place = {name: i for i, name in enumerate(names)}
+    size = LABEL + CELL * len(names) + 10
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size} {size}" '
+           'font-family="sans-serif" font-size="11">',
+           f'<rect width="{size}" height="{size}" fill="white"/>']
+    for name, i in place.items():
+        at = LABEL + CELL * i
+        shade = "#f3f6fa" if LAYERS.index(name.split("/")[0]) % 2 else "#e6ecf4"
+        out += [f'<rect x="0" y="{at}" width="{size}" height="{CELL}" fill="{shade}"/>',
+                f'<text x="{LABEL - 6}" y="{at + 13}" text-anchor="end">{name}</text>',
+                f'<text transform="translate({at + 13},{LABEL - 6}) rotate(-90)">{name}</text>',
+                f'<rect x="{at}" y="{at}" width="{CELL}" height="{CELL}" fill="#9fb3c8"/>']
+    for (source, target), count in sorted(counts.items()):
+        x, y = LABEL + CELL * place[target], LABEL + CELL * place[source]
+        colour = "#c0392b" if place[target] > place[source] else "#1f3a56"
+        out.append(f'<text x="{x + CELL / 2}" y="{y + 13}" text-anchor="middle" '
+                   f'font-size="9" fill="{colour}">{count}</text>')
+    return "\n".join(out + ["</svg>", ""])
+
+
+def main(arguments):
+    top = Path(__file__).resolve().parent.parent
+    if "--top" in arguments:
+        at = arguments.index("--top")
+        if at + 1 == len(arguments):
+            sys.exit("scripts/includes.py: expected a folder after --top")
+        top = Path(arguments[at + 1])
+        del arguments[at:at + 2]
+    text = draw(read(top))
+    if arguments:
+        Path(arguments[0]).write_text(text)
+    else:
+        sys.stdout.write(text)
+
+
+main(sys.argv[1:])
