@@ -7,7 +7,7 @@
 #include <span>
 
 #include "base/files/checksum.h"
-#include "culling/stages/pair_events.h"
+#include "culling/pair.h"
 
 namespace throng {
 
@@ -22,16 +22,16 @@ struct EventSum {
   uint64_t count = 0;
   uint64_t sum = 0;  ///< modulo 2^64
 
-  /// Another pair, kind or level is certain to add another number.
-  void add(const PairEvent& event, uint64_t level = 0) {
+  /// Another pair or kind is certain to add another number, and another level where levels count.
+  void add(const PairEvent& event, EventHashKind kind) {
+    const uint64_t level =
+        kind == EventHashKind::kEventsAndLevels ? 1 + static_cast<uint64_t>(event.level) : 0;
     const uint64_t what = 1 + static_cast<uint64_t>(event.kind) + 2 * level;
     sum += mixed(event.pair.bits() + what * 0x9e3779b97f4a7c15ull);
     ++count;
   }
-  /// `levels` may be empty: then they do not count.
-  void add(std::span<const PairEvent> events, std::span<const uint8_t> levels = {}) {
-    for (size_t i = 0; i < events.size(); ++i)
-      add(events[i], levels.empty() ? 0 : uint64_t{1} + levels[i]);
+  void add(std::span<const PairEvent> events, EventHashKind kind) {
+    for (const PairEvent& event : events) add(event, kind);
   }
   EventSum& operator+=(const EventSum& other) {
     count += other.count;

@@ -21,15 +21,38 @@ constexpr size_t kSortBodies = 4096;  // bodies a task when keys are sorted
 constexpr double kFirstGuess_ns = 200;
 constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
 
+/// Tests that the dearest pair of bodies can take: two boxes, then all parts at every stage.
+uint64_t worst_tests(BodyTypes types, const CullerOptions& options) {
+  uint64_t parts = 0;
+  for (const auto& type : types) parts = std::max(parts, static_cast<uint64_t>(type->part_count()));
+  return 1 + parts * parts * (options.exact ? 3 : 2);
+}
+
 }  // namespace
 
-Deadline::Deadline(const CullerOptions& options, Workers& workers)
+Deadline::Deadline(BodyTypes types, const CullerOptions& options, Workers& workers)
     : options_(options),
       workers_(workers),
+      shared_(types, options, workers),
       stages_(kWaveTasks),
       most_exact_(kWaveTasks),
       decided_(kWaveTasks),
+      worst_tests_(worst_tests(types, options)),
       pair_ns_(kFirstGuess_ns) {}
+
+void Deadline::run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
+                   CullingCounters& counters) {
+  begin_budget();
+  shared_.search(bodies, source);
+  refine(bodies, source);
+  PartStageCounters parts;
+  for (const PartStage& stage : stages_) parts.add(stage.counters());
+  shared_.count(parts, bodies_.counters(), counters);
+  Stopwatch watch;
+  take_events(bodies, events);
+  counters.events_ns = watch.lap_ns();
+  counters.levels = reported_;
+}
 
 void Deadline::add(PairKey key, PairLevel level) {
   found_.grow(found_count_ + 1, found_count_);
@@ -40,30 +63,24 @@ bool Deadline::time_is_up() const {
   return options_.deadline_ms.has_value() && Clock::now() >= until_;
 }
 
-/// Tests that the dearest pair of bodies can take: two boxes, then all parts at every stage.
-uint64_t Deadline::worst_tests(const PartStageFrame& shared) const {
-  uint64_t parts = 0;
-  for (const auto& type : shared.types)
-    parts = std::max(parts, static_cast<uint64_t>(type->part_count()));
-  return 1 + parts * parts * (options_.exact ? 3 : 2);
+/// From here the frame's clock runs.
+void Deadline::begin_budget() {
+  tests_left_ = options_.deadline_tests.value_or(kNoLimit);
+  until_ = Clock::now() + std::chrono::nanoseconds(static_cast<int64_t>(
+                              options_.deadline_ms.value_or(0) * 1e6 - events_ns_));
 }
 
-void Deadline::refine(Clock::time_point start, const BodiesView& bodies,
-                      const PosedBodies::Frame& posing, const BroadPhase& broad,
-                      const PartStageFrame& shared) {
-  const Slots& slots = posing.slots;
+/// Refines the pairs that the search found until the budget is up.
+void Deadline::refine(const BodiesView& bodies, const PoseSource& source) {
+  const Slots& slots = shared_.slots();
   for (PartStage& stage : stages_) stage.clear_counters();
   found_count_ = 0;
-  tests_left_ = options_.deadline_tests.value_or(kNoLimit);
-  worst_tests_ = worst_tests(shared);
-  until_ = start + std::chrono::nanoseconds(
-                       static_cast<int64_t>(options_.deadline_ms.value_or(0) * 1e6 - events_ns_));
   find_touched();
-  queue_.fill(bodies, broad, slots, {touched_.data(), touched_count_}, workers_);
+  queue_.fill(bodies, shared_.broad(), slots, {touched_.data(), touched_count_}, workers_);
   bodies_.clear_counters();
   bodies_.clear();
   bodies_.prepare(slots.count());
-  const Frame frame{posing, shared};
+  const Frame frame{shared_.posing(source), shared_.parts()};
   while (!queue_.empty() && tests_left_ > 0 && !time_is_up()) refine_wave(frame, next_wave(slots));
   for (const UrgentPair& pair : queue_.rest()) {
     const uint32_t a = slots.body(pair.slots.a), b = slots.body(pair.slots.b);
@@ -73,8 +90,7 @@ void Deadline::refine(Clock::time_point start, const BodiesView& bodies,
 
 /// Pairs that were decided to touch, not those that nobody had time for.
 void Deadline::find_touched() {
-  const auto last =
-      static_cast<uint8_t>(options_.exact ? PairLevel::kExact : PairLevel::kPartVolume);
+  const auto last = static_cast<uint8_t>(last_level(options_));
   touched_.resize(now_.count);
   touched_count_ = 0;
   for (size_t i = 0; i < now_.count; ++i)
@@ -111,13 +127,13 @@ void Deadline::refine_wave(const Frame& frame, std::span<const UrgentPair> wave)
                         [&](int task, int) { step(static_cast<size_t>(task)); });
   };
   cut_pairs(frame, tasks);
-  run([&](size_t task) { stages_[task].find_candidates(frame.shared); });
+  run([&](size_t task) { stages_[task].find_candidates(frame.parts); });
   cut_candidates(tasks);
-  run([&](size_t task) { stages_[task].test_parts(frame.shared); });
+  run([&](size_t task) { stages_[task].test_parts(frame.parts); });
   cut_triangles(tasks);
   if (options_.exact)
     run([&](size_t task) {
-      decided_[task] = stages_[task].decide_by_triangles(frame.shared, most_exact_[task]);
+      decided_[task] = stages_[task].decide_by_triangles(frame.parts, most_exact_[task]);
     });
   for (size_t task = 0; task < tasks; ++task) report(stages_[task], decided_[task]);
   queue_.take(wave.size());
@@ -140,9 +156,8 @@ size_t Deadline::test_bodies(const Frame& frame, std::span<const UrgentPair> wav
   workers_.for_blocks(static_cast<int>(tasks), [&](int index, int) {
     const size_t first = static_cast<size_t>(index) * kTaskPairs;
     PartStage& stage = stages_[static_cast<size_t>(index)];
-    stage.begin(frame.shared, bodies_);
-    stage.add(frame.shared,
-              {wave_pairs_.data() + first, std::min(kTaskPairs, wave.size() - first)});
+    stage.begin(frame.parts, bodies_);
+    stage.add(frame.parts, {wave_pairs_.data() + first, std::min(kTaskPairs, wave.size() - first)});
   });
   tests_left_ -= wave.size();
   return tasks;
@@ -155,7 +170,7 @@ void Deadline::cut_pairs(const Frame& frame, size_t tasks) {
     PartStage& stage = stages_[task];
     size_t kept = 0;
     for (const BodyPair& pair : stage.pairs()) {
-      const uint64_t tests = box_tests(frame.shared, pair);
+      const uint64_t tests = box_tests(frame.parts, pair);
       stop = stop || tests > tests_left_;
       if (stop) {
         add(PairKey(pair.body_a, pair.body_b, kWholeBody, kWholeBody), PairLevel::kBox);
@@ -164,7 +179,7 @@ void Deadline::cut_pairs(const Frame& frame, size_t tasks) {
         ++kept;
       }
     }
-    stage.keep_pairs(frame.shared, kept);
+    stage.keep_pairs(frame.parts, kept);
   }
 }
 
@@ -195,7 +210,7 @@ void Deadline::cut_triangles(size_t tasks) {
 }
 
 void Deadline::report(const PartStage& stage, size_t decided) {
-  const PairLevel last = options_.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+  const PairLevel last = last_level(options_);
   const auto candidates = stage.candidates();
   const auto overlaps = stage.overlaps();
   for (size_t i = 0; i < candidates.size(); ++i)
@@ -237,7 +252,7 @@ void Deadline::take_events(const BodiesView& bodies, PairEvents& events) {
     ++reported_[level];
   }
   events.advance({now_.keys.data(), now_.count});
-  find_event_levels(events);
+  level_events(events);
   events_ns_ = watch.lap_ns();
 }
 
@@ -259,33 +274,25 @@ void Deadline::finish(PairEvents& events) {
   std::swap(now_, was_);
   now_.count = 0;
   events.advance({});
-  find_event_levels(events);
+  level_events(events);
 }
 
 /// Events and both frames' pairs are sorted alike: one walk.
-void Deadline::find_event_levels(const PairEvents& events) {
-  event_level_count_ = events.events().size();
-  event_levels_.resize(event_level_count_);
-  size_t now = 0, was = 0, next = 0;
-  for (const PairEvent& event : events.events()) {
+void Deadline::level_events(PairEvents& events) const {
+  size_t now = 0, was = 0;
+  for (PairEvent& event : events.events_to_level()) {
     const bool begins = event.kind == EventKind::kBegin;
     size_t& at = begins ? now : was;
     const Reported& in = begins ? now_ : was_;
     while (in.keys[at] < event.pair) ++at;
-    event_levels_[next++] = in.levels[at];
+    event.level = static_cast<PairLevel>(in.levels[at]);
   }
 }
 
-PartStageCounters Deadline::counters() const {
-  PartStageCounters sum;
-  for (const PartStage& stage : stages_) sum.add(stage.counters());
-  return sum;
-}
-
 uint64_t Deadline::times_grown() const {
-  uint64_t sum = queue_.times_grown() + wave_pairs_.times_grown() + bodies_.times_grown() +
-                 found_.times_grown() + sorted_.times_grown() + start_of_body_.times_grown() +
-                 touched_.times_grown() + event_levels_.times_grown();
+  uint64_t sum = shared_.times_grown() + queue_.times_grown() + wave_pairs_.times_grown() +
+                 bodies_.times_grown() + found_.times_grown() + sorted_.times_grown() +
+                 start_of_body_.times_grown() + touched_.times_grown();
   for (const Reported* each : {&now_, &was_})
     sum += each->keys.times_grown() + each->levels.times_grown();
   for (const PartStage& stage : stages_) sum += stage.times_grown();

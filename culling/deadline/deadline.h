@@ -12,39 +12,25 @@
 #include <vector>
 
 #include "culling/deadline/urgency.h"
-#include "culling/pair_level.h"
 #include "culling/stages/part_stage.h"
+#include "culling/stages/pass.h"
 #include "culling/stages/posed_bodies.h"
+#include "culling/stages/shared_stages.h"
 
 namespace throng {
 
-class Deadline {
+class Deadline final : public Pass {
  public:
-  Deadline(const CullerOptions& options, Workers& workers);
+  Deadline(BodyTypes types, const CullerOptions& options, Workers& workers);
 
-  /// Refines the pairs of `broad` until the budget is up; `start` is when the frame's clock began.
-  void refine(std::chrono::steady_clock::time_point start, const BodiesView& bodies,
-              const PosedBodies::Frame& posing, const BroadPhase& broad,
-              const PartStageFrame& shared);
-  /// Sorts what refine() found and merges it with the last frame's pairs.
-  void take_events(const BodiesView& bodies, PairEvents& events);
-  /// The levels of the last frame's pairs, on which the next frame's order depends; `touching` are
-  /// these pairs.
-  void archive(Archive& a, std::span<const PairKey> touching);
-  /// The run stops: everything ends.
-  void finish(PairEvents& events);
-
-  /// One for each of PairEvents::touching(), and one for each of its events: an end has the level
-  /// at which the pair was last reported.
-  std::span<const uint8_t> levels() const { return {now_.levels.data(), now_.count}; }
-  std::span<const uint8_t> event_levels() const {
-    return {event_levels_.data(), event_level_count_};
-  }
-  const std::array<uint64_t, kPairLevels>& reported() const { return reported_; }
-
-  PartStageCounters counters() const;
-  const PosedBodies::Counters& posed() const { return bodies_.counters(); }
-  uint64_t times_grown() const;
+  void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
+           CullingCounters& counters) override;
+  void finish(PairEvents& events) override;
+  /// The levels of the last frame's pairs, on which the next frame's order depends.
+  void archive(Archive& a, std::span<const PairKey> touching) override;
+  std::span<const uint8_t> levels() const override { return {now_.levels.data(), now_.count}; }
+  EventHashKind hash_kind() const override { return EventHashKind::kEventsAndLevels; }
+  uint64_t times_grown() const override;
 
  private:
   struct LeveledKey {
@@ -59,12 +45,14 @@ class Deadline {
   };
   /// What a frame refines with.
   struct Frame {
-    const PosedBodies::Frame& posing;
-    const PartStageFrame& shared;
+    PosedBodies::Frame posing;
+    PartStageFrame parts;
   };
 
   using Clock = std::chrono::steady_clock;
 
+  void begin_budget();
+  void refine(const BodiesView& bodies, const PoseSource& source);
   void find_touched();
   std::span<const UrgentPair> next_wave(const Slots& slots);
   void refine_wave(const Frame& frame, std::span<const UrgentPair> wave);
@@ -76,12 +64,13 @@ class Deadline {
   void report(const PartStage& stage, size_t decided);
   void add(PairKey key, PairLevel level);
   void sort_found(size_t bodies);
-  void find_event_levels(const PairEvents& events);
+  void take_events(const BodiesView& bodies, PairEvents& events);
+  void level_events(PairEvents& events) const;
   bool time_is_up() const;
-  uint64_t worst_tests(const PartStageFrame& shared) const;
 
   CullerOptions options_;
   Workers& workers_;
+  SharedStages shared_;
   UrgencyQueue queue_;
   std::vector<PartStage> stages_;     // one a task of a wave, whoever runs it
   std::vector<uint64_t> most_exact_;  // by task: triangle tests that it may make
@@ -91,7 +80,7 @@ class Deadline {
 
   // The budget of the frame.
   uint64_t tests_left_ = 0;
-  uint64_t worst_tests_ = 0;  // that a pair of bodies can take
+  uint64_t worst_tests_;  // that a pair of bodies can take
   Clock::time_point until_;
   double pair_ns_ = 0;    // of the latest wave
   double events_ns_ = 0;  // of the last frame's sorting and merging: kept back for this one's
@@ -102,8 +91,6 @@ class Deadline {
   Reported now_, was_;
   GrowBuffer<PairKey> touched_;
   size_t touched_count_ = 0;
-  GrowBuffer<uint8_t> event_levels_;
-  size_t event_level_count_ = 0;
   std::array<uint64_t, kPairLevels> reported_{};
 };
 

@@ -8,8 +8,9 @@
 
 #include "base/grow_buffer.h"
 #include "base/workers.h"
-#include "culling/culler.h"
+#include "culling/bodies.h"
 #include "culling/kernels/kernels.h"
+#include "culling/pair.h"
 #include "culling/stages/broad_phase.h"
 #include "culling/stages/slots.h"
 

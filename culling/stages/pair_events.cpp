@@ -28,13 +28,13 @@ void PairEvents::compare(size_t block, size_t first, size_t end, PairKey low, Pa
       ++out.persisting;
       ++was, ++is;
     } else if (*was < *is) {
-      *event++ = {*was++, EventKind::kEnd};
+      *event++ = {*was++, EventKind::kEnd, level_};
     } else {
-      *event++ = {*is++, EventKind::kBegin};
+      *event++ = {*is++, EventKind::kBegin, level_};
     }
   }
-  while (was != was_end) *event++ = {*was++, EventKind::kEnd};
-  while (is != is_end) *event++ = {*is++, EventKind::kBegin};
+  while (was != was_end) *event++ = {*was++, EventKind::kEnd, level_};
+  while (is != is_end) *event++ = {*is++, EventKind::kBegin, level_};
   out.events = static_cast<size_t>(event - (events_.data() + out.first));
   blocks_[block] = out;
 }

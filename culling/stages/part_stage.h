@@ -11,9 +11,9 @@
 #include "base/grow_buffer.h"
 #include "base/pose.h"
 #include "culling/body_type.h"
-#include "culling/culler.h"
+#include "culling/counters.h"
 #include "culling/kernels/kernels.h"
-#include "culling/stages/pair_events.h"
+#include "culling/pair.h"
 #include "culling/stages/posed_bodies.h"
 #include "culling/stages/slots.h"
 

@@ -10,8 +10,8 @@
 
 #include "base/grow_buffer.h"
 #include "base/workers.h"
+#include "culling/bodies.h"
 #include "culling/body_type.h"
-#include "culling/culler.h"
 #include "culling/kernels/kernels.h"
 #include "culling/stages/slots.h"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/grow_buffer.h"
+#include "culling/bodies.h"
 #include "culling/body_type.h"
-#include "culling/culler.h"
 
 namespace throng {
 

@@ -66,8 +66,7 @@ struct OrdopTest {
 template <typename Test>
 class RecipeWith final : public Recipe {
  public:
-  RecipeWith(const CullerOptions& options,
-             const std::vector<std::shared_ptr<const BodyType>>& types)
+  RecipeWith(const CullerOptions& options, BodyTypes types)
       : strategy_(options.strategy),
         pair_search_(options.pair_search),
         volume_(options.part_volume),
@@ -328,7 +327,7 @@ class RecipeWith final : public Recipe {
   PairSearch pair_search_;
   VolumeKind volume_;
   bool exact_;
-  const std::vector<std::shared_ptr<const BodyType>>& types_;
+  BodyTypes types_;
   const Kernels& kernels_;
   Test test_;
   bool any_static_;
@@ -356,8 +355,7 @@ class RecipeWith final : public Recipe {
 
 }  // namespace
 
-std::unique_ptr<Recipe> Recipe::make(const CullerOptions& options,
-                                     const std::vector<std::shared_ptr<const BodyType>>& types) {
+std::unique_ptr<Recipe> Recipe::make(const CullerOptions& options, BodyTypes types) {
   assert(options.strategy != Strategy::kPipeline);
   const auto with = [&]<typename Test>(Test*) -> std::unique_ptr<Recipe> {
     return std::make_unique<RecipeWith<Test>>(options, types);

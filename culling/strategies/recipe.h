@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "culling/culler.h"
+#include "culling/stages/pass.h"
 
 namespace throng {
 
@@ -18,8 +18,7 @@ class Recipe {
 
   /// options.strategy is not kPipeline (asserted). options.pair_search counts for kTwoPass and
   /// kSphere only; kBrute is the paper's. Keeps a reference to `types`.
-  static std::unique_ptr<Recipe> make(const CullerOptions& options,
-                                      const std::vector<std::shared_ptr<const BodyType>>& types);
+  static std::unique_ptr<Recipe> make(const CullerOptions& options, BodyTypes types);
 
   /// One frame.
   virtual void run(const BodiesView& bodies, const PoseSource& source) = 0;

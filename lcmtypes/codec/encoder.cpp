@@ -166,7 +166,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   }
   utime_us_ = frame.utime_us;
   frame_ = frame.number;
-  send_events(frame.events, frame.event_levels);
+  send_events(frame.events);
   if (frame.utime_us / kSecond_us != last_second_) {
     last_second_ = frame.utime_us / kSecond_us;
     send_touching(frame.pairs, frame.levels);
@@ -179,8 +179,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   send_checks(frame.hash);
 }
 
-void RunEncoder::send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels) {
-  assert(levels.empty() || levels.size() == events.size());
+void RunEncoder::send_events(std::span<const PairEvent> events) {
   const int chunks = chunks_of(events.size(), kEventsPerMessage);
   for (int chunk = 0; chunk < chunks; ++chunk) {
     const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
@@ -200,7 +199,7 @@ void RunEncoder::send_events(std::span<const PairEvent> events, std::span<const 
       m.part_a[i] = static_cast<uint8_t>(event.pair.part_a());
       m.part_b[i] = static_cast<uint8_t>(event.pair.part_b());
       m.kind[i] = static_cast<uint8_t>(event.kind);
-      m.level[i] = level_at(levels, first + i, last_level_);
+      m.level[i] = static_cast<uint8_t>(event.level);
     }
     send(Channel::kEvents, m, chunk, chunks);
   }
@@ -389,7 +388,7 @@ void RunEncoder::send_checks(uint64_t hash) {
 void RunEncoder::end(const RunInfo&, const RunEnd& end) {
   utime_us_ = end.utime_us;
   frame_ = end.frames;
-  send_events(end.events, end.event_levels);
+  send_events(end.events);
   end_.frames = end.frames;
   end_.begins = static_cast<int64_t>(end.begins);
   end_.ends = static_cast<int64_t>(end.ends);

@@ -82,7 +82,7 @@ class RunEncoder {
   template <class Message>
   void send(Channel channel, Message& message, int chunk, int chunk_count);
   void hand_over(Channel channel, std::span<const uint8_t> bytes, uint64_t checksum);
-  void send_events(std::span<const PairEvent> events, std::span<const uint8_t> levels);
+  void send_events(std::span<const PairEvent> events);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   bool states_are_due(int64_t frame) const;
   void send_states(const RunInfo& run, const Frame& frame);

@@ -234,13 +234,11 @@ std::string RunReader::use(const events_t& m, Update& update) {
   std::string defect = defect_of_pairs(m, run_.get(), touching_.size());
   if (!defect.empty()) return defect;
   new_events_.clear();
-  new_event_levels_.clear();
   for (size_t i = 0; i < m.a.size(); ++i) {
     const PairKey pair = pair_at(m, i);
     const auto kind = static_cast<EventKind>(m.kind[i]);
     const auto level = static_cast<PairLevel>(m.level[i]);
-    new_events_.push_back({pair, kind});
-    new_event_levels_.push_back(level);
+    new_events_.push_back({pair, kind, level});
     if (kind == EventKind::kBegin)
       touching_[pair] = level;
     else

@@ -75,7 +75,6 @@ class RunReader {
   const Touching& touching() const { return touching_; }
   /// Of the last THRONG_EVENTS message.
   std::span<const PairEvent> new_events() const { return new_events_; }
-  std::span<const PairLevel> new_event_levels() const { return new_event_levels_; }
   const std::optional<counters_t>& counters() const { return counters_; }
   const std::optional<end_t>& end() const { return end_; }
   /// What the run says of itself, and of all that it has said so far.
@@ -132,7 +131,6 @@ class RunReader {
   int64_t pending_touching_frame_ = -1;
   std::set<int32_t> pending_touching_chunks_;
   std::vector<PairEvent> new_events_;
-  std::vector<PairLevel> new_event_levels_;
   std::optional<counters_t> counters_;
   std::optional<end_t> end_;
   std::optional<checks_t> checks_;

@@ -111,7 +111,7 @@ class Judge {
       was_resumed_ = adopted_frame_ >= 0 && header.frame > adopted_frame_;
     }
     if (update == RunReader::Update::kEvents) {
-      hash_.add(header.frame, reader_.new_events(), reader_.new_event_levels());
+      hash_.add(header.frame, reader_.new_events());
       pair_up(event);
     }
     if (update == RunReader::Update::kChecks) compare_checks(event, header);
@@ -229,16 +229,15 @@ class Judge {
   }
 
   void pair_up(const LogEvent& event) {
-    for (size_t i = 0; i < reader_.new_events().size(); ++i) {
-      const PairEvent& e = reader_.new_events()[i];
-      const PairLevel level = reader_.new_event_levels()[i];
+    for (const PairEvent& e : reader_.new_events()) {
       const bool is_begin = e.kind == EventKind::kBegin;
       ++(is_begin ? report_.begins : report_.ends);
-      if (is_begin) ++report_.begins_by_level[static_cast<size_t>(level)];
+      if (is_begin) ++report_.begins_by_level[static_cast<size_t>(e.level)];
       const bool whole = e.pair.part_a() == kWholeBody;
-      if (whole ? level > PairLevel::kBox : level == PairLevel::kSphere)
+      if (whole ? e.level > PairLevel::kBox : e.level == PairLevel::kSphere)
         problem(fmt::format("byte {}: pair {}:{} - {}:{} at level {}", event.offset, e.pair.a(),
-                            e.pair.part_a(), e.pair.b(), e.pair.part_b(), static_cast<int>(level)));
+                            e.pair.part_a(), e.pair.b(), e.pair.part_b(),
+                            static_cast<int>(e.level)));
       const bool fits = is_begin ? open_.insert(e.pair).second : open_.erase(e.pair) == 1;
       if (fits) continue;
       problem(fmt::format("byte {}: pair {}:{} - {}:{} {}", event.offset, e.pair.a(),

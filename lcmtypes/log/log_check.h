@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "culling/pair_level.h"
+#include "culling/pair.h"
 #include "lcmtypes/codec/channels.h"
 #include "lcmtypes/log/check_spans.h"
 

@@ -1,7 +1,5 @@
 #include "lcmtypes/log/log_hash.h"
 
-#include <cassert>
-
 namespace throng {
 namespace {
 
@@ -22,21 +20,18 @@ void LogHash::finish_frame() {
   }
 }
 
-void LogHash::add(int64_t frame, std::span<const PairEvent> events,
-                  std::span<const PairLevel> levels) {
-  assert(levels.size() == events.size());
+void LogHash::add(int64_t frame, std::span<const PairEvent> events) {
   if (frame != frame_) finish_frame();
   frame_ = frame;
   is_empty_ = is_empty_ && events.empty();
-  for (size_t i = 0; i < events.size(); ++i) {
-    const auto level = static_cast<uint64_t>(levels[i]);
-    ways_[0].frame.add(events[i]);
-    ways_[1].frame.add(events[i], 1 + level);
+  for (const PairEvent& event : events) {
+    ways_[0].frame.add(event, EventHashKind::kEvents);
+    ways_[1].frame.add(event, EventHashKind::kEventsAndLevels);
     for (Way& way : ways_)
-      for (const uint64_t word : {static_cast<uint64_t>(frame), events[i].pair.bits(),
-                                  static_cast<uint64_t>(events[i].kind)})
+      for (const uint64_t word :
+           {static_cast<uint64_t>(frame), event.pair.bits(), static_cast<uint64_t>(event.kind)})
         way.old_hash = (way.old_hash ^ word) * 0x100000001b3ull;
-    ways_[1].old_hash = (ways_[1].old_hash ^ level) * 0x100000001b3ull;
+    ways_[1].old_hash = (ways_[1].old_hash ^ static_cast<uint64_t>(event.level)) * 0x100000001b3ull;
   }
 }
 

@@ -7,14 +7,13 @@
 #include <span>
 
 #include "culling/event_hash.h"
-#include "culling/pair_level.h"
 
 namespace throng {
 
 class LogHash {
  public:
   /// Events in the order of the log; those of a frame may come in pieces.
-  void add(int64_t frame, std::span<const PairEvent> events, std::span<const PairLevel> levels);
+  void add(int64_t frame, std::span<const PairEvent> events);
 
   /// Goes on behind another hash, unless frames have been chained already.
   void start_from(uint64_t hash);

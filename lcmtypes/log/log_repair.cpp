@@ -72,7 +72,7 @@ class Mender {
   void add_to_hash(int64_t frame, std::span<const uint8_t> data) {
     RunReader reader;  // without a description it takes every pair
     reader.take(name_of(Channel::kEvents), data);
-    hash_.add(frame, reader.new_events(), reader.new_event_levels());
+    hash_.add(frame, reader.new_events());
   }
 
   void take_checks(const LogEvent& event, const MessageHeader& header) {

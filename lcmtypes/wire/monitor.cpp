@@ -116,10 +116,9 @@ void Monitor::take_events() {
   const RunReader& run = inbox_.run();
   const int64_t utime_us = run.header()->utime_us;
   const bool has_names = run.run() != nullptr;
-  const auto events = run.new_events();
-  for (size_t i = 0; i < events.size(); ++i) {
-    const PairKey pair = events[i].pair;
-    Note note{pair, events[i].kind, run.new_event_levels()[i], utime_us, -1};
+  for (const PairEvent& event : run.new_events()) {
+    const PairKey pair = event.pair;
+    Note note{pair, event.kind, event.level, utime_us, -1};
     const bool begins = note.kind == EventKind::kBegin;
     if (begins) {
       began_us_[pair] = utime_us;

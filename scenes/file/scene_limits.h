@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "culling/stages/pair_events.h"
+#include "culling/pair.h"
 
 namespace throng {
 

@@ -13,7 +13,8 @@
 #include "avatars/gait/gait.h"
 #include "avatars/model/model.h"
 #include "base/workers.h"
-#include "culling/culler.h"
+#include "culling/bodies.h"
+#include "culling/body_type.h"
 
 namespace throng {
 

@@ -396,7 +396,6 @@ void Simulation::State::fill_frame() {
   frame.events = culler->events();
   if (crowd.traffic().is_open()) frame.present = crowd.traffic().present();
   frame.levels = culler->levels();
-  frame.event_levels = culler->event_levels();
   frame.persisting = culler->persisting();
   frame.hash = culler->hash();
   frame.counters = &culler->counters();
@@ -456,7 +455,6 @@ RunEnd Simulation::finish() {
   end.frames = s.frames;
   end.utime_us = s.frame.utime_us;
   end.events = s.culler->events();
-  end.event_levels = s.culler->event_levels();
   end.begins = s.begins;
   end.ends = s.ends;
   end.hash = s.culler->hash();

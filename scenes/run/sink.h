@@ -80,8 +80,6 @@ struct Frame {
   std::span<const uint8_t> present;
   /// PairLevel, one a pair; empty: all are fully decided.
   std::span<const uint8_t> levels;
-  /// One an event, of an end that of the pair's last frame; empty: all are fully decided.
-  std::span<const uint8_t> event_levels;
   uint64_t persisting = 0;
   uint64_t hash = 0;  ///< of all events up to this frame's (see culling/event_hash.h)
   const CullingCounters* counters = nullptr;
@@ -91,11 +89,10 @@ struct Frame {
 struct RunEnd {
   int64_t frames = 0;
   int64_t utime_us = 0;
-  std::span<const PairEvent> events;      ///< the ends of what still touched
-  std::span<const uint8_t> event_levels;  ///< as in Frame
-  uint64_t begins = 0;                    ///< over the whole run
-  uint64_t ends = 0;                      ///< over the whole run, those above included
-  uint64_t hash = 0;                      ///< of all events
+  std::span<const PairEvent> events;  ///< the ends of what still touched
+  uint64_t begins = 0;                ///< over the whole run
+  uint64_t ends = 0;                  ///< over the whole run, those above included
+  uint64_t hash = 0;                  ///< of all events
 };
 
 class Sink {

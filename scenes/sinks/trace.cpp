@@ -40,7 +40,7 @@ uint64_t hash_of(std::span<const PairKey> pairs) {
 
 uint64_t hash_of(std::span<const PairEvent> events) {
   EventSum sum;
-  sum.add(events);
+  sum.add(events, EventHashKind::kEvents);
   return sum.sum;
 }
 

@@ -257,10 +257,8 @@ TEST(Deadline, BeginsAndEndsPairUpWithTheirLevels) {
     Culler culler(world.types, options, workers);
     std::map<PairKey, uint8_t> open;
     const auto take = [&] {
-      ASSERT_EQ(culler.event_levels().size(), culler.events().size());
-      for (size_t i = 0; i < culler.events().size(); ++i) {
-        const auto& [pair, kind] = culler.events()[i];
-        const uint8_t level = culler.event_levels()[i];
+      for (const auto& [pair, kind, event_level] : culler.events()) {
+        const auto level = static_cast<uint8_t>(event_level);
         if (kind == EventKind::kBegin) {
           EXPECT_TRUE(open.emplace(pair, level).second) << "begun twice";
         } else {

@@ -19,14 +19,15 @@ std::vector<PairEvent> events_of(uint64_t seed, uint64_t frame, size_t count) {
     const auto b = a + 1 + static_cast<uint32_t>(random_bits(key, 1) % 1000);
     out.push_back({PairKey(a, b, static_cast<uint32_t>(random_bits(key, 2) % 15),
                            static_cast<uint32_t>(random_bits(key, 3) % 15)),
-                   random_bits(key, 4) % 2 == 0 ? EventKind::kBegin : EventKind::kEnd});
+                   random_bits(key, 4) % 2 == 0 ? EventKind::kBegin : EventKind::kEnd,
+                   PairLevel::kPartVolume});
   }
   return out;
 }
 
-EventSum sum_of(std::span<const PairEvent> events, std::span<const uint8_t> levels = {}) {
+EventSum sum_of(std::span<const PairEvent> events, EventHashKind kind = EventHashKind::kEvents) {
   EventSum sum;
-  sum.add(events, levels);
+  sum.add(events, kind);
   return sum;
 }
 
@@ -60,19 +61,20 @@ TEST(EventHash, FramesCountInTheirOrderAndUnderTheirNumbers) {
 
 TEST(EventHash, AnyOtherEventGivesAnother) {
   const auto events = events_of(3, 0, 30);
-  const std::vector<uint8_t> levels(events.size(), 2);
-  const EventSum sum = sum_of(events, levels);
+  constexpr EventHashKind kLevels = EventHashKind::kEventsAndLevels;
+  const EventSum sum = sum_of(events, kLevels);
   EXPECT_NE(sum.sum, sum_of(events).sum) << "levels that are known";
   for (size_t i = 0; i < events.size(); ++i) {
     auto other = events;
     other[i].kind = other[i].kind == EventKind::kBegin ? EventKind::kEnd : EventKind::kBegin;
-    EXPECT_NE(sum_of(other, levels).sum, sum.sum) << "kind of event " << i;
+    EXPECT_NE(sum_of(other, kLevels).sum, sum.sum) << "kind of event " << i;
     other = events;
     other[i].pair = PairKey(other[i].pair.a(), other[i].pair.b() ^ 1, 3, 4);
-    EXPECT_NE(sum_of(other, levels).sum, sum.sum) << "pair of event " << i;
-    auto other_levels = levels;
-    other_levels[i] = 3;
-    EXPECT_NE(sum_of(events, other_levels).sum, sum.sum) << "level of event " << i;
+    EXPECT_NE(sum_of(other, kLevels).sum, sum.sum) << "pair of event " << i;
+    other = events;
+    other[i].level = PairLevel::kExact;
+    EXPECT_NE(sum_of(other, kLevels).sum, sum.sum) << "level of event " << i;
+    EXPECT_EQ(sum_of(other).sum, sum_of(events).sum) << "a level that does not count";
   }
 }
 

@@ -173,7 +173,7 @@ TEST(Messages, EventsArriveInOrderOverAllChunks) {
       found[events.frame].push_back(
           {PairKey(static_cast<uint32_t>(events.a[i]), static_cast<uint32_t>(events.b[i]),
                    events.part_a[i], events.part_b[i]),
-           static_cast<EventKind>(events.kind[i])});
+           static_cast<EventKind>(events.kind[i]), static_cast<PairLevel>(events.level[i])});
   }
   SyntheticRun again({.avatars = 500, .seed = 5, .pairs = 20'000});
   for (int frame = 0; frame < 2; ++frame) {
@@ -202,8 +202,10 @@ TEST(Messages, SayHowFarEveryPairWasRefined) {
   const Frame& sent = again.step();
   ASSERT_GT(sent.pairs.size(), 10'000u) << "more than one chunk";
   EXPECT_TRUE(std::equal(sent.levels.begin(), sent.levels.end(), levels.begin(), levels.end()));
-  EXPECT_TRUE(std::equal(sent.event_levels.begin(), sent.event_levels.end(), event_levels.begin(),
-                         event_levels.end()));
+  EXPECT_TRUE(std::equal(sent.events.begin(), sent.events.end(), event_levels.begin(),
+                         event_levels.end(), [](const PairEvent& event, uint8_t level) {
+                           return event.level == static_cast<PairLevel>(level);
+                         }));
   for (int level = 0; level < 4; ++level)
     EXPECT_GT(std::count(levels.begin(), levels.end(), level), 1000) << "level " << level;
 }

@@ -132,18 +132,16 @@ uint8_t level_of(PairKey pair) {
   return pair.part_a() == kWholeBody ? number % 2 : 1 + number % 3;
 }
 
-std::vector<uint8_t> levels_of(std::span<const PairEvent> events) {
-  std::vector<uint8_t> levels;
-  for (const PairEvent& event : events) levels.push_back(level_of(event.pair));
-  return levels;
-}
-
 }  // namespace
 
-void SyntheticRun::refine() {
+void SyntheticRun::level() {
   levels_.clear();
-  for (const PairKey& pair : pairs_) levels_.push_back(level_of(pair));
-  event_levels_ = levels_of(pair_events_.events());
+  if (options_.deadline)
+    for (const PairKey& pair : pairs_) levels_.push_back(level_of(pair));
+  for (PairEvent& event : pair_events_.events_to_level()) {
+    event.level = info_.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+    if (options_.deadline) event.level = static_cast<PairLevel>(level_of(event.pair));
+  }
 }
 
 void SyntheticRun::count(std::span<const PairEvent> events) {
@@ -152,7 +150,8 @@ void SyntheticRun::count(std::span<const PairEvent> events) {
 
 void SyntheticRun::add_to_hash() {
   EventSum sum;
-  sum.add(pair_events_.events(), event_levels_);
+  sum.add(pair_events_.events(),
+          options_.deadline ? EventHashKind::kEventsAndLevels : EventHashKind::kEvents);
   hash_.add_frame(static_cast<uint64_t>(next_frame_), sum);
 }
 
@@ -161,7 +160,7 @@ const Frame& SyntheticRun::step() {
   if (options_.comings) come_and_go();
   touch();
   pair_events_.advance(pairs_);
-  if (options_.deadline) refine();
+  level();
   count(pair_events_.events());
   add_to_hash();
   counters_.avatar.updates = roots_.size();
@@ -178,7 +177,6 @@ const Frame& SyntheticRun::step() {
   frame_.events = pair_events_.events();
   frame_.present = present_;
   frame_.levels = levels_;
-  frame_.event_levels = event_levels_;
   frame_.hash = hash_.value();
   frame_.persisting = pair_events_.persisting();
   frame_.counters = &counters_;
@@ -190,13 +188,12 @@ const Frame& SyntheticRun::step() {
 RunEnd SyntheticRun::finish() {
   pair_events_.advance({});
   count(pair_events_.events());
-  if (options_.deadline) event_levels_ = levels_of(pair_events_.events());
+  level();
   add_to_hash();
   RunEnd end;
   end.frames = next_frame_;
   end.utime_us = frame_.utime_us;
   end.events = pair_events_.events();
-  end.event_levels = event_levels_;
   end.begins = static_cast<uint64_t>(begins_);
   end.ends = static_cast<uint64_t>(ends_);
   end.hash = hash_.value();

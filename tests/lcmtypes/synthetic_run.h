@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "culling/event_hash.h"
+#include "culling/stages/pair_events.h"
 #include "lcmtypes/codec/encoder.h"
 #include "lcmtypes/log/log_sink.h"
 #include "scenes/run/sink.h"
@@ -43,7 +44,7 @@ class SyntheticRun {
   void pose();
   void touch();
   void come_and_go();
-  void refine();
+  void level();
   void count(std::span<const PairEvent> events);
   void add_to_hash();
 
@@ -58,7 +59,7 @@ class SyntheticRun {
   std::vector<float> speeds_, postures_;
   std::vector<size_t> offsets_;
   std::vector<PairKey> pairs_;
-  std::vector<uint8_t> present_, levels_, event_levels_;
+  std::vector<uint8_t> present_, levels_;
   int64_t next_frame_ = 0;
   EventHash hash_;
   int64_t begins_ = 0, ends_ = 0;

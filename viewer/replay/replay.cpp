@@ -62,11 +62,10 @@ double ReplayRecorder::seconds() const {
 }
 
 void ReplayRecorder::keep_events(int64_t frame) {
-  for (size_t i = 0; i < run_.new_events().size(); ++i) {
-    const PairEvent& event = run_.new_events()[i];
+  for (const PairEvent& event : run_.new_events()) {
     std::vector<Stretch>& stretches = pairs_[event.pair];
     if (event.kind == EventKind::kBegin) {
-      stretches.push_back({frame, -1, run_.new_event_levels()[i]});
+      stretches.push_back({frame, -1, event.level});
       ++stretches_;
     } else if (!stretches.empty()) {
       stretches.back().end = frame;

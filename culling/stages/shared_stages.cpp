@@ -1,0 +1,47 @@
+#include "culling/stages/shared_stages.h"
+
+#include <algorithm>
+
+namespace throng {
+
+SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers)
+    : types_(types),
+      kernels_(kernels_for(options.simd)),
+      volume_(options.part_volume),
+      exact_(options.exact),
+      slots_(types),
+      broad_(types, kernels_, workers, options.pair_search) {
+  size_t shapes = 0;
+  for (size_t type = 0; type < types.size(); ++type) {
+    const size_t parts = static_cast<size_t>(types[type]->part_count());
+    type_parts_.push_back(static_cast<uint16_t>(parts));
+    type_first_shape_.push_back(static_cast<uint16_t>(std::min(shapes, size_t{kMaxBucketShapes})));
+    shapes += parts;
+    while (shape_type_.size() < std::min(shapes, size_t{kMaxBucketShapes}))
+      shape_type_.push_back(static_cast<uint16_t>(type));
+  }
+}
+
+void SharedStages::count(const PartStageCounters& parts, const PosedBodies::Counters& posed,
+                         CullingCounters& counters) const {
+  counters.avatar = broad_.counters();
+  counters.body_box = parts.body_box;
+  counters.body_box.volume = "aabb";
+  counters.body_box.tests += broad_.apart_by_bounds();
+  counters.body_box.updates = posed.bodies;
+  counters.box = parts.box;
+  counters.box.volume = "aabb";
+  counters.box.updates = posed.parts;
+  counters.box.update_ns = posed.box_ns;
+  counters.part = parts.part;
+  counters.part.volume = name_of(volume_);
+  counters.part.updates += posed.parts;
+  counters.part.update_ns += posed.pose_ns;
+  counters.exact = parts.exact;
+  counters.exact.volume = exact_ ? "triangles" : "off";
+  counters.primitive_tests = parts.primitive_tests;
+  counters.posed_bodies = posed.bodies;
+  counters.pose_ns = posed.pose_ns;
+}
+
+}  // namespace throng
