@@ -1,0 +1,22 @@
+// The example of own bodies and own poses says what it has always said.
+#include <gtest/gtest.h>
+#include <stdio.h>
+
+#include <string>
+
+namespace throng {
+namespace {
+
+TEST(OwnSkeleton, TellsWhichPartsTouch) {
+  FILE* const pipe = ::popen(THRONG_BINARY_DIR "/own_skeleton", "r");
+  ASSERT_NE(pipe, nullptr);
+  std::string said;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) said += static_cast<char>(c);
+  EXPECT_EQ(::pclose(pipe), 0);
+  EXPECT_EQ(said,
+            "frame 30: part 1 of 0 touches part 0 of 1\n"
+            "frame 38: part 1 of 0 leaves part 0 of 1\n");
+}
+
+}  // namespace
+}  // namespace throng
