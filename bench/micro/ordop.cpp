@@ -17,7 +17,7 @@ namespace {
 /// The corners of every part's or-DOP 26, each once.
 std::vector<std::vector<Eigen::Vector3f>> corners_of(const BodyType& type) {
   std::vector<std::vector<Eigen::Vector3f>> out;
-  for (const Slabs& slabs : type.volumes().slabs) {
+  for (const Slabs& slabs : type.volumes().of<Ordop<26>>()) {
     std::vector<Eigen::Vector3d> all = polytope_of(slabs, 26).corners_m;
     auto& corners = out.emplace_back();
     for (const Eigen::Vector3d& corner : all) {
@@ -41,7 +41,7 @@ void report(benchmark::State& state, size_t passed) {
 void ordop_26_kernel(benchmark::State& state, SimdTarget target) {
   const Candidates& c = crowd_candidates();
   const Kernels& kernels = kernels_for(target);
-  const auto& tables = c.type().volumes().ordops;
+  const auto& tables = c.type().volumes().tables();
   std::vector<uint8_t> overlaps(c.list().size());
   const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
   for (auto _ : state) {
@@ -61,7 +61,7 @@ void ordop_26_kernel(benchmark::State& state, SimdTarget target) {
 /// The paper's or-DOP over the same candidates in the order in which they were found, one by one.
 void ordop_26_pair(benchmark::State& state, SimdTarget target) {
   const Candidates& c = crowd_candidates();
-  const auto& lanes = c.type().volumes().ordop_lanes_26;
+  const auto& lanes = c.type().volumes().lanes<Ordop<26>>();
   const Kernels::OrdopPair test = kernels_for(target).ordop_pair_26;
   size_t passed = 0;
   const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
@@ -107,7 +107,7 @@ Eigen::Matrix3f rotation(const PartPose& pose) {
 void ordop_26_scalar_vertices(benchmark::State& state) {
   const Candidates& c = crowd_candidates();
   const auto corners = corners_of(c.type());
-  const auto& slabs = c.type().volumes().slabs;
+  const auto& slabs = c.type().volumes().of<Ordop<26>>();
   size_t passed = 0;
   const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
   for (auto _ : state) {

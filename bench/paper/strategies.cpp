@@ -110,7 +110,7 @@ size_t StrategyRun::count_primitives() {
   ExactCounters counters;
   size_t touching = 0;
   const auto surface = [&](uint32_t body) -> const TriangleBvh& {
-    return s.types[s.kinds[body]]->volumes().surfaces.front();
+    return s.types[s.kinds[body]]->volumes().surfaces().front();
   };
   for (const SlotPair& pair : pairs())
     touching += solids_touch(surface(pair.a), s.world.pose(pair.a), 1, surface(pair.b),

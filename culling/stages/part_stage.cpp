@@ -46,39 +46,12 @@ PartPair part_pair(const PartStageFrame& frame, const PartPose* poses, const Bod
 }
 
 /// Updates both volumes, then tests them: two updates a test, as the paper counts.
-template <typename Volume, typename FittedOf>
-bool placed_overlap(const PartPair& p, const FittedOf& fitted_of) {
+template <typename Volume>
+bool placed_overlap(const PartPair& p) {
   const auto place = [&](const PartOf& part) {
-    return Volume::place(fitted_of(part), *part.pose, part.scale);
+    return Volume::place(part.volumes->of<Volume>()[part.part], *part.pose, part.scale);
   };
   return Volume::overlaps(place(p.a), place(p.b), p.a_to_b_m, p.margin_m);
-}
-
-bool volumes_overlap(VolumeKind kind, const PartPair& p) {
-  const auto slabs = [](const PartOf& part) -> const Slabs& {
-    return part.volumes->slabs[part.part];
-  };
-  switch (kind) {
-    case VolumeKind::kSphere:
-      return placed_overlap<Sphere>(p, [](const PartOf& x) { return x.volumes->spheres[x.part]; });
-    case VolumeKind::kAabb:
-      return placed_overlap<Aabb>(p, [](const PartOf& x) { return x.volumes->aabbs[x.part]; });
-    case VolumeKind::kObb:
-      return placed_overlap<Obb>(p, [](const PartOf& x) { return x.volumes->obbs[x.part]; });
-    case VolumeKind::kKdop14:
-      return placed_overlap<Kdop<14>>(p, slabs);
-    case VolumeKind::kKdop18:
-      return placed_overlap<Kdop<18>>(p, slabs);
-    case VolumeKind::kKdop26:
-      return placed_overlap<Kdop<26>>(p, slabs);
-    case VolumeKind::kOrdop14:
-      return placed_overlap<Ordop<14>>(p, slabs);
-    case VolumeKind::kOrdop18:
-      return placed_overlap<Ordop<18>>(p, slabs);
-    case VolumeKind::kOrdop26:
-      return placed_overlap<Ordop<26>>(p, slabs);
-  }
-  return true;
 }
 
 void add_stage(StageCounters& sum, const StageCounters& other) {
@@ -97,6 +70,14 @@ void PartStageCounters::add(const PartStageCounters& other) {
   add_stage(part, other.part);
   add_stage(exact, other.exact);
   primitive_tests += other.primitive_tests;
+}
+
+void fit_for_part_stage(const BodyType& type, VolumeKind volume, bool exact) {
+  type.volumes().tables();
+  with_volume(volume, [&]<typename Volume>() {
+    if constexpr (!KernelsOf<Volume>::kExist) type.volumes().of<Volume>();
+  });
+  if (exact) type.volumes().surfaces();
 }
 
 uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair) {
@@ -161,19 +142,12 @@ void PartStage::keep_pairs(const PartStageFrame& frame, size_t count) {
 void PartStage::test_parts(const PartStageFrame& frame) {
   Stopwatch watch;
   overlaps_.resize(candidate_count_);
-  switch (frame.volume) {
-    case VolumeKind::kOrdop14:
-      test_ordops(frame, &Kernels::ordop_pairs_14);
-      break;
-    case VolumeKind::kOrdop18:
-      test_ordops(frame, &Kernels::ordop_pairs_18);
-      break;
-    case VolumeKind::kOrdop26:
-      test_ordops(frame, &Kernels::ordop_pairs_26);
-      break;
-    default:
-      test_others(frame);
-  }
+  with_volume(frame.volume, [&]<typename Volume>() {
+    if constexpr (KernelsOf<Volume>::kExist)
+      test_by_kernel(frame, KernelsOf<Volume>::kPairs);
+    else
+      test_one_by_one<Volume>(frame);
+  });
   counters_.part.tests += candidate_count_;
   counters_.part.passed +=
       static_cast<uint64_t>(std::count(overlaps_.data(), overlaps_.data() + candidate_count_, 1));
@@ -235,13 +209,13 @@ void PartStage::sort_into_buckets() {
       [&](size_t i, uint32_t at) { order_[at] = static_cast<uint32_t>(i); });
 }
 
-void PartStage::test_ordops(const PartStageFrame& frame, OrdopKernel kernel) {
+void PartStage::test_by_kernel(const PartStageFrame& frame, OrdopKernel kernel) {
   const Kernels::OrdopPairs test = frame.kernels->*kernel, reference = scalar_kernels().*kernel;
   sort_into_buckets();
   const uint32_t shapes = boxes_.shapes;
   const auto table_of = [&](size_t shape) -> const OrdopTable& {
     const uint16_t type = frame.shape_type[shape];
-    return frame.types[type]->volumes().ordops[shape - frame.type_first_shape[type]];
+    return frame.types[type]->volumes().tables()[shape - frame.type_first_shape[type]];
   };
   for (size_t a = 0; a < shapes; ++a) {
     for (size_t b = a; b < shapes; ++b) {
@@ -256,17 +230,17 @@ void PartStage::test_ordops(const PartStageFrame& frame, OrdopKernel kernel) {
   for (uint32_t i = bucket_start_[bucket_count(shapes) - 1]; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[order_[i]];
     const BodyPair& pair = pairs_[c.pair];
-    reference(frame.types[pair.type_a]->volumes().ordops[c.part_a],
-              frame.types[pair.type_b]->volumes().ordops[c.part_b], pairs_.data(), bodies_->poses(),
-              candidates_.data(), order_.data() + i, 1, overlaps_.data());
+    reference(frame.types[pair.type_a]->volumes().tables()[c.part_a],
+              frame.types[pair.type_b]->volumes().tables()[c.part_b], pairs_.data(),
+              bodies_->poses(), candidates_.data(), order_.data() + i, 1, overlaps_.data());
   }
 }
 
-void PartStage::test_others(const PartStageFrame& frame) {
+template <typename Volume>
+void PartStage::test_one_by_one(const PartStageFrame& frame) {
   for (size_t i = 0; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[i];
-    overlaps_[i] =
-        volumes_overlap(frame.volume, part_pair(frame, bodies_->poses(), pairs_[c.pair], c));
+    overlaps_[i] = placed_overlap<Volume>(part_pair(frame, bodies_->poses(), pairs_[c.pair], c));
   }
   counters_.part.updates += 2 * candidate_count_;
 }
@@ -282,9 +256,9 @@ size_t PartStage::decide_by_triangles(const PartStageFrame& frame, uint64_t most
     ++tests;
     const Candidate& c = candidates_[i];
     const PartPair p = part_pair(frame, bodies_->poses(), pairs_[c.pair], c);
-    overlaps_[i] =
-        solids_touch(p.a.volumes->surfaces[p.a.part], *p.a.pose, p.a.scale,
-                     p.b.volumes->surfaces[p.b.part], *p.b.pose, p.b.scale, p.a_to_b_m, primitive);
+    overlaps_[i] = solids_touch(p.a.volumes->surfaces()[p.a.part], *p.a.pose, p.a.scale,
+                                p.b.volumes->surfaces()[p.b.part], *p.b.pose, p.b.scale, p.a_to_b_m,
+                                primitive);
     counters_.exact.passed += overlaps_[i];
   }
   counters_.exact.tests += tests;

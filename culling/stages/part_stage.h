@@ -51,6 +51,9 @@ struct PartPairs {
   uint32_t times_grown() const { return parts.times_grown() + runs.times_grown(); }
 };
 
+/// Makes what the stage will read of a type.
+void fit_for_part_stage(const BodyType& type, VolumeKind volume, bool exact);
+
 /// Tests that the part boxes of two bodies take.
 uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair);
 
@@ -87,9 +90,10 @@ class PartStage {
 
  private:
   using OrdopKernel = Kernels::OrdopPairs Kernels::*;
-  void test_ordops(const PartStageFrame& frame, OrdopKernel kernel);
+  void test_by_kernel(const PartStageFrame& frame, OrdopKernel kernel);
   void sort_into_buckets();
-  void test_others(const PartStageFrame& frame);
+  template <typename Volume>
+  void test_one_by_one(const PartStageFrame& frame);
   void write_runs(PartPairs& out) const;
 
   const PosedBodies* bodies_ = nullptr;

@@ -90,7 +90,7 @@ void PosedBodies::pose_batch(const Frame& frame, Batch& batch) {
   Stopwatch watch;
   frame.source.poses({bodies, count}, {rows, count * parts});
   const double pose_ns = watch.lap_ns();
-  frame.kernels.part_boxes(type.volumes().ordops.data(), parts, rows, scales, margins, count,
+  frame.kernels.part_boxes(type.volumes().tables().data(), parts, rows, scales, margins, count,
                            blocks);
   batch.counters = {count, count * parts, pose_ns, watch.lap_ns()};
 }

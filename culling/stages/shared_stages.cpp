@@ -13,6 +13,7 @@ SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Worker
       broad_(types, kernels_, workers, options.pair_search) {
   size_t shapes = 0;
   for (size_t type = 0; type < types.size(); ++type) {
+    fit_for_part_stage(*types[type], volume_, exact_);
     const size_t parts = static_cast<size_t>(types[type]->part_count());
     type_parts_.push_back(static_cast<uint16_t>(parts));
     type_first_shape_.push_back(static_cast<uint16_t>(std::min(shapes, size_t{kMaxBucketShapes})));

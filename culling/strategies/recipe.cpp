@@ -21,41 +21,35 @@ constexpr float kAnywhere_m = 1e9f;
 /// How a volume of a part is placed and tested; the same for both sides of a pair.
 template <typename V>
 struct VolumeTest {
+  using Fitted = typename V::Fitted;
   using Placed = typename V::Placed;
   explicit VolumeTest(const Kernels&) {}
-  static Placed place(const BodyType::Volumes& volumes, size_t part, const PartPose& pose,
-                      float scale) {
-    return V::place(fitted(volumes, static_cast<typename V::Fitted*>(nullptr))[part], pose, scale);
+  static const std::vector<Fitted>& fitted(const BodyType::Volumes& volumes) {
+    return volumes.of<V>();
+  }
+  static Placed place(const Fitted& fitted, const PartPose& pose, float scale) {
+    return V::place(fitted, pose, scale);
   }
   static bool overlaps(const Placed& a, const Placed& b, const float (&shift_m)[4]) {
     return V::overlaps(a, b, {shift_m[0], shift_m[1], shift_m[2]}, shift_m[3]);
   }
-
- private:
-  static const auto& fitted(const BodyType::Volumes& v, Sphere::Fitted*) { return v.spheres; }
-  static const auto& fitted(const BodyType::Volumes& v, Aabb::Fitted*) { return v.aabbs; }
-  static const auto& fitted(const BodyType::Volumes& v, Obb::Fitted*) { return v.obbs; }
-  static const auto& fitted(const BodyType::Volumes& v, Slabs*) { return v.slabs; }
 };
 
-/// or-DOPs by the kernel that takes their directions as lanes.
-template <int K>
-struct OrdopTest {
+/// By the kernel that takes the directions of one volume as lanes.
+template <typename V>
+struct KernelTest {
+  using Fitted = OrdopLanes;
   struct Placed {
     const OrdopLanes* lanes;
     PartPose pose;
     float scale;
   };
-  explicit OrdopTest(const Kernels& kernels)
-      : overlap(K == 14   ? kernels.ordop_pair_14
-                : K == 18 ? kernels.ordop_pair_18
-                          : kernels.ordop_pair_26) {}
-  static Placed place(const BodyType::Volumes& volumes, size_t part, const PartPose& pose,
-                      float scale) {
-    const auto& lanes = K == 14   ? volumes.ordop_lanes_14
-                        : K == 18 ? volumes.ordop_lanes_18
-                                  : volumes.ordop_lanes_26;
-    return {&lanes[part], pose, scale};
+  explicit KernelTest(const Kernels& kernels) : overlap(kernels.*KernelsOf<V>::kPair) {}
+  static const std::vector<Fitted>& fitted(const BodyType::Volumes& volumes) {
+    return volumes.lanes<V>();
+  }
+  static Placed place(const Fitted& fitted, const PartPose& pose, float scale) {
+    return {&fitted, pose, scale};
   }
   bool overlaps(const Placed& a, const Placed& b, const float (&shift_m)[4]) const {
     return overlap(*a.lanes, a.pose, a.scale, *b.lanes, b.pose, b.scale, shift_m);
@@ -75,7 +69,12 @@ class RecipeWith final : public Recipe {
         kernels_(kernels_for(options.simd)),
         test_(kernels_),
         any_static_(std::any_of(types.begin(), types.end(),
-                                [](const auto& type) { return type->is_static(); })) {}
+                                [](const auto& type) { return type->is_static(); })) {
+    for (const auto& type : types) {
+      Test::fitted(type->volumes());
+      if (exact_) type->volumes().surfaces();
+    }
+  }
 
   void run(const BodiesView& bodies, const PoseSource& source) override {
     bodies_ = &bodies;
@@ -197,10 +196,10 @@ class RecipeWith final : public Recipe {
     ++posed_;
     const size_t first = first_part_[body], parts = first_part_[body + 1] - first;
     source_->poses({&body, 1}, {poses_.data() + first, parts});
-    const BodyType::Volumes& volumes = type_of(body).volumes();
+    const auto& fitted = Test::fitted(type_of(body).volumes());
     for (size_t part = 0; part < parts; ++part)
       placed_[first + part] =
-          test_.place(volumes, part, poses_[first + part], bodies_->scales[body]);
+          test_.place(fitted[part], poses_[first + part], bodies_->scales[body]);
     volumes_.updates += parts;
   }
   void update_everybody() {
@@ -312,8 +311,8 @@ class RecipeWith final : public Recipe {
       const Eigen::Vector3f shift =
           (bodies_->roots[b].position_m - bodies_->roots[a].position_m).template cast<float>();
       const bool touch = solids_touch(
-          type_of(a).volumes().surfaces[pair.part_a()], poses_[first_part_[a] + pair.part_a()],
-          bodies_->scales[a], type_of(b).volumes().surfaces[pair.part_b()],
+          type_of(a).volumes().surfaces()[pair.part_a()], poses_[first_part_[a] + pair.part_a()],
+          bodies_->scales[a], type_of(b).volumes().surfaces()[pair.part_b()],
           poses_[first_part_[b] + pair.part_b()], bodies_->scales[b], shift, primitive);
       if (touch) pairs_[kept++] = pair;
     }
@@ -357,30 +356,12 @@ class RecipeWith final : public Recipe {
 
 std::unique_ptr<Recipe> Recipe::make(const CullerOptions& options, BodyTypes types) {
   assert(options.strategy != Strategy::kPipeline);
-  const auto with = [&]<typename Test>(Test*) -> std::unique_ptr<Recipe> {
-    return std::make_unique<RecipeWith<Test>>(options, types);
-  };
-  switch (options.part_volume) {
-    case VolumeKind::kSphere:
-      return with(static_cast<VolumeTest<Sphere>*>(nullptr));
-    case VolumeKind::kAabb:
-      return with(static_cast<VolumeTest<Aabb>*>(nullptr));
-    case VolumeKind::kObb:
-      return with(static_cast<VolumeTest<Obb>*>(nullptr));
-    case VolumeKind::kKdop14:
-      return with(static_cast<VolumeTest<Kdop<14>>*>(nullptr));
-    case VolumeKind::kKdop18:
-      return with(static_cast<VolumeTest<Kdop<18>>*>(nullptr));
-    case VolumeKind::kKdop26:
-      return with(static_cast<VolumeTest<Kdop<26>>*>(nullptr));
-    case VolumeKind::kOrdop14:
-      return with(static_cast<OrdopTest<14>*>(nullptr));
-    case VolumeKind::kOrdop18:
-      return with(static_cast<OrdopTest<18>*>(nullptr));
-    case VolumeKind::kOrdop26:
-      return with(static_cast<OrdopTest<26>*>(nullptr));
-  }
-  return nullptr;
+  std::unique_ptr<Recipe> recipe;
+  with_volume(options.part_volume, [&]<typename V>() {
+    using Test = std::conditional_t<KernelsOf<V>::kExist, KernelTest<V>, VolumeTest<V>>;
+    recipe = std::make_unique<RecipeWith<Test>>(options, types);
+  });
+  return recipe;
 }
 
 }  // namespace throng

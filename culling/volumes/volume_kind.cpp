@@ -3,12 +3,23 @@
 #include <array>
 #include <iterator>
 
+#include "culling/volumes/volume_list.h"
+
 namespace throng {
 namespace {
 
-constexpr std::array<std::string_view, 9> kNames = {
-    "sphere", "aabb", "obb", "kdop14", "kdop18", "kdop26", "ordop14", "ordop18", "ordop26"};
-static_assert(kNames.size() == std::size(kAllVolumes));
+constexpr auto kNames =
+    std::apply([](const auto&... entries) { return std::array{entries.name...}; }, kVolumeList);
+constexpr auto kKinds = std::apply(
+    [](const auto&... entries) { return std::array{std::decay_t<decltype(entries)>::kKind...}; },
+    kVolumeList);
+
+constexpr bool are_in_order() {
+  for (size_t i = 0; i < kKinds.size(); ++i)
+    if (static_cast<size_t>(kKinds[i]) != i || kAllVolumes[i] != kKinds[i]) return false;
+  return kKinds.size() == std::size(kAllVolumes);
+}
+static_assert(are_in_order());
 
 }  // namespace
 

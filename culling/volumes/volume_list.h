@@ -1,0 +1,91 @@
+// Every volume behind its kind: the one list that a new volume joins. Names, fits, the part stage
+// and the paper's recipes follow from it.
+// One rule: in the order of VolumeKind.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "culling/kernels/kernels.h"
+#include "culling/volumes/volume_kind.h"
+#include "culling/volumes/volumes.h"
+
+namespace throng {
+
+template <VolumeKind kVolume, BoundingVolume V>
+struct VolumeEntry {
+  static constexpr VolumeKind kKind = kVolume;
+  using Volume = V;
+  std::string_view name;
+};
+
+inline constexpr std::tuple kVolumeList = {VolumeEntry<VolumeKind::kSphere, Sphere>{"sphere"},
+                                           VolumeEntry<VolumeKind::kAabb, Aabb>{"aabb"},
+                                           VolumeEntry<VolumeKind::kObb, Obb>{"obb"},
+                                           VolumeEntry<VolumeKind::kKdop14, Kdop<14>>{"kdop14"},
+                                           VolumeEntry<VolumeKind::kKdop18, Kdop<18>>{"kdop18"},
+                                           VolumeEntry<VolumeKind::kKdop26, Kdop<26>>{"kdop26"},
+                                           VolumeEntry<VolumeKind::kOrdop14, Ordop<14>>{"ordop14"},
+                                           VolumeEntry<VolumeKind::kOrdop18, Ordop<18>>{"ordop18"},
+                                           VolumeEntry<VolumeKind::kOrdop26, Ordop<26>>{"ordop26"}};
+inline constexpr size_t kVolumeCount = std::tuple_size_v<decltype(kVolumeList)>;
+
+/// The class at a place of the list.
+template <size_t kPlace>
+using VolumeAt =
+    typename std::tuple_element_t<kPlace, std::remove_const_t<decltype(kVolumeList)>>::Volume;
+
+/// Where a class stands in the list.
+template <typename V>
+inline constexpr size_t kPlaceOf = [] {
+  size_t place = kVolumeCount;
+  [&]<size_t... kPlaces>(std::index_sequence<kPlaces...>) {
+    ((std::is_same_v<V, VolumeAt<kPlaces>> ? void(place = kPlaces) : void()), ...);
+  }
+  (std::make_index_sequence<kVolumeCount>{});
+  return place;
+}();
+
+/// Calls visit.operator()<V>() for the class of a kind.
+template <typename Visit>
+void with_volume(VolumeKind kind, const Visit& visit) {
+  [&]<size_t... kPlaces>(std::index_sequence<kPlaces...>) {
+    ((static_cast<size_t>(kind) == kPlaces ? visit.template operator()<VolumeAt<kPlaces>>()
+                                           : void()),
+     ...);
+  }
+  (std::make_index_sequence<kVolumeCount>{});
+}
+
+/// The kernels of a volume that has some: pairs of the same two parts as lanes, and one pair. The
+/// others are placed and tested pair by pair.
+template <typename V>
+struct KernelsOf {
+  static constexpr bool kExist = false;
+};
+template <>
+struct KernelsOf<Ordop<14>> {
+  static constexpr bool kExist = true;
+  static constexpr auto kPairs = &Kernels::ordop_pairs_14;
+  static constexpr auto kPair = &Kernels::ordop_pair_14;
+  static constexpr int kDirectionCount = 14;
+};
+template <>
+struct KernelsOf<Ordop<18>> {
+  static constexpr bool kExist = true;
+  static constexpr auto kPairs = &Kernels::ordop_pairs_18;
+  static constexpr auto kPair = &Kernels::ordop_pair_18;
+  static constexpr int kDirectionCount = 18;
+};
+template <>
+struct KernelsOf<Ordop<26>> {
+  static constexpr bool kExist = true;
+  static constexpr auto kPairs = &Kernels::ordop_pairs_26;
+  static constexpr auto kPair = &Kernels::ordop_pair_26;
+  static constexpr int kDirectionCount = 26;
+};
+
+}  // namespace throng
