@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-constexpr size_t kExact = 3;
+constexpr size_t kExact = kCullingStageCount - 1;
 
 double per(double total, double count) { return count > 0 ? total / count : 0; }
 double per_frame(int64_t total, const Monitor::Totals& totals) {
@@ -121,7 +121,7 @@ std::string text_of(const Monitor::Note& note, const run_description_t* run) {
 
 CostTerms cost_terms(const Monitor::Totals& totals, const run_description_t* run) {
   const std::string part_volume = run != nullptr ? printable(run->part_volume) : "part";
-  const std::string names[] = {"sphere", "box", part_volume};
+  const std::string names[] = {"sphere", "body box", "box", part_volume};
   CostTerms terms;
   for (size_t i = 0; i < kExact; ++i) {
     if (totals.updates[i] == 0 && totals.tests[i] == 0) continue;

@@ -291,12 +291,12 @@ struct Listeners {
   std::unique_ptr<LogSink> log;
   std::unique_ptr<LogGuard> guard;
   std::unique_ptr<LcmSink> lcm;
+  std::unique_ptr<RunEncoder> messages;  ///< for log and LCM, where there is one of them
   std::unique_ptr<Recorders> recorders;
 
   std::vector<Sink*> sinks() const {
     std::vector<Sink*> all = recorders->sinks();
-    if (guard != nullptr) all.push_back(guard.get());
-    if (lcm != nullptr) all.push_back(lcm.get());
+    if (messages != nullptr) all.push_back(messages.get());
     return all;
   }
   bool lost_log() const { return guard != nullptr && guard->failed(); }
@@ -360,6 +360,15 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
   return report;
 }
 
+/// One encoder for both.
+void share_encoder(Listeners& listeners) {
+  if (listeners.log == nullptr && listeners.lcm == nullptr) return;
+  listeners.messages = std::make_unique<RunEncoder>();
+  if (listeners.log != nullptr)
+    listeners.messages->add(listeners.log->encoding(), *listeners.guard);
+  if (listeners.lcm != nullptr) listeners.messages->add(listeners.lcm->encoding(), *listeners.lcm);
+}
+
 /// Opens what the run writes, the log last: its older one is moved away only when all else is open.
 Listeners open_listeners(const RunOptions& options, const PlannedFile& log, double states,
                          OpenOutputs& outputs) {
@@ -374,14 +383,16 @@ Listeners open_listeners(const RunOptions& options, const PlannedFile& log, doub
   listeners.recorders = std::make_unique<Recorders>(options.recorders);
   outputs.keep_older();
   for (const std::string& note : outputs.notes()) say("note: {}\n", note);
-  if (log.path.empty()) return listeners;
-  LogOptions log_options;
-  log_options.flush_s = options.flush_s;
-  log_options.threads = options.threads;
-  log_options.state_every = states;
-  log_options.part_poses = options.publish_parts;
-  listeners.log = std::make_unique<LogSink>(log.path, log_options);
-  listeners.guard = std::make_unique<LogGuard>(*listeners.log);
+  if (!log.path.empty()) {
+    LogOptions log_options;
+    log_options.flush_s = options.flush_s;
+    log_options.threads = options.threads;
+    log_options.state_every = states;
+    log_options.part_poses = options.publish_parts;
+    listeners.log = std::make_unique<LogSink>(log.path, log_options);
+    listeners.guard = std::make_unique<LogGuard>(*listeners.log);
+  }
+  share_encoder(listeners);
   return listeners;
 }
 

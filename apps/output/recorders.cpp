@@ -56,7 +56,7 @@ void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
 
 template <typename Recorder>
 void Recorders::add(std::unique_ptr<Recorder> recorder) {
-  guards_.push_back(std::make_unique<LogGuard>(*recorder));
+  guards_.push_back(std::make_unique<SinkGuard>(*recorder));
   recorders_.push_back(std::move(recorder));
 }
 

@@ -44,7 +44,7 @@ class Recorders {
 
   std::vector<std::unique_ptr<Sink>> recorders_;
   const ContactSink* contacts_ = nullptr;
-  std::vector<std::unique_ptr<LogGuard>> guards_;
+  std::vector<std::unique_ptr<SinkGuard>> guards_;
 };
 
 }  // namespace throng

@@ -23,10 +23,18 @@ std::string hash_text(uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string megabytes(double bytes) { return fmt::format("{:.1f} MB", bytes * 1e-6); }
 
-void add_stage(std::string& text, const char* name, const StageCounters& stage, int64_t frames) {
+/// "body_box" in a table: "body box".
+std::string in_words(std::string_view name) {
+  std::string text(name);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+void add_stage(std::string& text, std::string_view name, const StageCounters& stage,
+               int64_t frames) {
   if (stage.updates == 0 && stage.tests == 0) return;
   fmt::format_to(std::back_inserter(text),
-                 "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", name,
+                 "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", in_words(name),
                  stage.volume, stage.updates, stage.tests, stage.passed,
                  per(stage.update_ns, stage.updates), per(stage.test_ns, stage.tests),
                  per((stage.update_ns + stage.test_ns) * 1e-6, static_cast<uint64_t>(frames)));
@@ -36,24 +44,21 @@ void add_stage_table(std::string& text, const RunSummary& summary) {
   fmt::format_to(std::back_inserter(text), "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10} {:>8} {:>9}\n",
                  "stage", "volume", "updates", "tests", "passed", "ns/update", "ns/test",
                  "ms/frame");
-  add_stage(text, "avatar", summary.totals.avatar, summary.frames);
-  add_stage(text, "body box", summary.totals.body_box, summary.frames);
-  add_stage(text, "part box", summary.totals.box, summary.frames);
-  add_stage(text, "part", summary.totals.part, summary.frames);
-  add_stage(text, "exact", summary.totals.exact, summary.frames);
+  const auto stages = culling_stages(summary.totals);
+  for (size_t i = 0; i < stages.size(); ++i)
+    add_stage(text, kCullingStageNames[i], *stages[i], summary.frames);
 }
 
+/// A column a stage, as wide as its name and at least as a time.
 void add_time_table(std::string& text, const RunSummary& summary) {
-  const StageMedians& stage = summary.stage_ms;
-  fmt::format_to(std::back_inserter(text),
-                 "{:<11} {:>8} {:>7} {:>10} {:>11} {:>9} {:>7} {:>7} {:>8}\n", "ms a frame",
-                 "steering", "gait", "kinematics", "avatar cull", "part cull", "exact", "events",
-                 "publish");
-  fmt::format_to(
-      std::back_inserter(text),
-      "{:<11} {:>8.3f} {:>7.3f} {:>10.3f} {:>11.3f} {:>9.3f} {:>7.3f} {:>7.3f} {:>8.3f}\n",
-      "median", stage.steering_ms, stage.gait_ms, stage.kinematics_ms, stage.avatar_cull_ms,
-      stage.part_cull_ms, stage.exact_ms, stage.events_ms, stage.publish_ms);
+  std::string names = fmt::format("{:<11}", "ms a frame"), times = fmt::format("{:<11}", "median");
+  for (size_t i = 0; i < kStageCount; ++i) {
+    const std::string name = in_words(kStageNames[i]);
+    const size_t width = std::max<size_t>(name.size(), 7);
+    names += fmt::format(" {:>{}}", name, width);
+    times += fmt::format(" {:>{}.3f}", summary.stage_ms[i], width);
+  }
+  text += names + '\n' + times + '\n';
 }
 
 Json to_json(const StageCounters& stage) {
@@ -65,11 +70,18 @@ Json to_json(const StageCounters& stage) {
           {"test_ns", per(stage.test_ns, stage.tests)}};
 }
 
-Json to_json(const StageMedians& stage) {
-  return {{"steering", stage.steering_ms},     {"gait", stage.gait_ms},
-          {"kinematics", stage.kinematics_ms}, {"avatar_cull", stage.avatar_cull_ms},
-          {"part_cull", stage.part_cull_ms},   {"exact", stage.exact_ms},
-          {"events", stage.events_ms},         {"publish", stage.publish_ms}};
+Json stage_ms_json(const RunSummary& summary) {
+  Json json;
+  for (size_t i = 0; i < kStageCount; ++i) json[std::string(kStageNames[i])] = summary.stage_ms[i];
+  return json;
+}
+
+Json stages_json(const RunSummary& summary) {
+  Json json;
+  const auto stages = culling_stages(summary.totals);
+  for (size_t i = 0; i < stages.size(); ++i)
+    json[std::string(kCullingStageNames[i])] = to_json(*stages[i]);
+  return json;
 }
 
 int stranded(const RunReport& report) {
@@ -176,12 +188,8 @@ Json to_json(const RunReport& report) {
                       {"p95", summary.frame_ms.p95},
                       {"max", summary.frame_ms.max}};
   json["cull_ms"] = {{"median", summary.cull_ms.median}};
-  json["stage_ms"] = to_json(summary.stage_ms);
-  json["stages"] = {{"avatar", to_json(summary.totals.avatar)},
-                    {"body_box", to_json(summary.totals.body_box)},
-                    {"part_box", to_json(summary.totals.box)},
-                    {"part", to_json(summary.totals.part)},
-                    {"exact", to_json(summary.totals.exact)}};
+  json["stage_ms"] = stage_ms_json(summary);
+  json["stages"] = stages_json(summary);
   json["steering"] = {
       {"model", name_of(report.steering.model)},
       {"density_speed", report.steering.density_speed},

@@ -18,12 +18,13 @@ enum class Channel : uint8_t {
   kCounters,
   kEnd,
   kParts,
-  kChecks
+  kChecks,
+  kStages
 };
-inline constexpr int kChannelCount = 8;
+inline constexpr int kChannelCount = 9;
 inline constexpr std::array<Channel, kChannelCount> kAllChannels = {
-    Channel::kRun,      Channel::kStates, Channel::kEvents, Channel::kTouching,
-    Channel::kCounters, Channel::kEnd,    Channel::kParts,  Channel::kChecks};
+    Channel::kRun, Channel::kStates, Channel::kEvents, Channel::kTouching, Channel::kCounters,
+    Channel::kEnd, Channel::kParts,  Channel::kChecks, Channel::kStages};
 
 /// "THRONG_RUN", "THRONG_STATES", ...
 std::string_view name_of(Channel channel);

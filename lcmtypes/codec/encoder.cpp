@@ -11,6 +11,8 @@
 #include "base/files/checksum.h"
 #include "base/limits.h"
 #include "lcmtypes/codec/readable.h"
+#include "lcmtypes/log/log_format.h"
+#include "scenes/run/stages.h"
 
 namespace throng {
 namespace {
@@ -22,6 +24,8 @@ static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
 
 // Fingerprint, five int64 and three int32 that every message begins with.
 constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
+// Where they differ from target to target.
+constexpr size_t kInstanceAt = 8 + 2 * 8, kSeqAt = 8 + 4 * 8;
 
 constexpr int kRunBytes = static_cast<int>(kMaxMessageBytes - kHeaderBytes) - 12;
 constexpr size_t kStatesFixed = kHeaderBytes + 5 * 4;
@@ -53,7 +57,7 @@ uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
 
 /// The message in the room of `buffer`, which holds the largest.
 template <class Message>
-std::span<const uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer) {
+std::span<uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer) {
   const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
   assert(size > 0);
   return {buffer.data(), static_cast<size_t>(size)};
@@ -61,33 +65,67 @@ std::span<const uint8_t> encoded(const Message& message, std::vector<uint8_t>& b
 
 }  // namespace
 
-RunEncoder::RunEncoder(const EncoderOptions& options, MessageTarget& target)
-    : options_(options), target_(target), workers_(options.threads), buffer_(kMaxMessageBytes) {
+int Outlet::description_chunks() const {
+  return chunks_of(encoder_.description_.size(), static_cast<size_t>(kRunBytes));
+}
+
+void Outlet::send_description_chunk(int chunk) { encoder_.send_description_chunk(*this, chunk); }
+
+void Outlet::repeat_end() { encoder_.send(*this, Channel::kEnd, end_, 0, 1); }
+
+void Outlet::send_last_checks() { encoder_.send_checks(*this, encoder_.last_hash_, true); }
+
+void RunEncoder::add(const EncoderOptions& options, MessageTarget& target) {
   assert(options.state_every >= 1);
+  outlets_.push_back(std::make_unique<Outlet>(*this, options, target));
+}
+
+void RunEncoder::choose_outlets() {
+  open_.clear();
+  for (const auto& outlet : outlets_)
+    if (outlet->target_.wants_messages()) open_.push_back(outlet.get());
 }
 
 template <class Message>
-void RunEncoder::number(Message& message, int64_t seq, int chunk, int chunk_count) const {
+void RunEncoder::number(Message& message, int chunk, int chunk_count) const {
   message.utime = utime_us_;
   message.run_id = run_id_;
-  message.instance = instance_;
   message.frame = frame_;
-  message.seq = seq;
   message.chunk = chunk;
   message.chunk_count = chunk_count;
   message.schema = kSchema;
 }
 
-template <class Message>
-void RunEncoder::send(Channel channel, Message& message, int chunk, int chunk_count) {
-  number(message, said_[channel].messages, chunk, chunk_count);
-  const std::span<const uint8_t> bytes = encoded(message, buffer_);
-  hand_over(channel, bytes, checksum(bytes));
+/// What an encoded message says to this target, `ahead` messages behind the one that is next.
+void RunEncoder::address(const Outlet& to, Channel channel, int64_t ahead,
+                         std::span<uint8_t> bytes) {
+  put_big_endian(bytes.data() + kInstanceAt, to.instance_);
+  put_big_endian(bytes.data() + kSeqAt, to.said_[channel].messages + ahead);
 }
 
-void RunEncoder::hand_over(Channel channel, std::span<const uint8_t> bytes, uint64_t checksum) {
-  said_.add(channel, said_.messages(), utime_us_, bytes.size(), checksum);
-  target_.message(channel, utime_us_, bytes);
+template <class Message>
+void RunEncoder::send(const Outlets& to, Channel channel, Message& message, int chunk,
+                      int chunk_count) {
+  number(message, chunk, chunk_count);
+  const std::span<uint8_t> bytes = encoded(message, buffer_);
+  for (Outlet* outlet : to) {
+    address(*outlet, channel, 0, bytes);
+    hand_over(*outlet, channel, bytes, checksum(bytes));
+  }
+}
+
+template <class Message>
+void RunEncoder::send(Outlet& to, Channel channel, Message& message, int chunk, int chunk_count) {
+  number(message, chunk, chunk_count);
+  const std::span<uint8_t> bytes = encoded(message, buffer_);
+  address(to, channel, 0, bytes);
+  hand_over(to, channel, bytes, checksum(bytes));
+}
+
+void RunEncoder::hand_over(Outlet& to, Channel channel, std::span<const uint8_t> bytes,
+                           uint64_t checksum) {
+  to.said_.add(channel, to.said_.messages(), utime_us_, bytes.size(), checksum);
+  to.target_.message(channel, utime_us_, bytes);
 }
 
 void require_readable(const RunInfo& run, bool part_poses) {
@@ -102,9 +140,16 @@ void require_readable(const RunInfo& run, bool part_poses) {
 void RunEncoder::begin(const RunInfo& run) {
   run_id_ = static_cast<int64_t>(run.run_id);
   last_level_ = run.exact ? PairLevel::kExact : PairLevel::kPartVolume;
-  instance_ = options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
-  said_ = {};
-  clamped_ = 0;
+  int threads = 1;
+  bool part_poses = false;
+  for (const auto& outlet : outlets_) {
+    outlet->instance_ = outlet->options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
+    outlet->said_ = {};
+    outlet->clamped_ = 0;
+    threads = std::max(threads, outlet->options_.threads);
+    part_poses = part_poses || outlet->options_.part_poses;
+  }
+  if (!workers_ || workers_->threads() != threads) workers_.emplace(threads);
   utime_us_ = frame_ = 0;
   last_second_ = -1;
 
@@ -135,29 +180,31 @@ void RunEncoder::begin(const RunInfo& run) {
   state_chunks_ = plan(kStatesFixed, kStatesPerAvatar, 2,
                        [&](uint16_t model) { return static_cast<int>(ranges_[model].size()); });
   require_few(run, state_chunks_.size());
-  const auto threads = static_cast<size_t>(options_.threads);
-  states_.resize(threads == 1 ? 1 : std::min(state_chunks_.size(), kSlotsAThread * threads));
-  for (StatesSlot& slot : states_) slot.bytes.resize(kMaxMessageBytes);
+  const size_t slots = threads == 1 ? 1 : kSlotsAThread * static_cast<size_t>(threads);
+  states_.resize(std::max<size_t>(1, std::min(state_chunks_.size(), slots)));
+  for (StatesSlot& slot : states_) {
+    slot.bytes.resize(kMaxMessageBytes);
+    slot.checksums.resize(outlets_.size());
+  }
   part_chunks_ = plan(kPartsFixed, 0, kPartsPerPart,
                       [&](uint16_t model) { return run.models[model]->part_count(); });
-  if (options_.part_poses) require_few(run, part_chunks_.size());
+  if (part_poses) require_few(run, part_chunks_.size());
+  choose_outlets();
+  for (Outlet* outlet : open_) outlet->target_.after_begin(*outlet);
 }
 
-int RunEncoder::description_chunks() const {
-  return chunks_of(description_.size(), static_cast<size_t>(kRunBytes));
-}
-
-void RunEncoder::send_description_chunk(int chunk) {
+void RunEncoder::send_description_chunk(Outlet& to, int chunk) {
   const auto total = static_cast<int>(description_.size());
   run_.total_bytes = total;
   run_.offset = chunk * kRunBytes;
   run_.size = std::min(kRunBytes, total - run_.offset);
   const auto first = description_.begin() + run_.offset;
   run_.data.assign(first, first + run_.size);
-  send(Channel::kRun, run_, chunk, description_chunks());
+  send(to, Channel::kRun, run_, chunk, to.description_chunks());
 }
 
 void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
+  choose_outlets();
   const bool is_first = last_second_ < 0;
   if (run.resumed && is_first) {  // what the first events refer to
     utime_us_ = run.resumed->utime_us;
@@ -171,12 +218,23 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
     last_second_ = frame.utime_us / kSecond_us;
     send_touching(frame.pairs, frame.levels);
   }
-  if (is_first || states_are_due(frame.number)) {
-    send_states(run, frame);
-    if (options_.part_poses) send_parts(run, frame);
+  states_to_.clear();
+  parts_to_.clear();
+  for (Outlet* outlet : open_) {
+    if (!is_first && !states_are_due(outlet->options_.state_every, frame.number)) continue;
+    states_to_.push_back(outlet);
+    if (outlet->options_.part_poses) parts_to_.push_back(outlet);
   }
-  send_counters(frame);
-  send_checks(frame.hash);
+  if (!states_to_.empty()) send_states(run, frame);
+  if (!parts_to_.empty()) send_parts(run, frame);
+  const auto begins = std::count_if(frame.events.begin(), frame.events.end(),
+                                    [](const PairEvent& e) { return e.kind == EventKind::kBegin; });
+  for (Outlet* outlet : open_) {
+    send_stages(*outlet, frame);
+    send_counters(*outlet, frame, begins);
+    send_checks(*outlet, frame.hash, false);
+  }
+  for (Outlet* outlet : open_) outlet->target_.after_frame(*outlet);
 }
 
 void RunEncoder::send_events(std::span<const PairEvent> events) {
@@ -201,7 +259,7 @@ void RunEncoder::send_events(std::span<const PairEvent> events) {
       m.kind[i] = static_cast<uint8_t>(event.kind);
       m.level[i] = static_cast<uint8_t>(event.level);
     }
-    send(Channel::kEvents, m, chunk, chunks);
+    send(open_, Channel::kEvents, m, chunk, chunks);
   }
 }
 
@@ -227,14 +285,14 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
       m.part_b[i] = static_cast<uint8_t>(pair.part_b());
       m.level[i] = level_at(levels, first + i, last_level_);
     }
-    send(Channel::kTouching, m, chunk, chunks);
+    send(open_, Channel::kTouching, m, chunk, chunks);
   }
 }
 
-bool RunEncoder::states_are_due(int64_t frame) const {
+bool RunEncoder::states_are_due(double state_every, int64_t frame) const {
   // A multiple that rounding put a hair behind its frame is that frame's all the same.
-  const auto multiples = [this](int64_t number) {
-    return std::floor(static_cast<double>(number) / options_.state_every + 1e-6);
+  const auto multiples = [state_every](int64_t number) {
+    return std::floor(static_cast<double>(number) / state_every + 1e-6);
   };
   return multiples(frame) > multiples(frame - 1);
 }
@@ -242,23 +300,30 @@ bool RunEncoder::states_are_due(int64_t frame) const {
 /// Some chunks at a time are encoded side by side, then sent in their order.
 void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
   assert(static_cast<int>(frame.roots.size()) == run.avatar_count());
-  const int64_t seq = said_[Channel::kStates].messages;
   const auto chunks = static_cast<int>(state_chunks_.size());
   const auto slots = static_cast<int>(states_.size());
   for (int first = 0; first < chunks; first += slots) {
     const int count = std::min(slots, chunks - first);
-    workers_.for_blocks(count, [&](int i, int) {
+    workers_->for_blocks(count, [&](int i, int) {
       StatesSlot& slot = states_[static_cast<size_t>(i)];
       fill_states(run, frame, state_chunks_[static_cast<size_t>(first + i)], slot.message);
-      number(slot.message, seq + first + i, first + i, chunks);
-      const std::span<const uint8_t> bytes = encoded(slot.message, slot.bytes);
+      number(slot.message, first + i, chunks);
+      const std::span<uint8_t> bytes = encoded(slot.message, slot.bytes);
       slot.size = bytes.size();
-      slot.checksum = checksum(bytes);
+      for (size_t t = 0; t < states_to_.size(); ++t) {
+        address(*states_to_[t], Channel::kStates, i, bytes);
+        slot.checksums[t] = checksum(bytes);
+      }
     });
     for (int i = 0; i < count; ++i) {
-      const StatesSlot& slot = states_[static_cast<size_t>(i)];
-      clamped_ += slot.message.clamped;
-      hand_over(Channel::kStates, {slot.bytes.data(), slot.size}, slot.checksum);
+      StatesSlot& slot = states_[static_cast<size_t>(i)];
+      const std::span<uint8_t> bytes(slot.bytes.data(), slot.size);
+      for (size_t t = 0; t < states_to_.size(); ++t) {
+        Outlet& outlet = *states_to_[t];
+        outlet.clamped_ += slot.message.clamped;
+        address(outlet, Channel::kStates, 0, bytes);
+        hand_over(outlet, Channel::kStates, bytes, slot.checksums[t]);
+      }
     }
   }
 }
@@ -318,8 +383,8 @@ void RunEncoder::send_parts(const RunInfo& run, const Frame& frame) {
                      run.scale_of_avatar[avatar],
                      frame.postures.subspan(first, frame.posture_offsets[avatar + 1] - first));
     }
-    clamped_ += m.clamped;
-    send(Channel::kParts, m, chunk, chunks);
+    for (Outlet* outlet : parts_to_) outlet->clamped_ += m.clamped;
+    send(parts_to_, Channel::kParts, m, chunk, chunks);
   }
 }
 
@@ -343,11 +408,33 @@ void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float 
   }
 }
 
-void RunEncoder::send_counters(const Frame& frame) {
+void RunEncoder::send_stages(Outlet& to, const Frame& frame) {
+  stages_t& m = stages_;
+  const bool clock = to.options_.with_clock_times;
+  const auto counted = culling_stages(*frame.counters);
+  m.culling_count = static_cast<int32_t>(counted.size());
+  for (auto* column : {&m.updates, &m.tests, &m.passed}) column->resize(counted.size());
+  for (auto* column : {&m.update_ns, &m.test_ns}) column->resize(counted.size());
+  for (size_t i = 0; i < counted.size(); ++i) {
+    m.updates[i] = static_cast<int64_t>(counted[i]->updates);
+    m.tests[i] = static_cast<int64_t>(counted[i]->tests);
+    m.passed[i] = static_cast<int64_t>(counted[i]->passed);
+    m.update_ns[i] = clock ? counted[i]->update_ns : 0;
+    m.test_ns[i] = clock ? counted[i]->test_ns : 0;
+  }
+  m.stage_count = static_cast<int32_t>(kStageCount);
+  m.stage_ns.assign(kStageCount, 0);
+  if (clock && frame.times)
+    m.stage_ns.assign(frame.times->stage_ns.begin(), frame.times->stage_ns.end());
+  send(to, Channel::kStages, m, 0, 1);
+}
+
+void RunEncoder::send_counters(Outlet& to, const Frame& frame, int64_t begins) {
   counters_t& m = counters_;
   const CullingCounters& c = *frame.counters;
+  // The four that the type has had from its beginning; stages_t has all.
   const StageCounters* stages[] = {&c.avatar, &c.box, &c.part, &c.exact};
-  const bool clock = options_.with_clock_times;
+  const bool clock = to.options_.with_clock_times;
   for (size_t i = 0; i < std::size(stages); ++i) {
     m.updates[i] = static_cast<int64_t>(stages[i]->updates);
     m.tests[i] = static_cast<int64_t>(stages[i]->tests);
@@ -356,61 +443,63 @@ void RunEncoder::send_counters(const Frame& frame) {
     m.test_ns[i] = clock ? stages[i]->test_ns : 0;
   }
   m.posed_bodies = static_cast<int64_t>(c.posed_bodies);
-  m.begins = std::count_if(frame.events.begin(), frame.events.end(),
-                           [](const PairEvent& e) { return e.kind == EventKind::kBegin; });
-  m.ends = static_cast<int64_t>(frame.events.size()) - m.begins;
+  m.begins = begins;
+  m.ends = static_cast<int64_t>(frame.events.size()) - begins;
   m.persisting = static_cast<int64_t>(frame.persisting);
   m.touching = static_cast<int64_t>(frame.pairs.size());
   const FrameTimes times = clock && frame.times ? *frame.times : FrameTimes{};
-  m.steering_ns = times.steering_ns;
-  m.gait_ns = times.gait_ns;
-  m.kinematics_ns = times.kinematics_ns;
-  m.avatar_cull_ns = times.avatar_cull_ns;
-  m.part_cull_ns = times.part_cull_ns;
-  m.exact_ns = times.exact_ns;
-  m.events_ns = times.events_ns;
-  m.publish_ns = times.publish_ns;
+  m.steering_ns = times[Stage::kSteering];
+  m.gait_ns = times[Stage::kGait];
+  m.kinematics_ns = times[Stage::kKinematics];
+  m.avatar_cull_ns = times[Stage::kAvatarCull];
+  m.part_cull_ns = times[Stage::kPartCull];
+  m.exact_ns = times[Stage::kExact];
+  m.events_ns = times[Stage::kEvents];
+  m.publish_ns = times[Stage::kPublish];
   m.frame_ns = times.frame_ns;
-  send(Channel::kCounters, m, 0, 1);
+  send(to, Channel::kCounters, m, 0, 1);
 }
 
-void RunEncoder::send_checks(uint64_t hash) {
-  number(checks_, said_[Channel::kChecks].messages, 0, 1);
-  checks_.number = said_.messages();
+void RunEncoder::send_checks(Outlet& to, uint64_t hash, bool is_last) {
+  number(checks_, 0, 1);
+  checks_.number = to.said_.messages();
   checks_.hash = static_cast<int64_t>(hash);
-  said_.fill(checks_);
-  const size_t size = encoded(checks_, buffer_).size();
-  const std::span<uint8_t> bytes(buffer_.data(), size);
+  checks_.is_last = is_last;
+  to.said_.fill(checks_);
+  const std::span<uint8_t> bytes = encoded(checks_, buffer_);
+  address(to, Channel::kChecks, 0, bytes);
   seal(bytes);
-  hand_over(Channel::kChecks, bytes, checksum(bytes));
+  hand_over(to, Channel::kChecks, bytes, checksum(bytes));
+}
+
+void RunEncoder::fill_end(const RunEnd& end, const Outlet& of, end_t& m) {
+  m.frames = end.frames;
+  m.begins = static_cast<int64_t>(end.begins);
+  m.ends = static_cast<int64_t>(end.ends);
+  m.hash = static_cast<int64_t>(end.hash);
+  m.channels.clear();
+  m.messages.clear();
+  m.bytes.clear();
+  for (const Channel channel : kAllChannels) {
+    if (channel == Channel::kEnd) continue;
+    m.channels.emplace_back(name_of(channel));
+    m.messages.push_back(of.totals(channel).messages);
+    m.bytes.push_back(of.totals(channel).bytes);
+  }
+  m.channel_count = static_cast<int32_t>(m.channels.size());
 }
 
 void RunEncoder::end(const RunInfo&, const RunEnd& end) {
+  choose_outlets();
   utime_us_ = end.utime_us;
   frame_ = end.frames;
+  last_hash_ = end.hash;
   send_events(end.events);
-  end_.frames = end.frames;
-  end_.begins = static_cast<int64_t>(end.begins);
-  end_.ends = static_cast<int64_t>(end.ends);
-  end_.hash = static_cast<int64_t>(end.hash);
-  end_.channels.clear();
-  end_.messages.clear();
-  end_.bytes.clear();
-  for (const Channel channel : kAllChannels) {
-    if (channel == Channel::kEnd) continue;
-    end_.channels.emplace_back(name_of(channel));
-    end_.messages.push_back(totals(channel).messages);
-    end_.bytes.push_back(totals(channel).bytes);
+  for (Outlet* outlet : open_) {
+    fill_end(end, *outlet, outlet->end_);
+    send(*outlet, Channel::kEnd, outlet->end_, 0, 1);
+    outlet->target_.after_end(*outlet);
   }
-  end_.channel_count = static_cast<int32_t>(end_.channels.size());
-  send(Channel::kEnd, end_, 0, 1);
-}
-
-void RunEncoder::repeat_end() { send(Channel::kEnd, end_, 0, 1); }
-
-void RunEncoder::send_last_checks() {
-  checks_.is_last = 1;
-  send_checks(static_cast<uint64_t>(end_.hash));
 }
 
 }  // namespace throng

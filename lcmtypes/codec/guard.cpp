@@ -80,6 +80,12 @@ void walk(Cursor& c, const touching_t*) {
 
 void walk(Cursor& c, const counters_t*) { c.skip(kMessageHeaderBytes + (5 * 4 + 5 + 9) * 8); }
 
+void walk(Cursor& c, const stages_t*) {
+  c.skip(kMessageHeaderBytes);
+  c.array(c.count(5 * 8), 5 * 8);
+  c.array(c.count(8), 8);
+}
+
 void walk(Cursor& c, const end_t*) {
   c.skip(kMessageHeaderBytes + 4 * 8);
   const size_t channels = c.count(5 + 8 + 8);
@@ -222,6 +228,8 @@ int64_t fingerprint_of(Channel channel) {
       return parts_t::getHash();
     case Channel::kChecks:
       return checks_t::getHash();
+    case Channel::kStages:
+      return stages_t::getHash();
   }
   return 0;
 }
@@ -289,6 +297,10 @@ std::string decode(std::span<const uint8_t> bytes, touching_t& out) {
 
 std::string decode(std::span<const uint8_t> bytes, counters_t& out) {
   return decode_message(Channel::kCounters, bytes, out);
+}
+
+std::string decode(std::span<const uint8_t> bytes, stages_t& out) {
+  return decode_message(Channel::kStages, bytes, out);
 }
 
 std::string decode(std::span<const uint8_t> bytes, end_t& out) {
@@ -375,6 +387,8 @@ std::string check_message(Channel channel, std::span<const uint8_t> bytes) {
       return check<parts_t>(bytes);
     case Channel::kChecks:
       return check<checks_t>(bytes);
+    case Channel::kStages:
+      return check<stages_t>(bytes);
   }
   return "an unknown channel";
 }

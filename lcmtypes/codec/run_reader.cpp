@@ -46,6 +46,7 @@ void RunReader::rewind() {
   pending_touching_chunks_.clear();
   new_events_.clear();
   counters_.reset();
+  stages_.reset();
   end_.reset();
   checks_.reset();
 }
@@ -92,6 +93,8 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
       return take<parts_t>(*channel, bytes);
     case Channel::kChecks:
       return take<checks_t>(*channel, bytes);
+    case Channel::kStages:
+      return take<stages_t>(*channel, bytes);
   }
   return Update::kNothing;
 }
@@ -99,6 +102,11 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
 std::string RunReader::use(counters_t& counters, Update& update) {
   counters_ = std::move(counters);
   update = Update::kCounters;
+  return "";
+}
+
+std::string RunReader::use(stages_t& stages, Update&) {
+  stages_ = std::move(stages);
   return "";
 }
 

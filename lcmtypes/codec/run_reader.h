@@ -76,6 +76,8 @@ class RunReader {
   /// Of the last THRONG_EVENTS message.
   std::span<const PairEvent> new_events() const { return new_events_; }
   const std::optional<counters_t>& counters() const { return counters_; }
+  /// Of the newest frame that had them; logs of an older Throng have none.
+  const std::optional<stages_t>& stages() const { return stages_; }
   const std::optional<end_t>& end() const { return end_; }
   /// What the run says of itself, and of all that it has said so far.
   const std::optional<checks_t>& checks() const { return checks_; }
@@ -99,6 +101,7 @@ class RunReader {
   std::string use(const events_t& events, Update& update);
   std::string use(const touching_t& touching, Update& update);
   std::string use(counters_t& counters, Update& update);
+  std::string use(stages_t& stages, Update& update);
   std::string use(end_t& end, Update& update);
   std::string use(const parts_t& parts, Update& update);
   std::string use(checks_t& checks, Update& update);
@@ -132,6 +135,7 @@ class RunReader {
   std::set<int32_t> pending_touching_chunks_;
   std::vector<PairEvent> new_events_;
   std::optional<counters_t> counters_;
+  std::optional<stages_t> stages_;
   std::optional<end_t> end_;
   std::optional<checks_t> checks_;
 };

@@ -17,29 +17,25 @@ void LogFile::copy(int64_t number, std::string_view channel, int64_t stamp_us,
 }
 
 LogSink::LogSink(const std::filesystem::path& file, const LogOptions& options)
-    : log_(file),
-      encoder_({.with_instance = false,
-                .with_clock_times = options.with_clock_times,
-                .state_every = options.state_every,
-                .part_poses = options.part_poses,
-                .threads = options.threads},
-               *this),
-      flush_interval_(options.flush_s) {}
+    : log_(file), options_(options), flush_interval_(options.flush_s) {}
 
-void LogSink::begin(const RunInfo& run) {
-  encoder_.begin(run);
-  for (int chunk = 0; chunk < encoder_.description_chunks(); ++chunk)
-    encoder_.send_description_chunk(chunk);
+EncoderOptions LogSink::encoding() const {
+  return {.with_instance = false,
+          .with_clock_times = options_.with_clock_times,
+          .state_every = options_.state_every,
+          .part_poses = options_.part_poses,
+          .threads = options_.threads};
+}
+
+void LogSink::after_begin(Outlet& outlet) {
+  for (int chunk = 0; chunk < outlet.description_chunks(); ++chunk)
+    outlet.send_description_chunk(chunk);
   log_.flush();
   last_frame_ = Clock::now();
 }
 
-void LogSink::frame(const RunInfo& run, const Frame& frame) {
-  encoder_.frame(run, frame);
-  flush_if_due();
-}
-
-void LogSink::flush_if_due() {
+/// Flushes where that is due.
+void LogSink::after_frame(Outlet&) {
   log_.check();
   const auto now = Clock::now();
   // The next chance comes one frame later: flush now if it would be too late then.
@@ -51,9 +47,8 @@ void LogSink::flush_if_due() {
   last_frame_ = now;
 }
 
-void LogSink::end(const RunInfo& run, const RunEnd& end) {
-  encoder_.end(run, end);
-  encoder_.send_last_checks();
+void LogSink::after_end(Outlet& outlet) {
+  outlet.send_last_checks();
   log_.close();
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/codec/encoder.h"
+#include "lcmtypes/codec/target_sink.h"
 #include "lcmtypes/log/file_writer.h"
 
 namespace throng {
@@ -57,27 +57,26 @@ struct LogOptions {
   double flush_s = 0.25;
 };
 
-class LogSink final : public Sink, private MessageTarget {
+class LogSink final : public TargetSink {
  public:
   /// Throws EnvironmentError naming the file.
   LogSink(const std::filesystem::path& file, const LogOptions& options = {});
 
-  void begin(const RunInfo& run) override;
-  void frame(const RunInfo& run, const Frame& frame) override;
-  void end(const RunInfo& run, const RunEnd& end) override;
+  EncoderOptions encoding() const override;
+  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
+  void after_begin(Outlet& outlet) override;
+  void after_frame(Outlet& outlet) override;
+  void after_end(Outlet& outlet) override;
 
-  const RunEncoder& encoder() const { return encoder_; }
   uint64_t bytes() const { return log_.bytes(); }
   int64_t messages() const { return log_.events(); }
   size_t buffered() const { return log_.buffered(); }  ///< bytes that wait for flush_s
 
  private:
   using Clock = std::chrono::steady_clock;
-  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
-  void flush_if_due();
 
   LogFile log_;
-  RunEncoder encoder_;
+  LogOptions options_;
   std::chrono::duration<double> flush_interval_;
   Clock::time_point oldest_unwritten_{};
   Clock::time_point last_frame_{};

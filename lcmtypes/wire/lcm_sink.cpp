@@ -28,9 +28,7 @@ LcmSink::LcmSink(const LcmOptions& options)
 }
 
 LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
-    : options_(options),
-      lcm_(std::move(lcm)),
-      encoder_({.state_every = options.state_every, .part_poses = options.part_poses}, *this) {
+    : options_(options), lcm_(std::move(lcm)) {
   for (const Channel channel : kAllChannels)
     channels_[static_cast<size_t>(channel)] = name_of(channel);
   if (!options_.warn) options_.warn = say_line;
@@ -53,45 +51,39 @@ LcmSink::~LcmSink() = default;
 
 bool LcmSink::good() const { return lcm_ && lcm_->good(); }
 
-void LcmSink::begin(const RunInfo& run) {
-  if (!encodes()) return;
-  encoder_.begin(run);
-  for (int chunk = 0; chunk < encoder_.description_chunks(); ++chunk) {
+EncoderOptions LcmSink::encoding() const {
+  return {.state_every = options_.state_every, .part_poses = options_.part_poses};
+}
+
+void LcmSink::after_begin(Outlet& outlet) {
+  for (int chunk = 0; chunk < outlet.description_chunks(); ++chunk) {
     if (chunk > 1 && good()) std::this_thread::sleep_for(kDescriptionPause);
-    encoder_.send_description_chunk(chunk);
+    outlet.send_description_chunk(chunk);
   }
   round_started_ = Clock::now();
   next_chunk_ = 0;
 }
 
-void LcmSink::frame(const RunInfo& run, const Frame& frame) {
-  if (!encodes()) return;
-  encoder_.frame(run, frame);
-  send_due_description();
-}
-
-void LcmSink::send_due_description() {
+void LcmSink::after_frame(Outlet& outlet) {
   // Spread over the second, so that a large description does not come as a burst on top of a frame.
   const auto now = Clock::now();
-  const int chunks = encoder_.description_chunks();
+  const int chunks = outlet.description_chunks();
   const double round = (now - round_started_) / kDescriptionPeriod;
   const int due = static_cast<int>(std::min(1.0, round) * chunks);
-  for (; next_chunk_ < due; ++next_chunk_) encoder_.send_description_chunk(next_chunk_);
+  for (; next_chunk_ < due; ++next_chunk_) outlet.send_description_chunk(next_chunk_);
   if (next_chunk_ == chunks) {
     next_chunk_ = 0;
     round_started_ = now;
   }
 }
 
-void LcmSink::end(const RunInfo& run, const RunEnd& end) {
-  if (!encodes()) return;
-  encoder_.end(run, end);
+void LcmSink::after_end(Outlet& outlet) {
   if (server_is_lost_) return;
   for (int copy = 1; copy < kEndCopies; ++copy) {
     std::this_thread::sleep_for(kEndPause);
-    encoder_.repeat_end();
+    outlet.repeat_end();
   }
-  encoder_.send_last_checks();
+  outlet.send_last_checks();
 }
 
 void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "lcmtypes/codec/encoder.h"
+#include "lcmtypes/codec/target_sink.h"
 
 namespace lcm {
 class LCM;
@@ -23,7 +23,7 @@ struct LcmOptions {
   std::function<void(const std::string&)> warn = {};
 };
 
-class LcmSink final : public Sink, private MessageTarget {
+class LcmSink final : public TargetSink {
  public:
   /// Warns once, with the way out, if LCM cannot use the URL; then frames go nowhere, and where a
   /// server is missing their messages are counted as dropped.
@@ -32,30 +32,28 @@ class LcmSink final : public Sink, private MessageTarget {
   LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm);
   ~LcmSink() override;
 
-  void begin(const RunInfo& run) override;
-  /// Also sends the pieces of the description that are due: all of them once a second.
-  void frame(const RunInfo& run, const Frame& frame) override;
+  EncoderOptions encoding() const override;
+  /// Also for a server that is not there: what it misses is counted.
+  bool wants_messages() const override { return good() || server_is_lost_; }
+  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
+  void after_begin(Outlet& outlet) override;
+  /// The pieces of the description that are due: all of them once a second.
+  void after_frame(Outlet& outlet) override;
   /// THRONG_END five times, 20 ms apart: nothing later makes up for it. Then the last checks.
-  void end(const RunInfo& run, const RunEnd& end) override;
+  void after_end(Outlet& outlet) override;
 
   bool good() const;
   const std::string& url() const { return options_.url; }
   int64_t messages() const { return messages_; }  ///< that LCM took
   int64_t bytes() const { return bytes_; }
   int64_t dropped() const { return dropped_; }  ///< that LCM refused
-  const RunEncoder& encoder() const { return encoder_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
-  void send_due_description();
-  /// Also for a server that is not there: what it misses is counted.
-  bool encodes() const { return good() || server_is_lost_; }
 
   LcmOptions options_;
   std::shared_ptr<lcm::LCM> lcm_;
   std::array<std::string, kChannelCount> channels_;  // LCM wants strings: made once
-  RunEncoder encoder_;
   Clock::time_point round_started_{};
   int next_chunk_ = 0;
   bool server_is_lost_ = false;  ///< tcpq only; it is not looked for again

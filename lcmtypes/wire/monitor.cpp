@@ -147,17 +147,27 @@ void Monitor::forget_what_ended_unheard() {
                 [&touching](const auto& entry) { return !touching.contains(entry.first); });
 }
 
+template <class Message>
+void Monitor::add_stage(size_t stage, const Message& m, size_t at) {
+  // A hostile sender may claim any number: sums must not overflow.
+  const auto sane = [](int64_t n) { return std::clamp<int64_t>(n, 0, int64_t{1} << 40); };
+  sums_.updates[stage] += sane(m.updates[at]);
+  sums_.tests[stage] += sane(m.tests[at]);
+  sums_.passed[stage] += sane(m.passed[at]);
+  sums_.update_ns[stage] += m.update_ns[at];
+  sums_.test_ns[stage] += m.test_ns[at];
+}
+
 void Monitor::take_counters() {
   const counters_t& c = *inbox_.run().counters();
+  const std::optional<stages_t>& all = inbox_.run().stages();
   ++sums_.frames;
-  for (size_t i = 0; i < 4; ++i) {
-    // A hostile sender may claim any number: sums must not overflow.
-    const auto sane = [](int64_t n) { return std::clamp<int64_t>(n, 0, int64_t{1} << 40); };
-    sums_.updates[i] += sane(c.updates[i]);
-    sums_.tests[i] += sane(c.tests[i]);
-    sums_.passed[i] += sane(c.passed[i]);
-    sums_.update_ns[i] += c.update_ns[i];
-    sums_.test_ns[i] += c.test_ns[i];
+  if (all && all->frame == c.frame) {
+    const size_t count = std::min(all->updates.size(), kCullingStageCount);
+    for (size_t i = 0; i < count; ++i) add_stage(i, *all, i);
+  } else {  // an older Throng, or the message is lost: all but the boxes of bodies
+    constexpr size_t kStageOf[] = {0, 2, 3, 4};
+    for (size_t i = 0; i < std::size(kStageOf); ++i) add_stage(kStageOf[i], c, i);
   }
   sums_.other_ns += c.kinematics_ns + c.events_ns;
   frame_ms_.push_back(static_cast<float>(c.frame_ns * 1e-6));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lcmtypes/wire/inbox.h"
+#include "scenes/run/stages.h"
 
 namespace throng {
 
@@ -23,18 +24,17 @@ class Monitor {
   /// for a live run, the log's stamps for a log.
   void take(RunReader::Update update, double now_s);
 
-  /// Sums over what was heard of the run. The stages: 0 spheres over bodies, 1 boxes over parts,
-  /// 2 the part volume, 3 triangles.
+  /// Sums over what was heard of the run; the stages in the order of scenes/run/stages.h.
   struct Totals {
     double now_s = 0;
     int64_t frames = 0;
     std::array<int64_t, kChannelCount> messages{};
     std::array<int64_t, kChannelCount> bytes{};
-    std::array<int64_t, 4> updates{};
-    std::array<int64_t, 4> tests{};
-    std::array<int64_t, 4> passed{};
-    std::array<double, 4> update_ns{};
-    std::array<double, 4> test_ns{};
+    std::array<int64_t, kCullingStageCount> updates{};
+    std::array<int64_t, kCullingStageCount> tests{};
+    std::array<int64_t, kCullingStageCount> passed{};
+    std::array<double, kCullingStageCount> update_ns{};
+    std::array<double, kCullingStageCount> test_ns{};
     double other_ns = 0;  ///< posing and events
     int64_t begins = 0;
     int64_t ends = 0;
@@ -80,6 +80,8 @@ class Monitor {
   size_t part_of(uint32_t body, uint32_t part) const;
   void take_events();
   void take_counters();
+  template <class Message>
+  void add_stage(size_t stage, const Message& m, size_t at);
   void forget_what_ended_unheard();
   Totals now(double now_s) const;
 

@@ -42,40 +42,25 @@ class Samples {
 
 /// A sample a frame of everything whose median is asked for.
 struct Measurements {
-  explicit Measurements(int64_t frames)
-      : frame(frames),
-        cull(frames),
-        steering(frames),
-        gait(frames),
-        kinematics(frames),
-        avatar_cull(frames),
-        part_cull(frames),
-        exact(frames),
-        events(frames),
-        publish(frames) {}
+  explicit Measurements(int64_t frames) : frame(frames), cull(frames) {
+    stages.reserve(kStageCount);  // a copy would have no room
+    for (size_t i = 0; i < kStageCount; ++i) stages.emplace_back(frames);
+  }
 
   void add(const FrameTimes& times, const CullingCounters& counters) {
     frame.add(times.frame_ns * 1e-6);
     cull.add((counters.wall_ns - counters.events_ns) * 1e-6);
-    steering.add(times.steering_ns * 1e-6);
-    gait.add(times.gait_ns * 1e-6);
-    kinematics.add(times.kinematics_ns * 1e-6);
-    avatar_cull.add(times.avatar_cull_ns * 1e-6);
-    part_cull.add(times.part_cull_ns * 1e-6);
-    exact.add(times.exact_ns * 1e-6);
-    events.add(times.events_ns * 1e-6);
-    publish.add(times.publish_ns * 1e-6);
+    for (size_t i = 0; i < kStageCount; ++i) stages[i].add(times.stage_ns[i] * 1e-6);
   }
 
   void summarise(RunSummary& summary) const {
     summary.frame_ms = frame.quantiles();
     summary.cull_ms = cull.quantiles();
-    summary.stage_ms = {steering.median(),    gait.median(),      kinematics.median(),
-                        avatar_cull.median(), part_cull.median(), exact.median(),
-                        events.median(),      publish.median()};
+    for (size_t i = 0; i < kStageCount; ++i) summary.stage_ms[i] = stages[i].median();
   }
 
-  Samples frame, cull, steering, gait, kinematics, avatar_cull, part_cull, exact, events, publish;
+  Samples frame, cull;
+  std::vector<Samples> stages;
 };
 
 void add_stage(StageCounters& total, const StageCounters& stage) {
@@ -88,11 +73,9 @@ void add_stage(StageCounters& total, const StageCounters& stage) {
 }
 
 void add_counters(CullingCounters& total, const CullingCounters& frame) {
-  add_stage(total.avatar, frame.avatar);
-  add_stage(total.body_box, frame.body_box);
-  add_stage(total.box, frame.box);
-  add_stage(total.part, frame.part);
-  add_stage(total.exact, frame.exact);
+  const auto totals = culling_stages(total);
+  const auto stages = culling_stages(frame);
+  for (size_t i = 0; i < stages.size(); ++i) add_stage(*totals[i], *stages[i]);
   total.primitive_tests += frame.primitive_tests;
   for (size_t level = 0; level < kPairLevels; ++level) total.levels[level] += frame.levels[level];
   total.posed_bodies += frame.posed_bodies;
@@ -156,7 +139,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
     const Frame& frame = simulation.step();
     const auto publish_start = Clock::now();
     for (Sink* sink : sinks) sink->frame(info, frame);
-    times.publish_ns = nanoseconds_since(publish_start);
+    times[Stage::kPublish] = nanoseconds_since(publish_start);
     times.frame_ns = nanoseconds_since(frame_start);
     measurements.add(times, *frame.counters);
     add_frame(summary, frame, info.exact, simulation.steering());

@@ -3,6 +3,7 @@
 // itself; what is measured never reaches a result.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -20,18 +21,6 @@ struct Quantiles {
   double max = 0;
 };
 
-/// Medians over the frames, milliseconds.
-struct StageMedians {
-  double steering_ms = 0;
-  double gait_ms = 0;
-  double kinematics_ms = 0;
-  double avatar_cull_ms = 0;
-  double part_cull_ms = 0;
-  double exact_ms = 0;
-  double events_ms = 0;
-  double publish_ms = 0;
-};
-
 struct RunSummary {
   int64_t frames = 0;  ///< of this run; a resumed one has fewer than its duration
   int avatars = 0;
@@ -44,8 +33,8 @@ struct RunSummary {
 
   Quantiles frame_ms;
   Quantiles cull_ms;  ///< the culling pass: spheres, kinematics of survivors, to sorted pairs
-  StageMedians stage_ms;
-  CullingCounters totals;  ///< N and ns of every stage, summed over the frames
+  std::array<double, kStageCount> stage_ms{};  ///< medians, by Stage
+  CullingCounters totals;                      ///< N and ns of every stage, summed over the frames
 
   uint64_t begins = 0;  ///< as ends and the hash, of the whole run, also of a resumed one
   uint64_t persists = 0;

@@ -375,13 +375,13 @@ void Simulation::State::split_times(double steering_ns, double postures_ns) {
   const double total_ns = avatar_ns + part_ns + exact_ns + pose_ns;
   const double pass_ns = std::max(0.0, counters.wall_ns - counters.events_ns);
   const double share = total_ns > 0 ? pass_ns / total_ns : 0;
-  times.steering_ns = steering_ns;
-  times.gait_ns = postures_ns + share * posed.gait_ns;
-  times.kinematics_ns = share * posed.kinematics_ns;
-  times.avatar_cull_ns = share * avatar_ns;
-  times.part_cull_ns = share * part_ns;
-  times.exact_ns = share * exact_ns;
-  times.events_ns = counters.events_ns;
+  times[Stage::kSteering] = steering_ns;
+  times[Stage::kGait] = postures_ns + share * posed.gait_ns;
+  times[Stage::kKinematics] = share * posed.kinematics_ns;
+  times[Stage::kAvatarCull] = share * avatar_ns;
+  times[Stage::kPartCull] = share * part_ns;
+  times[Stage::kExact] = share * exact_ns;
+  times[Stage::kEvents] = counters.events_ns;
 }
 
 void Simulation::State::fill_frame() {

@@ -81,7 +81,7 @@ class Simulation {
   /// object is then of no use.
   void resume(std::span<const uint8_t> bytes, const std::string& name);
 
-  FrameTimes& times();  ///< the runner adds publish_ns and frame_ns here
+  FrameTimes& times();  ///< the runner adds kPublish and frame_ns here
 
  private:
   struct State;

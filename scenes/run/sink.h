@@ -12,6 +12,7 @@
 #include "avatars/model/model.h"
 #include "culling/culler.h"
 #include "scenes/file/scene.h"
+#include "scenes/run/stages.h"
 
 namespace throng {
 
@@ -52,19 +53,6 @@ struct RunInfo {
   uint32_t obstacle_id(int i) const { return static_cast<uint32_t>(avatar_count() + i); }
 };
 
-/// Wall-clock medians and sums of one frame's stages, nanoseconds.
-struct FrameTimes {
-  double steering_ns = 0;
-  double gait_ns = 0;
-  double kinematics_ns = 0;
-  double avatar_cull_ns = 0;
-  double part_cull_ns = 0;
-  double exact_ns = 0;
-  double events_ns = 0;
-  double publish_ns = 0;
-  double frame_ns = 0;
-};
-
 struct Frame {
   int64_t number = 0;
   int64_t utime_us = 0;               ///< simulation time
@@ -83,7 +71,7 @@ struct Frame {
   uint64_t persisting = 0;
   uint64_t hash = 0;  ///< of all events up to this frame's (see culling/event_hash.h)
   const CullingCounters* counters = nullptr;
-  const FrameTimes* times = nullptr;  ///< of the frame so far; publish_ns is the previous frame's
+  const FrameTimes* times = nullptr;  ///< of the frame so far; kPublish is the previous frame's
 };
 
 struct RunEnd {

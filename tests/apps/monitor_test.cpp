@@ -34,6 +34,11 @@ TEST(Monitor, ShowsALogAsTheRunReportedIt) {
   const auto frames = run["frames"].get<double>();
   EXPECT_DOUBLE_EQ(seen["stages"][0]["N_v"].get<double>() * frames,
                    run["stages"]["avatar"]["tests"].get<double>());
+  EXPECT_EQ(seen["stages"][1]["volume"], "body box");
+  EXPECT_DOUBLE_EQ(seen["stages"][1]["N_v"].get<double>() * frames,
+                   run["stages"]["body_box"]["tests"].get<double>());
+  EXPECT_DOUBLE_EQ(seen["stages"][2]["passed"].get<double>() * frames,
+                   run["stages"]["part_box"]["passed"].get<double>());
   EXPECT_DOUBLE_EQ(seen["N_p"].get<double>() * frames,
                    run["stages"]["exact"]["tests"].get<double>());
   for (const auto& [name, channel] : seen["channels"].items()) {

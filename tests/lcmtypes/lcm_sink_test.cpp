@@ -58,7 +58,7 @@ TEST(LcmSink, DeliversEverythingInOrder) {
   EXPECT_EQ(loop.reader.instance(), static_cast<int64_t>(run.info().instance));
   for (const Channel channel : kAllChannels) {
     EXPECT_EQ(loop.reader.tally(channel).missing, 0) << name_of(channel);
-    EXPECT_EQ(loop.reader.tally(channel).messages, sink.encoder().totals(channel).messages);
+    EXPECT_EQ(loop.reader.tally(channel).messages, sink.outlet().totals(channel).messages);
   }
   EXPECT_EQ(loop.reader.tally(Channel::kEnd).messages, 5);
   const end_t& end = *loop.reader.end();
@@ -76,7 +76,7 @@ TEST(LcmSink, TheDescriptionComesAgainEverySecond) {
   LcmSink sink({}, loop.lcm);
   SyntheticRun run({.avatars = 50});
   sink.begin(run.info());
-  const int chunks = sink.encoder().description_chunks();
+  const int chunks = sink.outlet().description_chunks();
   ASSERT_GT(chunks, 1);
   const auto started = std::chrono::steady_clock::now();
   std::chrono::duration<double> elapsed{};

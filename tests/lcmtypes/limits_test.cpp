@@ -140,13 +140,13 @@ void expect_sound_messages(Simulation& simulation) {
   options.part_poses = true;
   RunEncoder encoder(options, list);
   encoder.begin(simulation.info());
-  for (int chunk = 0; chunk < encoder.description_chunks(); ++chunk)
-    encoder.send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder.outlet().description_chunks(); ++chunk)
+    encoder.outlet().send_description_chunk(chunk);
   for (int i = 0; i < 2; ++i) encoder.frame(simulation.info(), simulation.step());
   encoder.end(simulation.info(), simulation.finish());
   for (const MessageList::Message& message : list.messages)
     ASSERT_EQ(check_message(message.channel, message.bytes), "") << name_of(message.channel);
-  EXPECT_EQ(encoder.clamped(), 0);
+  EXPECT_EQ(encoder.outlet().clamped(), 0);
 }
 
 TEST(Limits, WhatLoadsCanBeWrittenAndWhatIsWrittenCanBeRead) {

@@ -30,6 +30,7 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"end_t", {end_t::getHash(), 0xe798eab369bd5e12}},
       {"parts_t", {parts_t::getHash(), 0x15259622cf3c970a}},
       {"drive_t", {drive_t::getHash(), 0x413474c4188a3919}},
+      {"stages_t", {stages_t::getHash(), 0x3cf87a4616479eaf}},
       {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
   };
   for (const auto& [name, hashes] : golden)
@@ -78,8 +79,8 @@ TEST(Messages, StatesArriveWithinHalfAQuantisationStep) {
   MessageList list;
   RunEncoder encoder({}, list);
   encoder.begin(run.info());
-  for (int chunk = 0; chunk < encoder.description_chunks(); ++chunk)
-    encoder.send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder.outlet().description_chunks(); ++chunk)
+    encoder.outlet().send_description_chunk(chunk);
   const Frame& sent = run.step();
   encoder.frame(run.info(), sent);
   RunReader reader;
@@ -114,7 +115,7 @@ TEST(Messages, StatesArriveWithinHalfAQuantisationStep) {
   EXPECT_EQ(speed, 0);
   EXPECT_GT(joint, allowed / 2)
       << "the largest error is near the stated one, so the bound means something";
-  EXPECT_EQ(encoder.clamped(), 0);
+  EXPECT_EQ(encoder.outlet().clamped(), 0);
 }
 
 TEST(Messages, RotationsArriveWithinTheStatedAngle) {

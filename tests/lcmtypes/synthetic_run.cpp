@@ -235,11 +235,11 @@ std::vector<MessageList::Message> messages_of(SyntheticRun& run, int frames,
   MessageList list;
   RunEncoder encoder(options, list);
   encoder.begin(run.info());
-  for (int chunk = 0; chunk < encoder.description_chunks(); ++chunk)
-    encoder.send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder.outlet().description_chunks(); ++chunk)
+    encoder.outlet().send_description_chunk(chunk);
   for (int i = 0; i < frames; ++i) encoder.frame(run.info(), run.step());
   encoder.end(run.info(), run.finish());
-  encoder.send_last_checks();
+  encoder.outlet().send_last_checks();
   return std::move(list.messages);
 }
 

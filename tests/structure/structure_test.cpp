@@ -46,7 +46,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"DetourNavMesh.h", {"scenes"}},
     {"DetourNavMeshQuery.h", {"scenes"}},
     {"DetourNavMeshBuilder.h", {"scenes"}},
-    {"lcm", {"lcmtypes"}},
+    {"lcm", {"lcmtypes", "examples"}},
     {"fcl", {"culling", "bench"}},
     {"tbb", {"base"}},
     {"hwy", {"base", "kinematics", "culling", "avatars", "scenes"}},

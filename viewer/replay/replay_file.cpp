@@ -81,8 +81,8 @@ void ReplaySink::begin(const RunInfo& run) {
   const double every = std::max(1.0, std::round(kReplayKeyPeriod_s / run.step_s));
   encoder_.emplace(EncoderOptions{.state_every = every}, static_cast<MessageTarget&>(*this));
   encoder_->begin(run);
-  for (int chunk = 0; chunk < encoder_->description_chunks(); ++chunk)
-    encoder_->send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder_->outlet().description_chunks(); ++chunk)
+    encoder_->outlet().send_description_chunk(chunk);
 }
 
 void ReplaySink::frame(const RunInfo& run, const Frame& frame) { encoder_->frame(run, frame); }
