@@ -14,11 +14,13 @@ declare -A what=(
   [urdfs]="3000 mutated URDFs"
   [fuzz]="ten minutes of libFuzzer for each reader"
   [tidy]="clang-tidy over all sources"
+  [lto]="one definition of everything, by the linker: programs and tests with LTO"
+  [outside]="culling alone and the README's program in somebody else's project"
   [soak]="an hour of people who walk and touch all the time"
   [asan]="the whole suite under the address and undefined behaviour sanitizers"
   [tsan]="the whole suite under the thread sanitizer"
 )
-order=(docs no_miss determinism meshes scenes urdfs fuzz tidy soak asan tsan)
+order=(docs no_miss determinism meshes scenes urdfs fuzz tidy lto outside soak asan tsan)
 
 steps=("$@")
 [ ${#steps[@]} -gt 0 ] || steps=("${order[@]}")
@@ -33,14 +35,11 @@ generator() { # PROGRAM COUNT: a test program that makes its input up
   bash scripts/build.sh release throng "$1" && "build/release/$1" "$2"
 }
 
-tidy() {
-  if ! command -v run-clang-tidy >/dev/null; then
-    echo "scripts/nightly.sh: expected run-clang-tidy; apt-get install clang-tidy" >&2
-    return 3
-  fi
-  # Everything is built before: clang-tidy needs the generated headers.
-  bash scripts/build.sh release &&
-    run-clang-tidy -quiet -p build/release -j "$(nproc)" "^$PWD/(apps|avatars|base|bench|culling|kinematics|lcmtypes|scenes|tests|viewer)/"
+outside() {
+  local what
+  for what in culling scenes; do
+    bash tests/outside/outside_test.sh "$what" "$PWD" "$PWD/build/outside/$what" || return
+  done
 }
 
 run_step() {
@@ -54,7 +53,9 @@ run_step() {
     scenes) generator mutated_scenes 10000 ;;
     urdfs) generator mutated_urdfs 3000 ;;
     fuzz) bash scripts/fuzz.sh 600 ;;
-    tidy) tidy ;;
+    tidy) bash scripts/tidy.sh ;;
+    lto) bash scripts/build.sh lto ;;
+    outside) outside ;;
     soak) bash scripts/soak.sh 60 ;;
     asan | tsan) bash scripts/sanitize.sh "$1" ;;
   esac

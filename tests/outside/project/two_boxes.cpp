@@ -7,7 +7,8 @@ namespace {
 
 struct Boxes : throng::PoseSource {
   void poses(std::span<const uint32_t> bodies, std::span<throng::PartPose> out) const override {
-    for (size_t i = 0; i < bodies.size(); ++i) out[i] = throng::to_part_pose(Eigen::Isometry3d::Identity());
+    for (size_t i = 0; i < bodies.size(); ++i)
+      out[i] = throng::to_part_pose(Eigen::Isometry3d::Identity());
   }
 };
 
