@@ -1,6 +1,7 @@
 #include "lcmtypes/wire/receiver.h"
 
 #include <fmt/format.h>
+#include <utility>
 
 #include <lcm/lcm-cpp.hpp>
 
