@@ -102,6 +102,36 @@ TEST_F(Structure, LibrariesStayInTheirFolder) {
       << "the test does not read the sources any more";
 }
 
+// Volumes as such are for whoever measures them (bench), and for the three files that fit or draw
+// one.
+TEST_F(Structure, CullingIsKnownByItsDoor) {
+  const std::set<std::string_view> door = {"culling/bodies.h",
+                                           "culling/body_type.h",
+                                           "culling/counters.h",
+                                           "culling/culler.h",
+                                           "culling/culling.h",
+                                           "culling/event_hash.h",
+                                           "culling/pair.h",
+                                           "culling/strategies/strategy.h",
+                                           "culling/volumes/volume_kind.h"};
+  const std::set<std::string_view> behind = {"avatars/gait/gait_sphere.cpp",
+                                             "scenes/box/loose_parts.cpp",
+                                             "viewer/server/run_message.cpp"};
+  std::set<std::string> seen;
+  for (const SourceFile& file : files()) {
+    if (!file.has_extension(kCode) || file.is_test() || file.folder() == "culling" ||
+        file.folder() == "bench")
+      continue;
+    for (const Include& include : includes_of(file)) {
+      if (first_part(include.path) != "culling" || door.contains(include.path)) continue;
+      seen.insert(file.path);
+      EXPECT_TRUE(behind.contains(file.path)) << file.path << ":" << include.line << ": "
+                                              << include.path << " lies behind culling's door";
+    }
+  }
+  EXPECT_EQ(seen.size(), behind.size()) << "an exception that nobody needs any more";
+}
+
 TEST_F(Structure, OwnHeadersAreNamedFromTheTop) {
   for (const SourceFile& file : files()) {
     if (!file.has_extension(kCode) || file.is_test()) continue;
