@@ -128,15 +128,6 @@ void RunEncoder::hand_over(Outlet& to, Channel channel, std::span<const uint8_t>
   to.target_.message(channel, utime_us_, bytes);
 }
 
-void require_readable(const RunInfo& run, bool part_poses) {
-  struct : MessageTarget {
-    void message(Channel, int64_t, std::span<const uint8_t>) override {}
-  } nobody;
-  EncoderOptions options;
-  options.part_poses = part_poses;
-  RunEncoder(options, nobody).begin(run);
-}
-
 void RunEncoder::begin(const RunInfo& run) {
   run_id_ = static_cast<int64_t>(run.run_id);
   last_level_ = run.exact ? PairLevel::kExact : PairLevel::kPartVolume;

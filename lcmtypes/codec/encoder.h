@@ -120,8 +120,4 @@ class RunEncoder final : public Sink {
   uint64_t last_hash_ = 0;  // of the run's end
 };
 
-/// Throws InputError if what the run is about to send could not be read: what begin() of its
-/// encoder would throw, to be known before anything is opened.
-void require_readable(const RunInfo& run, bool part_poses);
-
 }  // namespace throng

@@ -5,6 +5,7 @@
 #include "base/errors.h"
 #include "base/limits.h"
 #include "lcmtypes/codec/description.h"
+#include "lcmtypes/codec/encoder.h"
 
 namespace throng {
 
@@ -25,6 +26,15 @@ std::vector<uint8_t> readable_description(const RunInfo& run) {
   std::vector<uint8_t> bytes(size);
   description.encode(bytes.data(), 0, static_cast<int>(size));
   return bytes;
+}
+
+void require_readable(const RunInfo& run, bool part_poses) {
+  struct : MessageTarget {
+    void message(Channel, int64_t, std::span<const uint8_t>) override {}
+  } nobody;
+  EncoderOptions options;
+  options.part_poses = part_poses;
+  RunEncoder(options, nobody).begin(run);
 }
 
 }  // namespace throng

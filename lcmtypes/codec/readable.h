@@ -13,4 +13,8 @@ namespace throng {
 /// than a reader takes, or has what defect_of() refuses.
 std::vector<uint8_t> readable_description(const RunInfo& run);
 
+/// Throws InputError if what the run is about to send could not be read: what begin() of its
+/// encoder would throw, to be known before anything is opened.
+void require_readable(const RunInfo& run, bool part_poses);
+
 }  // namespace throng
