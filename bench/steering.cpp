@@ -96,7 +96,7 @@ std::vector<SteeringRow> measure_steering(const SteeringBenchOptions& options,
                                           const Progress& progress) {
   Workers workers(options.threads);
   std::vector<SteeringRow> rows;
-  for (const SteeringKind model : kAllSteeringKinds)
+  for (const SteeringKind model : all_steering_kinds())
     for (const int people : options.counts) {
       progress(fmt::format("{}, {} people", name_of(model), people));
       rows.push_back(measure(model, people, options, workers));

@@ -130,8 +130,9 @@ void add_options(CLI::App& app, RunOptions& options) {
   app.add_option("--part-volume", options.part_volume, "What encloses a body part")
       ->check(name_option(volume_names()))
       ->type_name("VOLUME");
-  app.add_option("--steering", options.steering, "orca or speed; instead of the scene's model")
-      ->check(name_option({"orca", "speed"}))
+  app.add_option("--steering", options.steering,
+                 steering_choices() + "; instead of the scene's model")
+      ->check(name_option(steering_names()))
       ->type_name("MODEL");
   app.add_flag("--exact", options.exact, "Triangles decide what touches");
   app.add_option("--deadline-ms", options.deadline_ms, "Time for culling a frame, by the clock")
@@ -196,9 +197,6 @@ SimulationOptions simulation_options(const RunOptions& options) {
   out.deadline_tests = options.deadline_tests;
   out.strategy = strategy_of(options.strategy).value();
   if (out.strategy != Strategy::kPipeline) out.pair_search = PairSearch::kBrute;
-  // Who touches whom needs the joint angles of few; everybody's are for whoever passes them on.
-  out.postures = options.log != "off" || options.lcm != "off" || !options.recorders.html.empty() ||
-                 !options.recorders.trace.empty();
   for (const auto& [name, search] : kPairSearches)
     if (options.pair_search == name) out.pair_search = search;
   return out;

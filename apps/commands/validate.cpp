@@ -132,10 +132,10 @@ Command add_validate_command(CLI::App& parent) {
           ""))
       ->check(name_option(test_ids()))
       ->type_name("ID");
-  std::vector<std::string> models;
-  for (const SteeringKind kind : kAllSteeringKinds) models.emplace_back(name_of(kind));
-  app->add_option("--steering", options->steering, "The model that steers: orca, speed [orca]")
-      ->check(name_option(models))
+  app->add_option(
+         "--steering", options->steering,
+         fmt::format("The model that steers: {} [{}]", steering_choices(), options->steering))
+      ->check(name_option(steering_names()))
       ->type_name("MODEL");
   app->add_option("--threads", options->threads, "Tests at once [all cores]")
       ->check(whole_option(1, 256, "1 to 256 threads"))

@@ -29,6 +29,7 @@ class SinkGuard final : public FileGuard, public Sink {
   /// Keeps a reference to `sink`.
   explicit SinkGuard(Sink& sink) : sink_(sink) {}
 
+  SinkNeeds needs() const override { return sink_.needs(); }
   void begin(const RunInfo& run) override;
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;

@@ -37,6 +37,7 @@ class RunEncoder final : public Sink {
   /// One target more, before begin(). Keeps a reference.
   void add(const EncoderOptions& options, MessageTarget& target);
 
+  SinkNeeds needs() const override { return {.postures = true}; }
   /// Encodes the description; what is sent of it is up to the targets. Throws InputError if it is
   /// larger than a reader takes.
   void begin(const RunInfo& run) override;

@@ -14,6 +14,7 @@ class TargetSink : public Sink, public MessageTarget {
   /// How its messages are to be.
   virtual EncoderOptions encoding() const = 0;
 
+  SinkNeeds needs() const override { return {.postures = true}; }
   void begin(const RunInfo& run) override {
     if (!encoder_) encoder_.emplace(encoding(), static_cast<MessageTarget&>(*this));
     encoder_->begin(run);

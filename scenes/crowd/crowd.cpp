@@ -46,8 +46,7 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
   slot_of_.assign(count, kNowhere);
   walkers_.resize(count);
   carried_.resize(count);
-  slots_.resize(count);
-  slots_.crowded_counts.resize(static_cast<size_t>(block_count(count)));
+  slots_.resize(count, kMaxNeighbours, static_cast<size_t>(block_count(count)));
   walls_.resize(static_cast<size_t>(workers.threads()));
   for (Walls& walls : walls_) {
     walls.x.reserve(kPeopleABlock * kMostWalls);
@@ -102,9 +101,7 @@ void Crowd::start_walking(size_t slot) {
 
 template <typename Value>
 void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
-  Value nothing{};
-  if constexpr (!std::is_arithmetic_v<Value>) nothing.setZero();
-  std::vector<Value> by_id(size(), nothing);
+  std::vector<Value> by_id(size(), zero_of<Value>());
   const std::span<const uint32_t> ids = grid_.order();
   if (!a.is_reading())
     for (size_t slot = 0; slot < ids.size(); ++slot) by_id[ids[slot]] = by_slot[slot];
@@ -122,66 +119,38 @@ void Crowd::archive(Archive& a) {
     std::fill(slot_of_.begin(), slot_of_.end(), kNowhere);
     seat_people();
   }
-  Walkers& w = walkers_;
   a(velocities_mps_, looks_rad_);
-  for (auto* speeds : {&w.smooth_mps, &w.old_mps, &w.next_mps, &w.drift_mps, &w.intent_mps})
-    archive_by_id(a, *speeds);
-  archive_by_id(a, w.clearance_m);
-  archive_by_id(a, w.look_to_rad);
-  archive_by_id(a, w.anchor_m);
-  archive_by_id(a, w.anchor_step);
-  archive_by_id(a, w.queued_steps);
-  archive_by_id(a, w.queuing);
+  walkers_.for_each_field([&](auto& values, Saved saved) {
+    if (saved != Saved::kElsewhere) archive_by_id(a, values);
+  });
   if (!a.is_reading()) return;
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
-    w.velocity_mps[slot] = velocities_mps_[grid_.order()[slot]];
-  // Written so that NaN is refused, too.
-  for (const auto* looks : {&looks_rad_, &w.look_to_rad})
-    for (const float look_rad : *looks)
-      if (!(std::abs(look_rad) <= Gait::kMostLook_rad))
-        a.refuse("a head turned as far as heads do", "another");
-  for (const auto* speeds : {&velocities_mps_, &headings_, &w.smooth_mps, &w.old_mps, &w.next_mps,
-                             &w.drift_mps, &w.intent_mps})
-    for (const Eigen::Vector2d& speed : *speeds)
-      if (!(speed.norm() <= kLargest_mps)) a.refuse("the speed of a person", "another");
+    walkers_.velocity_mps[slot] = velocities_mps_[grid_.order()[slot]];
+  check_read(a);
 }
 
-void Crowd::Walkers::resize(size_t count) {
-  each([count](auto& values) {
-    using Value = typename std::remove_reference_t<decltype(values)>::value_type;
-    Value nothing{};
-    if constexpr (!std::is_arithmetic_v<Value>) nothing.setZero();
-    values.assign(count, nothing);
-  });
-}
-
-void Crowd::Walkers::carry(Walkers& from, size_t from_slot, size_t slot) {
-  const auto take = [from_slot, slot](auto& to, const auto& source) {
-    to[slot] = source[from_slot];
+/// Comparisons are written so that NaN is refused, too.
+void Crowd::check_read(Archive& a) {
+  const auto check_look = [&](float look_rad) {
+    if (!(std::abs(look_rad) <= Gait::kMostLook_rad))
+      a.refuse("a head turned as far as heads do", "another");
   };
-  take(position_m, from.position_m), take(velocity_mps, from.velocity_mps);
-  take(heading, from.heading), take(smooth_mps, from.smooth_mps);
-  take(old_mps, from.old_mps), take(next_mps, from.next_mps);
-  take(drift_mps, from.drift_mps), take(intent_mps, from.intent_mps);
-  take(clearance_m, from.clearance_m), take(radius_m, from.radius_m);
-  take(free_speed_mps, from.free_speed_mps), take(look_to_rad, from.look_to_rad);
-  take(anchor_m, from.anchor_m);
-  take(anchor_step, from.anchor_step), take(queued_steps, from.queued_steps);
-  take(queuing, from.queuing);
-}
-
-void Crowd::Slots::resize(size_t count) {
-  for (std::vector<float>* each :
-       {&vx_mps, &vy_mps, &radius_m, &wanted_x_mps, &wanted_y_mps, &max_speed_mps, &horizon_s,
-        &urge, &way_x, &way_y, &next_x_mps, &next_y_mps, &expected_x_m, &expected_y_m, &swept_x_m,
-        &swept_y_m})
-    each->resize(count);
-  neighbours.resize(count * kMaxNeighbours);
-  neighbour_counts.resize(count);
-  close_counts.resize(count);
-  crowded.resize(count);
-  touched.resize(count);
-  swept_touched.resize(count);
+  const auto check_speed = [&](const Eigen::Vector2d& speed) {
+    if (!(speed.norm() <= kLargest_mps)) a.refuse("the speed of a person", "another");
+  };
+  for (const float look_rad : looks_rad_) check_look(look_rad);
+  for (const auto* speeds : {&velocities_mps_, &headings_})
+    for (const Eigen::Vector2d& speed : *speeds) check_speed(speed);
+  walkers_.for_each_field([&](const auto& values, Saved saved) {
+    using Value = typename std::remove_cvref_t<decltype(values)>::value_type;
+    if constexpr (std::is_same_v<Value, float>) {
+      if (saved != Saved::kAsLook) return;
+      for (const float look_rad : values) check_look(look_rad);
+    } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
+      if (saved != Saved::kAsSpeed) return;
+      for (const Eigen::Vector2d& speed : values) check_speed(speed);
+    }
+  });
 }
 
 void Crowd::step() {

@@ -12,6 +12,8 @@
 
 #include "base/files/archive.h"
 #include "base/workers.h"
+#include "scenes/crowd/crowd_counters.h"
+#include "scenes/crowd/crowd_fields.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/crowd/neighbour_grid.h"
 #include "scenes/crowd/spawn.h"
@@ -26,33 +28,6 @@ struct CrowdOptions {
   double step_s = 1.0 / 60.0;
   SteeringRule steering;
   SimdTarget simd = SimdTarget::kBest;
-};
-
-/// What steering went through.
-struct SteeringCounters {
-  // In the latest decision.
-  int sweeps = 0;                ///< of disc relaxation
-  double deepest_overlap_m = 0;  ///< of two discs, where people stand now
-  double longest_stall_s = 0;    ///< how long the most stuck walker has not moved kStall_m, the
-                                 ///< time of queuing taken off
-  uint64_t queuing = 0;          ///< people held up by others ahead who go the same way
-  // So far.
-  uint64_t rounds = 0;     ///< decisions of everybody
-  uint64_t decisions = 0;  ///< of all people together
-  uint64_t all_sweeps = 0;
-  int most_sweeps = 0;
-  double turned_rad = 0;  ///< of all headings, to either side
-  double walked_s = 0;    ///< of all people together
-
-  double mean_sweeps() const {
-    return rounds == 0 ? 0 : static_cast<double>(all_sweeps) / static_cast<double>(rounds);
-  }
-  double mean_heading_rate_radps() const { return walked_s > 0 ? turned_rad / walked_s : 0; }
-
-  void archive(Archive& a) {
-    a(sweeps, deepest_overlap_m, longest_stall_s, queuing, rounds, decisions, all_sweeps,
-      most_sweeps, turned_rad, walked_s);
-  }
 };
 
 class Crowd {
@@ -97,51 +72,6 @@ class Crowd {
   /// Outside or gone: has no slot.
   static constexpr uint32_t kNowhere = UINT32_MAX;
 
-  /// What moves, by slot.
-  struct Walkers {
-    std::vector<Eigen::Vector2d> position_m, velocity_mps, heading;
-    std::vector<Eigen::Vector2d> smooth_mps;  ///< the velocity that the heading follows
-    // Decisions: the velocity goes from old to next within a period.
-    std::vector<Eigen::Vector2d> old_mps, next_mps;
-    std::vector<Eigen::Vector2d> drift_mps;   ///< what disc relaxation adds
-    std::vector<Eigen::Vector2d> intent_mps;  ///< the wanted velocity, smoothed
-    std::vector<double> clearance_m, radius_m, free_speed_mps;
-    std::vector<float> look_to_rad;  ///< where the head turns
-    // Stalls.
-    std::vector<Eigen::Vector2d> anchor_m;
-    std::vector<int64_t> anchor_step;
-    std::vector<int64_t> queued_steps;  ///< since the anchor
-    std::vector<uint8_t> queuing;
-
-    template <typename Visit>
-    void each(const Visit& visit) {
-      visit(position_m), visit(velocity_mps), visit(heading), visit(smooth_mps);
-      visit(old_mps), visit(next_mps), visit(drift_mps), visit(intent_mps);
-      visit(clearance_m), visit(radius_m), visit(free_speed_mps), visit(look_to_rad);
-      visit(anchor_m), visit(anchor_step), visit(queued_steps), visit(queuing);
-    }
-    void resize(size_t count);
-    void carry(Walkers& from, size_t from_slot, size_t slot);
-  };
-
-  /// What a decision works out, by slot.
-  struct Slots {
-    std::vector<float> vx_mps, vy_mps, radius_m, wanted_x_mps, wanted_y_mps, max_speed_mps,
-        horizon_s, urge;
-    std::vector<float> way_x, way_y;  ///< where to: a unit vector, or zero
-    std::vector<float> next_x_mps, next_y_mps;
-    std::vector<uint32_t> neighbours;
-    std::vector<uint8_t> neighbour_counts;
-    std::vector<uint8_t> close_counts;     ///< of the neighbours, who may overlap; they come first
-    std::vector<uint32_t> crowded;         ///< of a block, from its first place on: slots with some
-    std::vector<uint32_t> crowded_counts;  ///< by block
-    // Where people will stand after the period, from the middle of the ground, and what the sweep
-    // found there; before and after a sweep.
-    std::vector<float> expected_x_m, expected_y_m, swept_x_m, swept_y_m;
-    std::vector<uint8_t> touched, swept_touched;
-    void resize(size_t count);
-  };
-
   /// The walls of one block, one a worker.
   struct Walls {
     std::vector<float> x, y, clearance_m;
@@ -167,6 +97,7 @@ class Crowd {
   void start_walking(size_t slot);
   template <typename Value>
   void archive_by_id(Archive& a, std::vector<Value>& by_slot);
+  void check_read(Archive& a);
   bool is_queuing(size_t slot) const;
   Eigen::Vector2d wanted_mps(size_t slot);
   void find_walls(size_t slot, Walls& walls);
@@ -215,7 +146,7 @@ class Crowd {
   std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere
   Walkers walkers_;
   Walkers carried_;  ///< the slots before, while people take their new ones
-  Slots slots_;
+  Decisions slots_;
   std::vector<Walls> walls_;          ///< one a worker
   std::vector<double> block_values_;  ///< one a block, reduced in order
   SteeringCounters counters_;

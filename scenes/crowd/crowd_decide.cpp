@@ -113,8 +113,8 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   people.wall_starts = walls.starts.data();
   people.first_slot = begin;
   const bool by_density = options_.steering.density_speed;
-  // The other model has a gap in time of its own, and density keeps people apart, too.
-  const bool by_gap = options_.steering.model == SteeringKind::kOrca && !by_density;
+  // Density keeps people apart, too.
+  const bool by_gap = !model_->keeps_gap() && !by_density;
   for (size_t slot = begin; by_density && slot < end; ++slot) limit_to_density(people, slot);
   for (size_t slot = begin; by_gap && slot < end; ++slot) limit_to_gap(slot);
   model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());

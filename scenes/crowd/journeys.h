@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/files/archive.h"
+#include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/spawn.h"
 #include "scenes/ways/ways.h"
 
@@ -23,15 +24,6 @@ enum class Doing : uint8_t {
   kStranded,  ///< no way leads from here to the goal
   kLeaving,   ///< at the last goal; to be taken out of the scene
   kGone,
-};
-
-/// People of one group who cannot reach one of their goals.
-struct Stranding {
-  uint32_t group = 0;
-  uint32_t stop = 0;  ///< index into the route
-  int people = 0;
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< where one of them stands
-  Eigen::Vector2d end_m = Eigen::Vector2d::Zero();    ///< as near as that one could get
 };
 
 class Journeys {
@@ -65,8 +57,6 @@ class Journeys {
   }
   /// The goal, being walked to or stood at.
   const Stop& stop(uint32_t id) const { return ways_.route(groups_[id])[stops_[id]]; }
-  /// Goals reached so far.
-  uint32_t visits(uint32_t id) const { return visits_[id]; }
 
   /// Everybody who is stranded now, by group and stop. One caller at a time.
   std::vector<Stranding> strandings(std::span<const Eigen::Vector2d> positions_m) const;
@@ -85,8 +75,8 @@ class Journeys {
   std::vector<Doing> next_;  ///< after waiting
   std::vector<double>
       until_s_;  ///< end of waiting; of walking inside a goal: when to take any place
-  std::vector<uint32_t> stops_;  ///< index into the route
-  std::vector<uint32_t> visits_;
+  std::vector<uint32_t> stops_;   ///< index into the route
+  std::vector<uint32_t> visits_;  ///< goals reached so far: what choosing a place draws by
   std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
 };
 

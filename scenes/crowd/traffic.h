@@ -9,22 +9,12 @@
 #include <vector>
 
 #include "base/files/archive.h"
+#include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/crowd/spawn.h"
 #include "scenes/ways/ways.h"
 
 namespace throng {
-
-/// Where the people of a run are: entered = present + left, and all = entered + waiting + to come.
-struct TrafficCounters {
-  uint64_t entered = 0;  ///< those of the start included
-  uint64_t present = 0;
-  uint64_t left = 0;
-  uint64_t waiting = 0;  ///< outside, due, without room to enter
-  uint64_t to_come = 0;  ///< not due yet
-
-  void archive(Archive& a) { a(entered, present, left, waiting, to_come); }
-};
 
 class Traffic {
  public:

@@ -176,13 +176,10 @@ class SceneReader {
     steering.expect_keys(keys_of("steering"));
     if (const YamlNode* model = steering.find("model")) {
       const auto kind = steering_kind_of(model->scalar);
-      if (!kind) {
-        std::vector<std::string> names;
-        for (const SteeringKind each : kAllSteeringKinds) names.emplace_back(name_of(each));
+      if (!kind)
         throw InputError(steering.where(*model),
-                         fmt::format("a steering model ({})", list_of(names)),
-                         describe(*model) + did_you_mean(model->scalar, names));
-      }
+                         fmt::format("a steering model ({})", list_of(steering_names())),
+                         describe(*model) + did_you_mean(model->scalar, steering_names()));
       scene_.steering.model = *kind;
     }
     scene_.steering.density_speed = steering.boolean_or("density_speed", false);

@@ -7,7 +7,6 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
-#include "scenes/box/loose_parts.h"
 #include "scenes/file/scene_limits.h"
 #include "scenes/run/drive.h"
 
@@ -22,7 +21,6 @@ static_assert(kMaxModels + kMaxObstacles <= UINT16_MAX, "types of bodies are 16 
 }  // namespace
 
 Kinds kinds_of(const Scene& scene) {
-  if (scene.box) return {loose_parts(*scene.box->body), {}};
   Kinds kinds;
   std::vector<const Model*> walking;  // by kind; null for a driven one, whose bounds are its own
   for (const Group& group : scene.groups) {

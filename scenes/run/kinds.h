@@ -1,4 +1,4 @@
-// The kinds of bodies of a scene: models of avatars, and what culling knows of each kind.
+// The kinds of bodies of a scene: models of its groups, and what culling knows of each kind.
 // One rule: a sphere holds every posture that its kind can take.
 #pragma once
 
@@ -19,8 +19,8 @@ struct Kinds {
   std::vector<uint16_t> of_group;
 };
 
-/// Groups that walk with the same model share a kind; a driven group has its own, for its bounds
-/// are its own. Throws InputError if a model has no parts or too many.
+/// The kinds of a scene's groups. Groups that walk with the same model share a kind; a driven group
+/// has its own, for its bounds are its own. Throws InputError if a model has no parts or too many.
 Kinds kinds_of(const Scene& scene);
 
 /// Around every posture at all.

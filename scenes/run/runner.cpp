@@ -131,6 +131,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
   const int64_t frames = frame_count(simulation.scene().duration_s, info.step_s);
   RunSummary summary = describe(simulation);
   Measurements measurements(frames);
+  simulation.serve(sinks);
   for (Sink* sink : sinks) sink->begin(info);
   const auto start = Clock::now();
   FrameTimes& times = simulation.times();

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/workers.h"
-#include "scenes/crowd/crowd.h"
+#include "scenes/crowd/crowd_counters.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/drive.h"
 #include "scenes/run/sink.h"
@@ -28,8 +28,8 @@ struct SimulationOptions {
   /// The paper's recipes in place of our own: they change the events as far as spheres and boxes
   /// rule pairs out, with exact contacts not at all.
   Strategy strategy = Strategy::kPipeline;
-  /// Fill Frame::postures. Off, only avatars in a surviving pair get joint angles at all: a run
-  /// that nobody draws or logs does not pay for the rest. Never changes the events.
+  /// Fill Frame::postures; see serve(). Off, only avatars in a surviving pair get joint angles at
+  /// all: a run that nobody draws or logs does not pay for the rest. Never changes the events.
   bool postures = true;
   /// Off, people walk and nobody is culled: no pairs, no events, and a hash of 0.
   bool culling = true;
@@ -48,15 +48,18 @@ class Simulation {
 
   /// People that the scene asks for but that found no place.
   int unplaced() const;
-  /// Of the latest decision of steering.
+  /// Of the latest decision of steering; all zero where nobody steers.
   const SteeringCounters& steering() const;
-  /// Who has entered and left so far. All zero in a box of parts.
+  /// Who has entered and left so far; all zero in a box of parts.
   const TrafficCounters& traffic() const;
   /// Who cannot reach a goal, as of now.
   std::vector<Stranding> strandings() const;
 
   /// What poses depend on, as of the latest step: avatars, then obstacles.
   const BodyStates& bodies() const;
+
+  /// From the next step on, frames hold what these need, and leave out what none of them does.
+  void serve(std::span<Sink* const> sinks);
 
   /// The first call delivers frame 0, people where they start; each later one advances by
   /// scene.step_s. The frame's spans hold until the next step.

@@ -32,7 +32,8 @@ struct RunInfo {
   uint64_t instance = 0;  ///< random for each run, to tell two runs on one channel apart
   double step_s = 0;
   std::vector<std::shared_ptr<const Model>> models;
-  std::vector<uint16_t> model_of_avatar;  ///< index into models; ids are 0 .. avatars-1
+  /// Index into models. Bodies of avatars are 0 .. avatars-1, those of obstacles follow.
+  std::vector<uint16_t> model_of_avatar;
   std::vector<float> scale_of_avatar;
   std::vector<std::string> groups;        ///< names; a person is called "<group> <id>"
   std::vector<uint16_t> group_of_avatar;  ///< index into groups
@@ -49,8 +50,6 @@ struct RunInfo {
 
   bool has_deadline() const { return deadline_ms || deadline_tests; }
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
-  /// Obstacle i has body id avatar_count() + i.
-  uint32_t obstacle_id(int i) const { return static_cast<uint32_t>(avatar_count() + i); }
 };
 
 struct Frame {
@@ -83,9 +82,16 @@ struct RunEnd {
   uint64_t hash = 0;                  ///< of all events
 };
 
+/// What a frame costs more to hold, so that it only does for those who need it.
+struct SinkNeeds {
+  bool postures = false;  ///< Frame::postures, of everybody
+};
+
 class Sink {
  public:
   virtual ~Sink() = default;
+  /// Asked once, before begin().
+  virtual SinkNeeds needs() const { return {}; }
   virtual void begin(const RunInfo& run) = 0;
   virtual void frame(const RunInfo& run, const Frame& frame) = 0;
   virtual void end(const RunInfo& run, const RunEnd& end) = 0;

@@ -21,6 +21,7 @@ class TraceSink final : public Sink {
   /// Opens the file; begin() empties it. Throws EnvironmentError naming it.
   explicit TraceSink(const std::filesystem::path& file);
 
+  SinkNeeds needs() const override { return {.postures = true}; }
   void begin(const RunInfo& run) override;
   /// Throws EnvironmentError when a line could not be written.
   void frame(const RunInfo& run, const Frame& frame) override;

@@ -14,7 +14,7 @@ class BundledScene : public testing::TestWithParam<const char*> {};
 
 TEST_P(BundledScene, KeepsEverybodyOffWallsPlacedAndOnTheWay) {
   Scene scene = load_scene(GetParam());
-  World world(scene, 2);
+  SmallWorld world(scene, 2);
   const Crowd& crowd = world.crowd;
   const std::vector<int>& unplaced = world.spawned.unplaced;
   EXPECT_EQ(std::accumulate(unplaced.begin(), unplaced.end(), 0), 0);
@@ -62,7 +62,7 @@ TEST(BundledScenes, LargeOnesPlaceEverybody) {
 }
 
 TEST(BundledScenes, EvacuationEmptiesTheHall) {
-  World world(load_scene("evacuation"), 2);
+  SmallWorld world(load_scene("evacuation"), 2);
   int steps = 0;
   while (world.crowd.traffic().counters().present > 0 && steps < 30 * 120) {
     world.crowd.step();

@@ -34,7 +34,7 @@ TEST(Crowd, SomebodyAloneWalksAtTheFreeSpeed) {
   scene.ground = {{0, 0}, {44, 2}};
   scene.groups = {group(1, {{0.5, 0.5}, {1.5, 1.5}}, {{{42, 0}, {44, 2}}})};
   scene.groups[0].speed_mps = {1.33, 0, 1.33, 1.33};
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   ASSERT_EQ(world.crowd.size(), 1u);
   const double start_m = world.crowd.positions_m()[0].x();
   int steps = 0;
@@ -52,7 +52,7 @@ TEST(Crowd, HeadsTurnToTheWayBeforeTheBodyDoesAndNoFartherThanTheyCan) {
   scene.ground = {{0, 0}, {12, 12}};
   scene.obstacles = {box(4.5, 7, 9, 10)};
   scene.groups = {group(1, {{0.9, 0.9}, {1.1, 1.1}}, {{{9.5, 10}, {11.5, 11.5}}})};
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   ASSERT_EQ(world.crowd.size(), 1u);
   double looked = 0, most = 0, before = 1;
   for (int step = 0; step < 700; ++step) {
@@ -72,7 +72,7 @@ TEST(Crowd, HeadsTurnToTheWayBeforeTheBodyDoesAndNoFartherThanTheyCan) {
 }
 
 TEST(Crowd, WhatIsWalkedIsTheWayBetweenPositions) {
-  World world(crossing(2, 40), 1);
+  SmallWorld world(crossing(2, 40), 1);
   for (int step = 0; step < 200; ++step) {
     const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
                                               world.crowd.positions_m().end());
@@ -92,7 +92,7 @@ TEST(Crowd, TwoWhoMeetHeadOnPassEachOther) {
     scene.groups = {group(1, {{1.999, 1.999}, {2, 2}}, {{{18.5, 1.9}, {19.5, 2.1}}}),
                     group(1, {{17.999, 1.999}, {18, 2}}, {{{0.5, 1.9}, {1.5, 2.1}}})};
     for (Group& each : scene.groups) each.speed_mps = kExactly134;
-    World world(scene, 1);
+    SmallWorld world(scene, 1);
     ASSERT_EQ(world.crowd.size(), 2u);
     double nearest_m = 1e9;
     for (int step = 0; step < 60 * 14; ++step) {
@@ -109,7 +109,7 @@ TEST(Crowd, TwoWhoMeetHeadOnPassEachOther) {
 TEST(Crowd, NobodyEntersOrCrossesAWall) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    World world(crossing(seed, 600), 2);
+    SmallWorld world(crossing(seed, 600), 2);
     const Walkable& walkable = world.ways.walkable();
     double nearest_m = 1e9;
     for (int step = 0; step < 600; ++step) {
@@ -130,7 +130,7 @@ TEST(Crowd, NobodyEntersOrCrossesAWall) {
 TEST(Crowd, WalksTheSameForEveryNumberOfThreads) {
   uint64_t expected = 0;
   for (const int threads : {1, 2, 3, 8}) {
-    World world(crossing(5, 1200), threads);
+    SmallWorld world(crossing(5, 1200), threads);
     for (int step = 0; step < 300; ++step) world.crowd.step();
     const uint64_t found = hash_of(world.crowd);
     if (threads == 1) expected = found;
@@ -139,14 +139,14 @@ TEST(Crowd, WalksTheSameForEveryNumberOfThreads) {
 }
 
 TEST(Crowd, WalksTheSameOnEverySimdTargetAndByEveryModel) {
-  for (const SteeringKind model : kAllSteeringKinds) {
+  for (const SteeringKind model : all_steering_kinds()) {
     for (const bool density_speed : {false, true}) {
       SCOPED_TRACE(testing::Message() << name_of(model) << ", density_speed " << density_speed);
       std::set<uint64_t> hashes;
       for (const SimdTarget target : simd_targets_of_this_machine()) {
         Scene scene = crossing(6, 1000);
         scene.steering = {model, density_speed};
-        World world(scene, 1, target);
+        SmallWorld world(scene, 1, target);
         for (int step = 0; step < 200; ++step) world.crowd.step();
         hashes.insert(hash_of(world.crowd));
       }
@@ -157,11 +157,11 @@ TEST(Crowd, WalksTheSameOnEverySimdTargetAndByEveryModel) {
 
 TEST(Crowd, TheModelsWalkDifferently) {
   std::set<uint64_t> hashes;
-  for (const SteeringKind model : kAllSteeringKinds)
+  for (const SteeringKind model : all_steering_kinds())
     for (const bool density_speed : {false, true}) {
       Scene scene = crossing(2, 400);
       scene.steering = {model, density_speed};
-      World world(scene, 1);
+      SmallWorld world(scene, 1);
       for (int step = 0; step < 60; ++step) world.crowd.step();
       hashes.insert(hash_of(world.crowd));
     }
@@ -176,7 +176,7 @@ double flow_through_a_door(int people) {
   scene.ground = {{-12, -6}, {4, 6}};
   scene.obstacles = {box(0, -3.25, 0.2, 5.5), box(0, 3.25, 0.2, 5.5)};
   scene.groups = {group(people, {{-11.5, -5.5}, {-1, 5.5}}, {{{3, -6}, {4, 6}}})};
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   double first_s = 0, last_s = 0;
   for (int step = 0; step < 20 * 120 && last_s == 0; ++step) {
     world.crowd.step();
@@ -214,7 +214,7 @@ TEST(Crowd, DensitySpeedSlowsAStream) {
                           {{0.3, 0.3}, {length_m, 5.7}}, {{{58, 0}, {60, 6}}})};
     scene.groups[0].speed_mps = kExactly134;
     scene.steering.density_speed = density_speed;
-    World world(scene, 1);
+    SmallWorld world(scene, 1);
     double walked_m = 0;
     int walkers = 0;
     for (int step = 0; step < 360; ++step) {
@@ -250,7 +250,7 @@ TEST(Crowd, ThoseBehindPushNobodyFasterThanOneWalks) {
                     group(9, {{2, 0.25}, {9.5, 0.55}}, {end})};
     scene.groups[0].speed_mps = {0.4, 0, 0.4, 0.4};
     scene.groups[1].speed_mps = {1.6, 0, 1.6, 1.6};
-    World world(scene, 1);
+    SmallWorld world(scene, 1);
     ASSERT_GE(world.crowd.size(), 8u);
     const double from_m = world.crowd.positions_m()[0].x();
     for (int step = 0; step < 20 * 60; ++step) world.crowd.step();
@@ -261,7 +261,7 @@ TEST(Crowd, ThoseBehindPushNobodyFasterThanOneWalks) {
 }
 
 TEST(Crowd, HeadingsAreUnitAndTurnNoFasterThanTheLimit) {
-  World world(crossing(3, 400), 1);
+  SmallWorld world(crossing(3, 400), 1);
   std::vector<Eigen::Vector2d> before(world.crowd.headings().begin(), world.crowd.headings().end());
   for (int step = 0; step < 300; ++step) {
     world.crowd.step();
@@ -284,7 +284,7 @@ void expect_plaza_keeps_moving(const Plaza& plaza) {
   SCOPED_TRACE(testing::Message() << "seed " << plaza.seed << ", " << plaza.seconds << " s");
   Scene scene = load_scene("plaza");
   scene.seed = plaza.seed;
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   double deepest_m = 0;
   double stall_s = 0;
   for (int step = 0; step < plaza.seconds / scene.step_s; ++step) {
@@ -313,7 +313,7 @@ TEST(Crowd, APlazaKeepsMovingWhateverTheSeed) {
 TEST(Spawn, NobodyStandsInAnObstacleOrInAnotherPerson) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const World world(crossing(seed, 1600), 1);
+    const SmallWorld world(crossing(seed, 1600), 1);
     const std::vector<Person>& people = world.spawned.people;
     int unplaced = 0;
     for (const int count : world.spawned.unplaced) unplaced += count;
@@ -332,7 +332,7 @@ TEST(Spawn, SaysHowManyItCouldNotPlace) {
   scene.ground = {{0, 0}, {20, 10}};
   scene.groups = {group(50, {{1, 1}, {3, 3}}, {{{15, 1}, {18, 9}}})};
   scene.groups[0].name = "packed";
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   ASSERT_EQ(world.spawned.notes.size(), 1u);
   EXPECT_GT(world.spawned.unplaced[0], 20);
   const std::string expected =

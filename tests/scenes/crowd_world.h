@@ -30,8 +30,8 @@ inline Group group(int count, const Rectangle& spawn, std::vector<Rectangle> goa
 }
 
 /// A crowd and everything it refers to.
-struct World {
-  World(Scene scene_in, int threads, SimdTarget simd = SimdTarget::kBest)
+struct SmallWorld {
+  SmallWorld(Scene scene_in, int threads, SimdTarget simd = SimdTarget::kBest)
       : scene(std::move(scene_in)),
         workers(threads),
         ways(scene, workers),

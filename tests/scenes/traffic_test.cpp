@@ -40,7 +40,7 @@ uint64_t sum(const TrafficCounters& counters) {
 TEST(Traffic, EverybodyIsOutsideInsideOrGoneAndAllGetThroughTheDoor) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    World world(two_rooms(seed, 20, 30), 2);
+    SmallWorld world(two_rooms(seed, 20, 30), 2);
     const TrafficCounters& now = world.crowd.traffic().counters();
     ASSERT_EQ(world.crowd.size(), 50u);
     uint64_t entered = now.entered;
@@ -63,7 +63,7 @@ TEST(Traffic, NobodyStartsOrEntersInsideAWallHoweverNarrowTheDisc) {
   scene.groups[0].radius_m = 0.05;
   scene.groups[0].sources[0].rate_per_s = 50;
   scene.groups[0].sources[0].area = scene.groups[0].spawn;
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   ASSERT_GT(world.spawned.people.size(), 60u);
   const auto clearance_m = [&](uint32_t id) {
     return world.ways.walkable().clearance_m(world.crowd.positions_m()[id]);
@@ -88,7 +88,7 @@ TEST(Traffic, NobodyEntersWhereSomebodyStandsAndNobodyCrossesAWall) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene = two_rooms(seed, 30, 150);
     scene.groups[0].sources[0].rate_per_s = 100;  // more than the room takes
-    World world(scene, 1);
+    SmallWorld world(scene, 1);
     const Crowd& crowd = world.crowd;
     uint64_t most_waiting = 0, entries = 0;
     for (int step = 0; step < 30 * 20; ++step) {
@@ -123,7 +123,7 @@ TEST(Traffic, NobodyEntersWhereSomebodyStandsAndNobodyCrossesAWall) {
 TEST(Traffic, IsTheSameForEveryNumberOfThreads) {
   std::vector<Eigen::Vector2d> expected;
   for (const int threads : {1, 2, 5}) {
-    World world(two_rooms(3, 60, 200), threads);
+    SmallWorld world(two_rooms(3, 60, 200), threads);
     for (int step = 0; step < 600; ++step) world.crowd.step();
     const std::vector<Eigen::Vector2d> found(world.crowd.positions_m().begin(),
                                              world.crowd.positions_m().end());
@@ -137,7 +137,7 @@ TEST(Traffic, SteadySourcesEmitAtTheirRateAndRandomOnesOnAverage) {
     Scene scene = two_rooms(2, 0, 400);
     scene.groups[0].sources[0].random = random;
     scene.groups[0].sources[0].rate_per_s = 4;
-    World world(scene, 1);
+    SmallWorld world(scene, 1);
     double last_s = 0;
     for (const Person& person : world.spawned.people) {
       EXPECT_GE(person.enters_s, last_s) << "ids of a source come in order";
@@ -153,7 +153,7 @@ TEST(Traffic, WhoHasADelayStandsUntilThenAndGoesOnTime) {
   scene.groups[0].sources.clear();
   for (const double delay_s : {0.0, 3.0, 10.0}) {
     scene.groups[0].delay_s = {delay_s, 0, delay_s, delay_s};
-    World world(scene, 1);
+    SmallWorld world(scene, 1);
     const Eigen::Vector2d start = world.crowd.positions_m()[0];
     double moved_s = -1;
     for (int step = 1; step < 600 && moved_s < 0; ++step) {
@@ -175,7 +175,7 @@ TEST(Journeys, WaypointsArePassedGoalsWaitedAtAndTheLastStayedAt) {
   walker.goals[1].wait_s = 5;
   walker.on_arrival = OnArrival::kStay;
   scene.groups = {walker};
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   double waited_s = 0, passed_mps = 0;
   for (int step = 0; step < 30 * 60; ++step) {
     world.crowd.step();
@@ -193,7 +193,6 @@ TEST(Journeys, WaypointsArePassedGoalsWaitedAtAndTheLastStayedAt) {
   EXPECT_EQ(world.crowd.journeys().doing(0), Doing::kStaying);
   EXPECT_GT(world.crowd.positions_m()[0].x(), 24);
   EXPECT_LT(world.crowd.velocities_mps()[0].norm(), 0.05);
-  EXPECT_EQ(world.crowd.journeys().visits(0), 3u);
 }
 
 TEST(Journeys, WhoCannotReachAGoalIsToldOfWithPlaceAndReason) {
@@ -206,7 +205,7 @@ TEST(Journeys, WhoCannotReachAGoalIsToldOfWithPlaceAndReason) {
   for (int i = 0; i < 4; ++i) scene.obstacles[static_cast<size_t>(i)].name = names[i];
   scene.groups = {group(3, {{1, 1}, {3, 9}}, {{{8, 4}, {9, 6}}, {{14, 4}, {16, 6}}})};
   scene.groups[0].name = "lost";
-  World world(scene, 1);
+  SmallWorld world(scene, 1);
   ASSERT_EQ(world.crowd.size(), 3u);
   EXPECT_TRUE(world.crowd.journeys().strandings(world.crowd.positions_m()).empty())
       << "they can reach the first goal";
@@ -221,7 +220,7 @@ TEST(Journeys, WhoCannotReachAGoalIsToldOfWithPlaceAndReason) {
 }
 
 TEST(Journeys, WhoWaitsBehindOthersOfTheSameWayQueuesAndDoesNotStall) {
-  World world(two_rooms(4, 60, 0), 2);
+  SmallWorld world(two_rooms(4, 60, 0), 2);
   uint64_t queuing = 0;
   double stall_s = 0;
   for (int step = 0; step < 30 * 60; ++step) {

@@ -34,6 +34,7 @@ class ReplaySink final : public Sink, private MessageTarget {
   /// Creates the file. Throws EnvironmentError if it cannot. `page` must outlive it.
   ReplaySink(const std::filesystem::path& html, std::string_view page, double limit_mb);
 
+  SinkNeeds needs() const override { return {.postures = true}; }
   void begin(const RunInfo& run) override;
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;

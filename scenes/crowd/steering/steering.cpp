@@ -1,5 +1,8 @@
 #include "scenes/crowd/steering/steering.h"
 
+#include <cassert>
+#include <iterator>
+
 #include "scenes/crowd/steering/collision_free_speed.h"
 #include "scenes/crowd/steering/orca.h"
 
@@ -11,14 +14,16 @@ using Function = void (*)(const SteeringView&, size_t, size_t, float*, float*);
 /// A model that is one function for each target.
 class FunctionModel : public SteeringModel {
  public:
-  explicit FunctionModel(Function function) : function_(function) {}
+  FunctionModel(Function function, bool keeps_gap) : function_(function), keeps_gap_(keeps_gap) {}
   void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
               float* next_y_mps) const override {
     function_(people, begin, end, next_x_mps, next_y_mps);
   }
+  bool keeps_gap() const override { return keeps_gap_; }
 
  private:
   Function function_;
+  bool keeps_gap_;
 };
 
 Function orca_on(SimdTarget target) {
@@ -34,22 +39,73 @@ Function orca_on(SimdTarget target) {
   }
 }
 
-}  // namespace
-
-std::string_view name_of(SteeringKind kind) {
-  return kind == SteeringKind::kOrca ? "orca" : "speed";
+std::unique_ptr<const SteeringModel> make_orca(SimdTarget target) {
+  return std::make_unique<FunctionModel>(orca_on(resolved(target)), false);
 }
 
+std::unique_ptr<const SteeringModel> make_speed(SimdTarget) {
+  return std::make_unique<FunctionModel>(decide_collision_free_speed, true);
+}
+
+/// All that anything else knows of a model.
+struct Entry {
+  SteeringKind kind;
+  std::string_view name;
+  std::unique_ptr<const SteeringModel> (*make)(SimdTarget);
+};
+
+constexpr Entry kModels[] = {
+    {SteeringKind::kOrca, "orca", make_orca},
+    {SteeringKind::kSpeed, "speed", make_speed},
+};
+
+constexpr bool is_in_order() {
+  size_t row = 0;
+  for (const Entry& entry : kModels)
+    if (static_cast<size_t>(entry.kind) != row++) return false;
+  return true;
+}
+static_assert(is_in_order(), "rows are found by kind");
+
+const Entry& entry_of(SteeringKind kind) {
+  const auto row = static_cast<size_t>(kind);
+  assert(row < std::size(kModels) && "a kind without a row");
+  return kModels[row];
+}
+
+}  // namespace
+
+std::vector<SteeringKind> all_steering_kinds() {
+  std::vector<SteeringKind> kinds;
+  for (const Entry& entry : kModels) kinds.push_back(entry.kind);
+  return kinds;
+}
+
+std::string_view name_of(SteeringKind kind) { return entry_of(kind).name; }
+
 std::optional<SteeringKind> steering_kind_of(std::string_view name) {
-  for (const SteeringKind kind : kAllSteeringKinds)
-    if (name_of(kind) == name) return kind;
+  for (const Entry& entry : kModels)
+    if (entry.name == name) return entry.kind;
   return std::nullopt;
 }
 
+std::vector<std::string> steering_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : kModels) names.emplace_back(entry.name);
+  return names;
+}
+
+std::string steering_choices() {
+  std::string text;
+  for (size_t row = 0; row < std::size(kModels); ++row) {
+    if (row > 0) text += row + 1 < std::size(kModels) ? ", " : " or ";
+    text += kModels[row].name;
+  }
+  return text;
+}
+
 std::unique_ptr<const SteeringModel> make_steering_model(SteeringKind kind, SimdTarget target) {
-  if (kind == SteeringKind::kSpeed)
-    return std::make_unique<FunctionModel>(decide_collision_free_speed);
-  return std::make_unique<FunctionModel>(orca_on(resolved(target)));
+  return entry_of(kind).make(target);
 }
 
 }  // namespace throng

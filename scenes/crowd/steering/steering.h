@@ -47,6 +47,9 @@ class SteeringModel {
   /// hard: nobody's velocity leads nearer to one than its clearance within the wall's horizon.
   virtual void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
                       float* next_y_mps) const = 0;
+  /// True if the model itself keeps a gap in time behind others of the same way; otherwise wishes
+  /// are limited to one before it decides.
+  virtual bool keeps_gap() const = 0;
 };
 
 std::unique_ptr<const SteeringModel> make_steering_model(SteeringKind kind, SimdTarget target);

@@ -3,20 +3,26 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace throng {
 
+/// One row each in the table of steering.cpp, in the same order.
 enum class SteeringKind {
   kOrca,   ///< optimal reciprocal collision avoidance (van den Berg et al. 2011)
   kSpeed,  ///< collision-free speed (Tordeux, Chraibi & Seyfried 2016)
 };
 
-inline constexpr SteeringKind kAllSteeringKinds[] = {SteeringKind::kOrca, SteeringKind::kSpeed};
+std::vector<SteeringKind> all_steering_kinds();
 
-/// "orca", "speed".
+/// What scene files, options, content hashes and run ids call it: "orca", "speed".
 std::string_view name_of(SteeringKind kind);
 std::optional<SteeringKind> steering_kind_of(std::string_view name);
+std::vector<std::string> steering_names();
+/// The names for a line of help: "orca or speed".
+std::string steering_choices();
 
 struct SteeringRule {
   SteeringKind model = SteeringKind::kOrca;

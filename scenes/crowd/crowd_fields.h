@@ -1,0 +1,134 @@
+// What a crowd knows of everybody in it, by slot: each field stands once, here.
+// One rule: members, room, being carried to a new order of cells and checkpoints follow from these
+// lists, so that a field cannot be forgotten in one of them.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+namespace throng {
+
+/// How a field of a walker comes back from a checkpoint.
+enum class Saved : uint8_t {
+  kElsewhere,  ///< from what is known by person
+  kPlainly,
+  kAsSpeed,  ///< refused if nobody is that fast
+  kAsLook,   ///< refused if no head turns that far
+};
+
+// FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
+// kCheckpointVersion.
+//   smooth_mps    the velocity that the heading follows
+//   old_mps       the velocity goes from this ...
+//   next_mps      ... to this within the period of a decision
+//   drift_mps     what disc relaxation adds
+//   intent_mps    the wanted velocity, smoothed
+//   look_to_rad   where the head turns
+//   anchor_m      where progress was last made, and the step of it
+//   queued_steps  since the anchor
+#define THRONG_WALKER_FIELDS(FIELD)                \
+  FIELD(Eigen::Vector2d, position_m, kElsewhere)   \
+  FIELD(Eigen::Vector2d, velocity_mps, kElsewhere) \
+  FIELD(Eigen::Vector2d, heading, kElsewhere)      \
+  FIELD(double, radius_m, kElsewhere)              \
+  FIELD(double, free_speed_mps, kElsewhere)        \
+  FIELD(Eigen::Vector2d, smooth_mps, kAsSpeed)     \
+  FIELD(Eigen::Vector2d, old_mps, kAsSpeed)        \
+  FIELD(Eigen::Vector2d, next_mps, kAsSpeed)       \
+  FIELD(Eigen::Vector2d, drift_mps, kAsSpeed)      \
+  FIELD(Eigen::Vector2d, intent_mps, kAsSpeed)     \
+  FIELD(double, clearance_m, kPlainly)             \
+  FIELD(float, look_to_rad, kAsLook)               \
+  FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \
+  FIELD(int64_t, anchor_step, kPlainly)            \
+  FIELD(int64_t, queued_steps, kPlainly)           \
+  FIELD(uint8_t, queuing, kPlainly)
+
+// FIELD(type, name), one value a slot: what a decision works out.
+//   way_x, way_y     where to: a unit vector, or zero
+//   close_counts     of the neighbours, who may overlap; they come first
+//   crowded          of a block, from its first place on: slots with some
+//   expected_x_m...  where people will stand after the period, from the middle of the ground, and
+//   swept_x_m...     what the sweep found there; before and after a sweep
+#define THRONG_DECISION_FIELDS(FIELD) \
+  FIELD(float, vx_mps)                \
+  FIELD(float, vy_mps)                \
+  FIELD(float, radius_m)              \
+  FIELD(float, wanted_x_mps)          \
+  FIELD(float, wanted_y_mps)          \
+  FIELD(float, max_speed_mps)         \
+  FIELD(float, horizon_s)             \
+  FIELD(float, urge)                  \
+  FIELD(float, way_x)                 \
+  FIELD(float, way_y)                 \
+  FIELD(float, next_x_mps)            \
+  FIELD(float, next_y_mps)            \
+  FIELD(uint8_t, neighbour_counts)    \
+  FIELD(uint8_t, close_counts)        \
+  FIELD(uint32_t, crowded)            \
+  FIELD(float, expected_x_m)          \
+  FIELD(float, expected_y_m)          \
+  FIELD(float, swept_x_m)             \
+  FIELD(float, swept_y_m)             \
+  FIELD(uint8_t, touched)             \
+  FIELD(uint8_t, swept_touched)
+
+/// Zero of a number or of a vector.
+template <typename Value>
+Value zero_of() {
+  if constexpr (std::is_arithmetic_v<Value>)
+    return Value{};
+  else
+    return Value::Zero();
+}
+
+/// What moves, by slot.
+struct Walkers {
+#define THRONG_MEMBER(type, name, saved) std::vector<type> name;
+  THRONG_WALKER_FIELDS(THRONG_MEMBER)
+#undef THRONG_MEMBER
+
+  /// Calls visit(field, saved) for each field.
+  template <typename Visit>
+  void for_each_field(const Visit& visit) {
+#define THRONG_VISIT(type, name, saved) visit(name, Saved::saved);
+    THRONG_WALKER_FIELDS(THRONG_VISIT)
+#undef THRONG_VISIT
+  }
+
+  void resize(size_t count) {
+    for_each_field([count](auto& values, Saved) {
+      using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+      values.assign(count, zero_of<Value>());
+    });
+  }
+
+  /// Takes over all that is known of who had `from_slot` before.
+  void carry(const Walkers& from, size_t from_slot, size_t slot) {
+#define THRONG_CARRY(type, name, saved) name[slot] = from.name[from_slot];
+    THRONG_WALKER_FIELDS(THRONG_CARRY)
+#undef THRONG_CARRY
+  }
+};
+
+/// What a decision works out, by slot.
+struct Decisions {
+#define THRONG_MEMBER(type, name) std::vector<type> name;
+  THRONG_DECISION_FIELDS(THRONG_MEMBER)
+#undef THRONG_MEMBER
+  std::vector<uint32_t> neighbours;      ///< `most` a slot
+  std::vector<uint32_t> crowded_counts;  ///< by block
+
+  void resize(size_t count, size_t most, size_t blocks) {
+#define THRONG_RESIZE(type, name) name.resize(count);
+    THRONG_DECISION_FIELDS(THRONG_RESIZE)
+#undef THRONG_RESIZE
+    neighbours.resize(count * most);
+    crowded_counts.resize(blocks);
+  }
+};
+
+}  // namespace throng

@@ -1,0 +1,31 @@
+// How the avatars of a run are cut into blocks for the workers.
+// One rule: a block is of one model, and blocks never depend on the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+/// Consecutive avatars of one model.
+struct BodyBlock {
+  uint32_t first = 0;
+  uint32_t count = 0;
+};
+
+/// Avatars a block: a posture row takes about 50 ns, a state less.
+inline constexpr uint32_t kBodiesABlock = 256;
+
+inline std::vector<BodyBlock> blocks_of(std::span<const uint16_t> types) {
+  std::vector<BodyBlock> blocks;
+  for (uint32_t id = 0; id < types.size(); ++id) {
+    const bool continues = !blocks.empty() && blocks.back().count < kBodiesABlock &&
+                           types[blocks.back().first] == types[id];
+    if (!continues) blocks.push_back({id, 0});
+    ++blocks.back().count;
+  }
+  return blocks;
+}
+
+}  // namespace throng

@@ -1,0 +1,28 @@
+#include "scenes/run/world.h"
+
+#include "scenes/box/parts_world.h"
+#include "scenes/crowd/crowd_world.h"
+
+namespace throng {
+
+const std::vector<std::string>& World::notes() const {
+  static const std::vector<std::string> none;
+  return none;
+}
+
+const SteeringCounters& World::steering() const {
+  static const SteeringCounters zero;
+  return zero;
+}
+
+const TrafficCounters& World::traffic() const {
+  static const TrafficCounters zero;
+  return zero;
+}
+
+std::unique_ptr<World> make_world(const Scene& scene, SimdTarget simd, Workers& workers) {
+  if (scene.box) return std::make_unique<PartsWorld>(scene);
+  return std::make_unique<CrowdWorld>(scene, simd, workers);
+}
+
+}  // namespace throng
