@@ -263,16 +263,33 @@ int FlatModel::column_of(const std::string& joint_name) const {
   return -1;
 }
 
-void forward_kinematics(const FlatModel& model, std::span<const float> postures,
-                        std::span<const RootFrame> roots, std::span<PartPose> poses,
-                        SimdTarget target) {
-  assert(postures.size() == roots.size() * static_cast<size_t>(model.column_count()));
+namespace {
+
+void pose_rows(const FlatModel& model, const PostureRows& rows, std::span<const RootFrame> roots,
+               std::span<PartPose> poses, SimdTarget target) {
   assert(poses.size() == roots.size() * static_cast<size_t>(model.output_count()));
   const SimdTarget chosen = resolved(target);
   if (chosen == SimdTarget::kScalar)
-    forward_kinematics_scalar(model, postures, roots, poses);
+    forward_kinematics_scalar(model, rows, roots, poses);
   else
-    forward_kinematics_simd(model, postures, roots, poses, chosen);
+    forward_kinematics_simd(model, rows, roots, poses, chosen);
+}
+
+}  // namespace
+
+void forward_kinematics(const FlatModel& model, std::span<const float> postures,
+                        std::span<const RootFrame> roots, std::span<PartPose> poses,
+                        SimdTarget target) {
+  const auto columns = static_cast<size_t>(model.column_count());
+  assert(postures.size() == roots.size() * columns);
+  pose_rows(model, {postures.data(), columns, nullptr}, roots, poses, target);
+}
+
+void forward_kinematics(const FlatModel& model, std::span<const float* const> rows,
+                        std::span<const RootFrame> roots, std::span<PartPose> poses,
+                        SimdTarget target) {
+  assert(rows.size() == roots.size());
+  pose_rows(model, {nullptr, 0, rows.data()}, roots, poses, target);
 }
 
 }  // namespace throng

@@ -64,5 +64,9 @@ struct RootFrame {
 void forward_kinematics(const FlatModel& model, std::span<const float> postures,
                         std::span<const RootFrame> roots, std::span<PartPose> poses,
                         SimdTarget target = SimdTarget::kBest);
+/// The same for rows that lie anywhere: rows[i] points to the posture row of avatar i.
+void forward_kinematics(const FlatModel& model, std::span<const float* const> rows,
+                        std::span<const RootFrame> roots, std::span<PartPose> poses,
+                        SimdTarget target = SimdTarget::kBest);
 
 }  // namespace throng

@@ -58,11 +58,21 @@ struct FlatModel::Ops {
   std::vector<Drive> travels;  ///< of kSlide
 };
 
-void forward_kinematics_scalar(const FlatModel& model, std::span<const float> postures,
+/// Where the posture rows of some avatars lie: one after the other, or each on its own.
+struct PostureRows {
+  const float* first = nullptr;
+  size_t row_floats = 0;
+  const float* const* each = nullptr;  ///< null: one after the other
+  const float* operator[](size_t i) const {
+    return each == nullptr ? first + i * row_floats : each[i];
+  }
+};
+
+void forward_kinematics_scalar(const FlatModel& model, const PostureRows& rows,
                                std::span<const RootFrame> roots, std::span<PartPose> poses);
 
 /// `target` is one that this machine has, not kBest and not kScalar.
-void forward_kinematics_simd(const FlatModel& model, std::span<const float> postures,
+void forward_kinematics_simd(const FlatModel& model, const PostureRows& rows,
                              std::span<const RootFrame> roots, std::span<PartPose> poses,
                              SimdTarget target);
 

@@ -1,8 +1,8 @@
 // One avatar after the other, op by op: the reference that the vector version equals to the bit.
 #include <array>
 
+#include "base/elementary.h"
 #include "kinematics/flat_ops.h"
-#include "kinematics/sin_cos.h"
 
 namespace throng {
 namespace {
@@ -30,7 +30,7 @@ RunningPose root_pose(const Eigen::Quaternionf& q) {
           Row{{xz - wy, yz + wx, 1.0f - (xx + yy)}, 0.0f}};
 }
 
-void rotate(Row& row, int i, int j, const SinCosFloat& turn) {
+void rotate(Row& row, int i, int j, const FloatSinCos& turn) {
   const float ci = row.c[i];
   const float cj = row.c[j];
   row.c[i] = ci * turn.cos + cj * turn.sin;
@@ -64,7 +64,7 @@ void pose_one(const FlatModel::Ops& ops, const float* posture, const RootFrame& 
       case OpKind::kRotateX:
       case OpKind::kRotateY:
       case OpKind::kRotateZ: {
-        const SinCosFloat turn = sin_cos(driven(ops.angles[index], posture));
+        const FloatSinCos turn = float_sin_cos(driven(ops.angles[index], posture));
         const int k = static_cast<int>(op.kind) - static_cast<int>(OpKind::kRotateX);
         for (Row& row : pose) rotate(row, (k + 1) % 3, (k + 2) % 3, turn);
         break;
@@ -102,12 +102,11 @@ void pose_one(const FlatModel::Ops& ops, const float* posture, const RootFrame& 
 
 }  // namespace
 
-void forward_kinematics_scalar(const FlatModel& model, std::span<const float> postures,
+void forward_kinematics_scalar(const FlatModel& model, const PostureRows& rows,
                                std::span<const RootFrame> roots, std::span<PartPose> poses) {
-  const size_t columns = static_cast<size_t>(model.column_count());
   const size_t outputs = static_cast<size_t>(model.output_count());
   for (size_t i = 0; i < roots.size(); ++i)
-    pose_one(model.ops(), postures.data() + i * columns, roots[i], poses.data() + i * outputs);
+    pose_one(model.ops(), rows[i], roots[i], poses.data() + i * outputs);
 }
 
 }  // namespace throng

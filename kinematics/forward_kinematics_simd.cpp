@@ -3,96 +3,26 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "base/simd/dispatch.h"
 #include "kinematics/flat_ops.h"
-#include "kinematics/sin_cos.h"
 
-// SSSE3 alone is not worth its code size: every x86-64 since 2008 has SSE4.1.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinematics/forward_kinematics_simd.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+
+#include "base/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#if THRONG_HAS_LANES
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-constexpr size_t kLanes = hn::MaxLanes(D());
-static_assert(kLanes % 4 == 0);
+using D = Lanes;
 
 /// The same row of the running poses of kLanes avatars.
 struct Row {
   V x, y, z, t;
 };
-
-/// Loads and stores four floats each of kLanes/4 avatars; the pointers of a vector's blocks lie
-/// four avatars apart.
-template <class Tag>
-HWY_INLINE hn::Vec<Tag> load_blocks(Tag d, const float* const* rows, size_t offset) {
-  if constexpr (hn::MaxLanes(Tag()) == 4) {
-    return hn::LoadU(d, rows[0] + offset);
-  } else {
-    const hn::Half<Tag> half;
-    return hn::Combine(d, load_blocks(half, rows + hn::MaxLanes(half), offset),
-                       load_blocks(half, rows, offset));
-  }
-}
-
-template <class Tag>
-HWY_INLINE void store_blocks(Tag d, hn::Vec<Tag> v, float* to, size_t block_stride) {
-  if constexpr (hn::MaxLanes(Tag()) == 4) {
-    hn::Store(v, d, to);
-  } else {
-    const hn::Half<Tag> half;
-    store_blocks(half, hn::LowerHalf(half, v), to, block_stride);
-    store_blocks(half, hn::UpperHalf(half, v), to + hn::MaxLanes(half) / 4 * block_stride,
-                 block_stride);
-  }
-}
-
-/// Transposes the 4x4 blocks: lane k of block b of vector j becomes lane j of block b of vector k.
-HWY_INLINE void transpose(V& a, V& b, V& c, V& e) {
-  const D d;
-  const hn::Repartition<double, D> wide;
-  const auto ab_low = hn::BitCast(wide, hn::InterleaveLower(d, a, b));
-  const auto ab_high = hn::BitCast(wide, hn::InterleaveUpper(d, a, b));
-  const auto ce_low = hn::BitCast(wide, hn::InterleaveLower(d, c, e));
-  const auto ce_high = hn::BitCast(wide, hn::InterleaveUpper(d, c, e));
-  a = hn::BitCast(d, hn::InterleaveLower(wide, ab_low, ce_low));
-  b = hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, ce_low));
-  c = hn::BitCast(d, hn::InterleaveLower(wide, ab_high, ce_high));
-  e = hn::BitCast(d, hn::InterleaveUpper(wide, ab_high, ce_high));
-}
-
-/// sin_cos.h, operation for operation.
-HWY_INLINE void sin_cos(V angle, float* sin, float* cos) {
-  using K = SinCosConstants;
-  const D d;
-  const hn::RebindToUnsigned<D> bits;
-  const V rounded = hn::Add(hn::Mul(angle, hn::Set(d, K::kOneOverPi)), hn::Set(d, K::kRound));
-  const V n = hn::Sub(rounded, hn::Set(d, K::kRound));
-  const V sign = hn::BitCast(d, hn::ShiftLeft<31>(hn::BitCast(bits, rounded)));
-  const V r = hn::Sub(hn::Sub(angle, hn::Mul(n, hn::Set(d, K::kPiHigh))),
-                      hn::Mul(n, hn::Set(d, K::kPiLow)));
-  const V z = hn::Mul(r, r);
-  V s = hn::Set(d, K::kSin[3]);
-  s = hn::Add(hn::Mul(s, z), hn::Set(d, K::kSin[2]));
-  s = hn::Add(hn::Mul(s, z), hn::Set(d, K::kSin[1]));
-  s = hn::Add(hn::Mul(s, z), hn::Set(d, K::kSin[0]));
-  s = hn::Add(r, hn::Mul(hn::Mul(r, z), s));
-  V c = hn::Set(d, K::kCos[4]);
-  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[3]));
-  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[2]));
-  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[1]));
-  c = hn::Add(hn::Mul(c, z), hn::Set(d, K::kCos[0]));
-  c = hn::Add(hn::Set(d, 1.0f), hn::Mul(z, c));
-  hn::Store(hn::Xor(s, sign), d, sin);
-  hn::Store(hn::Xor(c, sign), d, cos);
-}
 
 HWY_INLINE V driven(const Drive& drive, const float* columns) {
   const D d;
@@ -137,13 +67,8 @@ HWY_INLINE void root_pose(V x, V y, V z, V w, Row& a, Row& b, Row& c) {
 /// Where the poses of one output go: `to` is the first avatar's, the next avatar's follows after
 /// `stride` floats.
 HWY_INLINE void emit_row(const Row& row, V scale, float* to, size_t stride) {
-  const D d;
-  V a = row.x, b = row.y, c = row.z, e = hn::Mul(row.t, scale);
-  transpose(a, b, c, e);
-  store_blocks(d, a, to, 4 * stride);
-  store_blocks(d, b, to + stride, 4 * stride);
-  store_blocks(d, c, to + 2 * stride, 4 * stride);
-  store_blocks(d, e, to + 3 * stride, 4 * stride);
+  const V pose[4] = {row.x, row.y, row.z, hn::Mul(row.t, scale)};
+  store_rows(pose, [to, stride](size_t lane) HWY_ATTR { return to + lane * stride; });
 }
 
 /// One lane group: pointers to its avatars' rows, and where its poses go.
@@ -166,15 +91,9 @@ HWY_INLINE void transpose_postures(const Group& group, size_t column_count, floa
   for (size_t c = 0; c < column_count; c += 4) {
     const size_t first =
         std::min(c, column_count - 4);  // the last block may overlap the one before
-    V v0 = load_blocks(d, group.postures, first);
-    V v1 = load_blocks(d, group.postures + 1, first);
-    V v2 = load_blocks(d, group.postures + 2, first);
-    V v3 = load_blocks(d, group.postures + 3, first);
-    transpose(v0, v1, v2, v3);
-    hn::Store(v0, d, to + first * kLanes);
-    hn::Store(v1, d, to + (first + 1) * kLanes);
-    hn::Store(v2, d, to + (first + 2) * kLanes);
-    hn::Store(v3, d, to + (first + 3) * kLanes);
+    V four[4];
+    load_rows([&group, first](size_t lane) HWY_ATTR { return group.postures[lane] + first; }, four);
+    for (size_t i = 0; i < 4; ++i) hn::Store(four[i], d, to + (first + i) * kLanes);
   }
 }
 
@@ -203,17 +122,18 @@ void run_program(const FlatModel::Ops& ops, const Group& group, size_t column_co
   HWY_ALIGN float sines[kMaxDrives * kLanes];
   HWY_ALIGN float cosines[kMaxDrives * kLanes];
   transpose_postures(group, column_count, columns);
-  for (size_t i = 0; i < ops.angles.size(); ++i)
-    sin_cos(driven(ops.angles[i], columns), sines + i * kLanes, cosines + i * kLanes);
+  for (size_t i = 0; i < ops.angles.size(); ++i) {
+    V sin, cos;
+    float_sin_cos(driven(ops.angles[i], columns), sin, cos);
+    hn::Store(sin, d, sines + i * kLanes);
+    hn::Store(cos, d, cosines + i * kLanes);
+  }
 
-  V q0 = load_blocks(d, group.quaternions, 0);
-  V q1 = load_blocks(d, group.quaternions + 1, 0);
-  V q2 = load_blocks(d, group.quaternions + 2, 0);
-  V q3 = load_blocks(d, group.quaternions + 3, 0);
-  transpose(q0, q1, q2, q3);
+  V q[4];
+  load_rows([&group](size_t lane) HWY_ATTR { return group.quaternions[lane]; }, q);
   const V scale = hn::Load(d, group.scales);
   Row a, b, c;
-  root_pose(q0, q1, q2, q3, a, b, c);
+  root_pose(q[0], q[1], q[2], q[3], a, b, c);
   struct Slot {
     Row a, b, c;
   };
@@ -305,8 +225,8 @@ void run_program(const FlatModel::Ops& ops, const Group& group, size_t column_co
 
 }  // namespace
 
-void run_all(const FlatModel& model, std::span<const float> postures,
-             std::span<const RootFrame> roots, std::span<PartPose> poses) {
+void run_all(const FlatModel& model, const PostureRows& rows, std::span<const RootFrame> roots,
+             std::span<PartPose> poses) {
   const size_t columns = static_cast<size_t>(model.column_count());
   const size_t outputs = static_cast<size_t>(model.output_count());
   Group group;
@@ -315,7 +235,7 @@ void run_all(const FlatModel& model, std::span<const float> postures,
     group.poses = poses.data() + first * outputs;
     for (size_t lane = 0; lane < kLanes; ++lane) {
       const size_t avatar = first + std::min(lane, group.count - 1);
-      group.postures[lane] = postures.data() + avatar * columns;
+      group.postures[lane] = rows[avatar];
       group.quaternions[lane] = roots[avatar].world_from_root.coeffs().data();  // x y z w
       group.scales[lane] = roots[avatar].scale;
     }
@@ -330,25 +250,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace throng {
 
-void forward_kinematics_simd(const FlatModel& model, std::span<const float> postures,
+void forward_kinematics_simd(const FlatModel& model, const PostureRows& rows,
                              std::span<const RootFrame> roots, std::span<PartPose> poses,
                              SimdTarget target) {
-  switch (target) {
-#if HWY_TARGETS & HWY_SSE4
-    case SimdTarget::kSse4:
-      return N_SSE4::run_all(model, postures, roots, poses);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    case SimdTarget::kAvx2:
-      return N_AVX2::run_all(model, postures, roots, poses);
-#endif
-#if HWY_TARGETS & HWY_AVX3
-    case SimdTarget::kAvx512:
-      return N_AVX3::run_all(model, postures, roots, poses);
-#endif
-    default:
-      return forward_kinematics_scalar(model, postures, roots, poses);
-  }
+  THRONG_CHOOSE(target, run_all, forward_kinematics_scalar)(model, rows, roots, poses);
 }
 
 }  // namespace throng

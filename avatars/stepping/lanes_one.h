@@ -1,14 +1,17 @@
-// One person as one lane: what walk_lanes-inl.h is compiled over for the scalar reference.
-// One rule: every function does what the vector version in lanes_many-inl.h does to each lane.
+// One person as one lane: what stepping_feet-inl.h and stepping_legs-inl.h are compiled over for
+// the scalar reference. One rule: every function does what the vector version in lanes_many-inl.h
+// does to each lane.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "base/simd/bilinear.h"
+
 namespace throng::one_lane {
 
-inline constexpr size_t kLanes = 1;
+inline constexpr size_t kPeople = 1;
 
 struct F {
   float v = 0;
@@ -58,13 +61,8 @@ void store_rows(const F (&in)[4], const Row& row) {
 /// Between rows of kFloats: first(lane), the next by u, and both `step` farther on by v.
 template <size_t kFloats, typename Row>
 void blend_rows(const Row& first, size_t step, F u, F v, F (&out)[kFloats]) {
-  const float* a = first(0);
-  const float* b = a + step;
-  for (size_t i = 0; i < kFloats; ++i) {
-    const float slow = a[i] + u.v * (a[kFloats + i] - a[i]);
-    const float fast = b[i] + u.v * (b[kFloats + i] - b[i]);
-    out[i] = slow + v.v * (fast - slow);
-  }
+  const float* from = first(0);
+  for (size_t i = 0; i < kFloats; ++i) out[i] = bilinear(from + i, kFloats, step, u.v, v.v);
 }
 
 }  // namespace throng::one_lane

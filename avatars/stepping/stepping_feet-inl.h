@@ -321,9 +321,9 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
   store(gait_now, c.gait_mps + i);
   const Place at = place_of(t, speeds, phase_now, root_speed);
   store_step(track, at, c, i);
-  int32_t nodes[kLanes];
+  int32_t nodes[kPeople];
   store_whole(at.node, nodes);
-  for (size_t lane = 0; lane < kLanes; ++lane) {
+  for (size_t lane = 0; lane < kPeople; ++lane) {
     const float* node = c.tables[i + lane] + t.node(nodes[lane]);
     for (const float* row : {node, node + t.next_speed_node()}) {
       __builtin_prefetch(row);

@@ -9,9 +9,9 @@ struct Feet {
 THRONG_LANES F inverse_of(F a) { return 1.0f / a; }
 THRONG_LANES F inverse_sqrt_of(F a) { return 1.0f / sqrt_of(a); }
 
-/// sin_cos.h for |angle| up to a quarter turn.
+/// float_sin_cos() for |angle| up to a quarter turn.
 THRONG_LANES void sin_cos_of(F angle, F& sin, F& cos) {
-  using K = SinCosConstants;
+  using K = FloatSinCosConstants;
   const F z = angle * angle;
   const F s = ((K::kSin[3] * z + K::kSin[2]) * z + K::kSin[1]) * z + K::kSin[0];
   const F c = (((K::kCos[4] * z + K::kCos[3]) * z + K::kCos[2]) * z + K::kCos[1]) * z + K::kCos[0];
@@ -254,7 +254,7 @@ THRONG_LANES Speeds speeds_around(const SteppingTables& t, const float* const* t
                                   F root_speed) {
   Speeds s;
   s.row = whole_of(root_speed * t.cells_per_root_speed, t.speeds - 2);
-  int32_t cell[kLanes];
+  int32_t cell[kPeople];
   store_whole(s.row, cell);
   for (size_t quad = 0; quad < 8; quad += 4) {
     F slow[4], fast[4];
@@ -300,7 +300,7 @@ THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
 /// feet joints or bounds do not allow.
 THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, const Feet& feet,
                        const Place& at, const Track& track, F (&posture)[16], F (&room)[2]) {
-  int32_t nodes[kLanes], cells[kLanes];
+  int32_t nodes[kPeople], cells[kPeople];
   store_whole(at.node, nodes);
   store_whole(at.cell, cells);
   F node[SteppingTables::kNodeFloats];

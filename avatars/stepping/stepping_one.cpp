@@ -6,7 +6,7 @@
 #include "avatars/stepping/lanes_one.h"
 #include "avatars/stepping/stepping_kernels.h"
 #include "avatars/stepping/stepping_tables.h"
-#include "kinematics/sin_cos.h"
+#include "base/elementary.h"
 
 namespace throng {
 namespace one_lane {

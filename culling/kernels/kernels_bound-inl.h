@@ -12,10 +12,9 @@
 #include "culling/kernels/kernels.h"
 #include "culling/kernels/kernels_lanes-inl.h"
 
-#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+#if THRONG_HAS_LANES  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 /// table[index] in every lane, index in 0..7.
 HWY_INLINE V lookup8(const float* HWY_RESTRICT table, U index) {
@@ -207,6 +206,6 @@ HWY_INLINE V3 centre_of(const OrdopTable& t, const Poses& pose, V scale) {
 
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
-#endif  // HWY_SCALAR
+#endif  // THRONG_HAS_LANES
 
 #endif  // per-target include guard

@@ -14,10 +14,9 @@
 #include "culling/kernels/kernels.h"
 #include "culling/kernels/kernels_bound-inl.h"
 
-#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+#if THRONG_HAS_LANES  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 /// Stores rows of four parts, a body a lane, at `offset` of each body's block.
 HWY_INLINE void store_parts(const V (&by_part)[4], float* const* blocks, size_t offset,
@@ -277,6 +276,6 @@ HWY_NOINLINE size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size
 
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
-#endif  // HWY_SCALAR
+#endif  // THRONG_HAS_LANES
 
 #endif  // per-target include guard

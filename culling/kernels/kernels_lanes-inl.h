@@ -1,4 +1,4 @@
-// Registers of the culling kernels with Highway, compiled once a target: vectors and poses a lane.
+// What the culling kernels keep in registers, compiled once a target: vectors and poses a lane.
 // Included by kernels_simd.cpp only.
 #if defined(THRONG_CULLING_KERNELS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef THRONG_CULLING_KERNELS_LANES_INL_H_
@@ -7,23 +7,14 @@
 #define THRONG_CULLING_KERNELS_LANES_INL_H_
 #endif
 
-#include <hwy/highway.h>
-
 #include <bit>
 
+#include "base/simd/lanes-inl.h"
 #include "culling/kernels/kernels.h"
 
-#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+#if THRONG_HAS_LANES  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes = hn::CappedTag<float, 16>;
-using LaneBits = hn::RebindToUnsigned<Lanes>;
-using V = hn::Vec<Lanes>;
-using U = hn::Vec<LaneBits>;
-using M = hn::Mask<Lanes>;
-inline constexpr size_t kLanes = hn::MaxLanes(Lanes());
 
 /// A vector in every lane.
 struct V3 {
@@ -35,14 +26,6 @@ HWY_INLINE V3 operator+(const V3& a, const V3& b) {
 }
 HWY_INLINE V3 operator-(const V3& a, const V3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-
-/// first, first + 1, ... Highway's Iota writes the lanes to memory one by one and waits for them.
-HWY_INLINE U counting_from(uint32_t first) {
-  HWY_ALIGN static constexpr uint32_t kCount[] = {0, 1, 2,  3,  4,  5,  6,  7,
-                                                  8, 9, 10, 11, 12, 13, 14, 15};
-  const LaneBits d;
-  return hn::Add(hn::Set(d, first), hn::Load(d, kCount));
 }
 
 /// The lanes of a mask as bits of an integer.
@@ -57,45 +40,6 @@ HWY_INLINE uint32_t bits_of(M mask) {
 /// (a.x * b.x + a.y * b.y) + a.z * b.z, never fused: the same bits on every target.
 HWY_INLINE V dot(const V3& a, const V3& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-
-/// Transposes the 4 x 4 matrices in each group of four lanes.
-HWY_INLINE void transpose4(const V (&in)[4], V (&out)[4]) {
-  const Lanes d;
-  const hn::RepartitionToWide<Lanes> wide;
-  const auto pair = [&](V v) { return hn::BitCast(wide, v); };
-  const V low01 = hn::InterleaveLower(d, in[0], in[1]),
-          high01 = hn::InterleaveUpper(d, in[0], in[1]);
-  const V low23 = hn::InterleaveLower(d, in[2], in[3]),
-          high23 = hn::InterleaveUpper(d, in[2], in[3]);
-  out[0] = hn::BitCast(d, hn::InterleaveLower(wide, pair(low01), pair(low23)));
-  out[1] = hn::BitCast(d, hn::InterleaveUpper(wide, pair(low01), pair(low23)));
-  out[2] = hn::BitCast(d, hn::InterleaveLower(wide, pair(high01), pair(high23)));
-  out[3] = hn::BitCast(d, hn::InterleaveUpper(wide, pair(high01), pair(high23)));
-}
-
-/// Rows of four floats, one a lane: out[c] gets component c of every lane's row. Rows 16-byte
-/// aligned.
-template <typename Row>
-HWY_INLINE void load_rows(const Row& row, V (&out)[4]) {
-  const Lanes d;
-  V r[4];
-  for (size_t i = 0; i < 4; ++i) {
-    // Lane group g of r[i] is the row of lane 4 g + i.
-    if constexpr (kLanes == 4) {
-      r[i] = hn::Load(d, row(i));
-    } else if constexpr (kLanes == 8) {
-      const hn::CappedTag<float, 4> quad;
-      r[i] = hn::Combine(d, hn::Load(quad, row(i + 4)), hn::Load(quad, row(i)));
-    } else {
-      const hn::CappedTag<float, 4> quad;
-      const hn::CappedTag<float, 8> oct;
-      r[i] =
-          hn::Combine(d, hn::Combine(oct, hn::Load(quad, row(i + 12)), hn::Load(quad, row(i + 8))),
-                      hn::Combine(oct, hn::Load(quad, row(i + 4)), hn::Load(quad, row(i))));
-    }
-  }
-  transpose4(r, out);
 }
 
 /// The poses of one part a lane: rotation by columns (the part's axes in the world) and
@@ -129,6 +73,6 @@ HWY_INLINE V3 operator*(const V3& v, V factor) {
 
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
-#endif  // HWY_SCALAR
+#endif  // THRONG_HAS_LANES
 
 #endif  // per-target include guard

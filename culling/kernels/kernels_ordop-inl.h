@@ -12,10 +12,9 @@
 #include "culling/kernels/kernels.h"
 #include "culling/kernels/kernels_bound-inl.h"
 
-#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+#if THRONG_HAS_LANES  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 /// Separating axes along the directions of one or-DOP ("own") against another ("other"), in units
 /// of own's half sides and scale, so that own's slabs are constants.
@@ -289,6 +288,6 @@ HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const Bo
 
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
-#endif  // HWY_SCALAR
+#endif  // THRONG_HAS_LANES
 
 #endif  // per-target include guard

@@ -13,10 +13,9 @@
 #include "culling/kernels/kernels_bound-inl.h"
 #include "culling/volumes/ordop_pair.h"
 
-#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+#if THRONG_HAS_LANES  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 /// True if a direction of own separates; the operations are those of the scalar reference.
 template <int K>
@@ -54,6 +53,6 @@ HWY_NOINLINE bool ordop_pair(const OrdopLanes& a, const PartPose& pose_a, float 
 
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
-#endif  // HWY_SCALAR
+#endif  // THRONG_HAS_LANES
 
 #endif  // per-target include guard

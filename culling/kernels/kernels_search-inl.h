@@ -14,10 +14,9 @@
 #include "culling/kernels/kernels.h"
 #include "culling/kernels/kernels_lanes-inl.h"
 
-#if HWY_TARGET != HWY_SCALAR  // the scalar reference is kernels_scalar.cpp
+#if THRONG_HAS_LANES  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 /// Loads a row's numbers at slots: the same slot in every lane, or consecutive ones from j on. The
 /// rows are padded, so a full load is safe.
@@ -217,6 +216,6 @@ HWY_NOINLINE size_t body_runs(const SphereRows& s, const RectangleRows& r, SlotR
 
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
-#endif  // HWY_SCALAR
+#endif  // THRONG_HAS_LANES
 
 #endif  // per-target include guard

@@ -1,19 +1,17 @@
+#include "base/simd/dispatch.h"
 #include "culling/kernels/kernels.h"
 
-// SSSE3 without SSE4 has no machine of interest: it runs the scalar loops.
-#define HWY_DISABLED_TARGETS HWY_SSSE3
 // One compilation a target; Highway includes this file once for each.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "culling/kernels/kernels_simd.cpp"
-#include <hwy/foreach_target.h>  // must come before highway.h
-#include <hwy/highway.h>
+#include <hwy/foreach_target.h>
 
 #include "culling/kernels/kernels_boxes-inl.h"
 #include "culling/kernels/kernels_ordop-inl.h"
 #include "culling/kernels/kernels_pair-inl.h"
 #include "culling/kernels/kernels_search-inl.h"
 
-#if HWY_TARGET != HWY_SCALAR
+#if THRONG_HAS_LANES
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 extern const Kernels kKernels;
@@ -32,22 +30,7 @@ HWY_AFTER_NAMESPACE();
 namespace throng {
 
 const Kernels& kernels_for(SimdTarget target) {
-  switch (resolved(target)) {
-#if HWY_TARGETS & HWY_AVX3
-    case SimdTarget::kAvx512:
-      return N_AVX3::kKernels;
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    case SimdTarget::kAvx2:
-      return N_AVX2::kKernels;
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    case SimdTarget::kSse4:
-      return N_SSE4::kKernels;
-#endif
-    default:
-      return scalar_kernels();
-  }
+  return *THRONG_CHOOSE(resolved(target), kKernels, scalar_kernels());
 }
 
 }  // namespace throng

@@ -31,19 +31,7 @@ NeighbourGrid::NeighbourGrid(const Rectangle& ground, size_t people, SimdTarget 
   shape_.low_y = static_cast<float>(-0.5 * size.y());
   shape_.slack_m = 1e-4f + 1e-6f * static_cast<float>(size.maxCoeff());
   starts_.resize(static_cast<size_t>(shape_.columns) * static_cast<size_t>(shape_.rows) + 1);
-  switch (resolved(target)) {
-    case SimdTarget::kSse4:
-      search_ = nearest_sse4;
-      break;
-    case SimdTarget::kAvx2:
-      search_ = nearest_avx2;
-      break;
-    case SimdTarget::kAvx512:
-      search_ = nearest_avx512;
-      break;
-    default:
-      search_ = nearest_scalar;
-  }
+  search_ = neighbour_search_on(target);
 }
 
 GridView NeighbourGrid::view() const {

@@ -56,11 +56,8 @@ struct Rings {
 
 void nearest_scalar(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
                     uint8_t* counts);
-void nearest_sse4(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                  uint8_t* counts);
-void nearest_avx2(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                  uint8_t* counts);
-void nearest_avx512(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                    uint8_t* counts);
+using NeighbourSearch = decltype(&nearest_scalar);
+/// Gives the same answers.
+NeighbourSearch neighbour_search_on(SimdTarget target);
 
 }  // namespace throng

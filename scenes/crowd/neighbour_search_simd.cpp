@@ -1,27 +1,24 @@
 // The people of a row of cells as lanes: squared distances, the near ones packed, then ranked by
 // counting how many are nearer.
-#include <hwy/base.h>
-
 #include <cstddef>
 #include <cstdint>
 
+#include "base/simd/dispatch.h"
 #include "scenes/crowd/neighbour_search.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scenes/crowd/neighbour_search_simd.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+
+#include "base/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#if THRONG_HAS_LANES
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using DU = hn::RebindToUnsigned<D>;
-constexpr size_t kLanes = hn::MaxLanes(D());
+using D = Lanes;
+using DU = LaneBits;
 constexpr size_t kMost = NeighbourGrid::kMost;
 
 /// Those found so far, in ascending order of slots.
@@ -98,7 +95,7 @@ void search(const GridView& grid, size_t begin, size_t end, float reach_m, uint3
             uint8_t* counts) {
   const D d;
   const DU du;
-  const auto lane = hn::Iota(du, 0);
+  const auto lane = counting_from(0);
   Candidates near;
   for (size_t own = begin; own < end; ++own) {
     const Rings rings(grid, own);
@@ -142,29 +139,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace throng {
 
-void nearest_sse4(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                  uint8_t* counts) {
-#if HWY_TARGETS & HWY_SSE4
-  N_SSE4::nearest_all(grid, begin, end, reach_m, found, counts);
-#else
-  nearest_scalar(grid, begin, end, reach_m, found, counts);
-#endif
-}
-void nearest_avx2(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                  uint8_t* counts) {
-#if HWY_TARGETS & HWY_AVX2
-  N_AVX2::nearest_all(grid, begin, end, reach_m, found, counts);
-#else
-  nearest_scalar(grid, begin, end, reach_m, found, counts);
-#endif
-}
-void nearest_avx512(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                    uint8_t* counts) {
-#if HWY_TARGETS & HWY_AVX3
-  N_AVX3::nearest_all(grid, begin, end, reach_m, found, counts);
-#else
-  nearest_scalar(grid, begin, end, reach_m, found, counts);
-#endif
+NeighbourSearch neighbour_search_on(SimdTarget target) {
+  return THRONG_CHOOSE(resolved(target), nearest_all, nearest_scalar);
 }
 
 }  // namespace throng

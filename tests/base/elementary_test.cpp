@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -72,6 +73,49 @@ TEST(Elementary, TurningAgreesWithAngleAndAxis) {
     const double angle = random_uniform(key, -7, 7, 3);
     const Eigen::Matrix3d expected = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
     ASSERT_LT((turn_about(axis, angle) - expected).cwiseAbs().maxCoeff(), 4e-15) << i;
+  }
+}
+
+double worst_error(double limit_rad, int samples) {
+  double worst = 0;
+  for (int i = -samples; i <= samples; ++i) {
+    const float angle = static_cast<float>(limit_rad * i / samples);
+    const FloatSinCos found = float_sin_cos(angle);
+    worst = std::max(
+        {worst, std::abs(static_cast<double>(found.sin) - std::sin(static_cast<double>(angle))),
+         std::abs(static_cast<double>(found.cos) - std::cos(static_cast<double>(angle)))});
+  }
+  return worst;
+}
+
+TEST(FloatSinCos, IsOffByLessThan2e7WithinATurn) {
+  EXPECT_LT(worst_error(2 * std::numbers::pi, 500000), 2e-7);
+}
+
+TEST(FloatSinCos, IsOffByLessThan2e7WithinSixteenTurns) {
+  EXPECT_LT(worst_error(100, 500000), 2e-7);
+}
+
+TEST(FloatSinCos, IsOffByLessThan2e7AtTheQuartersAndTheirNeighbours) {
+  for (int quarter = -40; quarter <= 40; ++quarter) {
+    float angle = static_cast<float>(quarter * std::numbers::pi / 2);
+    for (int i = 0; i < 50; ++i) angle = std::nextafterf(angle, -1000.0f);
+    for (int i = 0; i < 100; ++i, angle = std::nextafterf(angle, 1000.0f)) {
+      const FloatSinCos found = float_sin_cos(angle);
+      ASSERT_NEAR(static_cast<double>(found.sin), std::sin(static_cast<double>(angle)), 2e-7)
+          << angle;
+      ASSERT_NEAR(static_cast<double>(found.cos), std::cos(static_cast<double>(angle)), 2e-7)
+          << angle;
+    }
+  }
+}
+
+TEST(FloatSinCos, KeepsTheSymmetriesToTheBit) {
+  EXPECT_EQ(float_sin_cos(0.0f).sin, 0.0f);
+  EXPECT_EQ(float_sin_cos(0.0f).cos, 1.0f);
+  for (float angle = 0; angle < 10; angle += 0.01f) {
+    EXPECT_EQ(float_sin_cos(-angle).sin, -float_sin_cos(angle).sin);
+    EXPECT_EQ(float_sin_cos(-angle).cos, float_sin_cos(angle).cos);
   }
 }
 

@@ -58,14 +58,11 @@ inline float share_of(float own_urge, float other_urge) {
   return 0.5f + 0.5f * (other_urge - own_urge);
 }
 
-/// The same for all people of a block: the definition, and the same bits with people as lanes.
+/// The same for all people of a block: the definition.
 void decide_orca_scalar(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
                         float* next_y_mps);
-void decide_orca_sse4(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
-                      float* next_y_mps);
-void decide_orca_avx2(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
-                      float* next_y_mps);
-void decide_orca_avx512(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
-                        float* next_y_mps);
+using SteeringFunction = decltype(&decide_orca_scalar);
+/// With people as lanes: the same bits.
+SteeringFunction orca_on(SimdTarget target);
 
 }  // namespace throng

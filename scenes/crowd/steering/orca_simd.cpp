@@ -6,26 +6,23 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/simd/dispatch.h"
 #include "scenes/crowd/steering/orca.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scenes/crowd/steering/orca_simd.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+
+#include "base/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#if THRONG_HAS_LANES
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-using DU = hn::RebindToUnsigned<D>;
+using D = Lanes;
+using DU = LaneBits;
 using DI = hn::RebindToSigned<D>;
-using M = hn::Mask<D>;
-constexpr size_t kLanes = hn::MaxLanes(D());
 constexpr float kNever_mps = -1e30f;
 constexpr size_t kRoom = kMostPlanes + 16;
 
@@ -382,26 +379,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace throng {
 
-void decide_orca_sse4(const SteeringView& p, size_t begin, size_t end, float* x, float* y) {
-#if HWY_TARGETS & HWY_SSE4
-  N_SSE4::decide_all(p, begin, end, x, y);
-#else
-  decide_orca_scalar(p, begin, end, x, y);
-#endif
-}
-void decide_orca_avx2(const SteeringView& p, size_t begin, size_t end, float* x, float* y) {
-#if HWY_TARGETS & HWY_AVX2
-  N_AVX2::decide_all(p, begin, end, x, y);
-#else
-  decide_orca_scalar(p, begin, end, x, y);
-#endif
-}
-void decide_orca_avx512(const SteeringView& p, size_t begin, size_t end, float* x, float* y) {
-#if HWY_TARGETS & HWY_AVX3
-  N_AVX3::decide_all(p, begin, end, x, y);
-#else
-  decide_orca_scalar(p, begin, end, x, y);
-#endif
+SteeringFunction orca_on(SimdTarget target) {
+  return THRONG_CHOOSE(resolved(target), decide_all, decide_orca_scalar);
 }
 
 }  // namespace throng

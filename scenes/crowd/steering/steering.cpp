@@ -9,12 +9,10 @@
 namespace throng {
 namespace {
 
-using Function = void (*)(const SteeringView&, size_t, size_t, float*, float*);
-
 /// A model that is one function for each target.
 class FunctionModel : public SteeringModel {
  public:
-  FunctionModel(Function function, bool keeps_gap) : function_(function), keeps_gap_(keeps_gap) {}
+  FunctionModel(SteeringFunction function, bool keeps_gap) : function_(function), keeps_gap_(keeps_gap) {}
   void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
               float* next_y_mps) const override {
     function_(people, begin, end, next_x_mps, next_y_mps);
@@ -22,25 +20,12 @@ class FunctionModel : public SteeringModel {
   bool keeps_gap() const override { return keeps_gap_; }
 
  private:
-  Function function_;
+  SteeringFunction function_;
   bool keeps_gap_;
 };
 
-Function orca_on(SimdTarget target) {
-  switch (target) {
-    case SimdTarget::kSse4:
-      return decide_orca_sse4;
-    case SimdTarget::kAvx2:
-      return decide_orca_avx2;
-    case SimdTarget::kAvx512:
-      return decide_orca_avx512;
-    default:
-      return decide_orca_scalar;
-  }
-}
-
 std::unique_ptr<const SteeringModel> make_orca(SimdTarget target) {
-  return std::make_unique<FunctionModel>(orca_on(resolved(target)), false);
+  return std::make_unique<FunctionModel>(orca_on(target), false);
 }
 
 std::unique_ptr<const SteeringModel> make_speed(SimdTarget) {
