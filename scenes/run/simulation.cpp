@@ -56,11 +56,18 @@ BodyStates bodies_of(World& world, const Scene& scene) {
   return bodies;
 }
 
-std::vector<Posing::Styles> styles_by_kind(const BodyStates& bodies, size_t kinds) {
-  std::vector<Posing::Styles> styles(kinds);
+/// How the avatars of each model walk, and whether something outside moves them.
+std::vector<ModelUse> uses_of(const World& world, const Scene& scene, const BodyStates& bodies) {
+  const PostureKind walking = scene.planted_feet ? PostureKind::kStepping : PostureKind::kTable;
+  std::vector<ModelUse> uses(world.models().size(), ModelUse{{}, walking});
   for (size_t i = 0; i < bodies.styles.size(); ++i)
-    styles[bodies.types[i]].set(static_cast<size_t>(bodies.styles[i]));
-  return styles;
+    uses[bodies.types[i]].styles.set(static_cast<size_t>(bodies.styles[i]));
+  RunInfo groups;
+  world.describe(groups);
+  for (size_t i = 0; i < groups.group_of_avatar.size(); ++i)
+    if (!groups.drive_channels[groups.group_of_avatar[i]].empty())
+      uses[bodies.types[i]].postures = PostureKind::kHeld;
+  return uses;
 }
 
 }  // namespace
@@ -110,7 +117,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
       bodies(bodies_of(*world, scene)),
       avatars(bodies.phases.size()),
       speeds_mps(avatars),
-      posing(models, styles_by_kind(bodies, models.size()), bodies, workers),
+      posing(models, uses_of(*world, scene, bodies), bodies, workers),
       there(bodies.types.size()) {
   describe_run();
   cut_blocks();

@@ -16,7 +16,7 @@
 
 namespace throng {
 
-struct BodyStates;  // scenes/run/posing.h
+struct BodyStates;  // scenes/run/postures.h
 
 struct SimulationOptions {
   int threads = 1;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <vector>
 
 #include "scenes/run/walk.h"
@@ -16,15 +17,15 @@ TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   const std::vector<float> row(static_cast<size_t>(adult->kinematics.column_count()));
   BodyStates bodies;
-  bodies.types = {0, 0};
+  bodies.types = {0, 1};
   bodies.roots.resize(2);
   bodies.scales = {1, 1};
   bodies.phases = {0, 0};
   bodies.resize_steps(2);
   bodies.held_rows = {nullptr, row.data()};
-  const std::array<Posing::Styles, 1> plain;
+  const std::array<ModelUse, 2> uses = {ModelUse{}, ModelUse{{}, PostureKind::kHeld}};
   Workers workers(1);
-  const Posing posing({adult}, plain, bodies, workers);
+  const Posing posing({adult, adult}, uses, bodies, workers);
   walk_on(posing, std::array<WalkNow, 2>{}, 0.1, 0, SimdTarget::kScalar, bodies);
   const std::array<uint32_t, 2> both = {0, 1};
   std::array<RootBox, 2> boxes;
@@ -51,7 +52,7 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
   for (uint32_t id = 0; id < kAvatars; ++id)
     looks.push_back((id % 5 < 3 ? 0.25f : -0.2f) * static_cast<float>(id % 3));
   bodies.looks_rad = looks;
-  const std::array<Posing::Styles, 1> all = {Posing::Styles().set()};
+  const std::array<ModelUse, 1> all = {ModelUse{GaitStyles().set(), PostureKind::kStepping}};
   Workers workers(2);
   const Posing posing({adult}, all, bodies, workers);
   const std::vector<WalkNow> comes_in(kAvatars, WalkNow{{}, 1.4f, true});
@@ -86,6 +87,52 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
           ASSERT_LE(p[axis], boxes[id].max_m[axis]);
         }
       }
+  }
+}
+
+TEST(Posing, RowsThatLieSomewhereAreReadWhereTheyLie) {
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf());
+  const auto columns = static_cast<size_t>(adult->kinematics.column_count());
+  std::vector<float> held(columns, 0.1f), room(2 * columns, 7.0f);
+  BodyStates bodies;
+  bodies.held_rows = {nullptr, held.data()};
+  const uint32_t driven = 1;
+  const float* row = nullptr;
+  make_posture_provider(PostureKind::kHeld, {}, bodies)->rows({&driven, 1}, room, {&row, 1});
+  EXPECT_EQ(row, held.data());
+  EXPECT_EQ(room, std::vector<float>(2 * columns, 7.0f));
+}
+
+TEST(Posing, PosesAreTheSameWhetherRowsAreComputedBeforeOrNot) {
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf());
+  const auto columns = static_cast<size_t>(adult->kinematics.column_count());
+  constexpr uint32_t kAvatars = 200;
+  for (const PostureKind kind : {PostureKind::kHeld, PostureKind::kStepping, PostureKind::kTable}) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    const std::vector<float> held(columns, 0.1f);
+    BodyStates bodies;
+    bodies.types.assign(kAvatars, 0);
+    bodies.scales.assign(kAvatars, 1.1f);
+    bodies.roots.resize(kAvatars);
+    bodies.held_rows.assign(kAvatars, held.data());
+    for (uint32_t id = 0; id < kAvatars; ++id)
+      bodies.phases.push_back(static_cast<float>(id) / kAvatars);
+    bodies.resize_steps(kAvatars);
+    Workers workers(1);
+    Posing posing({adult}, std::array<ModelUse, 1>{ModelUse{{}, kind}}, bodies, workers);
+    for (uint32_t first = 0; first < kAvatars; first += 50)
+      walk_on(posing, std::vector<WalkNow>(50, WalkNow{{}, 1.3f, true}), 0.1, first,
+              SimdTarget::kScalar, bodies);
+    std::vector<float> rows(kAvatars * columns);
+    std::vector<size_t> offsets;
+    for (size_t id = 0; id < kAvatars; ++id) offsets.push_back(id * columns);
+    posing.postures(0, kAvatars, rows);
+    const std::array<uint32_t, 3> some = {199, 3, 128};
+    std::vector<PartPose> computed(3 * adult->parts.size()), read(computed.size());
+    posing.poses(some, computed);
+    posing.use_rows(rows, offsets);
+    posing.poses(some, read);
+    EXPECT_EQ(std::memcmp(computed.data(), read.data(), read.size() * sizeof(PartPose)), 0);
   }
 }
 

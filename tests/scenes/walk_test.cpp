@@ -128,9 +128,9 @@ TEST(Walk, EverybodyIsInsideTheBoundsGivenBeforePosing) {
     Simulation simulation(small(name, 120), {});
     const BodyStates& bodies = simulation.bodies();
     Workers workers(1);
-    std::vector<Posing::Styles> styles(simulation.info().models.size());
-    for (const GaitStyle style : bodies.styles) styles[0].set(static_cast<size_t>(style));
-    const Posing posing(simulation.info().models, styles, bodies, workers);
+    std::vector<ModelUse> uses(simulation.info().models.size());
+    for (const GaitStyle style : bodies.styles) uses[0].styles.set(static_cast<size_t>(style));
+    const Posing posing(simulation.info().models, uses, bodies, workers);
     const RootSphere sphere = posing.sphere(0);
     const Model& model = *simulation.info().models.front();
     std::vector<PartPose> poses(model.parts.size());

@@ -1,0 +1,137 @@
+#include "scenes/run/postures.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace throng {
+namespace {
+
+class HeldPostures : public PostureProvider {
+ public:
+  explicit HeldPostures(const BodyStates& states) : states_(states) {}
+
+  void rows(std::span<const uint32_t> bodies, std::span<float> /*room*/,
+            std::span<const float*> rows) const override {
+    for (size_t i = 0; i < bodies.size(); ++i) rows[i] = states_.held_rows[bodies[i]];
+  }
+  /// Joints that no gait knows of: the sphere has to do.
+  void bounds(std::span<const uint32_t> /*bodies*/, std::span<RootBox> out) const override {
+    std::fill(out.begin(), out.end(), RootBox{});
+  }
+
+ private:
+  const BodyStates& states_;
+};
+
+/// Bodies that walk by their own gaits, of one model.
+class WalkingPostures : public PostureProvider {
+ public:
+  WalkingPostures(const ModelGaits& gaits, const BodyStates& states)
+      : gaits_(gaits), states_(states) {}
+
+  void rows(std::span<const uint32_t> bodies, std::span<float> room,
+            std::span<const float*> rows) const final {
+    assert(bodies.size() <= PoseSource::kMaxBatch);
+    const auto columns = static_cast<size_t>(gaits_.plain().column_count());
+    std::array<const Gait*, PoseSource::kMaxBatch> own{};
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      own[i] = &gait_of(bodies[i]);
+      fetch(bodies[i]);
+      rows[i] = room.data() + i * columns;
+    }
+    write({own.data(), bodies.size()}, bodies, room.first(bodies.size() * columns));
+    for (size_t i = 0; i < bodies.size() && !states_.looks_rad.empty(); ++i)
+      own[i]->look(states_.looks_rad[bodies[i]], room.subspan(i * columns, columns));
+  }
+
+ protected:
+  const Gait& gait_of(uint32_t body) const { return gaits_.of(states_, body); }
+  const BodyStates& states() const { return states_; }
+  /// Bodies are in the order of the search: far apart. Asks for what write() will read.
+  virtual void fetch(uint32_t /*body*/) const {}
+  virtual void write(std::span<const Gait* const> gaits, std::span<const uint32_t> bodies,
+                     std::span<float> rows) const = 0;
+
+ private:
+  const ModelGaits& gaits_;
+  const BodyStates& states_;
+};
+
+class SteppingPostures final : public WalkingPostures {
+ public:
+  using WalkingPostures::WalkingPostures;
+
+  void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override {
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      const uint32_t body = bodies[i];
+      out[i] = gait_of(body).box_of({states().room_x[body], states().room_y[body]},
+                                    states().scales[body]);
+    }
+  }
+
+ private:
+  void fetch(uint32_t body) const override { __builtin_prefetch(&states().postures[body]); }
+  void write(std::span<const Gait* const> gaits, std::span<const uint32_t> bodies,
+             std::span<float> rows) const override {
+    Gait::postures(gaits, states().postures, bodies, rows);
+  }
+};
+
+/// As phases, speeds and scales have it.
+class TablePostures final : public WalkingPostures {
+ public:
+  using WalkingPostures::WalkingPostures;
+
+  void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override {
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      const uint32_t body = bodies[i];
+      gait_of(body).bounds({&states().phases[body], 1}, {&states().gait_mps[body], 1},
+                           {&states().scales[body], 1}, {&out[i], 1});
+    }
+  }
+
+ private:
+  void write(std::span<const Gait* const> gaits, std::span<const uint32_t> bodies,
+             std::span<float> rows) const override {
+    std::array<float, PoseSource::kMaxBatch> phases;
+    std::array<float, PoseSource::kMaxBatch> speeds;
+    std::array<float, PoseSource::kMaxBatch> scales;
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      phases[i] = states().phases[bodies[i]];
+      speeds[i] = states().gait_mps[bodies[i]];
+      scales[i] = states().scales[bodies[i]];
+    }
+    Gait::postures(gaits, {phases.data(), bodies.size()}, {speeds.data(), bodies.size()},
+                   {scales.data(), bodies.size()}, rows);
+  }
+};
+
+}  // namespace
+
+RootSphere ModelGaits::sphere() const {
+  RootSphere sphere{plain().sphere_centre_m(), 0, 0};
+  for (const std::unique_ptr<Gait>& gait : gaits_) {
+    if (gait == nullptr) continue;
+    const float apart_m = (gait->sphere_centre_m() - sphere.centre_m).norm();
+    sphere.radius_m = std::max(sphere.radius_m, gait->sphere_radius_m() + apart_m);
+    sphere.upright_radius_m = std::max(sphere.upright_radius_m, gait->upright_radius_m());
+  }
+  return sphere;
+}
+
+void ModelGaits::share_room() {
+  const RootSphere room = sphere();
+  for (const std::unique_ptr<Gait>& gait : gaits_)
+    if (gait != nullptr) gait->share_room(room.centre_m.z(), room.radius_m, room.upright_radius_m);
+}
+
+std::unique_ptr<const PostureProvider> make_posture_provider(PostureKind kind,
+                                                             const ModelGaits& gaits,
+                                                             const BodyStates& states) {
+  if (kind == PostureKind::kHeld) return std::make_unique<HeldPostures>(states);
+  if (kind == PostureKind::kStepping && gaits.plain().has_legs())
+    return std::make_unique<SteppingPostures>(gaits, states);
+  return std::make_unique<TablePostures>(gaits, states);
+}
+
+}  // namespace throng

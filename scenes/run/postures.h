@@ -1,0 +1,93 @@
+// Where the posture of a body comes from, chosen once for each type of body.
+// One rule: a row depends on the state of its own body only, and one that lies somewhere already is
+// read where it lies.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "avatars/gait/gait.h"
+#include "culling/bodies.h"
+#include "culling/body_type.h"
+
+namespace throng {
+
+/// The state of all bodies that poses depend on, by body: avatars first, then obstacles.
+struct BodyStates {
+  std::vector<uint16_t> types;  ///< models first, then one type an obstacle
+  std::vector<RootPose> roots;
+  std::vector<float> scales;
+  // Avatars only.
+  /// The posture row of an avatar that something outside moves, null for others; empty if there are
+  /// none.
+  std::vector<const float*> held_rows;
+  std::vector<GaitStyle> styles;     ///< empty: everybody walks plainly
+  std::span<const float> looks_rad;  ///< how far heads are turned; empty: they are not
+  std::vector<float> phases;
+  // What stepping brings along and gives, see WalkChunk; where feet are not planted, all but the
+  // speed is empty.
+  std::vector<float> gait_mps;
+  std::array<std::vector<float>, WalkChunk::kFeetNumbers> feet;
+  std::vector<WalkPosture> postures;
+  std::vector<float> room_x, room_y;
+
+  /// Makes room for avatars that have not come in yet.
+  void resize_steps(size_t avatars) {
+    gait_mps.assign(avatars, kNotComeIn);
+    for (std::vector<float>& numbers : feet) numbers.assign(avatars, 0);
+    postures.resize(avatars);
+    room_x.resize(avatars);
+    room_y.resize(avatars);
+  }
+};
+
+/// The styles that walkers of a model have.
+using GaitStyles = std::bitset<kGaitStyleCount>;
+
+/// The gaits of one model: the plain one and those of `styles`; of others, null.
+class ModelGaits {
+ public:
+  ModelGaits() = default;
+  std::unique_ptr<Gait>& of_style(size_t style) { return gaits_[style]; }
+  const Gait& plain() const { return *gaits_[0]; }
+  const Gait& of(const BodyStates& states, uint32_t body) const {
+    return *gaits_[states.styles.empty() ? 0 : static_cast<size_t>(states.styles[body])];
+  }
+  /// Around every posture of every style.
+  RootSphere sphere() const;
+  /// All styles walk within sphere().
+  void share_room();
+
+ private:
+  std::array<std::unique_ptr<Gait>, kGaitStyleCount> gaits_;
+};
+
+/// Gives the postures of all bodies of one type. From several threads at once; allocates nothing.
+class PostureProvider {
+ public:
+  virtual ~PostureProvider() = default;
+  /// Points rows[i] to the posture row of bodies[i], at most PoseSource::kMaxBatch. Those that lie
+  /// nowhere yet are written to `room`, which is large enough for all.
+  virtual void rows(std::span<const uint32_t> bodies, std::span<float> room,
+                    std::span<const float*> rows) const = 0;
+  /// See PoseSource::bounds().
+  virtual void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const = 0;
+};
+
+/// What moves the bodies of a type.
+enum class PostureKind {
+  kHeld,      ///< something outside: BodyStates::held_rows
+  kStepping,  ///< the gait, with planted feet
+  kTable,     ///< the gait's table as it is
+};
+
+/// Keeps references to both. A model without human legs has no feet to plant: it gets its table.
+std::unique_ptr<const PostureProvider> make_posture_provider(PostureKind kind,
+                                                             const ModelGaits& gaits,
+                                                             const BodyStates& states);
+
+}  // namespace throng
