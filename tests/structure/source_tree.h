@@ -14,7 +14,7 @@ struct SourceFile {
   std::string path;  ///< "culling/volumes/slabs.cpp"
   std::string text;
 
-  std::string folder() const;  ///< "culling"; of "tests/culling/x.cpp" too
+  std::string folder() const;  ///< "culling"; of "tests/culling/culler_test.cpp" too
   bool is_test() const { return path.starts_with("tests/"); }
   bool has_extension(const std::set<std::string_view>& extensions) const;
 };
