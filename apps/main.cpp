@@ -40,7 +40,7 @@ int failed(const std::string& message, int exit_code) {
   return exit_code;
 }
 
-/// Results that did not reach their reader are no results. Who closes the terminal closes what we
+/// Results that did not reach their reader are no results. Closing the terminal closes what we
 /// write to as well, and knows.
 int ended(int exit_code) {
   if (flush_shown() || (exit_code != kExitFine && exit_code == StopSignal::exit_code() &&

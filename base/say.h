@@ -1,4 +1,4 @@
-// What a person is told: say() on stderr, show() on stdout.
+// Words for a person: say() on stderr, show() on stdout.
 // One rule: telling never ends the work. A stderr that takes nothing takes nothing; a stdout that
 // takes nothing leaves its mark on the stream, and main() ends with it.
 #pragma once

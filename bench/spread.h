@@ -1,4 +1,4 @@
-// What is told of repeated times: the least, the middle and the nearly worst.
+// What is reported of repeated times: the least, the middle and the nearly worst.
 // One rule: no mean; a machine's noise is one-sided.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Who touches whom on the plaza within one second.
+// The pairs of body parts that touch on the plaza within one second.
 #include <cstdio>
 
 #include "scenes/scenes.h"

@@ -1,5 +1,5 @@
 // Checkpoints of a run on request, and going on from one.
-// One rule: a checkpoint that cannot be written ends the run, which is told and keeps its summary.
+// One rule: a checkpoint that cannot be written ends the run, which says so and keeps its summary.
 #pragma once
 
 #include <CLI/App.hpp>

@@ -1,6 +1,6 @@
 // The files besides the log that a run writes on request: trajectories, contact statistics, traces.
-// One rule: a file that cannot be written ends the run, keeps what it has, and is told; the run's
-// summary is printed all the same.
+// One rule: a file that cannot be written ends the run, keeps what it has, and is reported; the
+// run's summary is printed all the same.
 #pragma once
 
 #include <CLI/App.hpp>

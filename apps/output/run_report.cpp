@@ -196,8 +196,7 @@ Json to_json(const RunReport& report) {
       {"longest_stall_s", summary.longest_stall_s},
       {"deepest_overlap_m", summary.deepest_overlap_m},
       {"mean_heading_rate_radps", summary.steering.mean_heading_rate_radps()},
-      {"sweeps",
-       {{"mean", summary.steering.mean_sweeps()}, {"max", summary.steering.most_sweeps}}}};
+      {"sweeps", {{"mean", summary.steering.mean_sweeps()}, {"max", summary.steering.max_sweeps}}}};
   json["events"] = {
       {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
   json["pairs_peak"] = summary.pairs_peak;
@@ -271,7 +270,7 @@ std::string format_table(const RunReport& report) {
          fmt::format("longest stall {:.1f} s, deepest overlap {:.1f} cm ({:.1f} sweeps, at most "
                      "{}), headings turn {:.2f} rad/s",
                      summary.longest_stall_s, 100 * summary.deepest_overlap_m,
-                     summary.steering.mean_sweeps(), summary.steering.most_sweeps,
+                     summary.steering.mean_sweeps(), summary.steering.max_sweeps,
                      summary.steering.mean_heading_rate_radps()));
   line("log", report.log == "off" ? "off"
                                   : fmt::format("{}, {}", report.log,

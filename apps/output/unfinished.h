@@ -1,6 +1,6 @@
 // Work that a signal leaves where it is: measurements, whose inner loops ask nobody.
-// One rule: what was finished is told, the rest is never touched again; the process ends without
-// waiting for it.
+// One rule: what was finished is reported, the rest is never touched again; the process ends
+// without waiting for it.
 #pragma once
 
 #include <chrono>

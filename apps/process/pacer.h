@@ -1,5 +1,5 @@
 // Ties a run to the clock, for whoever watches it live.
-// One rule: it only ever waits; no result depends on it, and being late is told, not hidden.
+// One rule: it only ever waits; no result depends on it, and being late is reported, not hidden.
 #pragma once
 
 #include <chrono>

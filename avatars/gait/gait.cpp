@@ -91,7 +91,7 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
   const PosableModel posable(model);
   std::vector<int> leg_links;
   std::vector<std::vector<WalkerPose>> cycles;
-  double most_drop_m = 0;
+  double max_drop_m = 0;
   const std::optional<Walker> walker = Walker::find(posable, style);
   if (walker) {
     table_ = std::make_unique<Table>(column_count_, kPhases, kSpeeds);
@@ -101,8 +101,8 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
     if (const int look = posable.look_joint(); look >= 0) {
       look_column_ = posable.column_of_joint(look);
       const JointColumn& limits = model.kinematics.columns()[static_cast<size_t>(look_column_)];
-      least_look_rad_ = limits.lower;
-      most_look_rad_ = limits.upper;
+      min_look_rad_ = limits.lower;
+      max_look_rad_ = limits.upper;
     }
     table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
     table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
@@ -110,19 +110,19 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
       const double root_speed = highest * speed / (kSpeeds - 1);
       cycles.push_back(
           walker->cycle(std::min(root_speed * root_speed, kFastestRelativeSpeed), kPhases));
-      // Who stands is as still as a number.
+      // A standing person is perfectly still.
       if (speed == 0) cycles.back().assign(kPhases, WalkerPose(cycles.back().front()));
       for (int phase = 0; phase <= kPhases; ++phase)
         table_->set_row(speed, phase, cycles.back()[static_cast<size_t>(phase % kPhases)].columns);
     }
     leg_links.assign(walker->leg_links().begin(), walker->leg_links().end());
-    most_drop_m = Stepping::most_drop_m(*walker);
+    max_drop_m = Stepping::max_drop_m(*walker);
   } else {
     table_ = std::make_unique<Table>(column_count_, 1, 1);
     table_->set_row(0, 0, posable.rest());
     table_->set_row(0, 1, posable.rest());
   }
-  GaitBounds bounds = bounds_around(posable, *table_, leg_links, most_drop_m);
+  GaitBounds bounds = bounds_around(posable, *table_, leg_links, max_drop_m);
   sphere_centre_m_.z() = static_cast<float>(bounds.centre_z_m);
   sphere_radius_m_ = static_cast<float>(bounds.radius_m);
   upright_radius_m_ = static_cast<float>(bounds.upright_radius_m);
@@ -179,7 +179,7 @@ void Gait::look(float look_rad, std::span<float> row) const {
   if (look_column_ < 0) return;
   assert(std::abs(look_rad) <= kMostLook_rad);
   float& angle = row[static_cast<size_t>(look_column_)];
-  angle = std::clamp(angle + look_rad, least_look_rad_, most_look_rad_);
+  angle = std::clamp(angle + look_rad, min_look_rad_, max_look_rad_);
 }
 
 void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_mps,

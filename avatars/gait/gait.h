@@ -51,7 +51,7 @@ class Gait {
               std::span<const float> scales, std::span<RootBox> boxes) const;
 
   /// Walks avatars on by a step, each by its own of chunk.gaits, all of one model: see
-  /// Stepping::walk(). Who has no human legs rolls on by the way walked. No allocation.
+  /// Stepping::walk(). A body without human legs rolls on by the way walked. No allocation.
   static void walk(WalkChunk& chunk, SimdTarget target);
   /// Whether walk() gives postures, which then stand in for phase, speed and scale.
   bool has_legs() const;
@@ -80,7 +80,7 @@ class Gait {
   struct Table;
   int column_count_ = 0;
   int look_column_ = -1;
-  float least_look_rad_ = 0, most_look_rad_ = 0;  ///< the joint's limits
+  float min_look_rad_ = 0, max_look_rad_ = 0;  ///< the joint's limits
   Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
   float sphere_radius_m_ = 0;
   float upright_radius_m_ = 0;

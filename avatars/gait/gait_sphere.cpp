@@ -256,7 +256,7 @@ std::vector<bool> hanging_from(const PosableModel& model, std::span<const int> r
 
 std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table,
                                const std::vector<double>& strays, const std::vector<bool>& of_leg,
-                               double most_drop_m) {
+                               double max_drop_m) {
   constexpr double kPieces = 8;  // a piece's radius to the part's
   std::vector<Extent> extents;
   for (size_t i = 0; i < strays.size(); ++i) {
@@ -265,7 +265,7 @@ std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table
     if (points.empty()) continue;
     Extent extent{static_cast<size_t>(part.link),
                   strays[i],
-                  of_leg[static_cast<size_t>(part.link)] ? 0 : most_drop_m,
+                  of_leg[static_cast<size_t>(part.link)] ? 0 : max_drop_m,
                   Cluster(points),
                   {}};
     Cluster::cut(std::move(points), extent.whole.radius / kPieces, extent.pieces);
@@ -379,10 +379,10 @@ class CellBoxes {
 }  // namespace
 
 GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
-                         std::span<const int> leg_roots, double most_drop_m) {
+                         std::span<const int> leg_roots, double max_drop_m) {
   const std::vector<double> strays = strays_between_nodes(model, table);
   const std::vector<bool> of_leg = hanging_from(model, leg_roots);
-  const std::vector<Extent> extents = extents_of(model, table, strays, of_leg, most_drop_m);
+  const std::vector<Extent> extents = extents_of(model, table, strays, of_leg, max_drop_m);
   const std::vector<BoundedPart> parts = bounded_parts(model, table, strays);
   const Vector3d centre(0, 0, std::nearbyint(centre_height(model, table) / kGrain) * kGrain);
   double farthest = 0, widest = 0;

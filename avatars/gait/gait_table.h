@@ -57,9 +57,9 @@ struct GaitBounds {
   std::vector<RootBox> whole;  ///< of every part
   std::vector<RootBox> rest;   ///< of those that do not hang from the legs' roots
 };
-/// What does not hang from `leg_roots` (links) may be lowered by up to most_drop_m; the boxes hold
+/// What does not hang from `leg_roots` (links) may be lowered by up to max_drop_m; the boxes hold
 /// it where it is.
 GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
-                         std::span<const int> leg_roots = {}, double most_drop_m = 0);
+                         std::span<const int> leg_roots = {}, double max_drop_m = 0);
 
 }  // namespace throng

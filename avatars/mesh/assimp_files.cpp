@@ -46,8 +46,8 @@ class Stream : public Assimp::IOStream {
 
 }  // namespace
 
-AssimpFiles::AssimpFiles(const RegularFile& mesh, uint64_t most_bytes)
-    : mesh_(mesh), name_(mesh.path().string()), bytes_left_(most_bytes) {}
+AssimpFiles::AssimpFiles(const RegularFile& mesh, uint64_t max_bytes)
+    : mesh_(mesh), name_(mesh.path().string()), bytes_left_(max_bytes) {}
 
 AssimpFiles::Content AssimpFiles::content_of(const std::string& file) {
   if (const auto found = read_.find(file); found != read_.end()) return found->second;

@@ -16,8 +16,8 @@ namespace throng {
 
 class AssimpFiles : public Assimp::IOSystem {
  public:
-  /// `mesh` is known as name() whatever lies there now, and counts among the `most_bytes`.
-  AssimpFiles(const RegularFile& mesh, uint64_t most_bytes);
+  /// `mesh` is known as name() whatever lies there now, and counts among the `max_bytes`.
+  AssimpFiles(const RegularFile& mesh, uint64_t max_bytes);
 
   const std::string& name() const { return name_; }
 

@@ -18,8 +18,8 @@ constexpr int kMaxNodeDepth = 200;
 
 class Collector {
  public:
-  Collector(const aiScene& scene, size_t most_vertices, size_t most_triangles)
-      : scene_(scene), most_vertices_(most_vertices), most_triangles_(most_triangles) {}
+  Collector(const aiScene& scene, size_t max_vertices, size_t max_triangles)
+      : scene_(scene), max_vertices_(max_vertices), max_triangles_(max_triangles) {}
 
   Mesh collect() {
     append(*scene_.mRootNode, aiMatrix4x4(), 0);
@@ -48,10 +48,10 @@ class Collector {
 
   void append(const aiMesh& mesh, const aiMatrix4x4& file_from_mesh) {
     // Few bytes may show one mesh many times over.
-    if (mesh_.vertices.size() + mesh.mNumVertices > most_vertices_)
-      throw Refusal(fmt::format("at most {} vertices", most_vertices_), "more");
-    if (mesh_.triangles.size() + mesh.mNumFaces > most_triangles_)
-      throw Refusal(fmt::format("at most {} triangles", most_triangles_), "more");
+    if (mesh_.vertices.size() + mesh.mNumVertices > max_vertices_)
+      throw Refusal(fmt::format("at most {} vertices", max_vertices_), "more");
+    if (mesh_.triangles.size() + mesh.mNumFaces > max_triangles_)
+      throw Refusal(fmt::format("at most {} triangles", max_triangles_), "more");
     const int first = static_cast<int>(mesh_.vertices.size());
     if (first == 0) {
       mesh_.vertices.reserve(mesh.mNumVertices);
@@ -79,21 +79,21 @@ class Collector {
   }
 
   const aiScene& scene_;
-  const size_t most_vertices_;
-  const size_t most_triangles_;
+  const size_t max_vertices_;
+  const size_t max_triangles_;
   Mesh mesh_;
 };
 
 }  // namespace
 
-Mesh triangles_by_assimp(const RegularFile& file, uint64_t most_bytes, size_t most_vertices,
-                         size_t most_triangles) {
+Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max_vertices,
+                         size_t max_triangles) {
   Assimp::Importer importer;
   const std::string extension = file.path().extension().string();
   if (extension.empty() || !importer.IsExtensionSupported(extension))
     throw Refusal("a mesh in .tri, .stl, .obj, .dae, .ply or another format of assimp",
                   fmt::format("'{}'", extension));
-  auto files = std::make_unique<AssimpFiles>(file, most_bytes);
+  auto files = std::make_unique<AssimpFiles>(file, max_bytes);
   const std::string name = files->name();
   importer.SetIOHandler(files.release());  // which the importer owns from here on
   // URDF viewers take a Collada file's axes as they are; assimp would turn z up into y up.
@@ -103,7 +103,7 @@ Mesh triangles_by_assimp(const RegularFile& file, uint64_t most_bytes, size_t mo
     if (importer.GetException()) std::rethrow_exception(importer.GetException());
     throw Refusal(fmt::format("a {} mesh", extension.substr(1)), importer.GetErrorString());
   }
-  return Collector(*scene, most_vertices, most_triangles).collect();
+  return Collector(*scene, max_vertices, max_triangles).collect();
 }
 
 }  // namespace throng

@@ -9,9 +9,9 @@
 namespace throng {
 
 /// The corners of all triangles, in the file's frame, as they come: repeated, unused, not finite.
-/// Node transforms are applied, polygons split; lines and points are left out. `most_bytes` is for
+/// Node transforms are applied, polygons split; lines and points are left out. `max_bytes` is for
 /// the file and those it names. Throws Refusal, and whatever assimp throws.
-Mesh triangles_by_assimp(const RegularFile& file, uint64_t most_bytes, size_t most_vertices,
-                         size_t most_triangles);
+Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max_vertices,
+                         size_t max_triangles);
 
 }  // namespace throng

@@ -142,7 +142,7 @@ Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits) {
       .expected = extension.empty() ? "a mesh file" : fmt::format("a {} mesh", extension.substr(1)),
       .way_out = "export it again, for example as .stl or .tri"};
   const auto parse = [&](const RegularFile& opened) {
-    return packed(triangles_by_assimp(opened, limits.most_file_bytes, kMaxVertices, kMaxTriangles));
+    return packed(triangles_by_assimp(opened, limits.max_file_bytes, kMaxVertices, kMaxTriangles));
   };
   const Mesh mesh = welded(
       checked(unpacked(parse_apart(file, assimp, limits, parse), file.string()), file.string()));

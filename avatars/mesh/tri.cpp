@@ -151,7 +151,8 @@ size_t count_of(const Lines& lines, std::string_view word, const char* what, lon
   if (!count) lines.fail(expected, in_quotes(word));
   if (*count < least)
     lines.fail(fmt::format("{} to be at least {}", expected, least), std::to_string(*count));
-  // More lines than bytes is a wrong number; a few lines too many is a short file, told at its end.
+  // More lines than bytes is a wrong number; a few lines too many is a short file, reported at its
+  // end.
   if (static_cast<unsigned long long>(*count) > lines.bytes_left())
     lines.fail(fmt::format("{} to fit into the file ({} bytes left)", expected, lines.bytes_left()),
                std::to_string(*count));

@@ -52,7 +52,7 @@ Stepping::Stepping(const Walker& walker, const PosableModel& model,
   t.shortest_stride_m = shortest_stride * t.leg_length_m;
   t.phases = static_cast<int>(cycles.front().size());
   t.speeds = static_cast<int>(cycles.size());
-  t.most_drop_m = static_cast<float>(most_drop_m(walker));
+  t.max_drop_m = static_cast<float>(max_drop_m(walker));
   for (size_t side = 0; side < 2; ++side) read_leg(walker, model, side);
   t.table.resize((t.box(static_cast<int32_t>(rest_boxes.size())) + 15) / 16);
   float* const to = t.table.front().floats;
@@ -75,7 +75,7 @@ void Stepping::set_room(float centre_z_m, float radius_m, float upright_radius_m
   t.sphere_z_m = centre_z_m;
   t.sphere_m = radius_m;
   t.upright_m = upright_radius_m;
-  // Whatever is allowed lies in the upright cylinder, but for the slack of what is told of it.
+  // Whatever is allowed lies in the upright cylinder, but for the slack of what is known of it.
   constexpr float kSpare = 1.2f;
   t.corner_m = -kSpare * t.upright_m;
   t.grain_m = -2 * t.corner_m / static_cast<float>(SteppingTables::kGrains);
@@ -86,7 +86,7 @@ const float* Stepping::table() const { return tables_->table.front().floats; }
 
 Stepping::~Stepping() = default;
 
-double Stepping::most_drop_m(const Walker& walker) {
+double Stepping::max_drop_m(const Walker& walker) {
   constexpr double kShare = 0.09;
   return kShare * walker.leg_length_m();
 }
@@ -249,7 +249,7 @@ RootBox Stepping::box_of(const WalkRoom& room, float scale) const {
     box.min_m[axis] = at(both / SteppingTables::kGrains);
     box.max_m[axis] = at(both % SteppingTables::kGrains);
   }
-  // Who stands upright is told from others by what is seen from above.
+  // Upright bodies are kept apart by what is seen from above.
   box.min_m[2] = scale * (t.sphere_z_m - t.sphere_m);
   box.max_m[2] = scale * (t.sphere_z_m + t.sphere_m);
   return box;

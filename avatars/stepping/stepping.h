@@ -101,17 +101,18 @@ class Stepping {
   ~Stepping();
 
   /// The pelvis sinks no farther for a foot that is too far away.
-  static double most_drop_m(const Walker& walker);
+  static double max_drop_m(const Walker& walker);
 
   /// See Gait::share_room().
   void set_room(float centre_z_m, float radius_m, float upright_radius_m);
   /// What is looked up by speed and phase, for WalkChunk::tables.
   const float* table() const;
 
-  /// Walks everybody of the chunk on by a step. Who walks ahead advances in the cycle by the way
-  /// walked; who turns on the spot, goes sideways or has just stopped steps until the feet are
-  /// comfortable. Who has just come in, or is more than a metre away all at once, stands as the
-  /// gait has it. Returns the lanes that have no legs even so: they have to take the gait's.
+  /// Walks everybody of the chunk on by a step. A person who walks ahead advances in the cycle by
+  /// the way walked; who turns on the spot, goes sideways or has just stopped steps until the feet
+  /// are comfortable. A person who has just come in, or is more than a metre away all at once,
+  /// stands as the gait has it. Returns the lanes that have no legs even so: they have to take the
+  /// gait's.
   uint64_t walk(WalkChunk& chunk, SimdTarget target) const;
 
   /// Puts the legs into a posture row that the gait gave.

@@ -10,9 +10,9 @@ inline constexpr float kBeforeLift_s = 0.25f;
 inline constexpr float kSteppingRate_hz = 1.2f;
 inline constexpr float kFastestRate_hz = 2.5f;
 inline constexpr float kFinishingRate_hz = 0.9f;
-// Who walks slower finishes steps faster than the way asks for: nobody stands on one leg.
+// Slower than this, steps end sooner than the way asks for: nobody stands on one leg.
 inline constexpr float kSlow_mps = 0.2f;
-// Who walks this fast takes a step soon enough.
+// At this speed the next step comes soon enough.
 inline constexpr float kBrisk_mps = 0.8f;
 // A foot turns against the body no farther: the hip's limit of 40 degrees, less what toes that
 // point outwards take. When it lands the pelvis takes some, too.

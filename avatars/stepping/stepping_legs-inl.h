@@ -328,7 +328,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
     reach_for(leg, grounds[side], foot[2], forward_x[side], forward_y[side], reach[side]);
     drop = max_of(drop, sink_of(leg, reach[side]));
   }
-  drop = min_of(drop, t.most_drop_m);
+  drop = min_of(drop, t.max_drop_m);
   if (any(drop > 0.0f))
     for (size_t side = 0; side < 2; ++side) {
       reach[side].hip.z = reach[side].hip.z - drop;

@@ -53,7 +53,7 @@ struct SteppingTables {
   float cells_per_root_speed = 1;
   float shortest_stride_m = 0;
   int phases = 1, speeds = 1;
-  float most_drop_m = 0;  ///< the pelvis sinks no farther for a foot that is too far away
+  float max_drop_m = 0;  ///< the pelvis sinks no farther for a foot that is too far away
   // The room of all postures: see GaitBounds.
   float sphere_z_m = 0, sphere_m = 0, upright_m = 0;
   // A body's box is kept in grains from the corner of a square around the root.

@@ -34,8 +34,8 @@ Budget budget_for(uint64_t file_bytes, const ForeignLimits& limits) {
   const double mib = static_cast<double>(file_bytes >> 20);
   return {.cpu_s = limits.cpu_s + static_cast<int>(kCpuSecondsPerMiB * mib),
           .wall_s = limits.wall_s + kWallSecondsPerMiB * mib,
-          .memory_bytes = limits.most_memory_bytes + kMemoryPerByte * file_bytes,
-          .result_bytes = limits.most_result_bytes};
+          .memory_bytes = limits.max_memory_bytes + kMemoryPerByte * file_bytes,
+          .result_bytes = limits.max_result_bytes};
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
@@ -223,7 +223,7 @@ std::string what_happened(Outcome outcome, int status, const std::string& librar
 std::vector<uint8_t> parse_apart(
     const std::filesystem::path& path, const ForeignParser& parser, const ForeignLimits& limits,
     const std::function<std::vector<uint8_t>(const RegularFile&)>& parse) {
-  const RegularFile file(path, parser.expected, limits.most_file_bytes);
+  const RegularFile file(path, parser.expected, limits.max_file_bytes);
   const Budget budget = budget_for(file.size(), limits);
   Pipe pipe(path);
   const pid_t parent = ::getpid();

@@ -27,7 +27,7 @@
 
 namespace throng {
 
-/// Who parses what, for the words of an error.
+/// The parser and what it parses, for the words of an error.
 struct ForeignParser {
   std::string library;   ///< "assimp"
   std::string expected;  ///< "a ply mesh"
@@ -37,7 +37,7 @@ struct ForeignParser {
 /// What a file may cost. A MiB of it adds half a second of processor time, a second by the clock
 /// and 16 MiB of memory: a large file of a slow text format is no attack.
 struct ForeignLimits {
-  uint64_t most_file_bytes = 512u << 20;
+  uint64_t max_file_bytes = 512u << 20;
   /// Processor time, in whole seconds; what is sound and small takes milliseconds.
   int cpu_s = 5;
   /// By the clock, for a child that waits. Longer, since a busy machine must not change a result.
@@ -45,8 +45,8 @@ struct ForeignLimits {
   /// On top of what the parent has. Not kept under the address and thread sanitizers by the
   /// operating system, because their shadow memory is larger than any limit: there the parent
   /// looks at it every few milliseconds.
-  uint64_t most_memory_bytes = uint64_t{2} << 30;
-  uint64_t most_result_bytes = uint64_t{1} << 30;
+  uint64_t max_memory_bytes = uint64_t{2} << 30;
+  uint64_t max_result_bytes = uint64_t{1} << 30;
 };
 
 /// Thrown by a parser within the child: becomes InputError(file, expected, found) in the parent.

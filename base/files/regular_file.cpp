@@ -58,7 +58,7 @@ int open_named(int named, const std::filesystem::path& path) {
 }  // namespace
 
 RegularFile::RegularFile(const std::filesystem::path& path, std::string_view expected,
-                         uint64_t most_bytes)
+                         uint64_t max_bytes)
     : path_(path), expected_(expected) {
   const auto refuse = [&](const std::string& found) {
     throw InputError(path.string(), expected, found);
@@ -72,8 +72,8 @@ RegularFile::RegularFile(const std::filesystem::path& path, std::string_view exp
   if (opened.number() < 0 || ::fstat(opened.number(), &status) != 0) refuse(reason(errno));
   if (!S_ISREG(status.st_mode)) refuse(kind_of(status.st_mode));
   size_ = static_cast<uint64_t>(status.st_size);
-  if (size_ > most_bytes)
-    throw InputError(path.string(), fmt::format("{} of at most {}", expected, in_words(most_bytes)),
+  if (size_ > max_bytes)
+    throw InputError(path.string(), fmt::format("{} of at most {}", expected, in_words(max_bytes)),
                      in_words(size_));
   // Whoever has closed standard input must not find a file of ours in its place.
   if (opened.number() > STDERR_FILENO) {

@@ -17,8 +17,8 @@ namespace throng {
 class RegularFile {
  public:
   /// Throws InputError "PATH: expected EXPECTED, found a named pipe" (a device, nothing, more than
-  /// `most_bytes`, something that may not be read).
-  RegularFile(const std::filesystem::path& path, std::string_view expected, uint64_t most_bytes);
+  /// `max_bytes`, something that may not be read).
+  RegularFile(const std::filesystem::path& path, std::string_view expected, uint64_t max_bytes);
   ~RegularFile();
   RegularFile(const RegularFile&) = delete;
   RegularFile& operator=(const RegularFile&) = delete;

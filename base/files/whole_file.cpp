@@ -35,7 +35,7 @@ class Writer {
     if (descriptor_ < 0) {
       open_in_place();
     } else if (is_there) {
-      // Who may read the old one may read the new one.
+      // Everybody who may read the old one may read the new one.
       [[maybe_unused]] const int changed = ::fchmod(descriptor_, old.st_mode & 07777);
     }
   }

@@ -35,7 +35,7 @@ Deadline::Deadline(BodyTypes types, const CullerOptions& options, Workers& worke
       workers_(workers),
       shared_(types, options, workers),
       stages_(kWaveTasks),
-      most_exact_(kWaveTasks),
+      max_exact_(kWaveTasks),
       decided_(kWaveTasks),
       worst_tests_(worst_tests(types, options)),
       pair_ns_(kFirstGuess_ns) {}
@@ -133,7 +133,7 @@ void Deadline::refine_wave(const Frame& frame, std::span<const UrgentPair> wave)
   cut_triangles(tasks);
   if (options_.exact)
     run([&](size_t task) {
-      decided_[task] = stages_[task].decide_by_triangles(frame.parts, most_exact_[task]);
+      decided_[task] = stages_[task].decide_by_triangles(frame.parts, max_exact_[task]);
     });
   for (size_t task = 0; task < tasks; ++task) report(stages_[task], decided_[task]);
   queue_.take(wave.size());
@@ -204,8 +204,8 @@ void Deadline::cut_triangles(size_t tasks) {
   for (size_t task = 0; task < tasks; ++task) {
     const std::span<const uint8_t> overlaps = stages_[task].overlaps();
     const auto hits = static_cast<uint64_t>(std::count(overlaps.begin(), overlaps.end(), 1));
-    most_exact_[task] = stop ? 0 : std::min(hits, tests_left_);
-    tests_left_ -= most_exact_[task];
+    max_exact_[task] = stop ? 0 : std::min(hits, tests_left_);
+    tests_left_ -= max_exact_[task];
   }
 }
 

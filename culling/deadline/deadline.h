@@ -72,10 +72,10 @@ class Deadline final : public Pass {
   Workers& workers_;
   SharedStages shared_;
   UrgencyQueue queue_;
-  std::vector<PartStage> stages_;     // one a task of a wave, whoever runs it
-  std::vector<uint64_t> most_exact_;  // by task: triangle tests that it may make
-  std::vector<size_t> decided_;       // by task: candidates whose answer is final
-  PosedBodies bodies_;                // posed so far in this frame
+  std::vector<PartStage> stages_;    // one a task of a wave, whoever runs it
+  std::vector<uint64_t> max_exact_;  // by task: triangle tests that it may make
+  std::vector<size_t> decided_;      // by task: candidates whose answer is final
+  PosedBodies bodies_;               // posed so far in this frame
   GrowBuffer<SlotPair> wave_pairs_;
 
   // The budget of the frame.

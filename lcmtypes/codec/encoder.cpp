@@ -19,7 +19,7 @@ namespace {
 
 constexpr int64_t kSecond_us = 1'000'000;
 
-// Whoever stands on a scene's ground, and every part of a body there, is nearer than int32 tells.
+// Everybody on a scene's ground, and every part of a body there, is nearer than int32 can say.
 static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
 
 // Fingerprint, five int64 and three int32 that every message begins with.

@@ -100,7 +100,7 @@ void FileWriter::check() {
 /// With the lock held.
 void FileWriter::throw_if_failed() {
   if (error_ == 0 && !is_deleted_) return;
-  filled().clear();  // what is lost is told here; the destructor does not try again
+  filled().clear();  // what is lost is reported here; the destructor does not try again
   const int error = std::exchange(error_, 0);
   if (error != 0) fail("write", error);
   is_deleted_ = false;

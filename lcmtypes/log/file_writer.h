@@ -61,7 +61,7 @@ class FileWriter {
   bool is_over_ = false;
   bool has_failed_ = false;  ///< for good: a hole in the file would be worse than its end
   bool is_deleted_ = false;
-  int error_ = 0;  ///< not told yet, like is_deleted_
+  int error_ = 0;  ///< not reported yet, like is_deleted_
   std::thread thread_;
 };
 

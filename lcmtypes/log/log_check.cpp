@@ -253,7 +253,7 @@ class Judge {
                           said, open_.size()));
   }
 
-  /// Who is not there touches nobody.
+  /// An absent avatar touches nobody.
   void compare_present(const LogEvent& event) {
     const CrowdState& crowd = reader_.state();
     if (crowd.frame != reader_.counters()->frame) return;

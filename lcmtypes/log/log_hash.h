@@ -19,7 +19,7 @@ class LogHash {
   void start_from(uint64_t hash);
   /// Of all events so far. `kind` is known (see is_known()).
   uint64_t value(EventHashKind kind);
-  /// What went wrong is known and told: from here on as if the hash had been this.
+  /// What went wrong is known and reported: from here on as if the hash had been this.
   void go_on_from(EventHashKind kind, uint64_t hash);
   static bool is_known(int32_t kind);
 

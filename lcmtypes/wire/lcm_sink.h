@@ -1,5 +1,5 @@
 // Publishes a run over LCM while it goes on.
-// One rule: trouble on the network never stops or slows the run; it is counted and told.
+// One rule: trouble on the network never stops or slows the run; it is counted and reported.
 #pragma once
 
 #include <chrono>

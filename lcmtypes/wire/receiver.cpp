@@ -1,9 +1,9 @@
 #include "lcmtypes/wire/receiver.h"
 
 #include <fmt/format.h>
-#include <utility>
 
 #include <lcm/lcm-cpp.hpp>
+#include <utility>
 
 #include "base/errors.h"
 #include "lcmtypes/wire/lcm_url.h"

@@ -184,7 +184,7 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   w.velocity_mps[slot] = w.smooth_mps[slot] = w.intent_mps[slot] = velocity_mps;
   w.old_mps[slot] = w.next_mps[slot] = velocity_mps;
   w.drift_mps[slot].setZero();
-  // Who is driven is not stuck, however long it stands.
+  // A driven avatar is not stuck, however long it stands.
   w.anchor_m[slot] = position_m;
   w.anchor_step[slot] = steps_;
 }

@@ -1,7 +1,8 @@
 // People who walk: a steering model ten times a second, smooth motion at every step in between.
 // One rule: each pass reads the old state and writes the new, so that the same crowd walks the same
-// way for any number of threads. Who is near in space is near in memory: state lies by slot, the
-// order of cells of the latest decision (see NeighbourGrid), and is carried along to a new one.
+// way for any number of threads. People near each other in space are near in memory: state lies by
+// slot, the order of cells of the latest decision (see NeighbourGrid), and is carried along to a
+// new one.
 #pragma once
 
 #include <Eigen/Core>

@@ -21,7 +21,7 @@ struct SteeringCounters {
   uint64_t rounds = 0;     ///< decisions of everybody
   uint64_t decisions = 0;  ///< of all people together
   uint64_t all_sweeps = 0;
-  int most_sweeps = 0;
+  int max_sweeps = 0;
   double turned_rad = 0;  ///< of all headings, to either side
   double walked_s = 0;    ///< of all people together
 
@@ -32,7 +32,7 @@ struct SteeringCounters {
 
   void archive(Archive& a) {
     a(sweeps, deepest_overlap_m, longest_stall_s, queuing, rounds, decisions, all_sweeps,
-      most_sweeps, turned_rad, walked_s);
+      max_sweeps, turned_rad, walked_s);
   }
 };
 

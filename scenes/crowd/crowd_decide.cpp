@@ -58,7 +58,7 @@ double Crowd::wish(size_t begin, size_t end) {
     const double stuck = std::clamp(
         (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0);
     const auto urge = static_cast<float>(stuck);
-    // Who is stuck shows where to, so that others can make way.
+    // People who are stuck show where to, so that others can make way.
     velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
     slots_.vx_mps[slot] = velocity.x();
     slots_.vy_mps[slot] = velocity.y();
@@ -132,7 +132,7 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
 }
 
 /// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.
-/// Of two who are ahead of one another, who has the other more ahead keeps it.
+/// Of two who are ahead of one another, the one that has the other more ahead keeps it.
 void Crowd::limit_to_gap(size_t slot) {
   float& wanted_x = slots_.wanted_x_mps[slot];
   float& wanted_y = slots_.wanted_y_mps[slot];

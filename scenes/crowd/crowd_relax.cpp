@@ -32,7 +32,7 @@ void Crowd::relax_discs() {
     ++counters_.sweeps;
   }
   counters_.all_sweeps += static_cast<uint64_t>(counters_.sweeps);
-  counters_.most_sweeps = std::max(counters_.most_sweeps, counters_.sweeps);
+  counters_.max_sweeps = std::max(counters_.max_sweeps, counters_.sweeps);
   for_slots([this](size_t begin, size_t end, int) { set_drift(begin, end); });
 }
 

@@ -1,4 +1,4 @@
-// Who stands near whom: a uniform grid filled by counting sort.
+// Neighbours: which people stand near each other, by a uniform grid filled by counting sort.
 // One rule: the nearest others are the same, in the same order, on every SIMD target and thread.
 #pragma once
 

@@ -77,7 +77,7 @@ void stand_at(const Eigen::Vector2d& point, const Stop& goal, Person& person) {
 }
 
 /// Finds a free place in the group's spawn area; `id` names the person asked for, placed or not.
-/// A place without a way to the goal is taken if there is no other: its people are told of, not
+/// A place without a way to the goal is taken if there is no other: its people are reported, not
 /// left out.
 bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64_t id,
                 const std::vector<Person>& people, const Places& places, Person& person) {

@@ -40,8 +40,8 @@ struct Spawned {
 };
 
 /// Throws darts (at first 0.3 m between discs, then closer, at last touching) until a place is free
-/// or patience ends. Who enters later is listed, not placed: of each group first those who stand
-/// there, then those of its sources, in the order they enter.
+/// or patience ends. People who enter later are listed, not placed: of each group first those who
+/// stand there, then those of its sources, in the order they enter.
 Spawned spawn(const Scene& scene, const Ways& ways);
 
 /// Radius of the steering disc: 0.22 m for a person of 1.70 m. Half the shoulder breadth is 0.255

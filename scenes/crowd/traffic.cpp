@@ -13,7 +13,7 @@ constexpr double kGap_m = 0.1;
 constexpr uint32_t kTries = 24;
 
 /// True if a way leads to the stop from somewhere in an area. Where none does, people enter all the
-/// same and are told of as stranded.
+/// same and are reported as stranded.
 bool has_way(const Stop& stop, const Rectangle& area) {
   constexpr int kSamples = 24;
   for (int i = 0; i <= kSamples; ++i)

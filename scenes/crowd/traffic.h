@@ -1,4 +1,4 @@
-// Who comes in and who goes out while a scene runs.
+// People who come in and go out while a scene runs.
 // One rule: nobody is placed where somebody stands, and everybody is outside, present or gone;
 // whoever finds no room waits outside and is counted.
 #pragma once

@@ -1,4 +1,4 @@
-// Who walks: how fast, how tall and in which style people of an age walk.
+// The people of a crowd: how fast, how tall and in which style those of an age walk.
 // One rule: what a person is like follows from the group and from random numbers of that person
 // alone.
 #pragma once

@@ -103,7 +103,7 @@ void DrivenAvatars::lead(Crowd& crowd) const {
   for (const One& one : all_) {
     const Eigen::Vector3f ahead = one.pose.root.world_from_root * Eigen::Vector3f::UnitX();
     Eigen::Vector2d heading = ahead.head<2>().cast<double>();
-    // Who points straight up has no heading: it keeps its last.
+    // An avatar that points straight up has no heading: it keeps its last.
     if (heading.norm() > 1e-3)
       heading.normalize();
     else

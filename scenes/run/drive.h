@@ -26,7 +26,7 @@ struct DrivenPose {
 
 /// How far above or below the ground a driven root may be.
 inline constexpr double kMaxDrivenHeight_m = 100;
-/// How fast people may be told that it comes; faster is no robot among people.
+/// How fast steering may be led to believe that it comes; faster is no robot among people.
 inline constexpr double kMaxDrivenSpeed_mps = 20;
 
 /// The nearest pose with a root above `ground`, a unit quaternion, a possible speed; `clamped`

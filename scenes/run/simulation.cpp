@@ -152,7 +152,8 @@ void Simulation::State::archive(Archive& a) {
   constexpr float kFarFoot_m = 10;
   for (const std::vector<float>& numbers : bodies.feet)
     for (const float number : numbers)
-      if (!(std::abs(number) < kFarFoot_m)) a.refuse("feet near their body", "others");
+      if (!(std::abs(number) < kFarFoot_m))
+        a.refuse("feet within 10 m of their body", std::to_string(number) + " m");
   for (const float phase : bodies.phases)
     if (!(phase >= 0 && phase <= 1)) a.refuse("a phase from 0 to 1", "another");
   world->archive(a);

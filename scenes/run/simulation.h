@@ -52,7 +52,7 @@ class Simulation {
   const SteeringCounters& steering() const;
   /// Who has entered and left so far; all zero in a box of parts.
   const TrafficCounters& traffic() const;
-  /// Who cannot reach a goal, as of now.
+  /// The people who cannot reach a goal, as of now.
   std::vector<Stranding> strandings() const;
 
   /// What poses depend on, as of the latest step: avatars, then obstacles.

@@ -1,4 +1,4 @@
-// What a run tells to whoever listens: once at the start, once a frame, once at the end.
+// What a run hands to its sinks: once at the start, once a frame, once at the end.
 // One rule: spans are valid during the call only; a sink never changes what the run computes.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace throng {
 struct Resumed {
   int64_t frame = 0;  ///< the last one before; the run's first frame is the next
   int64_t utime_us = 0;
-  std::vector<PairKey> touching;  ///< at that frame: their begins were told before
+  std::vector<PairKey> touching;  ///< at that frame: their begins were reported before
   std::vector<uint8_t> levels;    ///< as in Frame
   uint64_t hash = 0;              ///< of the events up to that frame
 };
@@ -62,7 +62,7 @@ struct Frame {
   std::span<const size_t> posture_offsets;  ///< avatar_count + 1 entries into postures
   std::span<const PairKey> pairs;           ///< all that touch now, sorted
   std::span<const PairEvent> events;        ///< begins and ends of this frame, sorted
-  /// One an avatar, 0 where it is not in the scene at this time; empty: everybody is. Who is absent
+  /// One an avatar, 0 where it is not in the scene at this time; empty: everybody is. An absent one
   /// has no pairs and keeps the last root.
   std::span<const uint8_t> present;
   /// PairLevel, one a pair; empty: all are fully decided.

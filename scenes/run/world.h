@@ -58,9 +58,9 @@ class World {
   virtual int unplaced() const { return 0; }
   /// Of the latest decision of steering.
   virtual const SteeringCounters& steering() const;
-  /// Who has entered and left so far.
+  /// How many have entered and left so far.
   virtual const TrafficCounters& traffic() const;
-  /// Who cannot reach a goal, as of now.
+  /// The people who cannot reach a goal, as of now.
   virtual std::vector<Stranding> strandings() const { return {}; }
 };
 

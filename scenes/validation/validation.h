@@ -33,7 +33,7 @@ struct Test {
   bool has(const std::string& id) const;
 };
 
-/// Runs a test with a steering model. Who found no room makes it fail.
+/// Runs a test with a steering model. It fails if somebody found no room.
 Outcome carry_out(const Test& test, SteeringKind model);
 
 /// All tests, in the order of the report.

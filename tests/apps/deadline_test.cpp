@@ -1,4 +1,5 @@
-// `throng run` under a deadline, from outside: one answer for a budget of tests, everything told.
+// `throng run` under a deadline, from outside: one answer for a budget of tests, everything
+// reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -128,7 +128,7 @@ struct Case {
   std::string text;
 };
 
-/// Mistakes that the reader tells of must be told of by an editor, too.
+/// Mistakes that the reader reports must be reported by an editor, too.
 TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
   const auto with_group = [](const std::string& keys) {
     return kGround + "groups:\n  - {count: 1, spawn: {min_m: [1, 1], max_m: [4, 9]}, " + keys +

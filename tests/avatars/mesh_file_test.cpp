@@ -169,8 +169,8 @@ TEST_F(MeshFiles, WhatAMeshNamesCountsAmongItsBytes) {
   write("three.bin", std::string(bytes, bytes + sizeof corners));
   const std::string text = gltf_with_buffer("three.bin");
   const fs::path gltf = write("a.gltf", text);
-  EXPECT_EQ(complaint(gltf, {.most_file_bytes = text.size() + 36}), "accepted");
-  EXPECT_NE(complaint(gltf, {.most_file_bytes = text.size() + 35}), "accepted");
+  EXPECT_EQ(complaint(gltf, {.max_file_bytes = text.size() + 36}), "accepted");
+  EXPECT_NE(complaint(gltf, {.max_file_bytes = text.size() + 35}), "accepted");
 }
 
 TEST_F(MeshFiles, ManyCopiesOfAMeshInFewBytesAreRefused) {
@@ -185,7 +185,7 @@ TEST_F(MeshFiles, ManyCopiesOfAMeshInFewBytesAreRefused) {
     nodes += fmt::format("{{\"children\": [{0}, {0}, {0}, {0}]}}, ", level);
   const std::string_view before = "\"nodes\": [{\"mesh\"";
   text.replace(text.find(before), before.size(), nodes + "{\"mesh\"");
-  EXPECT_NE(complaint(write("copies.gltf", text), {.most_memory_bytes = 512 << 20}), "accepted");
+  EXPECT_NE(complaint(write("copies.gltf", text), {.max_memory_bytes = 512 << 20}), "accepted");
 }
 
 TEST_F(MeshFiles, HalfAMeshIsNone) {

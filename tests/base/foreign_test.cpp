@@ -201,12 +201,12 @@ TEST_F(Apart, AParserThatWantsAllMemoryIsStopped) {
     while (for_ever) all.emplace_back(16 << 20, uint8_t{1});
     return {};
   };
-  EXPECT_THAT(complaint(hoard, {.most_memory_bytes = 256 << 20}),
+  EXPECT_THAT(complaint(hoard, {.max_memory_bytes = 256 << 20}),
               HasSubstr("one for which libfoo wants more than 256 MiB of memory; make another"));
 }
 
 TEST_F(Apart, AParserThatMakesTooMuchIsStopped) {
-  const ForeignLimits small = {.most_result_bytes = 1 << 20};
+  const ForeignLimits small = {.max_result_bytes = 1 << 20};
   const auto makes = [](size_t bytes) {
     return [bytes](const RegularFile&) { return Bytes(bytes); };
   };
@@ -305,7 +305,7 @@ TEST_F(Apart, OnlyRegularFilesAreOpened) {
   EXPECT_THAT(complaint(as_it_is, {}, "loop.foo"), HasSubstr("symbolic links"));
   fs::create_symlink("a.foo", file("link.foo"));
   EXPECT_EQ(complaint(as_it_is, {}, "link.foo"), "accepted");
-  EXPECT_THAT(complaint(as_it_is, {.most_file_bytes = 9}),
+  EXPECT_THAT(complaint(as_it_is, {.max_file_bytes = 9}),
               HasSubstr("expected a foo of at most 9 bytes, found 10 bytes"));
 }
 

@@ -1,4 +1,4 @@
-// The memory of a pass: it grows with the crowd, keeps what it is told to, and never shrinks.
+// The memory of a pass: it grows with the crowd, keeps what it is asked to, and never shrinks.
 #include "base/grow_buffer.h"
 
 #include <gtest/gtest.h>

@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
 /// Files of a folder of the repository whose names end so, in order of their names.
-void add_files(const std::string& folder, const std::string& ending, size_t most_bytes,
+void add_files(const std::string& folder, const std::string& ending, size_t max_bytes,
                std::vector<Bytes>& out) {
   const fs::path path = fs::path(THRONG_SOURCE_DIR) / folder;
   std::vector<fs::path> files;
   if (fs::is_directory(path))
     for (const auto& entry : fs::directory_iterator(path))
       if (entry.is_regular_file() && entry.path().string().ends_with(ending) &&
-          entry.file_size() <= most_bytes)
+          entry.file_size() <= max_bytes)
         files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {

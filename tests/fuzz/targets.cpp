@@ -191,7 +191,7 @@ bool mesh(std::span<const uint8_t> input) {
   const std::string_view extension = kMeshExtensions[input[0] % std::size(kMeshExtensions)];
   const File file(("mesh" + std::string(extension)).c_str(), input.subspan(1));
   constexpr ForeignLimits kQuick = {
-      .cpu_s = 1, .wall_s = 0.5, .most_memory_bytes = 512 << 20, .most_result_bytes = 64 << 20};
+      .cpu_s = 1, .wall_s = 0.5, .max_memory_bytes = 512 << 20, .max_result_bytes = 64 << 20};
   try {
     const Mesh read = read_mesh(file.path(), kQuick);
     promise(!read.triangles.empty(), "triangles");

@@ -51,7 +51,7 @@ class Scratch {
 
 /// Runs `use` in a child process, for ten seconds of its own time at most. It returns if the input
 /// was used, throws InputError if it was refused. What broke is written to `kept`, a file in the
-/// working folder, and told on stderr.
+/// working folder, and reported on stderr.
 void try_case(const std::string& input, const std::string& kept, const std::function<void()>& use,
               Tally& tally);
 

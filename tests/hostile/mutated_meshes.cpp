@@ -1,6 +1,6 @@
 // Damaged mesh files, read as the product reads them: mutated_meshes [COUNT [SEED]], 200 and 1
 // unless told. None may crash the reader or keep it for more than 10 s; what assimp makes of it
-// within its own process is told, too. Exit code 1 if one does; its file is kept.
+// within its own process is reported, too. Exit code 1 if one does; its file is kept.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/mman.h>

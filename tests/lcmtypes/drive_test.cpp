@@ -1,4 +1,4 @@
-// Avatars that something outside moves: where they are told to be, within what their bounds hold.
+// Avatars that something outside moves: where they are sent, within what their bounds hold.
 #include "scenes/run/drive.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Publishing: everything arrives in order over a lossless transport, and a dead network is told
+// Publishing: everything arrives in order over a lossless transport, and a dead network is reported
 // once.
 #include "lcmtypes/wire/lcm_sink.h"
 

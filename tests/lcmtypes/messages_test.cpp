@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-// Whoever listens was built against these numbers. A change is a new protocol: say so in the
+// Every listener was built against these numbers. A change is a new protocol: say so in the
 // changelog.
 TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
   const std::map<std::string, std::pair<int64_t, uint64_t>> golden = {

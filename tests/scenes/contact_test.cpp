@@ -268,7 +268,7 @@ TEST_F(Contacts, OfPeopleWhoNeverTouchHaveOneFigure) {
   EXPECT_THAT(folder.names, testing::Contains("contact_rates.svg"));
   EXPECT_THAT(folder.names, testing::Not(testing::Contains("contact_parts.svg")));
   EXPECT_THAT(folder.note, testing::HasSubstr("contact_parts.svg"));
-  // Who plans outputs knows every file that may come.
+  // A plan of outputs knows every file that may come.
   EXPECT_THAT(contact_files(), testing::IsSupersetOf(folder.names));
 }
 

@@ -168,7 +168,7 @@ TEST(Crowd, TheModelsWalkDifferently) {
   EXPECT_EQ(hashes.size(), 4u);
 }
 
-/// Who has passed x = 0, people a second, from the 10th to the 40th.
+/// Flow over x = 0, people a second, from the 10th to the 40th.
 double flow_through_a_door(int people) {
   Scene scene;
   scene.seed = 3;
@@ -297,7 +297,7 @@ void expect_plaza_keeps_moving(const Plaza& plaza) {
       "[ figures ] plaza, seed %d, %.0f s: deepest overlap %.3f m, longest stall %.1f s, mean "
       "heading rate %.3f rad/s, %.1f sweeps a decision, at most %d\n",
       static_cast<int>(plaza.seed), plaza.seconds, deepest_m, stall_s,
-      counters.mean_heading_rate_radps(), counters.mean_sweeps(), counters.most_sweeps);
+      counters.mean_heading_rate_radps(), counters.mean_sweeps(), counters.max_sweeps);
   EXPECT_LT(deepest_m, 0.05);
   EXPECT_LT(stall_s, 5);
   EXPECT_LT(counters.mean_heading_rate_radps(), 0.5);

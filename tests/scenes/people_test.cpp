@@ -1,4 +1,5 @@
-// Who walks: speeds and heights of every age, and ages as often as a group asks for them.
+// The people of a crowd: speeds and heights of every age, and ages as often as a group asks for
+// them.
 #include "scenes/file/people.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What culling is told of a body before it is posed.
+// What culling knows of a body before it is posed.
 #include "scenes/run/posing.h"
 
 #include <gtest/gtest.h>

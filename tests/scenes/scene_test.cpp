@@ -1,4 +1,4 @@
-// Scene files: what they say arrives, what is wrong with them is told with file and line.
+// Scene files: what they say arrives, what is wrong with them is reported with file and line.
 #include "scenes/file/scene.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// A run from scene to events: the same for any number of threads, told once to every sink.
+// A run from scene to events: the same for any number of threads, reported once to every sink.
 #include "scenes/run/simulation.h"
 
 #include <fmt/format.h>
@@ -150,7 +150,7 @@ TEST(Simulation, RunIdDoesNotDependOnWhereTheSceneLies) {
   EXPECT_NE(here.info().instance, there.info().instance);
 }
 
-/// Counts what a sink is told and checks its order.
+/// Counts what a sink receives and checks its order.
 class Counting : public Sink {
  public:
   void begin(const RunInfo& run) override {

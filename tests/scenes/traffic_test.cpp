@@ -1,5 +1,5 @@
 // People who come and go: everybody is outside, inside or gone, nobody appears on top of another,
-// everybody arrives or is told of.
+// everybody arrives or is reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

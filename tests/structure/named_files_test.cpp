@@ -37,9 +37,10 @@ std::vector<std::string_view> paths_in(std::string_view text) {
     size_t end = begin;
     while (end < text.size() && is_of_a_path(text[end])) ++end;
     std::string_view path = text.substr(begin, end - begin);
-    // A pattern or what a program makes up names no single file.
+    // A pattern, a name to be chosen or what a program makes up names no single file.
     const bool whole =
-        begin == 0 || std::string_view("*<{}$%>").find(text[begin - 1]) == std::string_view::npos;
+        path.find("NAME") == std::string_view::npos &&
+        (begin == 0 || std::string_view("*<{}$%>").find(text[begin - 1]) == std::string_view::npos);
     begin = end + 1;
     while (path.starts_with("../")) path.remove_prefix(3);
     while (path.ends_with('.')) path.remove_suffix(1);

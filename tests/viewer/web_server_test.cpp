@@ -73,7 +73,7 @@ TEST(WebServer, RefusesAnotherSitesPage) {
 }
 
 TEST(WebServer, TakesOnlySoManyClients) {
-  WebServer server({.most_clients = 2}, kPage, {});
+  WebServer server({.max_clients = 2}, kPage, {});
   TestSocket first(server.port()), third(server.port());
   {
     TestSocket second(server.port());
@@ -81,7 +81,7 @@ TEST(WebServer, TakesOnlySoManyClients) {
     EXPECT_EQ(second.open(), kAccepted);
     EXPECT_EQ(third.open(), "HTTP/1.1 503 Service Unavailable");
   }
-  // Who left makes room.
+  // A client that left makes room.
   ASSERT_TRUE(soon([&] { return server.client_count() == 1; }));
   TestSocket fourth(server.port());
   EXPECT_EQ(fourth.open(), kAccepted);

@@ -1,4 +1,4 @@
-// Who is so near to somebody else that their spheres overlap: what the first culling stage passes.
+// People so near to somebody else that their spheres overlap: what the first culling stage passes.
 // One rule: only for showing; culling has its own search, made for speed.
 #pragma once
 

@@ -1,5 +1,6 @@
 // One HTML file with the page and a recorded run in it, to open from disk or to send.
-// One rule: no larger than the reader was told; what does not fit is an error that says what would.
+// One rule: no larger than the reader was allowed; what does not fit is an error that says what
+// would.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // What touched whom and when: the begins and ends that a feed has seen, for asking about a person.
-// One rule: bounded; the oldest go first, and how many went is told.
+// One rule: bounded; the oldest go first, and how many went is reported.
 #pragma once
 
 #include <cstdint>

@@ -158,7 +158,7 @@ void WebServer::accept_loop() {
     ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     if (options_.send_buffer_bytes > 0)
       ::setsockopt(descriptor, SOL_SOCKET, SO_SNDBUF, &options_.send_buffer_bytes, sizeof(int));
-    if (connections_.size() >= static_cast<size_t>(options_.most_clients) + kConnectionsBesides) {
+    if (connections_.size() >= static_cast<size_t>(options_.max_clients) + kConnectionsBesides) {
       ++refused_;
       ::close(descriptor);
       continue;
@@ -215,7 +215,7 @@ void WebServer::serve_socket(Connection& connection, const HttpRequest& request,
   std::shared_ptr<WebClient> client;
   {
     const std::lock_guard lock(mutex_);
-    if (!stopping_ && clients_.size() < static_cast<size_t>(options_.most_clients)) {
+    if (!stopping_ && clients_.size() < static_cast<size_t>(options_.max_clients)) {
       const std::string hello = fmt::format(
           "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
           "Sec-WebSocket-Accept: {}\r\n\r\n",
@@ -228,7 +228,7 @@ void WebServer::serve_socket(Connection& connection, const HttpRequest& request,
   if (client == nullptr) {
     ++refused_;
     return reply(descriptor, "503 Service Unavailable", "text/plain; charset=utf-8",
-                 fmt::format("{} pages are open already\n", options_.most_clients));
+                 fmt::format("{} pages are open already\n", options_.max_clients));
   }
   if (handlers_.opened) handlers_.opened(client);
   read_messages(connection, *client, std::move(rest));

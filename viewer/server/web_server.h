@@ -77,7 +77,7 @@ struct WebHandlers {
 struct WebOptions {
   std::string address = "127.0.0.1";
   int port = 0;  ///< 0: any that is free
-  int most_clients = 8;
+  int max_clients = 8;
   int send_buffer_bytes = 0;  ///< 0: what the system gives; tests want a small one
 };
 

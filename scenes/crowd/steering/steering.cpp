@@ -12,7 +12,8 @@ namespace {
 /// A model that is one function for each target.
 class FunctionModel : public SteeringModel {
  public:
-  FunctionModel(SteeringFunction function, bool keeps_gap) : function_(function), keeps_gap_(keeps_gap) {}
+  FunctionModel(SteeringFunction function, bool keeps_gap)
+      : function_(function), keeps_gap_(keeps_gap) {}
   void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
               float* next_y_mps) const override {
     function_(people, begin, end, next_x_mps, next_y_mps);

@@ -1,4 +1,4 @@
-// Who is under the pointer: the ray against the turned boxes of body parts.
+// The person under the pointer: the ray against the turned boxes of body parts.
 // One rule: asked once a click; nothing of it runs in a frame.
 import {Quaternion, Ray, Sphere, Vector3} from 'three';
 import type {Frame, Run} from './protocol.ts';

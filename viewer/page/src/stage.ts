@@ -53,7 +53,7 @@ export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.1, 4000);
   readonly controls: OrbitControls;
   readonly renderer: WebGLRenderer;
-  /** Who the camera goes along with; -1: nobody. */
+  /** The avatar that the camera goes along with; -1: none. */
   followed = -1;
   private readonly scene = new Scene();
   private readonly solids = new Group();
