@@ -72,7 +72,9 @@ fi
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 begun=$SECONDS
-apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -q -o Acquire::Retries=3
+# Descriptor 3 is for apt-get's status, which it closes for what it starts: were it 1, packages could not
+# print. Opened behind sudo, which closes it, too.
+apt=("${as_root[@]}" sh -c 'exec "$@" 3>&1' sh env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -q -o Acquire::Retries=3
   -o Dpkg::Use-Pty=0)
 install=(install -y --no-install-recommends "${missing[@]}")
 
@@ -111,6 +113,6 @@ cost=$("${apt[@]}" install --print-uris --no-install-recommends "${missing[@]}" 
   sed -nE 's/^.* ([0-9]+) newly installed.*/\1 packages/p; s/^Need to get (.*) of archives.*/\1 to download/p
     s/^After this operation, (.*) of additional disk space.*/\1 on disk/p' | paste -sd ';' | sed 's/;/, /g') || true
 echo "Installing ${#missing[@]} packages and what they need${cost:+ ($cost)}: ${missing[*]}" >&2
-"${apt[@]}" -o APT::Status-Fd=1 "${install[@]}" </dev/null 2>&1 | show_progress || fail
+"${apt[@]}" -o APT::Status-Fd=3 "${install[@]}" </dev/null 2>&1 | show_progress || fail
 say "  installed in $((SECONDS - begun)) s"
 [ ! -t 2 ] || printf '\n' >&2

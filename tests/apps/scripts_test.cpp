@@ -32,8 +32,8 @@ class Scripts : public testing::Test {
   ScratchFolder folder_;
 };
 
-/// apt-get as it prints with APT::Status-Fd=1: a line of dpkg's a package and the two kinds of
-/// status.
+/// apt-get as it prints with its status on standard output: a line of dpkg's a package and the two
+/// kinds of status.
 constexpr const char* kAptGet = R"sh(case "$*" in
   *print-uris*)
     echo "4 upgraded, 594 newly installed, 0 to remove and 22 not upgraded."
