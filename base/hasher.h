@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/files/checksum.h"
+#include "base/checksum.h"
 
 namespace throng {
 

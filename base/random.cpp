@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/checksum.h"
 #include "base/elementary.h"
-#include "base/files/checksum.h"
 
 namespace throng {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/files/checksum.h"
+#include "base/checksum.h"
 #include "culling/pair.h"
 
 namespace throng {

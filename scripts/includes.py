@@ -5,6 +5,7 @@ A row is a folder, a column what it includes, the number how many includes there
 order in which they may know each other, so that everything stands left of the diagonal; what stands right
 of it is red, and points the wrong way. Needs nothing but Python.
 """
+import argparse
 import re
 import sys
 from collections import Counter
@@ -66,19 +67,18 @@ def draw(counts):
     return "\n".join(out + ["</svg>", ""])
 
 
-def main(arguments):
-    top = Path(__file__).resolve().parent.parent
-    if "--top" in arguments:
-        at = arguments.index("--top")
-        if at + 1 == len(arguments):
-            sys.exit("scripts/includes.py: expected a folder after --top")
-        top = Path(arguments[at + 1])
-        del arguments[at:at + 2]
-    text = draw(read(top))
-    if arguments:
-        Path(arguments[0]).write_text(text)
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", nargs="?", help="file to write; stdout without it")
+    parser.add_argument("--top", type=Path, default=Path(__file__).resolve().parent.parent,
+                        help="checkout to look at; this one without it")
+    options = parser.parse_args()
+    text = draw(read(options.top))
+    if options.out:
+        Path(options.out).write_text(text)
     else:
         sys.stdout.write(text)
 
 
-main(sys.argv[1:])
+if __name__ == "__main__":
+    main()

@@ -190,16 +190,15 @@ void add_options(CLI::App& app, RunOptions& options) {
 }
 
 SimulationOptions simulation_options(const RunOptions& options) {
-  SimulationOptions out;
-  out.threads = options.threads;
-  out.simd = resolved(simd_target_of(options.simd).value());
-  out.deadline_ms = options.deadline_ms;
-  out.deadline_tests = options.deadline_tests;
-  out.strategy = strategy_of(options.strategy).value();
-  if (out.strategy != Strategy::kPipeline) out.pair_search = PairSearch::kBrute;
+  CullerOptions culler;
+  culler.simd = resolved(simd_target_of(options.simd).value());
+  culler.deadline_ms = options.deadline_ms;
+  culler.deadline_tests = options.deadline_tests;
+  culler.strategy = strategy_of(options.strategy).value();
+  if (culler.strategy != Strategy::kPipeline) culler.pair_search = PairSearch::kBrute;
   for (const auto& [name, search] : kPairSearches)
-    if (options.pair_search == name) out.pair_search = search;
-  return out;
+    if (options.pair_search == name) culler.pair_search = search;
+  return {.threads = options.threads, .culler = culler};
 }
 
 /// The scene as it is to run, and how many times longer its plan became.
@@ -338,7 +337,7 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
   report.seed = scene.seed;
   report.step_s = scene.step_s;
   report.threads = options.threads;
-  report.simd = name_of(simulated.simd);
+  report.simd = name_of(simulated.culler.simd);
   report.deadline_ms = options.deadline_ms;
   report.deadline_tests = options.deadline_tests;
   report.steering = scene.steering;

@@ -220,4 +220,16 @@ std::shared_ptr<const Model> load_readable_model(const std::filesystem::path& ur
   return assemble(urdf_file, &unreadable);
 }
 
+float reach_of(const Model& model) {
+  double reach = 0;
+  for (size_t i = 0; i < model.parts.size(); ++i) {
+    double extent = 0;
+    for (const Eigen::Vector3f& vertex : model.parts[i].mesh.vertices)
+      extent = std::max(extent, vertex.cast<double>().norm());
+    reach = std::max(reach, static_cast<double>(model.kinematics.reach_m()[i]) + extent);
+  }
+  // Sums of floats, and rotations that are not quite: a thousandth is far beyond both.
+  return static_cast<float>(reach * 1.001);
+}
+
 }  // namespace throng

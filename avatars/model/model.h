@@ -54,6 +54,10 @@ struct Model {
   }
 };
 
+/// Radius of the sphere about the root's origin that holds every part in every posture within the
+/// joints' limits (metres, unscaled).
+float reach_of(const Model& model);
+
 /// Reads a URDF and every mesh it names. Collision geometry is preferred, visual is used where a
 /// link has no collision geometry. Throws InputError.
 std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/files/checksum.h"
+#include "base/checksum.h"
 #include "culling/exact/surface.h"
 
 namespace throng {

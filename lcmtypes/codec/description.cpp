@@ -155,8 +155,8 @@ run_description_t describe(const RunInfo& run) {
   out.scene = scene.name;
   out.seed = static_cast<int64_t>(scene.seed);
   out.step_s = run.step_s;
-  out.part_volume = name_of(run.part_volume);
-  out.exact = run.exact ? 1 : 0;
+  out.part_volume = name_of(run.culler.part_volume);
+  out.exact = run.culler.exact ? 1 : 0;
   for (int i = 0; i < 2; ++i) {
     out.ground_min_m[i] = scene.ground.min_m[i];
     out.ground_max_m[i] = scene.ground.max_m[i];
@@ -182,7 +182,7 @@ std::string leaves_out(const RunInfo& run) {
   if (run.has_deadline())
     return "decisions that a frame had no time for: such pairs count as touching, their level says "
            "how far they came";
-  return std::string(left_out_by(run.strategy));
+  return std::string(left_out_by(run.culler.strategy));
 }
 
 }  // namespace
@@ -190,9 +190,10 @@ std::string leaves_out(const RunInfo& run) {
 void describe_checks(const RunInfo& run, checks_t& out) {
   out.version = version();
   out.commit = fmt::format("{:<18}", commit());
-  out.strategy = name_of(run.strategy);
-  out.deadline_ms = run.deadline_ms.value_or(-1);
-  out.deadline_tests = run.deadline_tests ? static_cast<int64_t>(*run.deadline_tests) : -1;
+  out.strategy = name_of(run.culler.strategy);
+  out.deadline_ms = run.culler.deadline_ms.value_or(-1);
+  out.deadline_tests =
+      run.culler.deadline_tests ? static_cast<int64_t>(*run.culler.deadline_tests) : -1;
   out.leaves_out = leaves_out(run);
   out.is_last = out.is_repaired = 0;
   out.hash_kind = static_cast<int32_t>(run.has_deadline() ? EventHashKind::kEventsAndLevels

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/checksum.h"
 #include "base/errors.h"
-#include "base/files/checksum.h"
 #include "base/limits.h"
+#include "lcmtypes/codec/log_format.h"
 #include "lcmtypes/codec/readable.h"
-#include "lcmtypes/log/log_format.h"
 #include "scenes/run/stages.h"
 
 namespace throng {
@@ -56,6 +56,26 @@ uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
 }
 
 /// The message in the room of `buffer`, which holds the largest.
+/// The columns that name pairs, in messages that have some.
+template <class Message>
+void resize_pairs(Message& m, size_t count) {
+  m.count = static_cast<int32_t>(count);
+  m.a.resize(count);
+  m.b.resize(count);
+  m.part_a.resize(count);
+  m.part_b.resize(count);
+  m.level.resize(count);
+}
+
+template <class Message>
+void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
+  m.a[i] = static_cast<int32_t>(pair.a());
+  m.b[i] = static_cast<int32_t>(pair.b());
+  m.part_a[i] = static_cast<uint8_t>(pair.part_a());
+  m.part_b[i] = static_cast<uint8_t>(pair.part_b());
+  m.level[i] = level;
+}
+
 template <class Message>
 std::span<uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer) {
   const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
@@ -130,7 +150,7 @@ void RunEncoder::hand_over(Outlet& to, Channel channel, std::span<const uint8_t>
 
 void RunEncoder::begin(const RunInfo& run) {
   run_id_ = static_cast<int64_t>(run.run_id);
-  last_level_ = run.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+  last_level_ = run.culler.exact ? PairLevel::kExact : PairLevel::kPartVolume;
   int threads = 1;
   bool part_poses = false;
   for (const auto& outlet : outlets_) {
@@ -234,21 +254,12 @@ void RunEncoder::send_events(std::span<const PairEvent> events) {
     const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
     const size_t count = std::min(kEventsPerMessage, events.size() - first);
     events_t& m = events_;
-    m.count = static_cast<int32_t>(count);
-    m.a.resize(count);
-    m.b.resize(count);
-    m.part_a.resize(count);
-    m.part_b.resize(count);
+    resize_pairs(m, count);
     m.kind.resize(count);
-    m.level.resize(count);
     for (size_t i = 0; i < count; ++i) {
       const PairEvent& event = events[first + i];
-      m.a[i] = static_cast<int32_t>(event.pair.a());
-      m.b[i] = static_cast<int32_t>(event.pair.b());
-      m.part_a[i] = static_cast<uint8_t>(event.pair.part_a());
-      m.part_b[i] = static_cast<uint8_t>(event.pair.part_b());
+      set_pair(m, i, event.pair, static_cast<uint8_t>(event.level));
       m.kind[i] = static_cast<uint8_t>(event.kind);
-      m.level[i] = static_cast<uint8_t>(event.level);
     }
     send(open_, Channel::kEvents, m, chunk, chunks);
   }
@@ -262,20 +273,9 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
     const size_t first = static_cast<size_t>(chunk) * kTouchingPerMessage;
     const size_t count = std::min(kTouchingPerMessage, pairs.size() - first);
     touching_t& m = touching_;
-    m.count = static_cast<int32_t>(count);
-    m.a.resize(count);
-    m.b.resize(count);
-    m.part_a.resize(count);
-    m.part_b.resize(count);
-    m.level.resize(count);
-    for (size_t i = 0; i < count; ++i) {
-      const PairKey pair = pairs[first + i];
-      m.a[i] = static_cast<int32_t>(pair.a());
-      m.b[i] = static_cast<int32_t>(pair.b());
-      m.part_a[i] = static_cast<uint8_t>(pair.part_a());
-      m.part_b[i] = static_cast<uint8_t>(pair.part_b());
-      m.level[i] = level_at(levels, first + i, last_level_);
-    }
+    resize_pairs(m, count);
+    for (size_t i = 0; i < count; ++i)
+      set_pair(m, i, pairs[first + i], level_at(levels, first + i, last_level_));
     send(open_, Channel::kTouching, m, chunk, chunks);
   }
 }

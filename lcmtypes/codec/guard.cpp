@@ -7,8 +7,8 @@
 
 #include "base/limits.h"
 #include "lcmtypes/codec/description.h"
-#include "lcmtypes/log/log_format.h"
-#include "lcmtypes/log/running_checks.h"
+#include "lcmtypes/codec/log_format.h"
+#include "lcmtypes/codec/running_checks.h"
 
 namespace throng {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "lcmtypes/codec/channels.h"
-#include "lcmtypes/log/running_checks.h"
+#include "lcmtypes/codec/running_checks.h"
 #include "throng/end_t.hpp"
 
 namespace throng {

@@ -16,7 +16,7 @@
 
 #include "lcmtypes/codec/description.h"
 #include "lcmtypes/codec/guard.h"
-#include "lcmtypes/wire/tally.h"
+#include "lcmtypes/codec/tally.h"
 #include "scenes/run/sink.h"
 
 namespace throng {

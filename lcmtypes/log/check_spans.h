@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lcmtypes/codec/guard.h"
+#include "lcmtypes/codec/running_checks.h"
 #include "lcmtypes/log/log_reader.h"
-#include "lcmtypes/log/running_checks.h"
 
 namespace throng {
 

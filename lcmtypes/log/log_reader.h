@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lcmtypes/log/log_format.h"
+#include "lcmtypes/codec/log_format.h"
 
 namespace throng {
 

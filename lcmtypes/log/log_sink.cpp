@@ -1,6 +1,6 @@
 #include "lcmtypes/log/log_sink.h"
 
-#include "lcmtypes/log/log_format.h"
+#include "lcmtypes/codec/log_format.h"
 
 namespace throng {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/wire/tally.h"
+#include "lcmtypes/codec/tally.h"
 #include "scenes/run/simulation.h"
 #include "throng/drive_t.hpp"
 

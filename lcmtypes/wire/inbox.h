@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/wire/tally.h"
+#include "lcmtypes/codec/tally.h"
 
 namespace throng {
 

@@ -83,7 +83,6 @@ BoxWorld::BoxWorld(const BoxWorldOptions& options, std::span<const double> radii
     const Eigen::Vector3d axis = random_direction(key, Draw::kSpin);
     const double spin_radps =
         moves ? random_uniform(key, 0, options.max_spin_radps, Draw::kSpin + 2) : 0;
-    spins_radps_.push_back(spin_radps * axis);
     turns_.push_back(turn_of(axis, spin_radps * options.step_s));
   }
 }

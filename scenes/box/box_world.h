@@ -49,7 +49,6 @@ class BoxWorld {
   std::span<const Eigen::Vector3d> positions_m() const { return positions_m_; }
   std::span<const Eigen::Vector3d> velocities_mps() const { return velocities_mps_; }
   /// World axes; constant, because walls act on the centre only.
-  std::span<const Eigen::Vector3d> spins_radps() const { return spins_radps_; }
   /// world_from_object, unit length.
   std::span<const Eigen::Quaterniond> orientations() const { return orientations_; }
 
@@ -62,7 +61,7 @@ class BoxWorld {
  private:
   BoxWorldOptions options_;
   std::vector<Eigen::Vector3d> low_m_, high_m_;  ///< where each object's origin may be
-  std::vector<Eigen::Vector3d> positions_m_, velocities_mps_, spins_radps_;
+  std::vector<Eigen::Vector3d> positions_m_, velocities_mps_;
   std::vector<Eigen::Quaterniond> orientations_;
   std::vector<Eigen::Quaterniond> turns_;  ///< the rotation of one step
 };

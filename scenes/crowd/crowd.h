@@ -16,7 +16,7 @@
 #include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/crowd_fields.h"
 #include "scenes/crowd/journeys.h"
-#include "scenes/crowd/neighbour_grid.h"
+#include "scenes/crowd/neighbours/neighbour_grid.h"
 #include "scenes/crowd/spawn.h"
 #include "scenes/crowd/steering/steering.h"
 #include "scenes/crowd/traffic.h"

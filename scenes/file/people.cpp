@@ -29,12 +29,24 @@ constexpr Distribution kElderlyHeight_m{1.66, 0.09, 1.41, 1.96};
 constexpr StyleShares kAdultStyles = {45, 20, 10, 7, 13, 5};
 constexpr StyleShares kElderlyStyles = {30, 10, 0, 10, 10, 40};
 constexpr std::array<AgeGroup, kAgeCount> kAgeGroups = {{
-    {"adults", {1.34, 0.26, 0.5, 2.2}, kAdultHeight_m, kAdultStyles},
-    {"children", {1.18, 0.15, 0.58, 1.61}, {1.33, 0.12, 1.10, 1.60}, {45, 40, 15, 0, 0, 0}},
-    {"young", inside(0.5 * (0.58 + 1.61), 1.61), kAdultHeight_m, {40, 30, 10, 5, 15, 0}},
-    {"middle_aged", inside(1.41, 1.54), kAdultHeight_m, {50, 15, 15, 8, 12, 0}},
-    {"elderly", inside(0.68, 1.41), kElderlyHeight_m, kElderlyStyles},
-    {"impaired", inside(0.46, 0.76), kElderlyHeight_m, {0, 0, 0, 0, 0, 100}},
+    {"adults", "of any age", {1.34, 0.26, 0.5, 2.2}, kAdultHeight_m, kAdultStyles},
+    {"children",
+     "6 to 12 years",
+     {1.18, 0.15, 0.58, 1.61},
+     {1.33, 0.12, 1.10, 1.60},
+     {45, 40, 15, 0, 0, 0}},
+    {"young",
+     "under 30 years",
+     inside(0.5 * (0.58 + 1.61), 1.61),
+     kAdultHeight_m,
+     {40, 30, 10, 5, 15, 0}},
+    {"middle_aged", "30 to 50 years", inside(1.41, 1.54), kAdultHeight_m, {50, 15, 15, 8, 12, 0}},
+    {"elderly", "over 50 years", inside(0.68, 1.41), kElderlyHeight_m, kElderlyStyles},
+    {"impaired",
+     "people who walk with difficulty",
+     inside(0.46, 0.76),
+     kElderlyHeight_m,
+     {0, 0, 0, 0, 0, 100}},
 }};
 
 // Passers-by of a town: our own estimate.

@@ -36,8 +36,9 @@ using StyleShares = std::array<double, kGaitStyleCount>;
 
 /// What people of an age are like.
 struct AgeGroup {
-  std::string_view name;   ///< in scene files
-  Distribution speed_mps;  ///< free speed
+  std::string_view name;     ///< in scene files
+  std::string_view meaning;  ///< "30 to 50 years"
+  Distribution speed_mps;    ///< free speed
   Distribution height_m;
   StyleShares styles;
 };

@@ -12,8 +12,8 @@
 
 #include "avatars/model/model.h"
 #include "culling/culler.h"
-#include "scenes/crowd/steering/steering_rule.h"
 #include "scenes/file/people.h"
+#include "scenes/file/steering_rule.h"
 
 namespace throng {
 

@@ -61,36 +61,28 @@ Fields::Fields(const std::string& file, const YamlNode& node, std::string what)
 
 std::string Fields::where(const YamlNode& node) const { return at_line(file_, node.line); }
 
-const YamlNode* Fields::find(const std::string& key) {
-  known_.push_back(key);
+const YamlNode* Fields::find(const std::string& key) const {
   for (const YamlEntry& entry : node_.entries)
     if (entry.key == key) return &entry.value;
   return nullptr;
 }
 
-const YamlNode& Fields::require(const std::string& key) {
+const YamlNode& Fields::require(const std::string& key) const {
   const YamlNode* node = find(key);
   if (node != nullptr) return *node;
   throw InputError(where(node_), fmt::format("the key '{}' in {}", key, what_), "none");
 }
 
-std::string Fields::text(const std::string& key) {
+std::string Fields::text(const std::string& key) const {
   const YamlNode& node = require(key);
   if (node.kind != YamlNode::Kind::kScalar || node.scalar.empty())
     throw InputError(where(node), fmt::format("a text for '{}'", key), describe(node));
   return node.scalar;
 }
 
-std::string Fields::text_or(const std::string& key, const std::string& fallback) {
-  if (find(key) == nullptr) return fallback;
-  known_.pop_back();
-  return text(key);
-}
-
-std::string Fields::name_or(const std::string& key, const std::string& fallback) {
+std::string Fields::name_or(const std::string& key, const std::string& fallback) const {
   const YamlNode* node = find(key);
   if (node == nullptr) return fallback;
-  known_.pop_back();
   std::string name = text(key);
   const std::string defect = defect_of_name(name);
   if (!defect.empty())
@@ -100,8 +92,9 @@ std::string Fields::name_or(const std::string& key, const std::string& fallback)
   return name;
 }
 
-std::string Fields::line_or(const std::string& key, const std::string& fallback) {
-  std::string line = text_or(key, fallback);
+std::string Fields::line_or(const std::string& key, const std::string& fallback) const {
+  if (find(key) == nullptr) return fallback;
+  std::string line = text(key);
   while (!line.empty() && line.back() == '\n') line.pop_back();
   for (char& c : line)
     if (c == '\n' || c == '\t') c = ' ';
@@ -117,19 +110,19 @@ double Fields::to_number(const std::string& key, const YamlNode& node, const Ran
   return *value;
 }
 
-double Fields::number(const std::string& key, const Range& range) {
+double Fields::number(const std::string& key, const Range& range) const {
   return to_number(key, require(key), range);
 }
 
-double Fields::number_or(const std::string& key, const Range& range, double fallback) {
+double Fields::number_or(const std::string& key, const Range& range, double fallback) const {
   const YamlNode* node = find(key);
   return node == nullptr ? fallback : to_number(key, *node, range);
 }
 
 int64_t Fields::integer_or(const std::string& key, int64_t min, int64_t max,
-                           std::optional<int64_t> fallback) {
-  const YamlNode* node = fallback ? find(key) : &require(key);
-  if (node == nullptr) return *fallback;
+                           int64_t fallback) const {
+  const YamlNode* node = find(key);
+  if (node == nullptr) return fallback;
   int64_t value = 0;
   const std::string& text = node->scalar;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -143,7 +136,7 @@ int64_t Fields::integer_or(const std::string& key, int64_t min, int64_t max,
   return value;
 }
 
-bool Fields::boolean_or(const std::string& key, bool fallback) {
+bool Fields::boolean_or(const std::string& key, bool fallback) const {
   const YamlNode* node = find(key);
   if (node == nullptr) return fallback;
   if (node->scalar == "true" && !node->quoted) return true;
@@ -151,7 +144,7 @@ bool Fields::boolean_or(const std::string& key, bool fallback) {
   throw InputError(where(*node), fmt::format("true or false for '{}'", key), describe(*node));
 }
 
-std::vector<double> Fields::numbers(const std::string& key, int count, const Range& range) {
+std::vector<double> Fields::numbers(const std::string& key, int count, const Range& range) const {
   const YamlNode& node = require(key);
   if (node.kind != YamlNode::Kind::kList || node.items.size() != static_cast<size_t>(count))
     throw InputError(where(node), fmt::format("a list of {} numbers for '{}'", count, key),
@@ -168,46 +161,34 @@ void Fields::expect_keys(const std::vector<std::string>& keys) const {
                        fmt::format("'{}'{}", entry.key, did_you_mean(entry.key, keys)));
 }
 
-void Fields::done() const { expect_keys(known_); }
-
-Rectangle read_rectangle(Fields& fields, const std::string& what) {
-  const Range range{-kMaxCoordinate_m, kMaxCoordinate_m};
-  const std::vector<double> min = fields.numbers("min_m", 2, range);
-  const std::vector<double> max = fields.numbers("max_m", 2, range);
-  if (min[0] >= max[0] || min[1] >= max[1])
-    throw InputError(at_line(fields.file(), fields.line()),
-                     fmt::format("min_m below max_m in {}", what),
-                     fmt::format("[{}, {}] and [{}, {}]", min[0], min[1], max[0], max[1]));
-  return {{min[0], min[1]}, {max[0], max[1]}};
+std::optional<size_t> Fields::word(const std::string& key,
+                                   const std::vector<std::string>& words) const {
+  const YamlNode* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  const auto found = std::find(words.begin(), words.end(), node->scalar);
+  if (node->kind != YamlNode::Kind::kScalar || found == words.end())
+    throw InputError(where(*node), fmt::format("{}: {}", key, list_of(words, " or ")),
+                     describe(*node) + did_you_mean(node->scalar, words));
+  return static_cast<size_t>(found - words.begin());
 }
 
-Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what) {
-  Fields fields(file, node, what);
-  const Rectangle area = read_rectangle(fields, what);
-  fields.done();
-  return area;
+std::vector<const YamlNode*> Fields::items(const std::string& key, bool required) const {
+  std::vector<const YamlNode*> items;
+  const YamlNode* node = required ? &require(key) : find(key);
+  if (node == nullptr) return items;
+  if (node->kind != YamlNode::Kind::kList || (required && node->items.empty()))
+    throw InputError(where(*node), fmt::format("a list for '{}'", key), describe(*node));
+  for (const YamlNode& item : node->items) items.push_back(&item);
+  return items;
 }
 
-Distribution read_distribution(const std::string& file, const YamlNode& node,
-                               const std::string& what, const Distribution& fallback,
-                               const Range& range) {
-  if (node.kind == YamlNode::Kind::kScalar) {
-    const YamlNode wrapper{YamlNode::Kind::kMap,     node.line, "", false, {},
-                           {{what, node.line, node}}};
-    const double value = Fields(file, wrapper, what).number(what, range);
-    return {value, 0, value, value};
+std::string list_of(const std::vector<std::string>& words, std::string_view before_last) {
+  std::string text;
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 < words.size() ? ", " : before_last;
+    text += words[i];
   }
-  Fields fields(file, node, what);
-  Distribution out;
-  out.mean = fields.number_or("mean", range, fallback.mean);
-  out.deviation = fields.number_or("deviation", {0, range.max}, fallback.deviation);
-  out.min = fields.number_or("min", range, fallback.min);
-  out.max = fields.number_or("max", range, fallback.max);
-  fields.done();
-  if (!(out.min <= out.mean && out.mean <= out.max))
-    throw InputError(at_line(file, node.line), fmt::format("min <= mean <= max in {}", what),
-                     fmt::format("min {}, mean {}, max {}", out.min, out.mean, out.max));
-  return out;
+  return text;
 }
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// Typed reading of a YAML map: every key is asked for once, what nobody asked for is an error.
+// Typed reading of a YAML map.
 // One rule: every complaint names file:line, what was expected and what was found.
 #pragma once
 
@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/limits.h"
-#include "scenes/file/scene.h"
 #include "scenes/file/yaml_tree.h"
 
 namespace throng {
@@ -20,7 +19,7 @@ struct Range {
   bool above_min = false;  ///< min itself is excluded
 };
 
-/// One map of the file. Read the keys, then call done().
+/// One map of the file.
 class Fields {
  public:
   /// `what` names the map in messages: "a group".
@@ -30,30 +29,32 @@ class Fields {
   /// naming before the absence of the right one.
   void expect_keys(const std::vector<std::string>& keys) const;
 
-  /// The value of a key, or null if it is absent. Marks the key as known.
-  const YamlNode* find(const std::string& key);
-  const YamlNode& require(const std::string& key);
+  /// The value of a key, or null if it is absent.
+  const YamlNode* find(const std::string& key) const;
+  const YamlNode& require(const std::string& key) const;
 
-  std::string text(const std::string& key);
-  std::string text_or(const std::string& key, const std::string& fallback);
+  std::string text(const std::string& key) const;
   /// A text that defect_of_name() passes; the fallback is not checked.
-  std::string name_or(const std::string& key, const std::string& fallback);
+  std::string name_or(const std::string& key, const std::string& fallback) const;
   /// Text as one line: breaks and tabs become blanks.
-  std::string line_or(const std::string& key, const std::string& fallback);
-  double number(const std::string& key, const Range& range);
-  double number_or(const std::string& key, const Range& range, double fallback);
-  int64_t integer_or(const std::string& key, int64_t min, int64_t max,
-                     std::optional<int64_t> fallback);
-  bool boolean_or(const std::string& key, bool fallback);
+  std::string line_or(const std::string& key, const std::string& fallback) const;
+  double number(const std::string& key, const Range& range) const;
+  double number_or(const std::string& key, const Range& range, double fallback) const;
+  int64_t integer_or(const std::string& key, int64_t min, int64_t max, int64_t fallback) const;
+  bool boolean_or(const std::string& key, bool fallback) const;
   /// `count` numbers in a list.
-  std::vector<double> numbers(const std::string& key, int count, const Range& range);
-
-  /// Throws for the first key that nobody asked for, with a did-you-mean.
-  void done() const;
+  std::vector<double> numbers(const std::string& key, int count, const Range& range) const;
+  /// Which of the words stands there; none if the key is absent.
+  std::optional<size_t> word(const std::string& key, const std::vector<std::string>& words) const;
+  /// The items of a list; none if the key is absent. A required list has at least one.
+  std::vector<const YamlNode*> items(const std::string& key, bool required) const;
 
   int line() const { return node_.line; }
+  /// "file:line" of the map itself.
+  std::string where() const { return where(node_); }
   std::string where(const YamlNode& node) const;
   const std::string& file() const { return file_; }
+  const YamlNode& node() const { return node_; }
 
  private:
   double to_number(const std::string& key, const YamlNode& node, const Range& range) const;
@@ -61,21 +62,12 @@ class Fields {
   const std::string& file_;
   const YamlNode& node_;
   std::string what_;
-  std::vector<std::string> known_;
 };
 
 /// What stands there, for messages: "'abc'", "a list", "nothing".
 std::string describe(const YamlNode& node);
 
-/// {min_m: [x, y], max_m: [x, y]} with min below max, coordinates within kMaxCoordinate_m.
-Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what);
-
-/// The same from a map that has other keys, too.
-Rectangle read_rectangle(Fields& fields, const std::string& what);
-
-/// {mean, deviation, min, max}, each optional, or one number for everybody.
-Distribution read_distribution(const std::string& file, const YamlNode& node,
-                               const std::string& what, const Distribution& fallback,
-                               const Range& range);
+/// "a, b or c", "a, b".
+std::string list_of(const std::vector<std::string>& words, std::string_view before_last = ", ");
 
 }  // namespace throng

@@ -1,43 +1,249 @@
 #include "scenes/file/scene_keys.h"
 
-#include <cassert>
-
-#include "scenes/file/people.h"
+#include "base/errors.h"
+#include "base/limits.h"
+#include "base/text.h"
+#include "scenes/file/key_tables.h"
+#include "scenes/file/scene_limits.h"
+#include "scenes/file/scene_values.h"
 
 namespace throng {
+namespace {
 
-const std::vector<std::pair<std::string_view, std::vector<std::string>>>& scene_keys() {
-  static const std::vector<std::pair<std::string_view, std::vector<std::string>>> keys = {
-      {"scene",
-       {"name", "description", "seed", "step_s", "duration_s", "ground", "groups", "obstacles",
-        "culling", "steering", "planted_feet", "kind", "box"}},
-      {"culling", {"part_volume", "exact"}},
-      {"steering", {"model", "density_speed"}},
-      {"group",
-       {"name", "count", "spawn", "sources", "goals", "on_arrival", "delay_s", "model", "ages",
-        "speed_mps", "height_m", "styles", "radius_m", "driven"}},
-      {"ages", age_names()},
-      {"styles", style_names()},
-      {"goal", {"min_m", "max_m", "nearest_of", "wait_s", "pass"}},
-      {"source", {"area", "count", "rate_per_s", "start_s", "random"}},
-      {"obstacle",
-       {"name", "kind", "position_m", "bottom_m", "heading_deg", "size_m", "diameter_m", "height_m",
-        "file"}},
-      {"box",
-       {"count", "edge_m", "static_every", "min_speed_mps", "max_speed_mps", "max_spin_radps",
-        "model"}},
-      {"area", {"min_m", "max_m"}},
-      {"distribution", {"mean", "deviation", "min", "max"}},
-  };
-  return keys;
+/// Steering turns ten times a second; a longer step would outlive its decisions.
+constexpr Range kStepRange{1e-4, 0.1};
+constexpr Range kDurationRange{0, 1e7, true};
+/// The narrowest ground: two of the smallest radii.
+constexpr double kMinGround_m = 2 * kMinRadius_m;
+
+const std::vector<std::string> kKinds = {"crowd", "box"};
+
+bool is_box(const Fields& fields) { return fields.word("kind", kKinds).value_or(0) == 1; }
+
+/// A box has no ground, a crowd no box: the keys of the other kind are none.
+void read_kind(Reading&, Fields& fields, Scene&) {
+  std::vector<std::string> keys = scene_keys().names();
+  std::erase_if(keys, [&](const std::string& key) {
+    if (!is_box(fields)) return key == "box";
+    return key == "ground" || key == "groups" || key == "obstacles";
+  });
+  fields.expect_keys(keys);
 }
 
-const std::vector<std::string>& keys_of(std::string_view map) {
-  for (const auto& [name, keys] : scene_keys())
-    if (name == map) return keys;
-  assert(false && "a map that no scene has");
-  static const std::vector<std::string> none;
-  return none;
+/// A map of its own whose values are the scene's.
+void read_part(const KeyTable<Scene>& table, Reading& reading, const Fields& fields, Scene& scene) {
+  const YamlNode* node = fields.find(table.text.name);
+  if (node == nullptr) return;
+  Fields inner(fields.file(), *node, table.title);
+  read_keys(table, reading, inner, scene);
+}
+
+void read_ground(Reading&, Fields& fields, Scene& scene) {
+  if (is_box(fields)) return;
+  const YamlNode& node = fields.require("ground");
+  scene.ground = read_rectangle(fields.file(), node, "ground");
+  if (!(scene.ground.size_m().minCoeff() >= kMinGround_m))
+    throw InputError(
+        fields.where(node),
+        fmt::format("ground of at least {} m x {} m", kMinGround_m, kMinGround_m),
+        fmt::format("{} m x {} m", scene.ground.size_m().x(), scene.ground.size_m().y()));
+  if (!(scene.ground.area_m2() <= kMaxGround_m2))
+    throw InputError(fields.where(node), fmt::format("ground of at most {} m2", kMaxGround_m2),
+                     fmt::format("{}", scene.ground.area_m2()));
+}
+
+void expect_at_most(int64_t most, const std::string& key, const Fields& fields) {
+  const YamlNode* node = fields.find(key);
+  if (node != nullptr && static_cast<int64_t>(node->items.size()) > most)
+    throw InputError(fields.where(*node), fmt::format("at most {} {}", most, key),
+                     fmt::format("{}", node->items.size()));
+}
+
+void read_groups(Reading& reading, Fields& fields, Scene& scene) {
+  if (is_box(fields)) return;
+  expect_at_most(kMaxGroups, "groups", fields);
+  read_items(group_keys(), "groups", true, reading, fields, scene.groups);
+}
+
+void read_obstacles(Reading& reading, Fields& fields, Scene& scene) {
+  expect_at_most(kMaxObstacles, "obstacles", fields);
+  read_items(obstacle_keys(), "obstacles", false, reading, fields, scene.obstacles);
+  auto bodies = static_cast<int64_t>(scene.obstacles.size());
+  for (const Group& group : scene.groups) bodies += group.total();
+  if (bodies > kMaxBodies)
+    throw InputError(fields.where(fields.require("obstacles")),
+                     fmt::format("at most {} people and obstacles", kMaxBodies),
+                     fmt::format("{}", bodies));
+}
+
+void read_box(Reading& reading, Fields& fields, Scene& scene) {
+  if (!is_box(fields)) return;
+  Fields inner(fields.file(), fields.require("box"), box_keys().title);
+  read_keys(box_keys(), reading, inner, scene.box.emplace());
+  scene.ground.max_m = Eigen::Vector2d::Constant(0.5 * scene.box->edge_m);
+  scene.ground.min_m = -scene.ground.max_m;
+}
+
+const KeyTable<Scene>& culling_keys() {
+  static const KeyTable<Scene> table = [] {
+    std::vector<std::pair<std::string, VolumeKind>> volumes;
+    std::vector<std::string> names;
+    for (const VolumeKind kind : kAllVolumes) {
+      volumes.emplace_back(name_of(kind), kind);
+      names.push_back(fmt::format("`{}`", name_of(kind)));
+    }
+    return KeyTable<Scene>{.text = {.name = "culling", .meaning = "How contacts are found"},
+                           .title = "culling",
+                           .keys = {word("part_volume",
+                                         "what encloses a body part: " + list_of(names, " or ") +
+                                             ", see [culling.md](culling.md)",
+                                         &Scene::part_volume, volumes)
+                                        .hashing([](Hasher& hash, const Scene& scene) {
+                                          hash.add(name_of(scene.part_volume));
+                                        }),
+                                    flag("exact", "triangles decide what touches", &Scene::exact)}};
+  }();
+  return table;
+}
+
+const KeyTable<Scene>& steering_keys() {
+  static const KeyTable<Scene> table = [] {
+    Rule models{.kind = Rule::Kind::kWord, .words = steering_names()};
+    return KeyTable<Scene>{
+        .text = {.name = "steering", .meaning = "How people steer"},
+        .title = "steering",
+        .keys = {own_key<Scene>("model",
+                                steering_choices() + ", see [How people steer](#how-people-steer)",
+                                "`orca`", models)
+                     .reading([](Reading&, Fields& fields, Scene& scene) {
+                       if (const auto found = fields.word("model", steering_names()))
+                         scene.steering.model = all_steering_kinds()[*found];
+                     })
+                     .hashing([](Hasher& hash, const Scene& scene) {
+                       hash.add(name_of(scene.steering.model));
+                     }),
+                 own_key<Scene>("density_speed", "density ahead slows people, as observed", "false",
+                                {.kind = Rule::Kind::kFlag})
+                     .reading([](Reading&, Fields& fields, Scene& scene) {
+                       scene.steering.density_speed = fields.boolean_or("density_speed", false);
+                     })
+                     .hashing([](Hasher& hash, const Scene& scene) {
+                       add_value(hash, scene.steering.density_speed);
+                     })}};
+  }();
+  return table;
+}
+
+Key<Scene> part_key(const std::string& meaning, const KeyTable<Scene>& table) {
+  return own_key<Scene>(table.text.name, meaning, "its keys have their own",
+                        map_rule(table.text.name))
+      .reading([&table](Reading& reading, Fields& fields, Scene& scene) {
+        read_part(table, reading, fields, scene);
+      })
+      .hashing([&table](Hasher& hash, const Scene& scene) { add_keys(table, hash, scene); });
+}
+
+std::vector<Key<Scene>> rows_of_scenes() {
+  return {
+      own_key<Scene>("name",
+                     "what results are called; this and all names below: 1 to 120 bytes of "
+                     "printable UTF-8",
+                     "the file's name", {})
+          .reading([](Reading& reading, Fields& fields, Scene& scene) {
+            scene.name = fields.name_or("name", name_after(reading.scene.file.stem().string()));
+          })
+          .hashing([](Hasher& hash, const Scene& scene) { hash.add(scene.name); }),
+      own_key<Scene>("description", "one line for `throng scenes`", "none", {})
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            scene.description = fields.line_or("description", "");
+          }),
+      whole("seed", "start of all random numbers", &Scene::seed, 0, INT64_MAX),
+      number("step_s",
+             "time from frame to frame; walking, culling and events happen at each; at most 0.1",
+             &Scene::step_s, kStepRange)
+          .stating("1/60"),
+      number("duration_s", "how long a run is, unless `--seconds` says otherwise",
+             &Scene::duration_s, kDurationRange)
+          .without_hash(),
+      own_key<Scene>("kind",
+                     "`crowd`, or `box`: then `box` below stands for ground, groups and obstacles",
+                     "`crowd`", {.kind = Rule::Kind::kWord, .words = kKinds})
+          .reading(read_kind),
+      part_key("how contacts are found: `part_volume` and `exact`, see below", culling_keys()),
+      flag("planted_feet",
+           "feet stay where they are put on curves and on the spot, for some 80 ns a person and "
+           "frame; false: they glide there ([architecture.md](architecture.md#feet))",
+           &Scene::planted_feet),
+      part_key("how people steer: `model` and `density_speed`, see below", steering_keys()),
+      own_key<Scene>("ground",
+                     "the rectangle people stay on, `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 "
+                     "m wide",
+                     "required of a crowd", map_rule("area"))
+          .reading(read_ground)
+          .hashing([](Hasher& hash, const Scene& scene) { add_value(hash, scene.ground); }),
+      own_key<Scene>("groups", "people, see [A group](#a-group)", "required of a crowd",
+                     list_rule("group", 1, kMaxGroups))
+          .reading(read_groups)
+          .hashing([](Hasher& hash, const Scene& scene) {
+            add_items(group_keys(), hash, scene.groups);
+          }),
+      own_key<Scene>("box", "the world of `kind: box`, see [A box of parts](#a-box-of-parts)",
+                     "required of a box", map_rule("box"))
+          .reading(read_box)
+          .hashing([](Hasher& hash, const Scene& scene) {
+            if (scene.box) add_keys(box_keys(), hash.add("box"), *scene.box);
+          }),
+      own_key<Scene>("obstacles", "what stands in the way, see [An obstacle](#an-obstacle)", "none",
+                     list_rule("obstacle", 0, kMaxObstacles))
+          .reading(read_obstacles)
+          .hashing([](Hasher& hash, const Scene& scene) {
+            add_items(obstacle_keys(), hash, scene.obstacles);
+          })};
+}
+
+}  // namespace
+
+const KeyTable<Scene>& scene_keys() {
+  static const KeyTable<Scene> table = {
+      .text = {.name = "scene",
+               .meaning =
+                   "A scene of Throng: a ground, people who walk to goals, and what stands in "
+                   "their way"},
+      .title = "a scene",
+      .keys = rows_of_scenes()};
+  return table;
+}
+
+std::vector<MapText> scene_maps() {
+  return {text_of(scene_keys()),
+          text_of(culling_keys()),
+          text_of(steering_keys()),
+          text_of(group_keys()),
+          ages_text(),
+          styles_text(),
+          text_of(goal_keys()),
+          text_of(source_keys()),
+          text_of(obstacle_keys()),
+          text_of(box_keys()),
+          area_text(),
+          distribution_text()};
+}
+
+Scene read_scene(const std::filesystem::path& file, const YamlNode& root) {
+  Reading reading;
+  reading.folder = file.parent_path();
+  reading.scene.file = file;
+  const std::string name = file.string();
+  Fields fields(name, root, scene_keys().title);
+  read_keys(scene_keys(), reading, fields, reading.scene);
+  reading.scene.content_hash = content_hash_of(reading.scene);
+  return std::move(reading.scene);
+}
+
+uint64_t content_hash_of(const Scene& scene) {
+  Hasher hash;
+  add_keys(scene_keys(), hash, scene);
+  return hash.value();
 }
 
 }  // namespace throng

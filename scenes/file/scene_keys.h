@@ -1,19 +1,19 @@
-// The keys of every map that a scene file may hold.
-// One rule: the reader takes its keys from here and editors theirs from scene.schema.json; a test
-// holds the two together.
+// The keys of every map that a scene file may hold, for readers, editors and documents.
+// One rule: all that is known of a key comes from its row, see key.h.
 #pragma once
 
-#include <string>
-#include <string_view>
-#include <utility>
+#include <filesystem>
 #include <vector>
+
+#include "scenes/file/key.h"
+#include "scenes/file/yaml_tree.h"
 
 namespace throng {
 
-/// Names of maps ("scene", "group", ...) and their keys, in the order of the documentation.
-const std::vector<std::pair<std::string_view, std::vector<std::string>>>& scene_keys();
+/// Every map, the scene first, with its keys in the order of the documentation.
+std::vector<MapText> scene_maps();
 
-/// The keys of one map. Asserts that there is one of that name.
-const std::vector<std::string>& keys_of(std::string_view map);
+/// A scene from its tree. Throws InputError.
+Scene read_scene(const std::filesystem::path& file, const YamlNode& root);
 
 }  // namespace throng

@@ -120,16 +120,4 @@ void DrivenAvatars::hold(std::span<const float*> rows) const {
   for (const One& one : all_) rows[one.avatar] = one.row.data();
 }
 
-float reach_of(const Model& model) {
-  double reach = 0;
-  for (size_t i = 0; i < model.parts.size(); ++i) {
-    double extent = 0;
-    for (const Eigen::Vector3f& vertex : model.parts[i].mesh.vertices)
-      extent = std::max(extent, vertex.cast<double>().norm());
-    reach = std::max(reach, static_cast<double>(model.kinematics.reach_m()[i]) + extent);
-  }
-  // Sums of floats, and rotations that are not quite: a thousandth is far beyond both.
-  return static_cast<float>(reach * 1.001);
-}
-
 }  // namespace throng

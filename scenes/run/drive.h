@@ -67,8 +67,4 @@ class DrivenAvatars {
   std::vector<One> all_;
 };
 
-/// Radius of the sphere about the root's origin that holds every part in every posture within the
-/// joints' limits (metres, unscaled).
-float reach_of(const Model& model);
-
 }  // namespace throng

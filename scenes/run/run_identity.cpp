@@ -18,15 +18,14 @@ void identify_run(const Scene& scene, const SimulationOptions& options, RunInfo&
   // Threads, SIMD, pair search and outputs stay out: they change no frame.
   Hasher name;
   name.add("throng run 1").add(scene.content_hash);
-  if (options.deadline_ms) name.add("deadline, ms").add(*options.deadline_ms);
-  if (options.deadline_tests) name.add("deadline, tests").add(*options.deadline_tests);
-  if (options.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(options.strategy));
+  const CullerOptions& culler = options.culler;
+  if (culler.deadline_ms) name.add("deadline, ms").add(*culler.deadline_ms);
+  if (culler.deadline_tests) name.add("deadline, tests").add(*culler.deadline_tests);
+  if (culler.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(culler.strategy));
   info.run_id = name.value();
   info.instance = random_instance();
+  info.culler = options.culler;
   info.culling = options.culling;
-  info.strategy = options.strategy;
-  info.deadline_ms = options.deadline_ms;
-  info.deadline_tests = options.deadline_tests;
 }
 
 }  // namespace throng

@@ -143,7 +143,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
     times[Stage::kPublish] = nanoseconds_since(publish_start);
     times.frame_ns = nanoseconds_since(frame_start);
     measurements.add(times, *frame.counters);
-    add_frame(summary, frame, info.exact, simulation.steering());
+    add_frame(summary, frame, info.culler.exact, simulation.steering());
     ++summary.frames;
     summary.stopped_early = keep_going && !keep_going(frame) && simulation.next_frame() < frames;
   }

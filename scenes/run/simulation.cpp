@@ -39,13 +39,19 @@ Scene with_bodies(Scene scene) {
   return scene;
 }
 
-/// What the avatars of a world are, and where obstacles stand.
-BodyStates bodies_of(World& world, const Scene& scene) {
+/// What the avatars of a world are, and where obstacles stand. Adds those that something outside
+/// moves to `driven`, whose rows it refers to.
+BodyStates bodies_of(World& world, const Scene& scene, DrivenAvatars& driven) {
   BodyStates bodies;
   world.place(bodies);
   const size_t avatars = bodies.types.size();
   bodies.gait_mps.assign(avatars, kNotComeIn);
   if (scene.planted_feet) bodies.resize_steps(avatars);
+  world.add_driven(driven);
+  if (!driven.empty()) {
+    bodies.held_rows.assign(avatars, nullptr);
+    driven.hold(bodies.held_rows);
+  }
   bodies.roots.resize(avatars);
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     const SinCos turn = sin_cos(scene.obstacles[i].heading_rad);
@@ -56,17 +62,20 @@ BodyStates bodies_of(World& world, const Scene& scene) {
   return bodies;
 }
 
+SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
+  options.culler.part_volume = scene.part_volume;
+  options.culler.exact = scene.exact;
+  return options;
+}
+
 /// How the avatars of each model walk, and whether something outside moves them.
-std::vector<ModelUse> uses_of(const World& world, const Scene& scene, const BodyStates& bodies) {
+std::vector<ModelUse> uses_of(size_t models, const Scene& scene, const BodyStates& bodies) {
   const PostureKind walking = scene.planted_feet ? PostureKind::kStepping : PostureKind::kTable;
-  std::vector<ModelUse> uses(world.models().size(), ModelUse{{}, walking});
+  std::vector<ModelUse> uses(models, ModelUse{{}, walking});
   for (size_t i = 0; i < bodies.styles.size(); ++i)
     uses[bodies.types[i]].styles.set(static_cast<size_t>(bodies.styles[i]));
-  RunInfo groups;
-  world.describe(groups);
-  for (size_t i = 0; i < groups.group_of_avatar.size(); ++i)
-    if (!groups.drive_channels[groups.group_of_avatar[i]].empty())
-      uses[bodies.types[i]].postures = PostureKind::kHeld;
+  for (size_t i = 0; i < bodies.held_rows.size(); ++i)
+    if (bodies.held_rows[i] != nullptr) uses[bodies.types[i]].postures = PostureKind::kHeld;
   return uses;
 }
 
@@ -76,7 +85,6 @@ struct Simulation::State {
   State(Scene scene_in, const SimulationOptions& options_in);
 
   void archive(Archive& a);
-  void place_driven();
   void describe_run();
   void cut_blocks();
   std::vector<std::shared_ptr<const BodyType>> types() const;
@@ -84,17 +92,17 @@ struct Simulation::State {
   void split_times(double steering_ns, double postures_ns);
   void fill_frame();
 
-  SimulationOptions options;
   Scene scene;
+  SimulationOptions options;
   Workers workers;
   std::unique_ptr<World> world;
   const std::vector<std::shared_ptr<const Model>>& models;  ///< of the world
+  DrivenAvatars driven;
   BodyStates bodies;
   size_t avatars;
   std::vector<float> speeds_mps;  ///< of the roots, by avatar
+  std::vector<ModelUse> uses;     ///< by model
   Posing posing;
-  DrivenAvatars driven;
-  std::vector<bool> is_driven_kind;  ///< by kind
   BodiesThere there;
   std::vector<BodyBlock> blocks;
   std::vector<float> postures;
@@ -109,35 +117,29 @@ struct Simulation::State {
 };
 
 Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
-    : options(options_in),
-      scene(with_bodies(std::move(scene_in))),
+    : scene(with_bodies(std::move(scene_in))),
+      options(with_scene(options_in, scene)),
       workers(options.threads),
-      world(make_world(scene, options.simd, workers)),
+      world(make_world(scene, options.culler.simd, workers)),
       models(world->models()),
-      bodies(bodies_of(*world, scene)),
+      bodies(bodies_of(*world, scene, driven)),
       avatars(bodies.phases.size()),
       speeds_mps(avatars),
-      posing(models, uses_of(*world, scene, bodies), bodies, workers),
+      uses(uses_of(models.size(), scene, bodies)),
+      posing(models, uses, bodies, workers),
       there(bodies.types.size()) {
   describe_run();
   cut_blocks();
-  place_driven();
-  CullerOptions culling;
-  culling.part_volume = scene.part_volume;
-  culling.exact = scene.exact;
-  culling.pair_search = options.pair_search;
-  culling.simd = options.simd;
-  culling.deadline_ms = options.deadline_ms;
-  culling.deadline_tests = options.deadline_tests;
-  culling.strategy = options.strategy;
-  culler = std::make_unique<Culler>(types(), culling, workers);
+  world->lead(driven);
+  culler = std::make_unique<Culler>(types(), options.culler, workers);
 }
 
 std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
   std::vector<std::shared_ptr<const BodyType>> all;
   for (size_t i = 0; i < models.size(); ++i)
-    all.push_back(
-        body_type(*models[i], is_driven_kind[i] ? driven_sphere(*models[i]) : posing.sphere(i)));
+    all.push_back(body_type(*models[i], uses[i].postures == PostureKind::kHeld
+                                            ? driven_sphere(*models[i])
+                                            : posing.sphere(i)));
   for (const Obstacle& obstacle : scene.obstacles) all.push_back(obstacle_type(obstacle));
   return all;
 }
@@ -161,17 +163,6 @@ void Simulation::State::archive(Archive& a) {
   culler->archive(a);
 }
 
-void Simulation::State::place_driven() {
-  is_driven_kind.assign(models.size(), false);
-  world->add_driven(driven);
-  if (driven.empty()) return;
-  bodies.held_rows.assign(avatars, nullptr);
-  driven.hold(bodies.held_rows);
-  for (size_t id = 0; id < avatars; ++id)
-    if (bodies.held_rows[id] != nullptr) is_driven_kind[bodies.types[id]] = true;
-  world->lead(driven);
-}
-
 void Simulation::State::describe_run() {
   const auto count = static_cast<ptrdiff_t>(avatars);
   info.scene = &scene;
@@ -181,8 +172,6 @@ void Simulation::State::describe_run() {
   info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + count);
   info.scale_of_avatar.assign(bodies.scales.begin(), bodies.scales.begin() + count);
   world->describe(info);
-  info.part_volume = scene.part_volume;
-  info.exact = scene.exact;
 }
 
 void Simulation::State::cut_blocks() {

@@ -20,14 +20,10 @@ struct BodyStates;  // scenes/run/postures.h
 
 struct SimulationOptions {
   int threads = 1;
-  PairSearch pair_search = PairSearch::kGrid;
-  SimdTarget simd = SimdTarget::kBest;
-  /// A frame's budget; see CullerOptions. Both change the events: the clock's not repeatably.
-  std::optional<double> deadline_ms{};
-  std::optional<uint64_t> deadline_tests{};
-  /// The paper's recipes in place of our own: they change the events as far as spheres and boxes
-  /// rule pairs out, with exact contacts not at all.
-  Strategy strategy = Strategy::kPipeline;
+  /// How contacts are found. Its volume and exactness are the scene's, whatever stands here; its
+  /// SIMD target is that of steering, too. A deadline changes the events (the clock's not
+  /// repeatably), and so does a strategy, as far as spheres and boxes rule pairs out.
+  CullerOptions culler{};
   /// Fill Frame::postures; see serve(). Off, only avatars in a surviving pair get joint angles at
   /// all: a run that nobody draws or logs does not pay for the rest. Never changes the events.
   bool postures = true;

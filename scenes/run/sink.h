@@ -39,16 +39,11 @@ struct RunInfo {
   std::vector<uint16_t> group_of_avatar;  ///< index into groups
   /// One a group: the LCM channel that moves its avatars, "" where the simulation does.
   std::vector<std::string> drive_channels;
-  VolumeKind part_volume = VolumeKind::kOrdop26;
-  bool exact = false;
-  bool culling = true;  ///< false: nobody was looked at, and there are no events
-  Strategy strategy = Strategy::kPipeline;
-  /// A frame's budget, where there is one: then pairs have levels, and the hash holds them, too.
-  std::optional<double> deadline_ms;
-  std::optional<uint64_t> deadline_tests;
+  CullerOptions culler;  ///< with a deadline pairs have levels, and the hash holds them, too
+  bool culling = true;   ///< false: nobody was looked at, and there are no events
   std::optional<Resumed> resumed;  ///< then the first frame is not number 0
 
-  bool has_deadline() const { return deadline_ms || deadline_tests; }
+  bool has_deadline() const { return culler.deadline_ms || culler.deadline_tests; }
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
 };
 

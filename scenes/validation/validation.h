@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/figure.h"
-#include "scenes/crowd/steering/steering_rule.h"
+#include "scenes/file/steering_rule.h"
 
 namespace throng::validation {
 

@@ -65,6 +65,14 @@ TEST(Documents, CommandsWorkAsShown) {
   EXPECT_GE(commands, 3);
 }
 
+TEST(Documents, TheSchemaOfScenesIsWhatTheCommandPrints) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell("throng scenes --schema", folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(outcome.out == read_file(fs::path(THRONG_SOURCE_DIR) / "scenes/scene.schema.json"))
+      << "scripts/docs.sh --update writes scenes/scene.schema.json anew";
+}
+
 TEST(Documents, LinksLeadToFiles) {
   const fs::path top(THRONG_SOURCE_DIR);
   for (const fs::path& document : documents()) {

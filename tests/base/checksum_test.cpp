@@ -1,5 +1,5 @@
 // The checksum: every flipped bit is certain to change it, on every machine alike.
-#include "base/files/checksum.h"
+#include "base/checksum.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 
 #include "base/files/archive.h"
 #include "lcmtypes/codec/guard.h"
-#include "lcmtypes/log/log_format.h"
-#include "lcmtypes/log/running_checks.h"
+#include "lcmtypes/codec/log_format.h"
+#include "lcmtypes/codec/running_checks.h"
 #include "scenes/box/box_world.h"
 #include "scenes/run/checkpoint.h"
 #include "tests/avatars/mesh_seeds.h"

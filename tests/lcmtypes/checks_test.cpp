@@ -10,9 +10,9 @@
 #include "base/errors.h"
 #include "base/random.h"
 #include "lcmtypes/codec/guard.h"
+#include "lcmtypes/codec/running_checks.h"
 #include "lcmtypes/log/log_check.h"
 #include "lcmtypes/log/log_reader.h"
-#include "lcmtypes/log/running_checks.h"
 #include "scenes/run/runner.h"
 #include "synthetic_run.h"
 
@@ -112,7 +112,7 @@ groups:
     radius_m: 0.3
     spawn: {min_m: [7, 1], max_m: [8, 2]}
 )";
-  Simulation simulation(load_scene(scene.path().string()), {.deadline_tests = 400});
+  Simulation simulation(load_scene(scene.path().string()), {.culler = {.deadline_tests = 400}});
   {
     LogSink sink(file.path());
     sink.begin(simulation.info());
@@ -482,13 +482,13 @@ TEST(Checks, ARunSaysWhatItLeavesOut) {
       {Strategy::kTwoPass, ""},
   };
   for (const auto& [strategy, words] : cases) {
-    const checks_t told = told_by([s = strategy](RunInfo& info) { info.strategy = s; });
+    const checks_t told = told_by([s = strategy](RunInfo& info) { info.culler.strategy = s; });
     EXPECT_EQ(told.leaves_out, words);
     EXPECT_EQ(told.strategy, name_of(strategy));
   }
   EXPECT_THAT(told_by([](RunInfo& info) { info.culling = false; }).leaves_out,
               HasSubstr("every contact"));
-  const checks_t hurried = told_by([](RunInfo& info) { info.deadline_tests = 500; });
+  const checks_t hurried = told_by([](RunInfo& info) { info.culler.deadline_tests = 500; });
   EXPECT_THAT(hurried.leaves_out, HasSubstr("their level says how far they came"));
   EXPECT_EQ(hurried.deadline_tests, 500);
   EXPECT_EQ(hurried.deadline_ms, -1);

@@ -194,7 +194,7 @@ TEST(Drive, TheSameCommandsGiveTheSameFramesForEveryNumberOfThreadsAndPairSearch
         std::pair(2, PairSearch::kBrute)}) {
     SimulationOptions options;
     options.threads = threads;
-    options.pair_search = search;
+    options.culler.pair_search = search;
     Simulation simulation(rover_in_crowd(), options);
     int64_t touched = 0;
     for (int64_t i = 0; i < 600; ++i) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
-#include "lcmtypes/log/log_format.h"
+#include "lcmtypes/codec/log_format.h"
 #include "synthetic_run.h"
 
 namespace throng {

@@ -8,7 +8,7 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcmtypes/log/log_format.h"
+#include "lcmtypes/codec/log_format.h"
 #include "lcmtypes/wire/lcm_sink.h"
 #include "synthetic_run.h"
 

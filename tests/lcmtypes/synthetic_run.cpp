@@ -49,7 +49,7 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.run_id = 0x1234'5678'9abc'def0 + options.seed;
   info_.instance = 0xfeed'beef'0000'0001;
   info_.step_s = 1.0 / 60;
-  if (options.deadline) info_.deadline_tests = 1000;
+  if (options.deadline) info_.culler.deadline_tests = 1000;
   if (options.crowd != Crowd::kRovers) info_.models.push_back(adult());
   if (options.crowd != Crowd::kAdults) info_.models.push_back(rover());
   info_.groups = {"walkers", "robots"};
@@ -139,7 +139,7 @@ void SyntheticRun::level() {
   if (options_.deadline)
     for (const PairKey& pair : pairs_) levels_.push_back(level_of(pair));
   for (PairEvent& event : pair_events_.events_to_level()) {
-    event.level = info_.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+    event.level = info_.culler.exact ? PairLevel::kExact : PairLevel::kPartVolume;
     if (options_.deadline) event.level = static_cast<PairLevel>(level_of(event.pair));
   }
 }

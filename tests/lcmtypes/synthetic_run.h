@@ -28,7 +28,7 @@ class SyntheticRun {
   explicit SyntheticRun(const Options& options);
 
   const RunInfo& info() const { return info_; }
-  void set_exact(bool exact) { info_.exact = exact; }
+  void set_exact(bool exact) { info_.culler.exact = exact; }
   void set_instance(uint64_t instance) { info_.instance = instance; }
   const Frame& step();
   RunEnd finish();

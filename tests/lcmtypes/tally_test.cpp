@@ -1,5 +1,5 @@
 // Counting what came and what did not: exact for any order of arrival.
-#include "lcmtypes/wire/tally.h"
+#include "lcmtypes/codec/tally.h"
 
 #include <gtest/gtest.h>
 

@@ -41,7 +41,7 @@ TEST(BoxScene, HasTheSameEventsOnEveryNumberOfThreadsAndSimdTarget) {
   EXPECT_EQ(run_scene("paper_350", options, 1).hash, expected.hash) << "2 threads";
   options.threads = 1;
   for (const SimdTarget target : simd_targets_of_this_machine()) {
-    options.simd = target;
+    options.culler.simd = target;
     EXPECT_EQ(run_scene("paper_350", options, 1).hash, expected.hash) << name_of(target);
   }
 }

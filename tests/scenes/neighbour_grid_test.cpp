@@ -1,5 +1,5 @@
 // The grid against looking at everybody.
-#include "scenes/crowd/neighbour_grid.h"
+#include "scenes/crowd/neighbours/neighbour_grid.h"
 
 #include <gtest/gtest.h>
 

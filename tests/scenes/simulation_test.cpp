@@ -107,8 +107,8 @@ TEST(Simulation, RunIdNamesWhatChangesResultsOnly) {
   const uint64_t id = id_of(small_plaza(20, 1), {});
   SimulationOptions other;
   other.threads = 3;
-  other.pair_search = PairSearch::kBrute;
-  other.simd = SimdTarget::kScalar;
+  other.culler.pair_search = PairSearch::kBrute;
+  other.culler.simd = SimdTarget::kScalar;
   other.postures = false;
   EXPECT_EQ(id_of(small_plaza(20, 1), other), id);
   EXPECT_EQ(id_of(small_plaza(20, 30), {}), id) << "a longer run begins with the same frames";

@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "base/simd.h"
-#include "scenes/crowd/neighbour_grid.h"
-#include "scenes/crowd/steering/steering_rule.h"
+#include "scenes/crowd/neighbours/neighbour_grid.h"
+#include "scenes/file/steering_rule.h"
 
 namespace throng {
 

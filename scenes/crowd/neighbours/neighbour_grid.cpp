@@ -1,8 +1,8 @@
-#include "scenes/crowd/neighbour_grid.h"
+#include "scenes/crowd/neighbours/neighbour_grid.h"
 
 #include <cmath>
 
-#include "scenes/crowd/neighbour_search.h"
+#include "scenes/crowd/neighbours/neighbour_search.h"
 
 namespace throng {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "scenes/crowd/neighbour_grid.h"
+#include "scenes/crowd/neighbours/neighbour_grid.h"
 
 namespace throng {
 

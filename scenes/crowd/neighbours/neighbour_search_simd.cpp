@@ -4,10 +4,10 @@
 #include <cstdint>
 
 #include "base/simd/dispatch.h"
-#include "scenes/crowd/neighbour_search.h"
+#include "scenes/crowd/neighbours/neighbour_search.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "scenes/crowd/neighbour_search_simd.cpp"
+#define HWY_TARGET_INCLUDE "scenes/crowd/neighbours/neighbour_search_simd.cpp"
 #include <hwy/foreach_target.h>
 
 #include "base/simd/lanes-inl.h"

@@ -1,4 +1,4 @@
-#include "base/files/checksum.h"
+#include "base/checksum.h"
 
 #include <array>
 #include <cstring>

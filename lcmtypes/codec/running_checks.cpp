@@ -1,10 +1,10 @@
-#include "lcmtypes/log/running_checks.h"
+#include "lcmtypes/codec/running_checks.h"
 
 #include <algorithm>
 #include <cassert>
 
-#include "base/files/checksum.h"
-#include "lcmtypes/log/log_format.h"
+#include "base/checksum.h"
+#include "lcmtypes/codec/log_format.h"
 
 namespace throng {
 namespace {

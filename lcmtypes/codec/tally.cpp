@@ -1,4 +1,4 @@
-#include "lcmtypes/wire/tally.h"
+#include "lcmtypes/codec/tally.h"
 
 #include <algorithm>
 #include <optional>

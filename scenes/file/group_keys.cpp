@@ -1,0 +1,258 @@
+// Groups: who they are, how many, of which model.
+#include <algorithm>
+#include <cctype>
+
+#include "base/errors.h"
+#include "base/limits.h"
+#include "scenes/file/key_tables.h"
+#include "scenes/file/scene_limits.h"
+#include "scenes/file/scene_values.h"
+
+namespace throng {
+namespace {
+
+constexpr Range kSpeedRange{0.1, 4.0};  // from a shuffle to a run
+constexpr Range kPersonRange{kMinPerson_m, kMaxPerson_m};
+constexpr Range kRobotRange{kMinRobot_m, kMaxRobot_m};
+constexpr Range kRadiusRange{kMinRadius_m, kMaxRadius_m};
+
+void read_name(Reading& reading, Fields& fields, Group& group) {
+  group.name = fields.name_or("name", fmt::format("group {}", reading.scene.groups.size() + 1));
+  require_new(fields, group.name, reading.group_names);
+}
+
+/// A group whose people all come from sources has none at the start.
+bool may_be_none(const Fields& fields) { return fields.find("sources") != nullptr; }
+
+void read_count(Reading&, Fields& fields, Group& group) {
+  if (!may_be_none(fields)) fields.require("count");
+  group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, 0));
+}
+
+void read_spawn(Reading& reading, Fields& fields, Group& group) {
+  const Rectangle& ground = reading.scene.ground;
+  if (fields.find("spawn") == nullptr && group.count == 0 && may_be_none(fields))
+    group.spawn = ground;
+  else
+    group.spawn = read_area(fields.file(), fields.require("spawn"), "spawn", ground);
+}
+
+void read_model(Reading& reading, Fields& fields, Group& group) {
+  group.model = read_model_file(reading, fields);
+  std::shared_ptr<const Model>& body = reading.bodies[group.model.string()];
+  if (body == nullptr) body = load_model(group.model);
+  group.body = body;
+  if (!(body->height_m > 0))
+    throw InputError(
+        fields.where(), "a model that stands above its ground",
+        fmt::format("'{}' with height {} m", body->name, static_cast<double>(body->height_m)));
+}
+
+/// Those of a driven group follow from its channel.
+void read_goals(Reading& reading, Fields& fields, Group& group) {
+  if (fields.find("driven") != nullptr) return;
+  read_items(goal_keys(), "goals", true, reading, fields, group.goals);
+}
+
+void read_driven(Reading&, Fields& fields, Group& group) {
+  const YamlNode* node = fields.find("driven");
+  if (node == nullptr) return;
+  group.driven = fields.text("driven");
+  const auto is_fine = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+  };
+  // liblcm refuses channels of more than 63 characters.
+  if (group.driven.empty() || group.driven.size() > 63 || group.driven.starts_with("THRONG_") ||
+      !std::all_of(group.driven.begin(), group.driven.end(), is_fine))
+    throw InputError(fields.where(*node),
+                     "an LCM channel of your own for 'driven': 1 to 63 letters, digits or '_', "
+                     "not beginning with THRONG_",
+                     fmt::format("'{}'", group.driven));
+  for (const char* key : {"goals", "on_arrival", "sources", "delay_s"})
+    if (const YamlNode* other = fields.find(key))
+      throw InputError(fields.where(*other), "no goals and no sources for a driven group",
+                       fmt::format("'{}'", key));
+  group.goals.emplace_back().areas.push_back(group.spawn);
+}
+
+void read_delay(Reading&, Fields& fields, Group& group) {
+  if (const YamlNode* node = fields.find("delay_s"))
+    group.delay_s =
+        read_distribution(fields.file(), *node, "delay_s", {0, 0, 0, kTimeRange.max}, kTimeRange);
+}
+
+/// What the distributions of speed and height leave out is that of the only age, or of adults.
+const AgeGroup& base_of(const Fields& fields) {
+  return age_group(only_age(read_ages(fields)).value_or(Age::kAdult));
+}
+
+void read_speed(Reading&, Fields& fields, Group& group) {
+  if (const YamlNode* node = fields.find("speed_mps"))
+    group.speed_mps = read_distribution(fields.file(), *node, "speed_mps",
+                                        base_of(fields).speed_mps, kSpeedRange);
+}
+
+/// What a robot's leaves out is its own height, and no limit.
+void read_height(Reading&, Fields& fields, Group& group) {
+  const YamlNode* node = fields.find("height_m");
+  if (node == nullptr) return;
+  const auto height_m = static_cast<double>(group.body->height_m);
+  const bool is_person = group.body->is_person;
+  const Distribution fallback =
+      is_person ? base_of(fields).height_m : Distribution{height_m, 0, kMinRobot_m, kMaxRobot_m};
+  group.height_m = read_distribution(fields.file(), *node, "height_m", fallback,
+                                     is_person ? kPersonRange : kRobotRange);
+}
+
+/// What a log can say of the scale, and how far parts are then from the root.
+void require_scale(const Fields& fields, const Group& group) {
+  const Model& body = *group.body;
+  double tallest_m = 0;
+  for (size_t age = 0; age < kAgeCount; ++age)
+    tallest_m =
+        std::max(tallest_m, group.height_m.value_or(age_group(static_cast<Age>(age)).height_m).max);
+  const auto own_m = static_cast<double>(body.height_m);
+  const auto scale = static_cast<float>(tallest_m / own_m);
+  if (!(scale <= kMaxScale))
+    throw InputError(fields.where(),
+                     fmt::format("a model at least {:g} m tall for avatars of {:g} m",
+                                 tallest_m / static_cast<double>(kMaxScale), tallest_m),
+                     fmt::format("'{}' of {:g} m; is it in other units?", body.name, own_m));
+  const double reach_m = static_cast<double>(scale) * static_cast<double>(reach_of(body));
+  if (!(reach_m <= kMaxReach_m))
+    throw InputError(fields.where(),
+                     fmt::format("a model with all parts within {:g} m of its root", kMaxReach_m),
+                     fmt::format("'{}', whose joints let them be at {:g} m; is it in other units?",
+                                 body.name, reach_m));
+}
+
+void require_few(const Reading& reading, const Fields& fields, const Group& group) {
+  int64_t people = group.total();
+  for (const Group& other : reading.scene.groups) people += other.total();
+  if (people > kMaxBodies)
+    throw InputError(fields.where(), fmt::format("at most {} people and obstacles", kMaxBodies),
+                     fmt::format("{}", people));
+}
+
+void complete(Reading& reading, const Fields& fields, Group& group) {
+  keep_own_size(group);
+  require_scale(fields, group);
+  require_few(reading, fields, group);
+}
+
+template <typename Shares>
+void add_shares(Hasher& hash, const Shares& shares) {
+  for (const double share : shares) hash.add(share);
+}
+
+void add_ages(Hasher& hash, const Group& group) {
+  if (group.ages == kAdultsOnly) return;
+  hash.add("ages").add(uint64_t{!group.speed_mps}).add(uint64_t{!group.height_m});
+  add_shares(hash, group.ages);
+}
+
+const Distribution& speed_of(const Group& group) {
+  return group.speed_mps ? *group.speed_mps : age_group(Age::kAdult).speed_mps;
+}
+const Distribution& height_of(const Group& group) {
+  return group.height_m ? *group.height_m : age_group(Age::kAdult).height_m;
+}
+
+std::vector<Key<Group>> rows_of_groups() {
+  return {
+      own_key<Group>("name", "unique in the scene", "`group 1`, `group 2`, ...", {})
+          .reading(read_name)
+          .hashing([](Hasher& hash, const Group& group) { hash.add(group.name); }),
+      whole("count", "how many people stand there at the start", &Group::count, 0, kMaxBodies)
+          .stating("required, unless there are sources")
+          .reading(read_count),
+      own_key<Group>("model",
+                     "`adult`, or a URDF file relative to the scene file; its "
+                     "[meshes](reliability.md#files-that-a-foreign-library-parses) may be `.tri`, "
+                     "`.stl`, `.obj`, `.dae` and many others",
+                     "`adult`", {})
+          .reading(read_model)
+          .hashing([](Hasher& hash, const Group& group) {
+            hash.add(group.body == nullptr ? 0 : group.body->content_hash);
+          }),
+      own_key<Group>("spawn", "the rectangle they start in", "required, if there is a count",
+                     map_rule("area"))
+          .reading(read_spawn)
+          .hashing([](Hasher& hash, const Group& group) { add_value(hash, group.spawn); }),
+      own_key<Group>("goals", "where they go, in order", "required, unless `driven`",
+                     list_rule("goal", 1))
+          .reading(read_goals)
+          .hashing(
+              [](Hasher& hash, const Group& group) { add_items(goal_keys(), hash, group.goals); }),
+      word<Group, OnArrival>(
+          "on_arrival",
+          "after the last goal: `loop` (over again), `stay` there, or `leave` the scene",
+          &Group::on_arrival,
+          {{"loop", OnArrival::kLoop}, {"stay", OnArrival::kStay}, {"leave", OnArrival::kLeave}}),
+      own_key<Group>("sources", "where more of them enter later", "none", list_rule("source"))
+          .reading([](Reading& reading, Fields& fields, Group& group) {
+            read_items(source_keys(), "sources", false, reading, fields, group.sources);
+          })
+          .hashing([](Hasher& hash, const Group& group) {
+            add_items(source_keys(), hash, group.sources);
+          }),
+      own_key<Group>("delay_s",
+                     "how long they stand before setting out: `{mean, deviation, min, max}`, or "
+                     "one number",
+                     "0", map_rule("distribution"))
+          .reading(read_delay)
+          .hashing([](Hasher& hash, const Group& group) { add_value(hash, group.delay_s); }),
+      own_key<Group>("speed_mps",
+                     "free speed, 0.1 to 4, whatever the age: `{mean, deviation, min, max}`, or "
+                     "one number for everybody",
+                     "by age", map_rule("distribution"))
+          .reading(read_speed)
+          .hashing([](Hasher& hash, const Group& group) { add_value(hash, speed_of(group)); }),
+      own_key<Group>("height_m",
+                     "body height, the same way; the model is scaled to it; people 0.5 to 2.5, "
+                     "robots 0.01 to 100",
+                     "people: by age; robots: their own, see "
+                     "[People and robots](#people-and-robots)",
+                     map_rule("distribution"))
+          .reading(read_height)
+          .hashing([](Hasher& hash, const Group& group) { add_value(hash, height_of(group)); }),
+      own_key<Group>("ages", "how old people are, which says how fast and how tall, see below",
+                     "`adults`", map_rule("ages"))
+          .reading([](Reading&, Fields& fields, Group& group) { group.ages = read_ages(fields); })
+          .hashing(add_ages),
+      own_key<Group>("styles", "how people walk, see below", "by age", map_rule("styles"))
+          .reading([](Reading&, Fields& fields, Group& group) {
+            if (const YamlNode* node = fields.find("styles"))
+              group.styles = read_styles(fields, *node);
+          })
+          .hashing([](Hasher& hash, const Group& group) {
+            if (group.styles) add_shares(hash.add("styles"), *group.styles);
+          }),
+      number("radius_m", "of the disc that steering keeps clear of others", &Group::radius_m,
+             kRadiusRange)
+          .stating("people: 0.22 for 1.70 m, growing with height; robots: all of them as they "
+                   "start, within 0.05 to 2"),
+      own_key<Group>("driven",
+                     "LCM channel that [moves the group from "
+                     "outside](lcm.md#a-group-driven-from-outside); then no goals and no sources, "
+                     "and the model's own height",
+                     "none", {.pattern = "^(?!THRONG_)[A-Za-z0-9_]{1,63}$"})
+          .reading(read_driven)
+          .hashing([](Hasher& hash, const Group& group) {
+            if (!group.driven.empty()) hash.add("driven").add(group.driven);
+          })};
+}
+
+}  // namespace
+
+const KeyTable<Group>& group_keys() {
+  static const KeyTable<Group> table = {.text = {.name = "group",
+                                                 .meaning = "People of one model",
+                                                 .choices = {{"goals"}, {"driven"}}},
+                                        .title = "a group",
+                                        .keys = rows_of_groups(),
+                                        .complete = complete};
+  return table;
+}
+
+}  // namespace throng

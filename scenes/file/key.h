@@ -1,0 +1,226 @@
+// A key of a map in a scene file: what it means, what may stand there, how it is read, and what it
+// adds to the content hash.
+// One rule: a key is one row of one table, and the reader, the content hash, the schema for editors
+// and the table in docs/scenes.md follow from it.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/hasher.h"
+#include "scenes/file/scene.h"
+#include "scenes/file/scene_fields.h"
+
+namespace throng {
+
+/// What may stand at a key.
+struct Rule {
+  enum class Kind : uint8_t { kText, kWhole, kNumber, kFlag, kWord, kNumbers, kMap, kList };
+  Kind kind = Kind::kText;
+  Range range{};                        ///< kNumber; each of kNumbers
+  int64_t least = 0, most = 0;          ///< kWhole; how many in kNumbers and kList, `most` 0: any
+  std::vector<std::string> words = {};  ///< kWord
+  std::string map = {};                 ///< kMap, and each of kList: its name in scene_maps()
+  std::string pattern = {};             ///< kText, where not every text will do
+};
+
+/// What is said of a key: in documents (Markdown) and by editors.
+struct KeyText {
+  std::string name;
+  std::string meaning;
+  std::string fallback;  ///< what holds without it: "10", "by age", "required"
+  bool required = false;
+  Rule rule;
+};
+
+/// What is said of a map.
+struct MapText {
+  std::string name;     ///< "group"
+  std::string meaning;  ///< "People of one model"
+  std::vector<KeyText> keys = {};
+  /// Of each of these sets of keys one has to be there, if there are any sets.
+  std::vector<std::vector<std::string>> choices = {};
+  bool or_number = false;                  ///< one number may stand for the map
+  std::vector<std::string> or_words = {};  ///< or one of these
+  bool at_least_one = false;               ///< it may not be empty
+};
+
+/// What readers of keys share: the scene so far, and what it has loaded.
+struct Reading {
+  std::filesystem::path folder;  ///< of the scene file; names of files are relative to it
+  Scene scene;
+  std::map<std::string, std::shared_ptr<const Model>> bodies;  ///< by file
+  std::set<std::string> group_names;
+  std::set<std::string> obstacle_names;
+};
+
+inline void add_value(Hasher& hash, bool value) { hash.add(uint64_t{value}); }
+inline void add_value(Hasher& hash, int value) { hash.add(static_cast<uint64_t>(value)); }
+inline void add_value(Hasher& hash, uint64_t value) { hash.add(value); }
+inline void add_value(Hasher& hash, double value) { hash.add(value); }
+inline void add_value(Hasher& hash, const std::string& value) { hash.add(value); }
+inline void add_value(Hasher& hash, const Rectangle& r) {
+  hash.add(r.min_m.x()).add(r.min_m.y()).add(r.max_m.x()).add(r.max_m.y());
+}
+inline void add_value(Hasher& hash, const Distribution& d) {
+  hash.add(d.mean).add(d.deviation).add(d.min).add(d.max);
+}
+
+/// A row of a table: a key of maps that are read into a T.
+template <typename T>
+struct Key {
+  KeyText text;
+  std::function<void(Reading&, Fields&, T&)> read;
+  std::function<void(Hasher&, const T&)> hash;    ///< empty: the key changes no frame
+  std::function<bool(const T&)> is_default = {};  ///< needed of a later key, see KeyTable
+
+  Key required() && { return std::move(*this).stating("required", true); }
+  /// Says in other words what holds without the key.
+  Key stating(std::string fallback, bool required = false) && {
+    text.fallback = std::move(fallback);
+    text.required = required;
+    return std::move(*this);
+  }
+  Key reading(std::function<void(Reading&, Fields&, T&)> other) && {
+    read = std::move(other);
+    return std::move(*this);
+  }
+  Key hashing(std::function<void(Hasher&, const T&)> other) && {
+    hash = std::move(other);
+    return std::move(*this);
+  }
+  Key without_hash() && { return std::move(*this).hashing({}); }
+};
+
+/// The keys of a map.
+template <typename T>
+struct KeyTable {
+  MapText text;       ///< its keys are empty, see text_of()
+  std::string title;  ///< in messages: "a group"
+  /// Those of the first version: each adds its value to the content hash, in this order.
+  std::vector<Key<T>> keys;
+  /// Those that came later: each adds its name and value where it differs from the default, so that
+  /// scenes without it keep their hash.
+  std::vector<Key<T>> later = {};
+  /// What follows from all keys together, and whether they fit each other.
+  std::function<void(Reading&, const Fields&, T&)> complete = {};
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto* rows : {&keys, &later})
+      for (const Key<T>& key : *rows) all.push_back(key.text.name);
+    return all;
+  }
+};
+
+template <typename T>
+MapText text_of(const KeyTable<T>& table) {
+  MapText text = table.text;
+  for (const auto* rows : {&table.keys, &table.later})
+    for (const Key<T>& key : *rows) text.keys.push_back(key.text);
+  return text;
+}
+
+/// Reads a map; throws InputError for a key that it does not have, before anything that is missing.
+template <typename T>
+void read_keys(const KeyTable<T>& table, Reading& reading, Fields& fields, T& out) {
+  fields.expect_keys(table.names());
+  for (const auto* rows : {&table.keys, &table.later})
+    for (const Key<T>& key : *rows) {
+      if (key.text.required) fields.require(key.text.name);
+      if (key.read) key.read(reading, fields, out);
+    }
+  if (table.complete) table.complete(reading, fields, out);
+}
+
+template <typename T>
+void add_keys(const KeyTable<T>& table, Hasher& hash, const T& value) {
+  for (const Key<T>& key : table.keys)
+    if (key.hash) key.hash(hash, value);
+  for (const Key<T>& key : table.later) {
+    if (!key.hash || key.is_default(value)) continue;
+    hash.add(key.text.name);
+    key.hash(hash, value);
+  }
+}
+
+/// A row of which more is said by the functions of Key.
+template <typename T, typename Value>
+Key<T> key_of(std::string name, std::string meaning, Value T::*member, Rule rule) {
+  Key<T> key;
+  key.text = {std::move(name), std::move(meaning), fmt::format("{}", T{}.*member), false,
+              std::move(rule)};
+  key.hash = [member](Hasher& hash, const T& value) { add_value(hash, value.*member); };
+  key.is_default = [member](const T& value) { return value.*member == T{}.*member; };
+  return key;
+}
+
+template <typename T>
+Key<T> number(const std::string& name, std::string meaning, double T::*member, Range range) {
+  Rule rule{.kind = Rule::Kind::kNumber, .range = range};
+  return key_of(name, std::move(meaning), member, std::move(rule))
+      .reading([name, member, range](Reading&, Fields& fields, T& out) {
+        out.*member = fields.number_or(name, range, out.*member);
+      });
+}
+
+template <typename T, typename Whole>
+Key<T> whole(const std::string& name, std::string meaning, Whole T::*member, int64_t least,
+             int64_t most) {
+  Rule rule{.kind = Rule::Kind::kWhole, .least = least, .most = most};
+  return key_of(name, std::move(meaning), member, std::move(rule))
+      .reading([name, member, least, most](Reading&, Fields& fields, T& out) {
+        out.*member = static_cast<Whole>(
+            fields.integer_or(name, least, most, static_cast<int64_t>(out.*member)));
+      });
+}
+
+template <typename T>
+Key<T> flag(const std::string& name, std::string meaning, bool T::*member) {
+  return key_of(name, std::move(meaning), member, {.kind = Rule::Kind::kFlag})
+      .reading([name, member](Reading&, Fields& fields, T& out) {
+        out.*member = fields.boolean_or(name, out.*member);
+      });
+}
+
+/// One of several words, each of which names a value.
+template <typename T, typename Value>
+Key<T> word(const std::string& name, std::string meaning, Value T::*member,
+            std::vector<std::pair<std::string, Value>> values) {
+  Key<T> key;
+  key.text = {name, std::move(meaning), "", false, {.kind = Rule::Kind::kWord}};
+  for (const auto& [word, value] : values) {
+    key.text.rule.words.push_back(word);
+    if (value == T{}.*member) key.text.fallback = fmt::format("`{}`", word);
+  }
+  key.read = [name, member, values, words = key.text.rule.words](Reading&, Fields& fields, T& out) {
+    if (const auto found = fields.word(name, words)) out.*member = values[*found].second;
+  };
+  key.hash = [member](Hasher& hash, const T& value) {
+    hash.add(static_cast<uint64_t>(value.*member));
+  };
+  key.is_default = [member](const T& value) { return value.*member == T{}.*member; };
+  return key;
+}
+
+/// A key that none of the above fits: read() and hash() are given by Key's functions.
+template <typename T>
+Key<T> own_key(std::string name, std::string meaning, std::string fallback, Rule rule) {
+  Key<T> key;
+  key.text = {std::move(name), std::move(meaning), std::move(fallback), false, std::move(rule)};
+  return key;
+}
+
+inline Rule map_rule(std::string map) { return {.kind = Rule::Kind::kMap, .map = std::move(map)}; }
+inline Rule list_rule(std::string map, int64_t least = 0, int64_t most = 0) {
+  return {.kind = Rule::Kind::kList, .least = least, .most = most, .map = std::move(map)};
+}
+
+}  // namespace throng

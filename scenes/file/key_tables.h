@@ -1,0 +1,37 @@
+// The tables of keys of scene files, one for each kind of map.
+// One rule: the order of rows is that of the documentation and of the content hash.
+#pragma once
+
+#include "scenes/file/key.h"
+
+namespace throng {
+
+/// Of waiting, starting late and arriving: from at once to the end of the longest run.
+inline constexpr Range kTimeRange{0, 1e7};
+
+const KeyTable<Scene>& scene_keys();
+const KeyTable<Group>& group_keys();
+const KeyTable<Goal>& goal_keys();
+const KeyTable<Source>& source_keys();
+const KeyTable<Obstacle>& obstacle_keys();
+const KeyTable<PartsBox>& box_keys();
+
+/// A list of maps.
+template <typename T>
+void read_items(const KeyTable<T>& table, const std::string& key, bool required, Reading& reading,
+                const Fields& fields, std::vector<T>& out) {
+  for (const YamlNode* item : fields.items(key, required)) {
+    Fields inner(fields.file(), *item, table.title);
+    T value;
+    read_keys(table, reading, inner, value);
+    out.push_back(std::move(value));
+  }
+}
+
+template <typename T>
+void add_items(const KeyTable<T>& table, Hasher& hash, const std::vector<T>& items) {
+  hash.add(uint64_t{items.size()});
+  for (const T& item : items) add_keys(table, hash, item);
+}
+
+}  // namespace throng

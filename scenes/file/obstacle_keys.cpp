@@ -1,0 +1,174 @@
+// Obstacles: shapes and where they stand.
+#include <numbers>
+
+#include "avatars/mesh/primitives.h"
+#include "avatars/mesh/tri.h"
+#include "base/errors.h"
+#include "base/limits.h"
+#include "scenes/file/key_tables.h"
+#include "scenes/file/scene_values.h"
+#include "scenes/file/shapes.h"
+
+namespace throng {
+namespace {
+
+// A millimetre is a tape; floats of 10 km, a wall around the largest scene, tell it from nothing.
+constexpr Range kSizeRange{1e-3, 1e4};
+constexpr Range kBottomRange{-10, 1000};
+constexpr Range kHeadingRange{-360, 360};
+constexpr Range kPlaceRange{-kMaxCoordinate_m, kMaxCoordinate_m};
+/// Meshes hold floats: a wall along the edge of a ground of 10 km may stand out by as much.
+constexpr double kRounding_m = 1e-3;
+
+double lowest_m(const Mesh& mesh) {
+  float lowest = mesh.vertices.front().z();
+  for (const Eigen::Vector3f& vertex : mesh.vertices) lowest = std::min(lowest, vertex.z());
+  return static_cast<double>(lowest);
+}
+
+void read_name(Reading& reading, Fields& fields, Obstacle& obstacle) {
+  obstacle.name =
+      fields.name_or("name", fmt::format("obstacle {}", reading.scene.obstacles.size() + 1));
+  require_new(fields, obstacle.name, reading.obstacle_names);
+}
+
+void measure_mesh(const Fields& fields, Obstacle& obstacle) {
+  Eigen::Vector3f low = obstacle.mesh.vertices.front();
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  const float farthest_m = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+  if (!(static_cast<double>(farthest_m) <= kMaxDescribed))
+    throw InputError(fields.where(),
+                     fmt::format("a mesh within {:g} m of its origin", kMaxDescribed),
+                     fmt::format("a vertex at {:g} m", farthest_m));
+  obstacle.size_m = (high - low).cast<double>();
+  if (footprint_of(obstacle).size() < 3 || !(obstacle.size_m.maxCoeff() <= kSizeRange.max))
+    throw InputError(fields.where(),
+                     fmt::format("a mesh that covers some ground, at most {} m", kSizeRange.max),
+                     fmt::format("one of {} x {} x {} m", obstacle.size_m.x(), obstacle.size_m.y(),
+                                 obstacle.size_m.z()));
+}
+
+/// The keys that every kind has.
+const std::vector<std::string> kPlaceKeys = {"name", "kind", "heading_deg", "position_m",
+                                             "bottom_m"};
+
+void expect_shape_keys(const Fields& fields, std::vector<std::string> keys) {
+  keys.insert(keys.end(), kPlaceKeys.begin(), kPlaceKeys.end());
+  fields.expect_keys(keys);
+}
+
+void make_shape(const Reading& reading, const Fields& fields, Obstacle& obstacle) {
+  switch (obstacle.kind) {
+    case Obstacle::Kind::kBox: {
+      expect_shape_keys(fields, {"size_m"});
+      const std::vector<double> size = fields.numbers("size_m", 3, kSizeRange);
+      obstacle.size_m = {size[0], size[1], size[2]};
+      obstacle.mesh = box_mesh(obstacle.size_m);
+      break;
+    }
+    case Obstacle::Kind::kCylinder: {
+      expect_shape_keys(fields, {"diameter_m", "height_m"});
+      const double diameter_m = fields.number("diameter_m", kSizeRange);
+      obstacle.size_m = {diameter_m, diameter_m, fields.number("height_m", kSizeRange)};
+      obstacle.mesh = cylinder_mesh(0.5 * diameter_m, obstacle.size_m.z());
+      break;
+    }
+    case Obstacle::Kind::kMesh: {
+      expect_shape_keys(fields, {"file"});
+      obstacle.mesh_file = existing_file(reading, fields, fields.require("file"), "a .tri file");
+      obstacle.mesh = read_tri(obstacle.mesh_file).mesh;
+      measure_mesh(fields, obstacle);
+      break;
+    }
+  }
+}
+
+void complete(Reading& reading, const Fields& fields, Obstacle& obstacle) {
+  make_shape(reading, fields, obstacle);
+  const bool is_mesh = obstacle.kind == Obstacle::Kind::kMesh;
+  obstacle.centre_m.z() += is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
+  const Rectangle& ground = reading.scene.ground;
+  const Eigen::Vector2d rounding = Eigen::Vector2d::Constant(kRounding_m);
+  const Rectangle reach{ground.min_m - rounding, ground.max_m + rounding};
+  for (const Eigen::Vector2d& corner : footprint_of(obstacle))
+    if (!reach.contains(corner))
+      throw InputError(
+          fields.where(),
+          fmt::format("obstacle '{}' within the ground ({})", obstacle.name, show(ground)),
+          fmt::format("a corner at [{}, {}]", corner.x(), corner.y()));
+}
+
+void add_mesh(Hasher& hash, const Obstacle& obstacle) {
+  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices)
+    for (int axis = 0; axis < 3; ++axis) hash.add(static_cast<double>(vertex[axis]));
+  for (const Eigen::Vector3i& triangle : obstacle.mesh.triangles)
+    for (int corner = 0; corner < 3; ++corner) hash.add(static_cast<uint64_t>(triangle[corner]));
+}
+
+std::vector<Key<Obstacle>> rows_of_obstacles() {
+  const auto size_rule = [](int64_t count) {
+    return Rule{.kind = count == 1 ? Rule::Kind::kNumber : Rule::Kind::kNumbers,
+                .range = kSizeRange,
+                .least = count,
+                .most = count};
+  };
+  return {
+      own_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
+          .reading(read_name)
+          .hashing([](Hasher& hash, const Obstacle& obstacle) { hash.add(obstacle.name); }),
+      word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
+                                     {{"box", Obstacle::Kind::kBox},
+                                      {"cylinder", Obstacle::Kind::kCylinder},
+                                      {"mesh", Obstacle::Kind::kMesh}})
+          .required(),
+      own_key<Obstacle>("heading_deg", "turn about z, counter-clockwise", "0",
+                        {.kind = Rule::Kind::kNumber, .range = kHeadingRange})
+          .reading([](Reading&, Fields& fields, Obstacle& obstacle) {
+            const double heading_deg = fields.number_or("heading_deg", kHeadingRange, 0);
+            obstacle.heading_rad = heading_deg * (std::numbers::pi / 180);
+          })
+          .hashing([](Hasher& hash, const Obstacle& obstacle) { hash.add(obstacle.heading_rad); }),
+      own_key<Obstacle>("position_m", "`[x, y]` of its middle; of a mesh, where its origin lies",
+                        "",
+                        {.kind = Rule::Kind::kNumbers, .range = kPlaceRange, .least = 2, .most = 2})
+          .required()
+          .reading([](Reading&, Fields& fields, Obstacle& obstacle) {
+            const std::vector<double> place = fields.numbers("position_m", 2, kPlaceRange);
+            obstacle.centre_m = {place[0], place[1], 0};
+          })
+          .hashing([](Hasher& hash, const Obstacle& obstacle) {
+            for (int axis = 0; axis < 3; ++axis) hash.add(obstacle.centre_m[axis]);
+          }),
+      own_key<Obstacle>("bottom_m",
+                        "height of its lower end over the ground, of a mesh of its lowest vertex, "
+                        "wherever its origin lies; people walk under what hangs 2.6 m high",
+                        "0", {.kind = Rule::Kind::kNumber, .range = kBottomRange})
+          .reading([](Reading&, Fields& fields, Obstacle& obstacle) {
+            obstacle.centre_m.z() = fields.number_or("bottom_m", kBottomRange, 0);
+          }),
+      own_key<Obstacle>("size_m", "box: `[x, y, z]` edges, from 1 mm", "required of a box",
+                        size_rule(3)),
+      own_key<Obstacle>("diameter_m", "cylinder: across", "required of a cylinder", size_rule(1)),
+      own_key<Obstacle>("height_m", "cylinder: from end to end", "required of a cylinder",
+                        size_rule(1)),
+      own_key<Obstacle>("file", "mesh: a `.tri` file relative to the scene file",
+                        "required of a mesh", {})
+          .hashing(add_mesh)};
+}
+
+}  // namespace
+
+const KeyTable<Obstacle>& obstacle_keys() {
+  static const KeyTable<Obstacle> table = {
+      .text = {.name = "obstacle", .meaning = "Something solid that stands still"},
+      .title = "an obstacle",
+      .keys = rows_of_obstacles(),
+      .complete = complete};
+  return table;
+}
+
+}  // namespace throng

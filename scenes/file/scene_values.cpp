@@ -1,0 +1,200 @@
+#include "scenes/file/scene_values.h"
+
+#include <algorithm>
+
+#include "base/errors.h"
+#include "base/limits.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of one age among others: parts of 1, per cent or people.
+constexpr Range kShareRange{0, 1e6};
+constexpr Range kCoordinateRange{-kMaxCoordinate_m, kMaxCoordinate_m};
+
+KeyText point(const std::string& name, const std::string& meaning) {
+  return {name,
+          meaning,
+          "required",
+          true,
+          {.kind = Rule::Kind::kNumbers, .range = kCoordinateRange, .least = 2, .most = 2}};
+}
+
+KeyText share(const std::string& name, std::string_view meaning) {
+  return {
+      name, std::string(meaning), "0", false, {.kind = Rule::Kind::kNumber, .range = kShareRange}};
+}
+
+[[noreturn]] void refuse_word(const Fields& fields, const YamlNode& node, const std::string& what,
+                              const std::vector<std::string>& words) {
+  throw InputError(fields.where(node),
+                   fmt::format("{} ({}) or a map of shares", what, list_of(words)),
+                   describe(node) + did_you_mean(node.scalar, words));
+}
+
+/// A map of shares, in the order of its keys.
+template <typename Shares>
+Shares read_shares(const std::string& file, const YamlNode& node, const std::string& what,
+                   const std::vector<std::string>& names) {
+  const Fields fields(file, node, what);
+  fields.expect_keys(names);
+  Shares shares{};
+  for (size_t i = 0; i < shares.size(); ++i) shares[i] = fields.number_or(names[i], kShareRange, 0);
+  if (std::all_of(shares.begin(), shares.end(), [](double each) { return each == 0; }))
+    throw InputError(fields.where(), fmt::format("a share above 0 in {}", what), "none");
+  return shares;
+}
+
+std::vector<std::string> age_words() {
+  std::vector<std::string> words = age_names();
+  words.emplace_back("mixed");
+  return words;
+}
+
+}  // namespace
+
+std::string show(const Rectangle& r) {
+  return fmt::format("[{}, {}] to [{}, {}]", r.min_m.x(), r.min_m.y(), r.max_m.x(), r.max_m.y());
+}
+
+Rectangle read_rectangle(const Fields& fields, const std::string& what) {
+  const std::vector<double> min = fields.numbers("min_m", 2, kCoordinateRange);
+  const std::vector<double> max = fields.numbers("max_m", 2, kCoordinateRange);
+  if (min[0] >= max[0] || min[1] >= max[1])
+    throw InputError(fields.where(), fmt::format("min_m below max_m in {}", what),
+                     fmt::format("[{}, {}] and [{}, {}]", min[0], min[1], max[0], max[1]));
+  return {{min[0], min[1]}, {max[0], max[1]}};
+}
+
+Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what) {
+  const Fields fields(file, node, what);
+  fields.expect_keys({"min_m", "max_m"});
+  return read_rectangle(fields, what);
+}
+
+void require_on_ground(const std::string& where, const std::string& what, const Rectangle& area,
+                       const Rectangle& ground) {
+  if (!ground.contains(area.min_m) || !ground.contains(area.max_m))
+    throw InputError(where, fmt::format("{} within the ground ({})", what, show(ground)),
+                     show(area));
+}
+
+Rectangle read_area(const std::string& file, const YamlNode& node, const std::string& what,
+                    const Rectangle& ground) {
+  const Rectangle area = read_rectangle(file, node, what);
+  require_on_ground(at_line(file, node.line), what, area, ground);
+  return area;
+}
+
+Distribution read_distribution(const std::string& file, const YamlNode& node,
+                               const std::string& what, const Distribution& fallback,
+                               const Range& range) {
+  if (node.kind == YamlNode::Kind::kScalar) {
+    const YamlNode wrapper{YamlNode::Kind::kMap,     node.line, "", false, {},
+                           {{what, node.line, node}}};
+    const double value = Fields(file, wrapper, what).number(what, range);
+    return {value, 0, value, value};
+  }
+  const Fields fields(file, node, what);
+  fields.expect_keys({"mean", "deviation", "min", "max"});
+  Distribution out;
+  out.mean = fields.number_or("mean", range, fallback.mean);
+  out.deviation = fields.number_or("deviation", {0, range.max}, fallback.deviation);
+  out.min = fields.number_or("min", range, fallback.min);
+  out.max = fields.number_or("max", range, fallback.max);
+  if (!(out.min <= out.mean && out.mean <= out.max))
+    throw InputError(fields.where(), fmt::format("min <= mean <= max in {}", what),
+                     fmt::format("min {}, mean {}, max {}", out.min, out.mean, out.max));
+  return out;
+}
+
+AgeShares read_ages(const Fields& group) {
+  const YamlNode* node = group.find("ages");
+  if (node == nullptr) return kAdultsOnly;
+  if (node->kind == YamlNode::Kind::kMap)
+    return read_shares<AgeShares>(group.file(), *node, "ages", age_names());
+  const std::optional<AgeShares> named = ages_of(node->scalar);
+  if (named && node->kind == YamlNode::Kind::kScalar) return *named;
+  refuse_word(group, *node, "ages", age_words());
+}
+
+StyleShares read_styles(const Fields& group, const YamlNode& node) {
+  if (node.kind == YamlNode::Kind::kMap)
+    return read_shares<StyleShares>(group.file(), node, "styles", style_names());
+  const std::optional<StyleShares> named = styles_of(node.scalar);
+  if (named && node.kind == YamlNode::Kind::kScalar) return *named;
+  refuse_word(group, node, "styles", style_names());
+}
+
+fs::path read_model_file(const Reading& reading, const Fields& fields) {
+  const YamlNode* node = fields.find("model");
+  if (node == nullptr || node->scalar == "adult") return adult_urdf();
+  if (node->kind != YamlNode::Kind::kScalar)
+    throw InputError(fields.where(*node), "'adult' or a URDF file for 'model'", describe(*node));
+  return existing_file(reading, fields, *node, "'adult' or a URDF file");
+}
+
+fs::path existing_file(const Reading& reading, const Fields& fields, const YamlNode& node,
+                       const std::string& expected) {
+  if (node.scalar.empty()) throw InputError(fields.where(node), expected, "no name");
+  std::error_code error;
+  const fs::path path = fs::absolute(reading.folder / node.scalar, error).lexically_normal();
+  if (!fs::is_regular_file(path, error))
+    throw InputError(fields.where(node), expected,
+                     fmt::format("'{}', and no {} file at {}", node.scalar,
+                                 fs::exists(path, error) ? "regular" : "such", path.string()));
+  return path;
+}
+
+void require_new(const Fields& fields, const std::string& name, std::set<std::string>& earlier) {
+  if (!earlier.insert(name).second)
+    throw InputError(fields.where(), "every name once", fmt::format("'{}' again", name));
+}
+
+MapText area_text() {
+  return {.name = "area",
+          .meaning = "A rectangle",
+          .keys = {point("min_m", "south-west corner"), point("max_m", "north-east corner")}};
+}
+
+MapText distribution_text() {
+  const auto figure = [](const std::string& name, const std::string& meaning) {
+    return KeyText{name,
+                   meaning,
+                   "of the key it stands at",
+                   false,
+                   {.kind = Rule::Kind::kNumber, .range = {0, 1e7}}};
+  };
+  return {.name = "distribution",
+          .meaning = "One number for everybody, or a normal distribution between two ends",
+          .keys = {figure("mean", "its middle"), figure("deviation", "standard deviation"),
+                   figure("min", "draws below are drawn again"),
+                   figure("max", "draws above are drawn again")},
+          .or_number = true};
+}
+
+MapText ages_text() {
+  MapText text{.name = "ages",
+               .meaning = "One age, `mixed` (passers-by of a town), or shares of each",
+               .or_words = age_words(),
+               .at_least_one = true};
+  for (size_t age = 0; age < kAgeCount; ++age) {
+    const AgeGroup& group = age_group(static_cast<Age>(age));
+    text.keys.push_back(share(std::string(group.name), group.meaning));
+  }
+  return text;
+}
+
+MapText styles_text() {
+  MapText text{.name = "styles",
+               .meaning = "One style of walking, or shares of each",
+               .or_words = style_names(),
+               .at_least_one = true};
+  for (const std::string& name : style_names())
+    text.keys.push_back(share(name, "share of this style"));
+  return text;
+}
+
+}  // namespace throng
