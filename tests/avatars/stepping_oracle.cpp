@@ -1,0 +1,287 @@
+#include "tests/avatars/stepping_oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "avatars/gait/gait_curves.h"
+
+namespace throng::test {
+namespace {
+
+using Eigen::Rotation2Dd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// The gait's table: speeds uniform in the root of the relative speed, phases of the cycle.
+constexpr double kFastestRelativeSpeed = 2.6;
+constexpr int kSpeeds = 33;
+constexpr int kPhases = 128;
+
+constexpr double kComfort_rad = 0.3, kComfortShare = 0.12, kBeforeLift_s = 0.25;
+constexpr double kMostTurn_rad = 0.58, kMostTurnOutAtLanding_rad = 0.42;
+
+double fraction(double x) { return x - std::floor(x); }
+double own_phase(double phase, size_t side) { return side == 0 ? phase : fraction(phase + 0.5); }
+double smooth(double u) { return u * u * (3 - 2 * u); }
+double turn_of(const OracleMotion& m) {
+  return std::remainder(m.heading_after_rad - m.heading_before_rad, 2 * std::numbers::pi);
+}
+/// In the root's axes before, metres of the world.
+Vector2d moved(const OracleMotion& m) { return Rotation2Dd(-m.heading_before_rad) * m.way_m; }
+
+Vector2d at_most(const Vector2d& v, double length) {
+  return v.norm() > length ? Vector2d(v * (length / v.norm())) : v;
+}
+
+/// How far above the lowest point of a flat foot what it stands on may lie.
+constexpr double kSoleEdge_m = 0.005;
+
+/// The tangent of the angle between a direction and the vertical.
+double lean_of(const Vector3d& up) { return up.head<2>().norm() / up.z(); }
+
+}  // namespace
+
+SteppingOracle::SteppingOracle(const Model& model, GaitStyle style, double upright_radius_m)
+    : posable_(model),
+      style_(style),
+      walker_(Walker::find(posable_, style)),
+      leg_m_(walker_.value().leg_length_m()),
+      upright_radius_m_(upright_radius_m) {
+  for (int speed = 0; speed < kSpeeds; ++speed) {
+    const double root = std::sqrt(kFastestRelativeSpeed) * speed / (kSpeeds - 1);
+    cycles_.push_back(walker_->cycle(std::min(root * root, kFastestRelativeSpeed), kPhases));
+    if (speed == 0) cycles_.back().assign(kPhases, WalkerPose(cycles_.back().front()));
+    tracks_.push_back(track_of(speed));
+  }
+}
+
+SteppingOracle::Track SteppingOracle::track_of(int node) const {
+  const std::vector<WalkerPose>& cycle = cycles_[static_cast<size_t>(node)];
+  const double root = std::sqrt(kFastestRelativeSpeed) * node / (kSpeeds - 1);
+  Track track;
+  track.stance = stance_fraction(root * root, style_);
+  track.stride_m = stride_per_root_speed(style_) * root * leg_m_;
+  track.shift_m = cycle.front().shift_m;
+  for (size_t side = 0; side < 2; ++side) {
+    const WalkerPose::Foot& strikes = cycle[side == 0 ? 0 : kPhases / 2].feet[side];
+    track.side_m[side] =
+        strikes.ground_m.y() -
+        walker_->leg(side).roll_m(strikes.target.pitch_rad) * std::sin(strikes.target.heading_rad);
+    if (side == 1) track.toes_out_rad = strikes.target.heading_rad;
+  }
+  return track;
+}
+
+double SteppingOracle::root_speed(double mps, double scale) const {
+  return std::min(std::sqrt(std::max(mps, 0.0) / (scale * leg_m_)),
+                  std::sqrt(kFastestRelativeSpeed));
+}
+
+int SteppingOracle::cell_of(double root) const {
+  const double cells = root * (kSpeeds - 1) / std::sqrt(kFastestRelativeSpeed);
+  return std::min(static_cast<int>(cells), kSpeeds - 2);
+}
+
+SteppingOracle::Track SteppingOracle::track_at(double root, int cell) const {
+  const double v = root * (kSpeeds - 1) / std::sqrt(kFastestRelativeSpeed) - cell;
+  const Track &a = tracks_[static_cast<size_t>(cell)], &b = tracks_[static_cast<size_t>(cell) + 1];
+  return {std::lerp(a.stance, b.stance, v),
+          std::lerp(a.shift_m, b.shift_m, v),
+          std::lerp(a.stride_m, b.stride_m, v),
+          std::lerp(a.toes_out_rad, b.toes_out_rad, v),
+          {std::lerp(a.side_m[0], b.side_m[0], v), std::lerp(a.side_m[1], b.side_m[1], v)}};
+}
+
+double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
+                                    const Track& before, const Track& after) const {
+  const Vector2d way = moved(m);
+  const double turn = turn_of(m);
+  const double speed = std::max(way.x(), 0.0) / m.step_s;
+  const double stride_m = std::max(after.stride_m, 0.03 * leg_m_) * m.scale;
+  double finishing = 0, behind_m = 0, turn_need = 0, way_need = 0;
+  for (size_t side = 0; side < 2; ++side) {
+    const OracleFoot& foot = s.feet[side];
+    const double own = own_phase(s.phase, side);
+    if (own >= before.stance) {  // in the air: it has to come down again
+      finishing = 0.9 * std::max(1 - speed / 0.2, 0.0);
+      continue;
+    }
+    if (own > 0.5 * before.stance) behind_m = std::max(behind_m, -foot.shift_m.x());
+    if (foot.turn_rad * turn <= 0)
+      turn_need = std::max(
+          turn_need, std::abs(foot.turn_rad - kBeforeLift_s / m.step_s * turn) / kComfort_rad);
+    if (foot.shift_m.dot(way) <= 0)
+      way_need = std::max(way_need, foot.shift_m.norm() / (kComfortShare * leg_m_));
+  }
+  double rate = speed / stride_m;
+  if (speed > 0) rate += std::min(behind_m * m.scale / stride_m / 0.12, 1.0);
+  rate = std::max(rate, finishing);
+  const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.95, 2.5);
+  rate = std::max(rate, turning * std::min(speed / 0.2, 1.0));
+  const double aside_m = std::abs(way.y()) + std::max(-way.x(), 0.0);
+  const double travel =
+      std::max(std::abs(turn) / kComfort_rad, aside_m / m.scale / (kComfortShare * leg_m_));
+  const double stepping = std::clamp(0.5 * before.stance * travel / m.step_s, 1.2, 2.5);
+  const double urge = std::clamp(2 * std::max(turn_need, way_need) - 1, 0.0, 1.0);
+  return std::max(rate, std::max(1 - speed / 0.8, 0.0) * stepping * urge);
+}
+
+SteppingOracle::Landing SteppingOracle::landing(const OracleMotion& m, double rate,
+                                                const Track& track, size_t side) const {
+  const double ahead_s = std::min(0.5 * track.stance / std::max(rate, 1e-3), 0.9);
+  const double steps = ahead_s / m.step_s;
+  const double turn = std::clamp(turn_of(m) * steps, -kMostTurn_rad, kMostTurn_rad);
+  const double chord = std::abs(turn) > 1e-9 ? std::sin(0.5 * turn) / (0.5 * turn) : 1;
+  Vector2d way = steps * chord / m.scale * moved(m);
+  // The trailing foot does not come too near to the leading one.
+  way.y() = side == 0 ? std::min(way.y(), 0.03) : std::max(way.y(), -0.03);
+  const Vector2d passes(track.x_at(0.5 * track.stance), track.side_m[side]);
+  const Vector2d lands(track.x_at(0), track.side_m[side]);
+  constexpr double kUsed_rad = 0.95 * kMostTurn_rad;
+  const double inwards = kUsed_rad, outwards = kMostTurnOutAtLanding_rad;
+  const double left = side == 0 ? inwards : outwards, right = side == 0 ? outwards : inwards;
+  const double foot =
+      turn > 0 ? std::max(turn, 2 * turn - kUsed_rad) : std::min(turn, 2 * turn + kUsed_rad);
+  return {Rotation2Dd(0.5 * turn) * way + Rotation2Dd(turn) * passes - lands,
+          std::clamp(foot, -right, left)};
+}
+
+/// The foot stays where it is on the ground, unless leg or bounds end.
+OracleFoot SteppingOracle::stance_foot(const OracleState& s, const OracleMotion& m,
+                                       const Track& before, const Track& after, double own_next,
+                                       size_t side) const {
+  OracleFoot foot = s.feet[side];
+  foot.lift_m = 0;
+  const double own = own_phase(s.phase, side);
+  const Vector2d natural(after.x_at(own_next), after.side_m[side]);
+  if (own < before.stance) {
+    const Vector2d stood = Vector2d(before.x_at(own), before.side_m[side]) + foot.shift_m;
+    foot.shift_m = Rotation2Dd(-turn_of(m)) * (stood - moved(m) / m.scale) - natural;
+    foot.turn_rad -= turn_of(m);
+  }
+  const double allowed = std::clamp(foot.turn_rad, -kMostTurn_rad, kMostTurn_rad);
+  const double forced = allowed - foot.turn_rad, contact_m = 0.25 * own_next;
+  foot.shift_m += contact_m * forced * Vector2d(allowed, -1);
+  foot.turn_rad = allowed;
+  foot.shift_m = at_most(foot.shift_m, 0.4 * leg_m_);
+  foot.shift_m = at_most(natural + foot.shift_m, 1.2 * upright_radius_m_) - natural;
+  return foot;
+}
+
+OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) const {
+  if (!m.is_present) return s;
+  OracleState next = s;
+  if (s.gait_mps < 0 || m.way_m.norm() > 1) {
+    next.gait_mps = std::max(m.ahead_mps, 0.0);
+    next.feet = {};
+    return next;
+  }
+  const double change = std::max(m.ahead_mps, 0.0) - s.gait_mps;
+  next.gait_mps += std::copysign(std::max(m.step_s / (0.25 + m.step_s) * std::abs(change),
+                                          std::min(std::abs(change), 0.2 * m.step_s)),
+                                 change);
+  const double root = root_speed(next.gait_mps, m.scale);
+  const int cell = cell_of(root);
+  const Track after = track_at(root, cell);
+  const Track before = track_at(root_speed(s.gait_mps, m.scale), cell);
+  const double rate = cycles_per_s(s, m, before, after);
+  next.phase = fraction(s.phase + rate * m.step_s);
+  for (size_t side = 0; side < 2; ++side) {
+    const double own = own_phase(s.phase, side), own_next = own_phase(next.phase, side);
+    if (own_next < after.stance) {
+      next.feet[side] = stance_foot(s, m, before, after, own_next, side);
+      continue;
+    }
+    const Landing goal = landing(m, rate, after, side);
+    const auto left_of_swing = [&](double phase) {
+      return 1 - smooth(std::clamp((phase - after.stance) / (1 - after.stance), 0.0, 1.0));
+    };
+    const double left_before = left_of_swing(own);
+    const double keep =
+        left_before > 0 ? std::clamp(left_of_swing(own_next) / left_before, 0.0, 1.0) : 0;
+    const Vector2d off_m = s.feet[side].shift_m - goal.shift_m;
+    const double off_rad = s.feet[side].turn_rad - goal.turn_rad;
+    const double step_m = (off_m.norm() + 0.2 * std::abs(off_rad)) / std::max(left_before, 0.01);
+    const double v = (own_next - after.stance) / (1 - after.stance);
+    OracleFoot& foot = next.feet[side];
+    foot.shift_m = goal.shift_m + keep * off_m;
+    foot.turn_rad = goal.turn_rad + keep * off_rad;
+    foot.lift_m =
+        std::min(0.4 * step_m, 0.04) * 4 * v * (1 - v) * std::max(1 - after.stride_m / leg_m_, 0.0);
+  }
+  return next;
+}
+
+bool SteppingOracle::is_at_a_turning_point(const OracleState& before, const OracleState& after,
+                                           const OracleMotion& m) const {
+  constexpr double kNear = 1e-4;
+  const auto is_near_zero = [](double x, double size) {
+    return x != 0 && std::abs(x) < kNear * size;
+  };
+  const Vector2d way = moved(m);
+  if (is_near_zero(way.x(), way.norm())) return true;
+  const int cell = cell_of(root_speed(after.gait_mps, m.scale));
+  for (size_t side = 0; side < 2; ++side) {
+    const OracleFoot& foot = before.feet[side];
+    if (is_near_zero(foot.shift_m.dot(way), foot.shift_m.norm() * way.norm()) ||
+        is_near_zero(foot.turn_rad, 1))
+      return true;
+    for (const OracleState* s : {&before, &after}) {
+      const double own = own_phase(s->phase, side);
+      const double stance = track_at(root_speed(s->gait_mps, m.scale), cell).stance;
+      for (const double turning : {0.0, 0.5 * stance, stance, 1.0})
+        if (std::abs(own - turning) < kNear) return true;
+    }
+  }
+  return false;
+}
+
+SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, size_t side,
+                                            double drop_m) const {
+  const double root = root_speed(s.gait_mps, scale);
+  const int cell = cell_of(root);
+  const Track track = track_at(root, cell);
+  const double v = root * (kSpeeds - 1) / std::sqrt(kFastestRelativeSpeed) - cell;
+  const double x = s.phase * kPhases;
+  const int phase = std::min(static_cast<int>(x), kPhases - 1);
+  const double u = x - phase;
+  const Leg& leg = walker_->leg(side);
+  Vector3d hip = Vector3d::Zero();
+  double ground_x = 0, ground_z = 0, roll = 0;
+  double natural_lean = 0;
+  FootTarget target;
+  for (const int next_speed : {0, 1})
+    for (const int next_phase : {0, 1}) {
+      const double share = (next_speed == 1 ? v : 1 - v) * (next_phase == 1 ? u : 1 - u);
+      const WalkerPose::Foot& foot = cycles_[static_cast<size_t>(cell + next_speed)]
+                                            [static_cast<size_t>((phase + next_phase) % kPhases)]
+                                                .feet[side];
+      const double rolled = leg.roll_m(foot.target.pitch_rad);
+      hip += share * foot.hip_m;
+      ground_x += share * (foot.ground_m.x() - rolled * std::cos(foot.target.heading_rad));
+      ground_z += share * foot.ground_m.z();
+      roll += share * rolled;
+      target.pitch_rad += share * foot.target.pitch_rad;
+      natural_lean = std::max(natural_lean, lean_of(leg.up_along_leg(foot.hip_m, foot.target)));
+    }
+  const OracleFoot& foot = s.feet[side];
+  target.heading_rad = (side == 0 ? -1 : 1) * track.toes_out_rad + foot.turn_rad;
+  hip.z() -= drop_m;
+  const Vector3d ground(ground_x + foot.shift_m.x() + roll * std::cos(target.heading_rad),
+                        track.side_m[side] + foot.shift_m.y() + roll * std::sin(target.heading_rad),
+                        ground_z + foot.lift_m);
+  target.ankle_m = ground;  // that is where the leg points to
+  const Vector3d over = leg.ankle_over_ground_m(hip, target);
+  const Vector3d at = ground + over;
+  const bool is_flat = std::abs(target.pitch_rad) < 0.01;
+  const double width_m = 2 * leg.shape().sole_half_width_m;
+  return {.at_m = at,
+          .up = over.normalized(),
+          .too_high_m = is_flat ? kSoleEdge_m : width_m * lean_of(over),
+          .too_low_m = is_flat ? 0 : width_m * natural_lean,
+          .heading_rad = target.heading_rad,
+          .from_hip_m = (at - hip).norm()};
+}
+
+}  // namespace throng::test

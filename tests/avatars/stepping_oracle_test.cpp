@@ -1,0 +1,257 @@
+// Stepping against an oracle that shares nothing with it: feet step by step, and the legs that
+// forward kinematics puts under them.
+#include "tests/avatars/stepping_oracle.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "base/random.h"
+#include "tests/avatars/gait_fixture.h"
+
+namespace throng {
+namespace {
+
+using test::OracleFoot;
+using test::OracleMotion;
+using test::OracleState;
+using test::SteppingOracle;
+using test::Walking;
+
+constexpr uint64_t kSeeds = 24;
+constexpr uint64_t kFrames = 150;
+constexpr size_t kPeople = WalkChunk::kRoom;
+
+// Single precision over numbers of up to a metre, and series cut off at 1e-4 of a chord: three
+// times what was found. What a swing has left of its way is a quotient of small numbers at its end.
+constexpr double kFootBound_m = 1e-4;
+constexpr double kTurnBound_rad = 1e-4;
+constexpr double kPhaseBound = 2e-5;
+constexpr double kHeadingBound_rad = 5e-5;
+// The ankle stands over the same point; heights of a rolling foot are read between two phases.
+constexpr double kAsideBound_m = 5e-5;
+constexpr double kHeightBound_m = 2e-3;
+
+double turned_by(float w, float z) {
+  return 2 * std::atan2(static_cast<double>(z), static_cast<double>(w));
+}
+
+OracleState state_of(const WalkChunk& chunk, size_t i) {
+  OracleState state;
+  state.gait_mps = static_cast<double>(chunk.gait_mps[i]);
+  state.phase = static_cast<double>(chunk.phases[i]);
+  for (size_t side = 0; side < 2; ++side)
+    state.feet[side] = {{static_cast<double>(chunk.feet[3 * side][i]),
+                         static_cast<double>(chunk.feet[3 * side + 1][i])},
+                        static_cast<double>(chunk.feet[3 * side + 2][i]),
+                        static_cast<double>(chunk.lift_m[side][i])};
+  return state;
+}
+
+OracleMotion motion_of(const WalkChunk& chunk, size_t i) {
+  return {{static_cast<double>(chunk.way_x_m[i]), static_cast<double>(chunk.way_y_m[i])},
+          turned_by(chunk.w_before[i], chunk.z_before[i]),
+          turned_by(chunk.w_after[i], chunk.z_after[i]),
+          static_cast<double>(chunk.ahead_mps[i]),
+          static_cast<double>(chunk.scales[i]),
+          static_cast<double>(chunk.step_s),
+          chunk.present[i] != 0};
+}
+
+/// People who walk, turn, step aside, stop, jump and are away for a while, each in an own way.
+class Walkers {
+ public:
+  explicit Walkers(uint64_t seed, const Gait& gait) : seed_(seed) {
+    chunk_.count = kPeople;
+    chunk_.step_s = seed % 2 == 0 ? 1.0f / 60 : 1.0f / 30;
+    chunk_.postures = postures_.data();
+    for (size_t i = 0; i < kPeople; ++i) {
+      chunk_.scales[i] = draw(i, 0, 9, 0.7, 1.2);
+      chunk_.phases[i] = draw(i, 0, 8, 0, 1);
+      chunk_.gait_mps[i] = kNotComeIn;
+      chunk_.w_after[i] = 1;
+      chunk_.gaits[i] = &gait;
+    }
+  }
+
+  void step(uint64_t frame, SimdTarget target) {
+    for (size_t i = 0; i < kPeople; ++i) {
+      const uint64_t stage = frame / 20;
+      const bool stands = draw(i, stage, 4, 0, 1) < 0.15f;
+      const float ahead = stands ? 0 : draw(i, stage, 0, -0.4, 2.2);
+      const float left = draw(i, stage, 5, 0, 1) < 0.6f ? 0 : draw(i, stage, 1, -0.5, 0.5);
+      const float turn = draw(i, stage, 6, 0, 1) < 0.3f ? 0 : draw(i, stage, 2, -1.5, 1.5);
+      const float jump = draw(i, frame, 7, 0, 1) < 0.002f ? 100.0f : 1.0f;
+      chunk_.present[i] = draw(i, stage, 3, 0, 1) < 0.95f;
+      chunk_.ahead_mps[i] = ahead;
+      chunk_.w_before[i] = chunk_.w_after[i];
+      chunk_.z_before[i] = chunk_.z_after[i];
+      const double heading = turned_by(chunk_.w_before[i], chunk_.z_before[i]);
+      const double after = heading + static_cast<double>(turn * chunk_.step_s);
+      chunk_.w_after[i] = static_cast<float>(std::cos(0.5 * after));
+      chunk_.z_after[i] = static_cast<float>(std::sin(0.5 * after));
+      const Eigen::Vector2d way =
+          Eigen::Rotation2Dd(0.5 * (heading + after)) *
+          Eigen::Vector2d(static_cast<double>(ahead), static_cast<double>(left)) *
+          static_cast<double>(jump * chunk_.step_s);
+      chunk_.way_x_m[i] = static_cast<float>(way.x());
+      chunk_.way_y_m[i] = static_cast<float>(way.y());
+    }
+    Gait::walk(chunk_, target);
+  }
+
+  const WalkChunk& chunk() const { return chunk_; }
+
+ private:
+  float draw(size_t person, uint64_t stage, uint32_t what, double low, double high) const {
+    return static_cast<float>(
+        random_uniform({seed_, person, stage, Purpose::kBoxWorld}, low, high, what));
+  }
+
+  uint64_t seed_;
+  WalkChunk chunk_{};
+  std::array<WalkPosture, kPeople> postures_;
+};
+
+/// The largest of what was found, and where.
+struct Worst {
+  double value = 0;
+  uint64_t seed = 0, frame = 0;
+  size_t person = 0;
+  int compared = 0;
+  void take(double found, uint64_t in_seed, uint64_t in_frame, size_t who) {
+    ++compared;
+    if (!(found <= value)) *this = {found, in_seed, in_frame, who, compared};
+  }
+  void expect_below(double bound, const char* what) const {
+    std::printf("%s: off by %.2g at most, allowed %.2g; seed %llu, frame %llu, person %zu, of %d\n",
+                what, value, bound, static_cast<unsigned long long>(seed),
+                static_cast<unsigned long long>(frame), person, compared);
+    EXPECT_LE(value, bound) << what << ": seed " << seed << ", frame " << frame << ", person "
+                            << person;
+  }
+};
+
+class SteppingOracleTest : public testing::TestWithParam<GaitStyle> {
+ protected:
+  const Walking& walking() const { return Walking::styles()[static_cast<size_t>(GetParam())]; }
+  /// Vectors and the reference in turn.
+  static SimdTarget target_of(uint64_t seed) {
+    return seed % 3 == 0 ? SimdTarget::kScalar : resolved(SimdTarget::kBest);
+  }
+
+  const SteppingOracle oracle_{*walking().model, GetParam(),
+                               static_cast<double>(walking().gait.upright_radius_m())};
+};
+
+/// One step at a time, each from where the last one of stepping led to, so that nothing adds up.
+TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
+  Worst shift, turn, lift, phase, speed;
+  int taken_back = 0, turning_points = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    Walkers walkers(seed, walking().gait);
+    const WalkChunk& chunk = walkers.chunk();
+    for (uint64_t frame = 0; frame < kFrames; ++frame) {
+      std::array<OracleState, kPeople> before;
+      for (size_t i = 0; i < kPeople; ++i) before[i] = state_of(chunk, i);
+      walkers.step(frame, target_of(seed));
+      for (size_t i = 0; i < kPeople; ++i) {
+        const OracleMotion motion = motion_of(chunk, i);
+        const OracleState expected = oracle_.step(before[i], motion), found = state_of(chunk, i);
+        speed.take(std::abs(expected.gait_mps - found.gait_mps), seed, frame, i);
+        if (!motion.is_present) {
+          EXPECT_EQ(expected.phase, found.phase);
+          continue;
+        }
+        if (oracle_.is_at_a_turning_point(before[i], expected, motion)) {
+          ++turning_points;
+          continue;
+        }
+        phase.take(std::abs(std::remainder(expected.phase - found.phase, 1.0)), seed, frame, i);
+        if (chunk.out_of_reach[i] != 0) {  // what legs do not reach is taken back, never more
+          ++taken_back;
+          for (size_t side = 0; side < 2; ++side)
+            EXPECT_LE(found.feet[side].shift_m.norm(),
+                      expected.feet[side].shift_m.norm() + kFootBound_m);
+          continue;
+        }
+        for (size_t side = 0; side < 2; ++side) {
+          const OracleFoot &is = found.feet[side], &should = expected.feet[side];
+          shift.take((is.shift_m - should.shift_m).norm(), seed, frame, i);
+          turn.take(std::abs(is.turn_rad - should.turn_rad), seed, frame, i);
+          lift.take(std::abs(is.lift_m - should.lift_m), seed, frame, i);
+        }
+      }
+    }
+  }
+  shift.expect_below(kFootBound_m, "shift of a foot, m");
+  turn.expect_below(kTurnBound_rad, "turn of a foot, rad");
+  lift.expect_below(kFootBound_m, "lift of a foot, m");
+  phase.expect_below(kPhaseBound, "phase");
+  speed.expect_below(1e-5, "gait's speed, m/s");
+  EXPECT_GT(shift.compared, 20 * (taken_back + turning_points)) << "hardly anything was compared";
+}
+
+/// Forward kinematics of the whole row, so that it does not matter how the legs were bent.
+TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
+  const Walking& w = walking();
+  std::vector<float> row(static_cast<size_t>(w.gait.column_count()));
+  const std::array<size_t, 2> parts = {w.right_foot, w.left_foot};
+  const std::vector<PartPose> zero = w.poses(std::vector<float>(row.size()));
+  Worst aside, above, below, heading;
+  int lowered = 0, too_far = 0, flat = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    Walkers walkers(seed, w.gait);
+    const WalkChunk& chunk = walkers.chunk();
+    for (uint64_t frame = 0; frame < kFrames; ++frame) {
+      walkers.step(frame, target_of(seed));
+      if (frame % 10 != 9) continue;
+      for (uint32_t i = 0; i < kPeople; ++i) {
+        if (chunk.present[i] == 0 || chunk.gait_mps[i] < 0 || chunk.out_of_reach[i] != 0) continue;
+        const Gait* gait = &w.gait;
+        Gait::postures({&gait, 1}, {chunk.postures, kPeople}, {&i, 1}, row);
+        const std::vector<PartPose> poses = w.poses(row);
+        const OracleState state = state_of(chunk, i);
+        const auto drop_m = static_cast<double>(chunk.postures[i].numbers[WalkPosture::kDrop]);
+        lowered += drop_m > 0;
+        for (size_t side = 0; side < 2; ++side) {
+          const SteppingOracle::Ankle expected =
+              oracle_.ankle(state, static_cast<double>(chunk.scales[i]), side, drop_m);
+          if (expected.from_hip_m > oracle_.longest_m(side) + 1e-3) {
+            ++too_far;
+            continue;
+          }
+          const Eigen::Isometry3d foot = to_isometry(poses[parts[side]]);
+          const Eigen::Vector3d off_m = foot.translation() - expected.at_m;
+          const double higher_m = off_m.dot(expected.up);
+          aside.take((off_m - higher_m * expected.up).norm(), seed, frame, i);
+          above.take(higher_m - expected.too_high_m, seed, frame, i);
+          below.take(-higher_m - expected.too_low_m, seed, frame, i);
+          flat += expected.too_low_m == 0;
+          const Eigen::Vector3d left = foot.linear() *
+                                       to_isometry(zero[parts[side]]).linear().transpose() *
+                                       Eigen::Vector3d::UnitY();
+          heading.take(std::abs(std::remainder(
+                           std::atan2(-left.x(), left.y()) - expected.heading_rad, 6.283185307)),
+                       seed, frame, i);
+        }
+      }
+    }
+  }
+  aside.expect_below(kAsideBound_m, "ankle aside of the foot, m");
+  above.expect_below(kHeightBound_m, "ankle higher than the sole explains, m");
+  below.expect_below(kHeightBound_m, "ankle lower than the sole explains, m");
+  heading.expect_below(kHeadingBound_rad, "heading of a foot, rad");
+  EXPECT_GT(flat, 1000) << "hardly any foot stood flat";
+  EXPECT_GT(lowered, 0) << "no pelvis ever sank";
+  EXPECT_GT(aside.compared, 10 * too_far);
+}
+
+INSTANTIATE_TEST_SUITE_P(Styles, SteppingOracleTest,
+                         testing::Values(GaitStyle::kPlain, GaitStyle::kShortSteps));
+
+}  // namespace
+}  // namespace throng
