@@ -16,11 +16,12 @@ declare -A what=(
   [tidy]="clang-tidy over all sources"
   [lto]="one definition of everything, by the linker: programs and tests with LTO"
   [outside]="culling alone and the README's program in somebody else's project"
+  [extend]="a volume, a scene field, a steering model and a sink added by patches"
   [soak]="an hour of people who walk and touch all the time"
   [asan]="the whole suite under the address and undefined behaviour sanitizers"
   [tsan]="the whole suite under the thread sanitizer"
 )
-order=(docs no_miss determinism meshes scenes urdfs fuzz tidy lto outside soak asan tsan)
+order=(docs no_miss determinism meshes scenes urdfs fuzz tidy lto outside extend soak asan tsan)
 
 steps=("$@")
 [ ${#steps[@]} -gt 0 ] || steps=("${order[@]}")
@@ -56,6 +57,7 @@ run_step() {
     tidy) bash scripts/tidy.sh ;;
     lto) bash scripts/build.sh lto ;;
     outside) outside ;;
+    extend) bash tests/extend/extend_test.sh build "$PWD" "$PWD/build/extend" ;;
     soak) bash scripts/soak.sh 60 ;;
     asan | tsan) bash scripts/sanitize.sh "$1" ;;
   esac

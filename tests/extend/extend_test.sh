@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# What it takes to add a bounding volume, a scene field, a steering model, a sink: a patch each.
+#   tests/extend/extend_test.sh check SOURCE          they apply, and touch as few files as said here
+#   tests/extend/extend_test.sh build SOURCE FOLDER   applied to a copy in FOLDER they build, the tests
+#                                                     that go over all volumes and models pass, and
+#                                                     `throng run` knows them; takes minutes
+set -euo pipefail
+
+declare -A files=([volume]=7 [scene_field]=3 [steering_model]=5 [sink]=5)
+
+mode=${1:-} source=${2:-} folder=${3:-}
+here=$(cd "$(dirname "$0")" && pwd)
+
+fail() {
+  echo "$*" >&2
+  exit 1
+}
+
+check() {
+  local name touched
+  for name in "${!files[@]}"; do
+    git -C "$source" apply --check "$here/$name.patch" ||
+      fail "$name.patch: expected to apply; make the change again and keep what git diff says"
+    touched=$(grep -c '^diff --git' "$here/$name.patch")
+    [ "$touched" -eq "${files[$name]}" ] || fail "$name.patch: expected ${files[$name]} files, found $touched"
+    echo "$name: $touched files"
+  done
+}
+
+copy() {
+  rm -rf "$folder/source"
+  mkdir -p "$folder/source"
+  git -C "$source" ls-files -z | (cd "$source" && xargs -0 tar -cf -) | tar -xf - -C "$folder/source"
+}
+
+run() {
+  echo "+ throng $*"
+  build/release/throng "$@"
+}
+
+build() {
+  copy
+  cd "$folder/source"
+  local name
+  for name in "${!files[@]}"; do patch --batch --quiet -p1 <"$here/$name.patch"; done
+  bash scripts/build.sh release throng test_volumes test_culler test_recipe test_no_miss steering_tests \
+    scenes_tests schema_tests
+  # The documents and the schema follow from the tables of keys.
+  build/release/throng scenes --schema >scenes/scene.schema.json
+  THRONG_DOCS_UPDATE=1 build/release/schema_tests --gtest_filter='SceneKeys.*' >/dev/null
+  grep -q '`headroom_m`' docs/scenes.md || fail "expected headroom_m in docs/scenes.md"
+  grep -q '"capsule"' scenes/scene.schema.json || fail "expected capsule in scene.schema.json"
+  local test
+  for test in test_volumes test_culler test_recipe test_no_miss steering_tests scenes_tests schema_tests; do
+    "build/release/$test" --gtest_brief=1
+  done
+
+  local few=(--avatars 100 --seconds 1 --lcm off --log off)
+  run run plaza "${few[@]}" --part-volume capsule --heat-map "$folder/heat.csv" | tail -n 1
+  run run corridor "${few[@]}" --steering force | tail -n 1
+  awk -F, 'NR > 1 {sum += $3} END {if (sum < 99 || sum > 103) exit 1}' "$folder/heat.csv" ||
+    fail "heat.csv: expected about 100 person-seconds"
+  printf '%s\n' 'ground: {min_m: [0, 0], max_m: [10, 10]}' \
+    'groups: [{count: 1, spawn: {min_m: [1, 1], max_m: [2, 2]}, goals: [{min_m: [8, 8], max_m: [9, 9]}]}]' \
+    'obstacles: [{kind: box, position_m: [5, 5], size_m: [1, 1, 1], bottom_m: 2, headroom_m: 1.9}]' >"$folder/low.yaml"
+  run info "$folder/low.yaml" >/dev/null
+  echo "all four are built in, and run"
+}
+
+case $mode in
+  check) check ;;
+  build) check && build ;;
+  *)
+    echo "extend_test.sh: expected check or build, found '$mode'" >&2
+    exit 2
+    ;;
+esac
