@@ -7,7 +7,7 @@
 
 #include "bench/boxes.h"
 #include "culling/exact/triangle_bvh.h"
-#include "culling/volumes/volumes.h"
+#include "culling/volumes/volume_list.h"
 
 namespace throng::bench {
 namespace {
@@ -52,19 +52,10 @@ class MethodOf : public Method {
 
 std::vector<std::unique_ptr<Method>> all_methods(const std::shared_ptr<const BodyType>& type) {
   std::vector<std::unique_ptr<Method>> out;
-  out.push_back(std::make_unique<MethodOf<Sphere, false>>(VolumeKind::kSphere, type));
-  out.push_back(std::make_unique<MethodOf<Aabb, false>>(VolumeKind::kAabb, type));
-  out.push_back(std::make_unique<MethodOf<Aabb, true>>(VolumeKind::kAabb, type));
-  out.push_back(std::make_unique<MethodOf<Obb, false>>(VolumeKind::kObb, type));
-  out.push_back(std::make_unique<MethodOf<Kdop<14>, false>>(VolumeKind::kKdop14, type));
-  out.push_back(std::make_unique<MethodOf<Kdop<18>, false>>(VolumeKind::kKdop18, type));
-  out.push_back(std::make_unique<MethodOf<Kdop<26>, false>>(VolumeKind::kKdop26, type));
-  out.push_back(std::make_unique<MethodOf<Kdop<14>, true>>(VolumeKind::kKdop14, type));
-  out.push_back(std::make_unique<MethodOf<Kdop<18>, true>>(VolumeKind::kKdop18, type));
-  out.push_back(std::make_unique<MethodOf<Kdop<26>, true>>(VolumeKind::kKdop26, type));
-  out.push_back(std::make_unique<MethodOf<Ordop<14>, false>>(VolumeKind::kOrdop14, type));
-  out.push_back(std::make_unique<MethodOf<Ordop<18>, false>>(VolumeKind::kOrdop18, type));
-  out.push_back(std::make_unique<MethodOf<Ordop<26>, false>>(VolumeKind::kOrdop26, type));
+  for_each_volume([&]<typename V>(VolumeKind kind) {
+    out.push_back(std::make_unique<MethodOf<V, false>>(kind, type));
+    if constexpr (RefittedVolume<V>) out.push_back(std::make_unique<MethodOf<V, true>>(kind, type));
+  });
   return out;
 }
 

@@ -49,15 +49,21 @@ inline constexpr size_t kPlaceOf = [] {
   return place;
 }();
 
+/// Calls visit.operator()<V>(kind) for every class of the list.
+template <typename Visit>
+void for_each_volume(const Visit& visit) {
+  [&]<size_t... kPlaces>(std::index_sequence<kPlaces...>) {
+    (visit.template operator()<VolumeAt<kPlaces>>(kAllVolumes[kPlaces]), ...);
+  }
+  (std::make_index_sequence<kVolumeCount>{});
+}
+
 /// Calls visit.operator()<V>() for the class of a kind.
 template <typename Visit>
 void with_volume(VolumeKind kind, const Visit& visit) {
-  [&]<size_t... kPlaces>(std::index_sequence<kPlaces...>) {
-    ((static_cast<size_t>(kind) == kPlaces ? visit.template operator()<VolumeAt<kPlaces>>()
-                                           : void()),
-     ...);
-  }
-  (std::make_index_sequence<kVolumeCount>{});
+  for_each_volume([&]<typename V>(VolumeKind each) {
+    if (each == kind) visit.template operator()<V>();
+  });
 }
 
 /// The kernels of a volume that has some: pairs of the same two parts as lanes, and one pair. The

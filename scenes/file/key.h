@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -138,6 +139,17 @@ void read_keys(const KeyTable<T>& table, Reading& reading, Fields& fields, T& ou
       if (key.read) key.read(reading, fields, out);
     }
   if (table.complete) table.complete(reading, fields, out);
+}
+
+/// Throws InputError for a key that the map does not have beside what else it says.
+template <typename T>
+void expect_keys_without(const std::vector<std::string>& absent, const KeyTable<T>& table,
+                         const Fields& fields) {
+  std::vector<std::string> keys = table.names();
+  std::erase_if(keys, [&](const std::string& key) {
+    return std::find(absent.begin(), absent.end(), key) != absent.end();
+  });
+  fields.expect_keys(keys);
 }
 
 template <typename T>

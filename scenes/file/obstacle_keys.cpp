@@ -52,33 +52,24 @@ void measure_mesh(const Fields& fields, Obstacle& obstacle) {
                                  obstacle.size_m.z()));
 }
 
-/// The keys that every kind has.
-const std::vector<std::string> kPlaceKeys = {"name", "kind", "heading_deg", "position_m",
-                                             "bottom_m"};
-
-void expect_shape_keys(const Fields& fields, std::vector<std::string> keys) {
-  keys.insert(keys.end(), kPlaceKeys.begin(), kPlaceKeys.end());
-  fields.expect_keys(keys);
-}
-
 void make_shape(const Reading& reading, const Fields& fields, Obstacle& obstacle) {
   switch (obstacle.kind) {
     case Obstacle::Kind::kBox: {
-      expect_shape_keys(fields, {"size_m"});
+      expect_keys_without({"diameter_m", "height_m", "file"}, obstacle_keys(), fields);
       const std::vector<double> size = fields.numbers("size_m", 3, kSizeRange);
       obstacle.size_m = {size[0], size[1], size[2]};
       obstacle.mesh = box_mesh(obstacle.size_m);
       break;
     }
     case Obstacle::Kind::kCylinder: {
-      expect_shape_keys(fields, {"diameter_m", "height_m"});
+      expect_keys_without({"size_m", "file"}, obstacle_keys(), fields);
       const double diameter_m = fields.number("diameter_m", kSizeRange);
       obstacle.size_m = {diameter_m, diameter_m, fields.number("height_m", kSizeRange)};
       obstacle.mesh = cylinder_mesh(0.5 * diameter_m, obstacle.size_m.z());
       break;
     }
     case Obstacle::Kind::kMesh: {
-      expect_shape_keys(fields, {"file"});
+      expect_keys_without({"size_m", "diameter_m", "height_m"}, obstacle_keys(), fields);
       obstacle.mesh_file = existing_file(reading, fields, fields.require("file"), "a .tri file");
       obstacle.mesh = read_tri(obstacle.mesh_file).mesh;
       measure_mesh(fields, obstacle);

@@ -16,7 +16,7 @@ void read_areas(Reading& reading, Fields& fields, Goal& goal) {
   for (const YamlNode* item : fields.items("nearest_of", false))
     goal.areas.push_back(read_area(fields.file(), *item, "a goal", ground));
   if (!goal.areas.empty()) {
-    fields.expect_keys({"nearest_of", "wait_s", "pass"});
+    expect_keys_without({"min_m", "max_m"}, goal_keys(), fields);
     return;
   }
   goal.areas.push_back(read_rectangle(fields, "a goal"));

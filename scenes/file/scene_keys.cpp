@@ -22,12 +22,9 @@ bool is_box(const Fields& fields) { return fields.word("kind", kKinds).value_or(
 
 /// A box has no ground, a crowd no box: the keys of the other kind are none.
 void read_kind(Reading&, Fields& fields, Scene&) {
-  std::vector<std::string> keys = scene_keys().names();
-  std::erase_if(keys, [&](const std::string& key) {
-    if (!is_box(fields)) return key == "box";
-    return key == "ground" || key == "groups" || key == "obstacles";
-  });
-  fields.expect_keys(keys);
+  const std::vector<std::string> of_crowds = {"ground", "groups", "obstacles"};
+  const std::vector<std::string> of_boxes = {"box"};
+  expect_keys_without(is_box(fields) ? of_crowds : of_boxes, scene_keys(), fields);
 }
 
 /// A map of its own whose values are the scene's.

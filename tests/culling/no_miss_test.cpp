@@ -6,11 +6,12 @@
 
 #include <cstdio>
 #include <map>
+#include <tuple>
 
 #include "avatars/avatars.h"
 #include "culling/exact/triangle_bvh.h"
 #include "culling/volumes/pose_math.h"
-#include "culling/volumes/volumes.h"
+#include "culling/volumes/volume_list.h"
 #include "shapes.h"
 
 namespace throng::test {
@@ -25,11 +26,9 @@ struct FittedPart {
       : name(part.name),
         points(part.mesh.vertices),
         reach_m(static_cast<float>(reach_of(part.mesh.vertices))),
-        tree(part.mesh.vertices, part.mesh.triangles),
-        sphere(Sphere::fit(points)),
-        aabb(Aabb::fit(points)),
-        obb(Obb::fit(points)),
-        slabs(Slabs::around(points)) {
+        tree(part.mesh.vertices, part.mesh.triangles) {
+    for_each_volume(
+        [&]<typename V>(VolumeKind) { std::get<kPlaceOf<V>>(fitted) = V::fit(points); });
     std::vector<Eigen::Vector3d> exact;
     for (const Eigen::Vector3f& p : points) exact.push_back(p.cast<double>());
     std::vector<fcl::Triangle> faces;
@@ -44,10 +43,9 @@ struct FittedPart {
   std::vector<Eigen::Vector3f> points;
   float reach_m;
   TriangleBvh tree;
-  Sphere::Fitted sphere;
-  Aabb::Fitted aabb;
-  Obb::Fitted obb;
-  Slabs slabs;
+  decltype([]<size_t... kPlaces>(std::index_sequence<kPlaces...>) {
+    return std::tuple<typename VolumeAt<kPlaces>::Fitted...>();
+  }(std::make_index_sequence<kVolumeCount>{})) fitted;  ///< in the order of the list
   FclMesh fcl_mesh;
 };
 
@@ -64,27 +62,15 @@ std::map<std::string, bool> verdicts(const PlacedPart& a, const PlacedPart& b,
                       a.scale * a.part->reach_m + b.scale * b.part->reach_m;
   const float margin = rounding_margin_m(reach);
   std::map<std::string, bool> out;
-  const auto turned_one = [&]<typename V>(V, const std::string& name, auto fitted) {
-    out[name] = V::overlaps(V::place(a.part->*fitted, a.pose, a.scale),
-                            V::place(b.part->*fitted, b.pose, b.scale), a_to_b, margin);
-  };
-  const auto refitted = [&]<typename V>(V, const std::string& name) {
-    out[name] = V::overlaps(V::refit(a.part->points, a.pose, a.scale),
-                            V::refit(b.part->points, b.pose, b.scale), a_to_b, margin);
-  };
-  turned_one(Sphere{}, "sphere", &FittedPart::sphere);
-  turned_one(Aabb{}, "aabb", &FittedPart::aabb);
-  refitted(Aabb{}, "aabb_refit");
-  turned_one(Obb{}, "obb", &FittedPart::obb);
-  turned_one(Kdop<14>{}, "kdop14", &FittedPart::slabs);
-  turned_one(Kdop<18>{}, "kdop18", &FittedPart::slabs);
-  turned_one(Kdop<26>{}, "kdop26", &FittedPart::slabs);
-  refitted(Kdop<14>{}, "kdop14_refit");
-  refitted(Kdop<18>{}, "kdop18_refit");
-  refitted(Kdop<26>{}, "kdop26_refit");
-  turned_one(Ordop<14>{}, "ordop14", &FittedPart::slabs);
-  turned_one(Ordop<18>{}, "ordop18", &FittedPart::slabs);
-  turned_one(Ordop<26>{}, "ordop26", &FittedPart::slabs);
+  for_each_volume([&]<typename V>(VolumeKind kind) {
+    const std::string name(name_of(kind));
+    out[name] = V::overlaps(V::place(std::get<kPlaceOf<V>>(a.part->fitted), a.pose, a.scale),
+                            V::place(std::get<kPlaceOf<V>>(b.part->fitted), b.pose, b.scale),
+                            a_to_b, margin);
+    if constexpr (RefittedVolume<V>)
+      out[name + "_refit"] = V::overlaps(V::refit(a.part->points, a.pose, a.scale),
+                                         V::refit(b.part->points, b.pose, b.scale), a_to_b, margin);
+  });
   return out;
 }
 
