@@ -17,8 +17,8 @@
 namespace throng::hostile {
 namespace {
 
-constexpr time_t kSeconds = 10;
-constexpr unsigned kWallSeconds = 100;
+constexpr time_t kSeconds = 10 * THRONG_SLOWNESS;
+constexpr unsigned kWallSeconds = 100 * THRONG_SLOWNESS;
 constexpr int kUsed = 0;
 constexpr int kRefused = 2;
 constexpr int kOtherError = 9;
