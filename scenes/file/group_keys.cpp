@@ -126,18 +126,11 @@ void require_scale(const Fields& fields, const Group& group) {
                                  body.name, reach_m));
 }
 
-void require_few(const Reading& reading, const Fields& fields, const Group& group) {
-  int64_t people = group.total();
-  for (const Group& other : reading.scene.groups) people += other.total();
-  if (people > kMaxBodies)
-    throw InputError(fields.where(), fmt::format("at most {} people and obstacles", kMaxBodies),
-                     fmt::format("{}", people));
-}
-
 void complete(Reading& reading, const Fields& fields, Group& group) {
   keep_own_size(group);
   require_scale(fields, group);
-  require_few(reading, fields, group);
+  reading.people += group.total();
+  require_few(fields.where(), reading.people);
 }
 
 template <typename Shares>
@@ -162,7 +155,7 @@ std::vector<Key<Group>> rows_of_groups() {
   return {
       own_key<Group>("name", "unique in the scene", "`group 1`, `group 2`, ...", {})
           .reading(read_name)
-          .hashing([](Hasher& hash, const Group& group) { hash.add(group.name); }),
+          .hashing(&Group::name),
       whole("count", "how many people stand there at the start", &Group::count, 0, kMaxBodies)
           .stating("required, unless there are sources")
           .reading(read_count),
@@ -178,7 +171,7 @@ std::vector<Key<Group>> rows_of_groups() {
       own_key<Group>("spawn", "the rectangle they start in", "required, if there is a count",
                      map_rule("area"))
           .reading(read_spawn)
-          .hashing([](Hasher& hash, const Group& group) { add_value(hash, group.spawn); }),
+          .hashing(&Group::spawn),
       own_key<Group>("goals", "where they go, in order", "required, unless `driven`",
                      list_rule("goal", 1))
           .reading(read_goals)
@@ -201,7 +194,7 @@ std::vector<Key<Group>> rows_of_groups() {
                      "one number",
                      "0", map_rule("distribution"))
           .reading(read_delay)
-          .hashing([](Hasher& hash, const Group& group) { add_value(hash, group.delay_s); }),
+          .hashing(&Group::delay_s),
       own_key<Group>("speed_mps",
                      "free speed, 0.1 to 4, whatever the age: `{mean, deviation, min, max}`, or "
                      "one number for everybody",

@@ -60,6 +60,7 @@ struct Reading {
   std::map<std::string, std::shared_ptr<const Model>> bodies;  ///< by file
   std::set<std::string> group_names;
   std::set<std::string> obstacle_names;
+  int64_t people = 0;  ///< of the groups so far
 };
 
 inline void add_value(Hasher& hash, bool value) { hash.add(uint64_t{value}); }
@@ -97,6 +98,12 @@ struct Key {
     hash = std::move(other);
     return std::move(*this);
   }
+  /// The value of one member.
+  template <typename Value>
+  Key hashing(Value T::*member) && {
+    hash = [member](Hasher& hasher, const T& value) { add_value(hasher, value.*member); };
+    return std::move(*this);
+  }
   Key without_hash() && { return std::move(*this).hashing({}); }
 };
 
@@ -113,10 +120,15 @@ struct KeyTable {
   /// What follows from all keys together, and whether they fit each other.
   std::function<void(Reading&, const Fields&, T&)> complete = {};
 
+  /// In the order of the documentation.
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (const Key<T>& key : keys) visit(key);
+    for (const Key<T>& key : later) visit(key);
+  }
   std::vector<std::string> names() const {
     std::vector<std::string> all;
-    for (const auto* rows : {&keys, &later})
-      for (const Key<T>& key : *rows) all.push_back(key.text.name);
+    for_each([&](const Key<T>& key) { all.push_back(key.text.name); });
     return all;
   }
 };
@@ -124,8 +136,7 @@ struct KeyTable {
 template <typename T>
 MapText text_of(const KeyTable<T>& table) {
   MapText text = table.text;
-  for (const auto* rows : {&table.keys, &table.later})
-    for (const Key<T>& key : *rows) text.keys.push_back(key.text);
+  table.for_each([&](const Key<T>& key) { text.keys.push_back(key.text); });
   return text;
 }
 
@@ -133,11 +144,10 @@ MapText text_of(const KeyTable<T>& table) {
 template <typename T>
 void read_keys(const KeyTable<T>& table, Reading& reading, Fields& fields, T& out) {
   fields.expect_keys(table.names());
-  for (const auto* rows : {&table.keys, &table.later})
-    for (const Key<T>& key : *rows) {
-      if (key.text.required) fields.require(key.text.name);
-      if (key.read) key.read(reading, fields, out);
-    }
+  table.for_each([&](const Key<T>& key) {
+    if (key.text.required) fields.require(key.text.name);
+    if (key.read) key.read(reading, fields, out);
+  });
   if (table.complete) table.complete(reading, fields, out);
 }
 
@@ -169,9 +179,8 @@ Key<T> key_of(std::string name, std::string meaning, Value T::*member, Rule rule
   Key<T> key;
   key.text = {std::move(name), std::move(meaning), fmt::format("{}", T{}.*member), false,
               std::move(rule)};
-  key.hash = [member](Hasher& hash, const T& value) { add_value(hash, value.*member); };
   key.is_default = [member](const T& value) { return value.*member == T{}.*member; };
-  return key;
+  return std::move(key).hashing(member);
 }
 
 template <typename T>

@@ -110,7 +110,7 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
   return {
       own_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
           .reading(read_name)
-          .hashing([](Hasher& hash, const Obstacle& obstacle) { hash.add(obstacle.name); }),
+          .hashing(&Obstacle::name),
       word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
                                      {{"box", Obstacle::Kind::kBox},
                                       {"cylinder", Obstacle::Kind::kCylinder},
@@ -122,7 +122,7 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
             const double heading_deg = fields.number_or("heading_deg", kHeadingRange, 0);
             obstacle.heading_rad = heading_deg * (std::numbers::pi / 180);
           })
-          .hashing([](Hasher& hash, const Obstacle& obstacle) { hash.add(obstacle.heading_rad); }),
+          .hashing(&Obstacle::heading_rad),
       own_key<Obstacle>("position_m", "`[x, y]` of its middle; of a mesh, where its origin lies",
                         "",
                         {.kind = Rule::Kind::kNumbers, .range = kPlaceRange, .least = 2, .most = 2})

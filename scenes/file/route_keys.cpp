@@ -62,7 +62,7 @@ KeyTable<Source> make_source_keys() {
                 source.area = read_area(fields.file(), fields.require("area"),
                                         "the area of a source", reading.scene.ground);
               })
-              .hashing([](Hasher& hash, const Source& source) { add_value(hash, source.area); }),
+              .hashing(&Source::area),
           whole("count", "how many in all; they belong to the group and have ids from the start",
                 &Source::count, 0, kMaxBodies)
               .required(),

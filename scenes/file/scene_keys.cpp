@@ -65,12 +65,9 @@ void read_groups(Reading& reading, Fields& fields, Scene& scene) {
 void read_obstacles(Reading& reading, Fields& fields, Scene& scene) {
   expect_at_most(kMaxObstacles, "obstacles", fields);
   read_items(obstacle_keys(), "obstacles", false, reading, fields, scene.obstacles);
-  auto bodies = static_cast<int64_t>(scene.obstacles.size());
-  for (const Group& group : scene.groups) bodies += group.total();
-  if (bodies > kMaxBodies)
-    throw InputError(fields.where(fields.require("obstacles")),
-                     fmt::format("at most {} people and obstacles", kMaxBodies),
-                     fmt::format("{}", bodies));
+  if (!scene.obstacles.empty())
+    require_few(fields.where(fields.require("obstacles")),
+                reading.people + static_cast<int64_t>(scene.obstacles.size()));
 }
 
 void read_box(Reading& reading, Fields& fields, Scene& scene) {
@@ -149,7 +146,7 @@ std::vector<Key<Scene>> rows_of_scenes() {
           .reading([](Reading& reading, Fields& fields, Scene& scene) {
             scene.name = fields.name_or("name", name_after(reading.scene.file.stem().string()));
           })
-          .hashing([](Hasher& hash, const Scene& scene) { hash.add(scene.name); }),
+          .hashing(&Scene::name),
       own_key<Scene>("description", "one line for `throng scenes`", "none", {})
           .reading([](Reading&, Fields& fields, Scene& scene) {
             scene.description = fields.line_or("description", "");
@@ -177,7 +174,7 @@ std::vector<Key<Scene>> rows_of_scenes() {
                      "m wide",
                      "required of a crowd", map_rule("area"))
           .reading(read_ground)
-          .hashing([](Hasher& hash, const Scene& scene) { add_value(hash, scene.ground); }),
+          .hashing(&Scene::ground),
       own_key<Scene>("groups", "people, see [A group](#a-group)", "required of a crowd",
                      list_rule("group", 1, kMaxGroups))
           .reading(read_groups)

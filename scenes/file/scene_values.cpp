@@ -4,6 +4,7 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
+#include "scenes/file/scene_limits.h"
 
 namespace throng {
 namespace {
@@ -146,6 +147,12 @@ fs::path existing_file(const Reading& reading, const Fields& fields, const YamlN
                      fmt::format("'{}', and no {} file at {}", node.scalar,
                                  fs::exists(path, error) ? "regular" : "such", path.string()));
   return path;
+}
+
+void require_few(const std::string& where, int64_t people_and_obstacles) {
+  if (people_and_obstacles > kMaxBodies)
+    throw InputError(where, fmt::format("at most {} people and obstacles", kMaxBodies),
+                     fmt::format("{}", people_and_obstacles));
 }
 
 void require_new(const Fields& fields, const std::string& name, std::set<std::string>& earlier) {

@@ -36,6 +36,8 @@ std::filesystem::path read_model_file(const Reading& reading, const Fields& fiel
 std::filesystem::path existing_file(const Reading& reading, const Fields& fields,
                                     const YamlNode& node, const std::string& expected);
 
+/// Throws InputError if these are more than ids go round for.
+void require_few(const std::string& where, int64_t people_and_obstacles);
 /// Throws InputError if there has been one of this name.
 void require_new(const Fields& fields, const std::string& name, std::set<std::string>& earlier);
 
