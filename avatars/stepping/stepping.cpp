@@ -261,7 +261,7 @@ void WalkChunk::fill_up() {
     std::fill(numbers + count, numbers + end, numbers[count - 1]);
   };
   for (Numbers* numbers : {&way_x_m, &way_y_m, &w_before, &z_before, &w_after, &z_after, &ahead_mps,
-                           &scales, &present, &gait_mps, &phases})
+                           &scales, &present, &stretch, &gait_mps, &phases})
     fill(*numbers);
   for (Numbers& numbers : feet) fill(numbers);
   std::fill(tables.begin() + static_cast<ptrdiff_t>(count),

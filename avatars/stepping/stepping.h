@@ -58,6 +58,7 @@ struct WalkChunk {
   alignas(64) Numbers ahead_mps;  ///< its speed, forward
   alignas(64) Numbers scales;
   alignas(64) Numbers present;  ///< 0: nothing changes, 1: walks
+  alignas(64) Numbers stretch;  ///< so much longer than the gait's own strides theirs are
 
   std::array<const Gait*, kRoom> gaits;
 

@@ -11,24 +11,13 @@
 #include <vector>
 
 #include "avatars/model/model.h"
+#include "base/rectangle.h"
 #include "culling/culler.h"
 #include "scenes/file/people.h"
 #include "scenes/file/steering_rule.h"
+#include "scenes/recorded/recording.h"
 
 namespace throng {
-
-struct Rectangle {
-  Eigen::Vector2d min_m = Eigen::Vector2d::Zero();
-  Eigen::Vector2d max_m = Eigen::Vector2d::Zero();
-
-  Eigen::Vector2d size_m() const { return max_m - min_m; }
-  Eigen::Vector2d middle_m() const { return 0.5 * (min_m + max_m); }
-  double area_m2() const { return size_m().prod(); }
-  bool contains(const Eigen::Vector2d& point) const {
-    return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
-  }
-  bool operator==(const Rectangle&) const = default;
-};
 
 /// Somewhere to go: into any one of the areas, whichever has the shortest way.
 struct Goal {
@@ -79,9 +68,11 @@ struct Group {
   /// goal, its spawn area, and no sources.
   std::string driven;
 
+  int64_t recorded = 0;  ///< people of the scene's recording, who come and go as they did
+
   /// Everybody there may ever be.
   int64_t total() const {
-    int64_t sum = count;
+    int64_t sum = count + recorded;
     for (const Source& source : sources) sum += source.count;
     return sum;
   }
@@ -113,6 +104,14 @@ struct PartsBox {
   double max_spin_radps = 3;
 };
 
+/// A recording whose people walk through the scene: all of the last group.
+struct RecordedPeople {
+  RecordingOptions options;
+  std::shared_ptr<const Recording> recording;  ///< what `options.file` holds
+  bool geometry = true;                        ///< the walkable area of the file becomes walls
+  bool recorded_frames = false;  ///< a step is a recorded frame; otherwise at most 1/60 s
+};
+
 struct Scene {
   std::string name;
   std::string description;
@@ -123,6 +122,7 @@ struct Scene {
   Rectangle ground;
   std::vector<Group> groups;
   std::vector<Obstacle> obstacles;
+  std::optional<RecordedPeople> recorded;
   std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
   SteeringRule steering;
   VolumeKind part_volume = VolumeKind::kOrdop26;

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/file/scene.h"
+#include "base/rectangle.h"
 
 namespace throng {
 

@@ -130,6 +130,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
       there(bodies.types.size()) {
   describe_run();
   cut_blocks();
+  world->prepare(posing, bodies);
   world->lead(driven);
   culler = std::make_unique<Culler>(types(), options.culler, workers);
 }

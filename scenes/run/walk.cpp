@@ -34,6 +34,7 @@ void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step
     chunk.ahead_mps[i] = avatars[i].ahead_mps;
     chunk.gaits[i] = &posing.gait_of(first + static_cast<uint32_t>(i));
     chunk.present[i] = avatars[i].is_present ? 1 : 0;
+    chunk.stretch[i] = avatars[i].stretch;
   }
   const auto bring = [&](const std::vector<float>& from, WalkChunk::Numbers& to) {
     std::copy_n(from.data() + first, chunk.count, to);

@@ -19,6 +19,7 @@ struct WalkNow {
   RootPose before;         ///< its root in the frame before
   float ahead_mps = 0;     ///< its speed, the way it faces
   bool is_present = true;  ///< if not, it keeps phase, feet and legs
+  float stretch = 1;       ///< so much longer than the gait's own strides its strides are
 };
 
 /// Walks avatars first, first + 1, ... of one model, at most WalkChunk::kRoom, on to

@@ -2,6 +2,7 @@
 
 #include "scenes/box/parts_world.h"
 #include "scenes/crowd/crowd_world.h"
+#include "scenes/dressing/recorded_world.h"
 
 namespace throng {
 
@@ -22,6 +23,7 @@ const TrafficCounters& World::traffic() const {
 
 std::unique_ptr<World> make_world(const Scene& scene, SimdTarget simd, Workers& workers) {
   if (scene.box) return std::make_unique<PartsWorld>(scene);
+  if (scene.recorded) return std::make_unique<RecordedWorld>(scene, simd, workers);
   return std::make_unique<CrowdWorld>(scene, simd, workers);
 }
 

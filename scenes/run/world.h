@@ -1,4 +1,4 @@
-// What moves the avatars of a run: a steered crowd, a box of loose parts.
+// What moves the avatars of a run: a steered crowd, a recording, a box of loose parts.
 // One rule: a world moves all of its avatars at each call, once a frame, and knows nothing of
 // culling or of who listens. What not every world has to say is empty unless it says so.
 #pragma once
@@ -34,6 +34,9 @@ class World {
   virtual void place(BodyStates& bodies) = 0;
   /// The groups of the run, and which of them each avatar is in.
   virtual void describe(RunInfo& info) const = 0;
+
+  /// Once, before the first update(): what depends on how the placed bodies walk.
+  virtual void prepare(const Posing&, const BodyStates&) {}
 
   /// Moves everybody on by the scene's step. Allocates nothing.
   virtual void step() = 0;

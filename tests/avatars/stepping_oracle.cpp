@@ -98,7 +98,7 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
   const Vector2d way = moved(m);
   const double turn = turn_of(m);
   const double speed = std::max(way.x(), 0.0) / m.step_s;
-  const double stride_m = std::max(after.stride_m, 0.03 * leg_m_) * m.scale;
+  const double stride_m = std::max(after.stride_m, 0.03 * leg_m_) * m.scale * m.stretch;
   double finishing = 0, behind_m = 0, turn_need = 0, way_need = 0;
   for (size_t side = 0; side < 2; ++side) {
     const OracleFoot& foot = s.feet[side];

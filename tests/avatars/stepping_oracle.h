@@ -21,6 +21,7 @@ struct OracleMotion {
   double scale = 1;
   double step_s = 1.0 / 60;
   bool is_present = true;
+  double stretch = 1;
 };
 
 /// From where the gait has the foot, in the root frame at scale 1.

@@ -58,13 +58,15 @@ OracleMotion motion_of(const WalkChunk& chunk, size_t i) {
           static_cast<double>(chunk.ahead_mps[i]),
           static_cast<double>(chunk.scales[i]),
           static_cast<double>(chunk.step_s),
-          chunk.present[i] != 0};
+          chunk.present[i] != 0,
+          static_cast<double>(chunk.stretch[i])};
 }
 
 /// People who walk, turn, step aside, stop, jump and are away for a while, each in an own way.
 class Walkers {
  public:
-  explicit Walkers(uint64_t seed, const Gait& gait) : seed_(seed) {
+  Walkers(uint64_t seed, const Gait& gait, bool stretches = false)
+      : seed_(seed), stretches_(stretches) {
     chunk_.count = kPeople;
     chunk_.step_s = seed % 2 == 0 ? 1.0f / 60 : 1.0f / 30;
     chunk_.postures = postures_.data();
@@ -86,6 +88,8 @@ class Walkers {
       const float turn = draw(i, stage, 6, 0, 1) < 0.3f ? 0 : draw(i, stage, 2, -1.5, 1.5);
       const float jump = draw(i, frame, 7, 0, 1) < 0.002f ? 100.0f : 1.0f;
       chunk_.present[i] = draw(i, stage, 3, 0, 1) < 0.95f;
+      chunk_.stretch[i] =
+          stretches_ && draw(i, stage, 10, 0, 1) < 0.5f ? draw(i, stage, 11, 0.7, 1.5) : 1.0f;
       chunk_.ahead_mps[i] = ahead;
       chunk_.w_before[i] = chunk_.w_after[i];
       chunk_.z_before[i] = chunk_.z_after[i];
@@ -112,6 +116,7 @@ class Walkers {
   }
 
   uint64_t seed_;
+  bool stretches_;
   WalkChunk chunk_{};
   std::array<WalkPosture, kPeople> postures_;
 };
@@ -152,7 +157,7 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
   Worst shift, turn, lift, phase, speed;
   int taken_back = 0, turning_points = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    Walkers walkers(seed, walking().gait);
+    Walkers walkers(seed, walking().gait, true);
     const WalkChunk& chunk = walkers.chunk();
     for (uint64_t frame = 0; frame < kFrames; ++frame) {
       std::array<OracleState, kPeople> before;

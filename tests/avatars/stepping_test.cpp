@@ -32,7 +32,8 @@ class Path {
   explicit Path(float start_mps = 0, float step_s = 1.0f / 60) {
     chunk_.count = 1;
     chunk_.step_s = step_s;
-    chunk_.scales[0] = chunk_.present[0] = chunk_.w_before[0] = chunk_.w_after[0] = 1;
+    chunk_.scales[0] = chunk_.present[0] = chunk_.stretch[0] = chunk_.w_before[0] =
+        chunk_.w_after[0] = 1;
     chunk_.gait_mps[0] = kNotComeIn;
     chunk_.ahead_mps[0] = start_mps;
     walk();
@@ -311,6 +312,7 @@ TEST(Stepping, EveryTargetGivesTheSameBits) {
             chunk.gaits[i] = i % 3 == 0 ? &walking.gait : &other;
           }
           chunk.present[i] = draw(7, 0, 1) < 0.95f;
+          chunk.stretch[i] = draw(10, 0.6, 1.7);
           chunk.ahead_mps[i] = draw(0, -0.5, 2.5);
           chunk.w_before[i] = chunk.w_after[i];
           chunk.z_before[i] = chunk.z_after[i];

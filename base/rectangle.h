@@ -1,0 +1,22 @@
+// An area of the ground with edges along x and y.
+// One rule: metres; min below max.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace throng {
+
+struct Rectangle {
+  Eigen::Vector2d min_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d max_m = Eigen::Vector2d::Zero();
+
+  Eigen::Vector2d size_m() const { return max_m - min_m; }
+  Eigen::Vector2d middle_m() const { return 0.5 * (min_m + max_m); }
+  double area_m2() const { return size_m().prod(); }
+  bool contains(const Eigen::Vector2d& point) const {
+    return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
+  }
+  bool operator==(const Rectangle&) const = default;
+};
+
+}  // namespace throng

@@ -1,0 +1,166 @@
+#include "scenes/dressing/recorded_world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "base/elementary.h"
+#include "scenes/run/posing.h"
+#include "scenes/run/sink.h"
+#include "scenes/run/walk.h"
+
+namespace throng {
+namespace {
+
+/// How far a stride may be from what the gait has at a speed: a head that sways sooner or later
+/// than that sways for another reason.
+constexpr float kShortest = 0.6f;
+constexpr float kLongest = 1.7f;
+
+/// How much longer strides have to be for the phase to get to where it is seen, having gone on by
+/// `nominal` otherwise.
+float stretch_to(float seen_phase, float phase, float nominal) {
+  if (std::isnan(seen_phase) || !(nominal > 0)) return 1;
+  const float wanted = std::remainder(seen_phase - phase, 1.0f);
+  return wanted > 0 ? std::clamp(nominal / wanted, kShortest, kLongest) : kLongest;
+}
+
+/// As tall as recorded, or drawn like anybody of the group.
+double height_of(const RecordedPerson& person, const Group& group, const AgeGroup& age,
+                 uint64_t seed, uint64_t id) {
+  if (group.height_m) return draw(*group.height_m, seed, id, Purpose::kHeight);
+  if (person.height_m && has_people(group)) return *person.height_m;
+  return draw(age.height_m, seed, id, Purpose::kHeight);
+}
+
+}  // namespace
+
+RecordedWorld::RecordedWorld(const Scene& scene, SimdTarget simd, Workers& workers)
+    : scene_(scene),
+      workers_(workers),
+      simd_(resolved(simd)),
+      kinds_(kinds_of(scene)),
+      type_(kinds_.of_group.back()),
+      rise_m_(static_cast<double>(kinds_.models[type_]->root_above_ground_m())),
+      present_(recording().people().size(), 0) {
+  note_oddities();
+}
+
+void RecordedWorld::note_oddities() {
+  for (const Oddity& odd : recording().facts().odd)
+    notes_.push_back(fmt::format(
+        "{}: {}, {} {}", scene_.recorded->options.file.filename().string(), odd.what, odd.count,
+        odd.count == 1 ? "time: " + odd.first : "times, the first: " + odd.first));
+}
+
+void RecordedWorld::place(BodyStates& bodies) {
+  const Group& group = scene_.groups.back();
+  const auto own_m = static_cast<double>(group.body->height_m);
+  for (uint64_t id = 0; id < recording().people().size(); ++id) {
+    const AgeGroup& age = age_group(draw_age(group.ages, scene_.seed, id));
+    const double height_m = height_of(recording().people()[id], group, age, scene_.seed, id);
+    bodies.types.push_back(type_);
+    bodies.scales.push_back(static_cast<float>(height_m / own_m));
+    bodies.phases.push_back(
+        static_cast<float>(random_uniform({scene_.seed, id, 0, Purpose::kGaitPhase})));
+    bodies.styles.push_back(draw_style(group.styles.value_or(age.styles), scene_.seed, id));
+  }
+  blocks_ = blocks_of(bodies.types);
+}
+
+void RecordedWorld::describe(RunInfo& info) const {
+  for (const Group& group : scene_.groups) {
+    info.groups.push_back(group.name);
+    info.drive_channels.emplace_back();
+  }
+  info.group_of_avatar.assign(recording().people().size(),
+                              static_cast<uint16_t>(scene_.groups.size() - 1));
+}
+
+const HeadPlace& RecordedWorld::head_of(const BodyStates& bodies, uint32_t id) const {
+  return heads_[static_cast<size_t>(bodies.styles[id])];
+}
+
+void RecordedWorld::prepare(const Posing& posing, const BodyStates& bodies) {
+  heads_.resize(kGaitStyleCount);
+  std::array<bool, kGaitStyleCount> is_there{};
+  for (uint32_t id = 0; id < bodies.styles.size() && tracks_heads(); ++id) {
+    bool& is_made = is_there[static_cast<size_t>(bodies.styles[id])];
+    if (is_made) continue;
+    heads_[static_cast<size_t>(bodies.styles[id])] =
+        HeadPlace(posing.model(type_), posing.gait_of(id));
+    is_made = true;
+  }
+  const auto dress = [&](size_t person) {
+    thread_local std::vector<Sample> samples;
+    recording().read(person, samples);
+    const auto id = static_cast<uint32_t>(person);
+    return dressed(samples, {recording().facts().tracks, &posing.gait_of(id), &head_of(bodies, id),
+                             bodies.scales[id]});
+  };
+  tracks_ = std::make_unique<Tracks>(recording().people().size(), dress, workers_);
+}
+
+void RecordedWorld::archive(Archive& a) {
+  a(frame_);
+  // Whether people came in a frame ago decides how they walk on.
+  a(present_);
+}
+
+void RecordedWorld::update(const Posing& posing, BodyStates& bodies, std::span<float> speeds_mps) {
+  const double now_s = static_cast<double>(frame_) * scene_.step_s;
+  workers_.for_blocks(static_cast<int>(blocks_.size()), [&](int index, int) {
+    const BodyBlock& block = blocks_[static_cast<size_t>(index)];
+    std::array<WalkNow, WalkChunk::kRoom> walk;
+    const uint32_t end = block.first + block.count;
+    for (uint32_t first = block.first; first < end; first += WalkChunk::kRoom) {
+      const size_t count = std::min<size_t>(WalkChunk::kRoom, end - first);
+      for (size_t i = 0; i < count; ++i) {
+        const uint32_t id = first + static_cast<uint32_t>(i);
+        walk[i] = walk_to(tracks_->at(id, now_s), id, posing, bodies, speeds_mps[id]);
+        if (!scene_.planted_feet && walk[i].is_present)
+          glide_on(posing, speeds_mps[id],
+                   (bodies.roots[id].position_m - walk[i].before.position_m).norm(), id, bodies);
+      }
+      if (scene_.planted_feet)
+        walk_on(posing, {walk.data(), count}, scene_.step_s, first, simd_, bodies);
+    }
+  });
+}
+
+WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& posing,
+                               BodyStates& bodies, float& speed_mps) {
+  RootPose& root = bodies.roots[id];
+  const bool was_present = present_[id] != 0;
+  present_[id] = now.is_present ? 1 : 0;
+  if (!now.is_present) {
+    bodies.gait_mps[id] = kNotComeIn;
+    return {.before = root, .is_present = false};
+  }
+  float& phase = bodies.phases[id];
+  if (!was_present && !std::isnan(now.phase)) phase = now.phase;
+  const float scale = bodies.scales[id];
+  const float gait_mps = was_present ? bodies.gait_mps[id] : std::max(now.ahead_mps, 0.0f);
+  const float nominal = std::max(now.ahead_mps, 0.0f) * static_cast<float>(scene_.step_s) /
+                        posing.gait_of(id).stride_length_m(gait_mps, scale);
+  const float stretch = was_present ? stretch_to(now.phase, phase, nominal) : 1;
+  const SinCos turn = sin_cos(static_cast<double>(now.heading_rad));
+  Eigen::Vector2d at = now.position_m;
+  if (tracks_heads()) {
+    const float next = was_present ? phase + nominal / stretch : phase;
+    const Eigen::Vector2d head =
+        head_of(bodies, id).offset_m(next - std::floor(next), gait_mps, scale).cast<double>();
+    at.x() -= turn.cos * head.x() - turn.sin * head.y();
+    at.y() -= turn.sin * head.x() + turn.cos * head.y();
+  }
+  const RootPose before = root;
+  root.position_m = {at.x(), at.y(), static_cast<double>(scale) * rise_m_};
+  root.world_from_root = turned_to({turn.cos, turn.sin});
+  speed_mps = std::abs(now.ahead_mps);
+  return {was_present ? before : root, now.ahead_mps, true, stretch};
+}
+
+}  // namespace throng
