@@ -22,8 +22,8 @@ struct BodyStates {
   std::vector<RootPose> roots;
   std::vector<float> scales;
   // Avatars only.
-  /// The posture row of an avatar that something outside moves, null for others; empty if there are
-  /// none.
+  /// The posture row of an avatar that something outside moves or that a recording holds, null for
+  /// others; empty if there are none.
   std::vector<const float*> held_rows;
   std::vector<GaitStyle> styles;     ///< empty: everybody walks plainly
   std::span<const float> looks_rad;  ///< how far heads are turned; empty: they are not

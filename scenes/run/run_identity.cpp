@@ -14,10 +14,12 @@ uint64_t random_instance() {
 
 }  // namespace
 
-void identify_run(const Scene& scene, const SimulationOptions& options, RunInfo& info) {
+void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t world_hash,
+                  RunInfo& info) {
   // Threads, SIMD, pair search and outputs stay out: they change no frame.
   Hasher name;
   name.add("throng run 1").add(scene.content_hash);
+  if (world_hash != 0) name.add("world").add(world_hash);
   const CullerOptions& culler = options.culler;
   if (culler.deadline_ms) name.add("deadline, ms").add(*culler.deadline_ms);
   if (culler.deadline_tests) name.add("deadline, tests").add(*culler.deadline_tests);

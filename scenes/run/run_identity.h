@@ -6,7 +6,9 @@
 
 namespace throng {
 
-/// Fills in the run id, the instance, and what the options say.
-void identify_run(const Scene& scene, const SimulationOptions& options, RunInfo& info);
+/// Fills in the run id, the instance, and what the options say. `world_hash`:
+/// World::content_hash().
+void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t world_hash,
+                  RunInfo& info);
 
 }  // namespace throng

@@ -17,7 +17,6 @@
 #include "scenes/run/posing.h"
 #include "scenes/run/run_identity.h"
 #include "scenes/run/walk.h"
-#include "scenes/run/world.h"
 
 namespace throng {
 namespace {
@@ -49,7 +48,7 @@ BodyStates bodies_of(World& world, const Scene& scene, DrivenAvatars& driven) {
   if (scene.planted_feet) bodies.resize_steps(avatars);
   world.add_driven(driven);
   if (!driven.empty()) {
-    bodies.held_rows.assign(avatars, nullptr);
+    bodies.held_rows.resize(avatars, nullptr);
     driven.hold(bodies.held_rows);
   }
   bodies.roots.resize(avatars);
@@ -77,6 +76,11 @@ std::vector<ModelUse> uses_of(size_t models, const Scene& scene, const BodyState
   for (size_t i = 0; i < bodies.held_rows.size(); ++i)
     if (bodies.held_rows[i] != nullptr) uses[bodies.types[i]].postures = PostureKind::kHeld;
   return uses;
+}
+
+RootSphere held_sphere(const World& world, size_t model) {
+  const std::optional<RootSphere> known = world.held_sphere(model);
+  return known ? *known : driven_sphere(*world.models()[model]);
 }
 
 }  // namespace
@@ -120,7 +124,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
     : scene(with_bodies(std::move(scene_in))),
       options(with_scene(options_in, scene)),
       workers(options.threads),
-      world(make_world(scene, options.culler.simd, workers)),
+      world((options.world ? options.world : make_world)(scene, options.culler.simd, workers)),
       models(world->models()),
       bodies(bodies_of(*world, scene, driven)),
       avatars(bodies.phases.size()),
@@ -139,7 +143,7 @@ std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
   std::vector<std::shared_ptr<const BodyType>> all;
   for (size_t i = 0; i < models.size(); ++i)
     all.push_back(body_type(*models[i], uses[i].postures == PostureKind::kHeld
-                                            ? driven_sphere(*models[i])
+                                            ? held_sphere(*world, i)
                                             : posing.sphere(i)));
   for (const Obstacle& obstacle : scene.obstacles) all.push_back(obstacle_type(obstacle));
   return all;
@@ -167,7 +171,7 @@ void Simulation::State::archive(Archive& a) {
 void Simulation::State::describe_run() {
   const auto count = static_cast<ptrdiff_t>(avatars);
   info.scene = &scene;
-  identify_run(scene, options, info);
+  identify_run(scene, options, world->content_hash(), info);
   info.step_s = scene.step_s;
   info.models = models;
   info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + count);

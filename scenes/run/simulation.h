@@ -13,6 +13,7 @@
 #include "scenes/file/scene.h"
 #include "scenes/run/drive.h"
 #include "scenes/run/sink.h"
+#include "scenes/run/world.h"
 
 namespace throng {
 
@@ -29,6 +30,9 @@ struct SimulationOptions {
   bool postures = true;
   /// Off, people walk and nobody is culled: no pairs, no events, and a hash of 0.
   bool culling = true;
+  /// What moves the avatars; empty: what the scene asks for, see make_world(). The scene of another
+  /// world need not have groups.
+  WorldFactory world{};
 };
 
 class Simulation {

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "base/files/archive.h"
 #include "base/simd.h"
 #include "base/workers.h"
+#include "culling/body_type.h"
 #include "scenes/crowd/crowd_counters.h"
 #include "scenes/file/scene.h"
 
@@ -30,8 +33,12 @@ class World {
   /// Which models its avatars have.
   virtual const std::vector<std::shared_ptr<const Model>>& models() const = 0;
   /// Appends, one an avatar, what it is from the start: its type (an index into models()), scale,
-  /// phase; style and look where avatars have them.
+  /// phase; style and look where avatars have them. Where it knows postures itself, held_rows, one
+  /// an avatar, null for those who walk by their gait: all of a model or none.
   virtual void place(BodyStates& bodies) = 0;
+  /// Around every posture that it holds avatars of this model in; none: around every posture at
+  /// all.
+  virtual std::optional<RootSphere> held_sphere(size_t /*model*/) const { return {}; }
   /// The groups of the run, and which of them each avatar is in.
   virtual void describe(RunInfo& info) const = 0;
 
@@ -41,10 +48,14 @@ class World {
   /// Moves everybody on by the scene's step. Allocates nothing.
   virtual void step() = 0;
   /// Writes where everybody is: the first of `bodies.roots`, phases and feet as `posing` has its
-  /// avatars walk there, and speeds, one an avatar. Once a frame, frame 0 included.
+  /// avatars walk there, held rows where they are elsewhere, and speeds, one an avatar. Once a
+  /// frame, frame 0 included.
   virtual void update(const Posing& posing, BodyStates& bodies, std::span<float> speeds_mps) = 0;
   /// Everything that the next step depends on and that the constructor does not know.
   virtual void archive(Archive& a) = 0;
+  /// Of all that shapes its frames and that the scene does not say; 0: nothing does. Part of the
+  /// run id.
+  virtual uint64_t content_hash() const { return 0; }
 
   /// One an avatar, 0 where it is not in the scene at this time; always empty if everybody is there
   /// all the time.
@@ -66,6 +77,11 @@ class World {
   /// The people who cannot reach a goal, as of now.
   virtual std::vector<Stranding> strandings() const { return {}; }
 };
+
+/// Makes what moves the avatars of a scene; the world may keep references to scene and workers.
+/// Throws InputError.
+using WorldFactory =
+    std::function<std::unique_ptr<World>(const Scene& scene, SimdTarget simd, Workers& workers)>;
 
 /// The world of a scene whose models are loaded. Keeps references to `scene` and `workers`. Throws
 /// InputError.
