@@ -25,13 +25,15 @@ enum class TrackedPoint : uint8_t {
 
 /// What a file does not say, and which part of it is asked for.
 struct RecordingOptions {
-  std::filesystem::path file;
-  std::optional<double> fps;           ///< recorded frames a second
-  std::optional<double> unit_m;        ///< metres a unit of length of the file: 0.01 for cm
-  std::string columns;                 ///< "id=pedID,t=time,x=posX,y=posY"; empty: by their names
-  char separator = 0;                  ///< of columns; 0: as the first line shows
-  std::optional<TrackedPoint> tracks;  ///< none: by the kind of file
-  double from_s = 0;                   ///< after the first frame of the file
+  std::filesystem::path file{};
+  /// Frames a second as the file numbers them: 25 where every tenth of 25 a second is recorded.
+  std::optional<double> fps{};
+  std::optional<double> unit_m{};        ///< metres a unit of length of the file: 0.01 for cm
+  std::string columns{};                 ///< "id=pedID,t=time,x=posX,y=posY"; empty: by their names
+  char separator = 0;                    ///< of columns; 0: as the first line shows
+  std::optional<TrackedPoint> tracks{};  ///< none: by the kind of file
+  double from_s = 0;  ///< after the first frame of the file; 0 s is then the first
+                      ///< frame of the part
   double until_s = std::numeric_limits<double>::infinity();
   bool strict = false;  ///< what is odd is bad input
 };
@@ -63,12 +65,13 @@ struct Oddity {
 struct RecordingFacts {
   std::string kind;  ///< "archive text", "JuPedSim SQLite", ...
   TrackedPoint tracks = TrackedPoint::kCentre;
-  double fps = 0;  ///< of the recorded frames; 0: events at any time (footsteps)
-  int64_t first_frame = 0;
-  int64_t frames = 0;     ///< instants from the first to the last, both included; 0 if fps is
-  double duration_s = 0;  ///< from the first sample to the last
-  int64_t samples = 0;    ///< of all people
-  Rectangle bounds;       ///< of all positions, shifted
+  double fps = 0;           ///< of the recorded frames; 0: events at any time (footsteps)
+  int64_t first_frame = 0;  ///< as the file numbers them; 0 where it has times
+  int64_t frame_step = 1;   ///< from one recorded frame to the next, as the file numbers them
+  int64_t frames = 0;       ///< instants from the first to the last, both included; 0 if fps is
+  double duration_s = 0;    ///< from the first sample to the last
+  int64_t samples = 0;      ///< of all people
+  Rectangle bounds;         ///< of all positions, shifted
   Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();  ///< whole km taken off the file's coordinates
   bool has_headings = false;
   std::string wkt;  ///< the walkable area as the file has it (its units, not shifted); empty: none
@@ -76,14 +79,14 @@ struct RecordingFacts {
   std::vector<Oddity> odd;
 };
 
-class SampleStore;
+class RecordedSamples;
 
 /// A recording that was read: facts and people in memory, samples in a temporary file without a
 /// name, so that memory grows with the people alone. Immutable; from several threads at once.
 class Recording {
  public:
   Recording(RecordingFacts facts, std::vector<RecordedPerson> people,
-            std::unique_ptr<const SampleStore> samples, uint64_t content_hash);
+            std::unique_ptr<const RecordedSamples> samples, uint64_t content_hash);
   ~Recording();
 
   const RecordingFacts& facts() const { return facts_; }
@@ -98,7 +101,7 @@ class Recording {
  private:
   RecordingFacts facts_;
   std::vector<RecordedPerson> people_;
-  std::unique_ptr<const SampleStore> samples_;
+  std::unique_ptr<const RecordedSamples> samples_;
   uint64_t content_hash_;
 };
 

@@ -1,0 +1,64 @@
+// The list of readers, and how one is chosen.
+#include <fmt/format.h>
+
+#include <array>
+
+#include "base/errors.h"
+#include "base/text.h"
+#include "scenes/recorded/readers/recording_reader.h"
+
+namespace throng {
+
+std::span<const RecordingReader* const> recording_readers() {
+  static const std::array<const RecordingReader*, 1> readers = {&archive_text_reader()};
+  return readers;
+}
+
+void ask_for(const RecordingBuilder& builder, bool rate, bool unit, std::string_view found) {
+  const char* const what =
+      rate && unit ? "its frames a second and its unit of length, as in --fps 16 --unit cm"
+      : rate       ? "its frames a second, as in --fps 25"
+                   : "its unit of length, as in --unit cm";
+  throw InputError(builder.options().file.string(), what, found);
+}
+
+namespace {
+
+std::string first_line(std::string_view head) {
+  while (!head.empty() && (head[0] == '\n' || head[0] == '\r')) head.remove_prefix(1);
+  return in_quotes(head.substr(0, head.find_first_of("\r\n")));
+}
+
+const RecordingReader* reader_of(const RecordingSource& source) {
+  for (const RecordingReader* reader : recording_readers())
+    if (reader->knows(source.head())) return reader;
+  return nullptr;
+}
+
+}  // namespace
+
+std::shared_ptr<const Recording> read_recording(const RecordingOptions& options) {
+  const RecordingSource source(options.file);
+  const RecordingReader* const reader = reader_of(source);
+  if (reader == nullptr)
+    throw InputError(
+        options.file.string(),
+        "a recording: archive text, SQLite or HDF5, or a table whose columns have names that are "
+        "known or given (--columns id=pedID,t=time,x=posX,y=posY)",
+        source.head().empty() ? "an empty file" : first_line(source.head()));
+  RecordingBuilder builder(options);
+  reader->read(source, builder);
+  return builder.finish();
+}
+
+bool is_recording(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return false;
+  try {
+    return reader_of(RecordingSource(file)) != nullptr;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace throng

@@ -1,0 +1,128 @@
+#include "scenes/recorded/readers/text_lines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "base/errors.h"
+#include "base/text.h"
+
+namespace throng {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+/// Doubles count so far.
+constexpr double kMostWhole = 9e15;
+
+}  // namespace
+
+void LineCutter::refuse_long() const {
+  throw InputError(fmt::format("{}:{}", file_.string(), number_ + 1),
+                   fmt::format("lines of at most {} KiB", kLongest >> 10), "a longer one");
+}
+
+void LineCutter::give(std::string_view line) {
+  if (line.size() > kLongest) refuse_long();
+  ++number_;
+  if (number_ == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  taker_.take(line, number_);
+}
+
+void LineCutter::push(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const void* const end = std::memchr(bytes.data(), '\n', bytes.size());
+    if (end == nullptr) {
+      if (torn_.size() + bytes.size() > kLongest) refuse_long();
+      torn_ += bytes;
+      return;
+    }
+    const auto length = static_cast<size_t>(static_cast<const char*>(end) - bytes.data());
+    if (torn_.empty()) {
+      give(bytes.substr(0, length));
+    } else {
+      torn_ += bytes.substr(0, length);
+      give(torn_);
+      torn_.clear();
+    }
+    bytes.remove_prefix(length + 1);
+  }
+}
+
+void LineCutter::end() {
+  if (!torn_.empty()) give(torn_);
+  torn_.clear();
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && (is_blank(text.back()) || text.back() == '\r')) text.remove_suffix(1);
+  return text;
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return out;
+}
+
+bool parse_number(std::string_view text, double& out) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, out);
+  return error == std::errc() && stop == end && !text.empty();
+}
+
+bool parse_whole(std::string_view text, int64_t& out) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, out);
+  if (error == std::errc() && stop == end && !text.empty()) return true;
+  double value = 0;
+  if (!parse_number(text, value) || !(std::abs(value) <= kMostWhole)) return false;
+  out = static_cast<int64_t>(value);
+  return static_cast<double>(out) == value;
+}
+
+std::string defect_of_whole(std::string_view text) {
+  double value = 0;
+  if (!text.empty() && parse_number(text, value) && std::abs(value) > kMostWhole)
+    return in_quotes(text) + ", which is beyond what is counted in";
+  return text.empty() ? "nothing" : in_quotes(text);
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> out;
+  for (size_t at = 0; at < line.size();) {
+    if (is_blank(line[at])) {
+      ++at;
+      continue;
+    }
+    const size_t begin = at;
+    while (at < line.size() && !is_blank(line[at])) ++at;
+    out.push_back(line.substr(begin, at - begin));
+  }
+  return out;
+}
+
+double LengthUnit::nearest_whole(double value) {
+  const double whole = std::round(value);
+  return std::abs(whole - value) < 1e-9 * value ? whole : 0;
+}
+
+double unit_of_length_m(std::string_view name) {
+  const std::string unit = lower(name);
+  if (unit == "m" || unit == "metre" || unit == "meter" || unit == "metres" || unit == "meters")
+    return 1;
+  if (unit == "cm") return 0.01;
+  if (unit == "mm") return 0.001;
+  if (unit == "ft") return 0.3048;
+  if (unit == "in") return 0.0254;
+  return 0;
+}
+
+}  // namespace throng

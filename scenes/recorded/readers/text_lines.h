@@ -1,0 +1,74 @@
+// Lines and numbers of recordings that are text.
+// One rule: bytes come in pieces and lines are looked at where they lie; nothing of a file is ever
+// in memory but the piece at hand and a line that is cut in two.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace throng {
+
+/// What lines are given to.
+class LineTaker {
+ public:
+  virtual ~LineTaker() = default;
+  /// Without its end; `number` from 1.
+  virtual void take(std::string_view line, int64_t number) = 0;
+};
+
+/// Cuts bytes into lines: "\n" or "\r\n", the last one with or without. Leaves out a byte order
+/// mark. Throws InputError for a line longer than any table has.
+class LineCutter {
+ public:
+  static constexpr size_t kLongest = 64 << 10;
+
+  LineCutter(const std::filesystem::path& file, LineTaker& taker) : file_(file), taker_(taker) {}
+  void push(std::string_view bytes);
+  void end();
+  int64_t lines() const { return number_; }
+
+ private:
+  void give(std::string_view line);
+  [[noreturn]] void refuse_long() const;
+
+  const std::filesystem::path& file_;
+  LineTaker& taker_;
+  std::string torn_;  ///< the beginning of a line whose end has not come
+  int64_t number_ = 0;
+};
+
+inline bool is_blank(char c) { return c == ' ' || c == '\t'; }
+std::string_view trimmed(std::string_view text);
+std::string lower(std::string_view text);
+
+/// True if the text as a whole is a number; infinity and NaN are.
+bool parse_number(std::string_view text, double& out);
+/// True if it is a whole number, also as "12.0" and "1.2e+01", that a double holds.
+bool parse_whole(std::string_view text, int64_t& out);
+/// Why a text is no whole number: the text, or that it is beyond what is counted in.
+std::string defect_of_whole(std::string_view text);
+
+/// Words between blanks.
+std::vector<std::string_view> words_of(std::string_view line);
+
+/// A length in a table in metres: divided where its unit is a part of a metre, so that 79.035 cm
+/// are what 0.79035 m are, to the last digit.
+class LengthUnit {
+ public:
+  explicit LengthUnit(double unit_m = 1)
+      : factor_(unit_m), divisor_(unit_m < 1 ? nearest_whole(1 / unit_m) : 0) {}
+  double metres(double value) const { return divisor_ > 0 ? value / divisor_ : value * factor_; }
+
+ private:
+  static double nearest_whole(double value);
+  double factor_, divisor_;
+};
+
+/// "m", "cm", "mm", "ft", "in" in metres; 0 for what is no unit of length.
+double unit_of_length_m(std::string_view name);
+
+}  // namespace throng

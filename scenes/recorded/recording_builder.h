@@ -1,0 +1,96 @@
+// What every reader of recordings feeds: samples in any order in, a checked recording out.
+// One rule: readers say what a file says; what follows from it (rate, people, heights, shift, what
+// is odd, what is refused) is worked out here, the same for all kinds.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "scenes/recorded/recorded_samples.h"
+#include "scenes/recorded/recording.h"
+#include "scenes/recorded/sample_store.h"
+#include "scenes/recorded/walkable_wkt.h"
+
+namespace throng {
+
+/// What the instants of a file are.
+enum class RecordedClock : uint8_t {
+  kFrames,  ///< numbers of frames, so many a second
+  kSteps,   ///< numbers of frames of which only the smallest step is known in seconds
+  kTimes,   ///< seconds, on a regular grid if there is one within rounding
+  kEvents,  ///< seconds at any time: footsteps
+};
+
+/// What a reader knows of a file besides samples.
+struct RecordingHead {
+  std::string kind;
+  TrackedPoint tracks = TrackedPoint::kCentre;  ///< if options do not say
+  RecordedClock clock = RecordedClock::kFrames;
+  double per_s = 0;       ///< kFrames: frames a second as numbered; kSteps: smallest steps a second
+  double rounding_s = 0;  ///< kTimes: half of the last digit printed
+  std::string wkt;
+  double wkt_unit_m = 1;
+  std::string_view place = "line";  ///< what samples are counted by in errors: line, row
+};
+
+class RecordingBuilder {
+ public:
+  explicit RecordingBuilder(const RecordingOptions& options);
+  ~RecordingBuilder();
+
+  const RecordingOptions& options() const { return options_; }
+  RecordingHead& head() { return head_; }
+
+  /// Positions in metres, not shifted. `place`: the line of the file, from 1. Throws InputError
+  /// where a number is beyond what can be.
+  void add(int64_t id, const StoredSample& sample, int64_t place);
+  /// Something odd that only a reader can see.
+  void note(std::string what, int64_t count, std::string first);
+
+  /// Throws InputError if there is nobody, or, with options.strict, anything odd.
+  std::shared_ptr<const Recording> finish();
+
+  /// "FILE:LINE", or "FILE: row ROW".
+  std::string where(int64_t place) const;
+  [[noreturn]] void refuse(int64_t place, std::string_view expected, std::string_view found) const;
+
+ private:
+  struct Extreme {
+    double value = 0;
+    int64_t place = 0;
+  };
+
+  bool has_frames() const {
+    return head_.clock == RecordedClock::kFrames || head_.clock == RecordedClock::kSteps;
+  }
+  size_t person_of(int64_t id, int64_t place);
+  void widen(const StoredSample& sample, int64_t place);
+  Eigen::Vector2d shift() const;
+  void check_extent() const;
+  SampleMapping mapping(RecordingFacts& facts);
+  double first_instant_from(double instant) const;
+  RecordingFacts what_is_said() const;
+  std::optional<WalkableArea> area(const RecordingFacts& facts) const;
+  void be_strict(const std::vector<Oddity>& odd) const;
+
+  RecordingOptions options_;
+  RecordingHead head_;
+  std::unique_ptr<SampleStore> store_;
+  std::vector<int64_t> ids_;  ///< of people, as they are numbered in the store
+  std::vector<uint32_t> small_ids_;
+  std::unordered_map<int64_t, uint32_t> large_ids_;
+  int64_t last_id_ = -1;
+  size_t last_person_ = 0;
+  Extreme least_[2], most_[2];  ///< of x and y
+  double first_instant_ = 0, last_instant_ = 0;
+  int64_t step_ = 0;  ///< the greatest that all differences of frames are multiples of
+  bool has_headings_ = false;
+  std::vector<Oddity> odd_;
+};
+
+}  // namespace throng
