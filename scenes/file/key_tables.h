@@ -15,6 +15,8 @@ const KeyTable<Goal>& goal_keys();
 const KeyTable<Source>& source_keys();
 const KeyTable<Obstacle>& obstacle_keys();
 const KeyTable<PartsBox>& box_keys();
+/// Of scene.recorded and of the last group.
+const KeyTable<Scene>& recording_keys();
 
 /// A list of maps.
 template <typename T>

@@ -16,6 +16,7 @@
 #include "scenes/file/people.h"
 #include "scenes/file/steering_rule.h"
 #include "scenes/recorded/recording.h"
+#include "scenes/recorded/walkable_wkt.h"
 
 namespace throng {
 
@@ -122,6 +123,7 @@ struct Scene {
   Rectangle ground;
   std::vector<Group> groups;
   std::vector<Obstacle> obstacles;
+  std::vector<AreaPolygon> area;  ///< where people may be, of a recording; empty: on the ground
   std::optional<RecordedPeople> recorded;
   std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
   SteeringRule steering;

@@ -4,6 +4,7 @@
 #include "base/limits.h"
 #include "base/text.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
 
@@ -16,15 +17,20 @@ constexpr Range kDurationRange{0, 1e7, true};
 /// The narrowest ground: two of the smallest radii.
 constexpr double kMinGround_m = 2 * kMinRadius_m;
 
-const std::vector<std::string> kKinds = {"crowd", "box"};
+const std::vector<std::string> kKinds = {"crowd", "box", "recorded"};
 
-bool is_box(const Fields& fields) { return fields.word("kind", kKinds).value_or(0) == 1; }
+bool is_kind(const Fields& fields, const std::string& kind) {
+  return kKinds[fields.word("kind", kKinds).value_or(0)] == kind;
+}
+bool is_box(const Fields& fields) { return is_kind(fields, "box"); }
+bool is_recorded(const Fields& fields) { return is_kind(fields, "recorded"); }
 
-/// A box has no ground, a crowd no box: the keys of the other kind are none.
+/// A box has no ground, a crowd no box: the keys of other kinds are none.
 void read_kind(Reading&, Fields& fields, Scene&) {
-  const std::vector<std::string> of_crowds = {"ground", "groups", "obstacles"};
-  const std::vector<std::string> of_boxes = {"box"};
-  expect_keys_without(is_box(fields) ? of_crowds : of_boxes, scene_keys(), fields);
+  std::vector<std::string> absent = {"box", "recording"};
+  if (is_box(fields)) absent = {"ground", "groups", "obstacles", "recording"};
+  if (is_recorded(fields)) absent = {"box", "step_s", "duration_s", "groups", "steering"};
+  expect_keys_without(absent, scene_keys(), fields);
 }
 
 /// A map of its own whose values are the scene's.
@@ -35,8 +41,22 @@ void read_part(const KeyTable<Scene>& table, Reading& reading, const Fields& fie
   read_keys(table, reading, inner, scene);
 }
 
-void read_ground(Reading&, Fields& fields, Scene& scene) {
+/// Before all that has to lie on the ground, which may follow from it.
+void read_recorded(Reading& reading, const Fields& fields, Scene& scene) {
+  const YamlNode& node = fields.require("recording");
+  scene.recorded.emplace();
+  scene.groups.push_back(recorded_group());
+  Fields inner(fields.file(), node, recording_keys().title);
+  read_keys(recording_keys(), reading, inner, scene);
+  take_recording(scene, fields.find("ground") != nullptr, inner.where());
+  reading.people += scene.groups.back().recorded;
+  for (const Obstacle& wall : scene.obstacles) reading.obstacle_names.insert(wall.name);
+}
+
+void read_ground(Reading& reading, Fields& fields, Scene& scene) {
   if (is_box(fields)) return;
+  if (is_recorded(fields)) read_recorded(reading, fields, scene);
+  if (is_recorded(fields) && fields.find("ground") == nullptr) return;
   const YamlNode& node = fields.require("ground");
   scene.ground = read_rectangle(fields.file(), node, "ground");
   if (!(scene.ground.size_m().minCoeff() >= kMinGround_m))
@@ -57,7 +77,7 @@ void expect_at_most(int64_t most, const std::string& key, const Fields& fields) 
 }
 
 void read_groups(Reading& reading, Fields& fields, Scene& scene) {
-  if (is_box(fields)) return;
+  if (is_box(fields) || is_recorded(fields)) return;
   expect_at_most(kMaxGroups, "groups", fields);
   read_items(group_keys(), "groups", true, reading, fields, scene.groups);
 }
@@ -159,9 +179,12 @@ std::vector<Key<Scene>> rows_of_scenes() {
       number("duration_s", "how long a run is, unless `--seconds` says otherwise",
              &Scene::duration_s, kDurationRange)
           .without_hash(),
-      own_key<Scene>("kind",
-                     "`crowd`, or `box`: then `box` below stands for ground, groups and obstacles",
-                     "`crowd`", {.kind = Rule::Kind::kWord, .words = kKinds})
+      own_key<Scene>(
+          "kind",
+          "`crowd`; `box`: then `box` below stands for ground, groups and obstacles; "
+          "`recorded`: then `recording` stands for groups, and the ground follows from it "
+          "unless it is given",
+          "`crowd`", {.kind = Rule::Kind::kWord, .words = kKinds})
           .reading(read_kind),
       part_key("how contacts are found: `part_volume` and `exact`, see below", culling_keys()),
       flag("planted_feet",
@@ -195,6 +218,18 @@ std::vector<Key<Scene>> rows_of_scenes() {
           })};
 }
 
+std::vector<Key<Scene>> later_rows_of_scenes() {
+  Key<Scene> recording =
+      own_key<Scene>("recording", "the people of `kind: recorded`, see [A recording](#a-recording)",
+                     "required of a recorded scene", map_rule("recording"))
+          .hashing([](Hasher& hash, const Scene& scene) {
+            hash.add(scene.recorded->recording->content_hash());
+            add_value(hash, scene.recorded->recorded_frames);
+          });
+  recording.is_default = [](const Scene& scene) { return !scene.recorded; };
+  return {recording};
+}
+
 }  // namespace
 
 const KeyTable<Scene>& scene_keys() {
@@ -204,7 +239,8 @@ const KeyTable<Scene>& scene_keys() {
                    "A scene of Throng: a ground, people who walk to goals, and what stands in "
                    "their way"},
       .title = "a scene",
-      .keys = rows_of_scenes()};
+      .keys = rows_of_scenes(),
+      .later = later_rows_of_scenes()};
   return table;
 }
 
@@ -219,6 +255,7 @@ std::vector<MapText> scene_maps() {
           text_of(source_keys()),
           text_of(obstacle_keys()),
           text_of(box_keys()),
+          text_of(recording_keys()),
           area_text(),
           distribution_text()};
 }

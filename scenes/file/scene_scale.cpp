@@ -126,6 +126,9 @@ double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
     throw InputError("avatars", fmt::format("1 to {} people in scene '{}'", most, scene.name),
                      fmt::format("{}", total));
   if (scene.box) return scale_box(scene, total, notes);
+  if (scene.recorded)
+    throw InputError("--avatars", "a scene whose people can be scaled",
+                     fmt::format("'{}', whose people were recorded", scene.name));
   const std::vector<int*> numbers = counts_of(scene);
   std::vector<int64_t> counts;
   for (const int* number : numbers) counts.push_back(*number);

@@ -43,6 +43,20 @@ std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
   return corners;
 }
 
+/// All of it, or what a recording says of it.
+bp::polygon_set_data<int> ground_of(const Scene& scene) {
+  bp::polygon_set_data<int> ground, holes;
+  const Eigen::Vector2d &low = scene.ground.min_m, &high = scene.ground.max_m;
+  if (scene.area.empty())
+    ground.insert(polygon_of({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
+  for (const AreaPolygon& polygon : scene.area) {
+    ground.insert(polygon_of(polygon.outline));
+    for (const AreaPolygon::Ring& hole : polygon.holes) holes.insert(polygon_of(hole));
+  }
+  using namespace bp::operators;
+  return scene.area.empty() ? ground : bp::polygon_set_data<int>(ground - holes);
+}
+
 template <typename Ring>
 std::vector<Eigen::Vector2d> ring_of(const Ring& ring, bool counter_clockwise) {
   std::vector<Eigen::Vector2d> corners;
@@ -83,10 +97,7 @@ std::string text_of(const WalkablePolygon& polygon) {
 }  // namespace
 
 std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
-  const Eigen::Vector2d low = scene.ground.min_m;
-  const Eigen::Vector2d high = scene.ground.max_m;
-  bp::polygon_set_data<int> ground;
-  ground.insert(polygon_of({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
+  bp::polygon_set_data<int> ground = ground_of(scene);
   bp::polygon_set_data<int> solid;
   for (const Obstacle& obstacle : scene.obstacles)
     if (blocks_people(obstacle)) solid.insert(polygon_of(inflated(footprint_of(obstacle))));

@@ -1,0 +1,149 @@
+#include "scenes/file/recorded_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "avatars/mesh/primitives.h"
+#include "base/elementary.h"
+#include "base/errors.h"
+#include "base/text.h"
+#include "scenes/file/scene_keys.h"
+#include "scenes/file/scene_limits.h"
+
+namespace throng {
+namespace {
+
+/// Steps between recorded frames are at most so long.
+constexpr double kLongestStep_s = 1.0 / 60;
+/// Bodies reach beyond recorded positions.
+constexpr double kMargin_m = 1;
+// Of the walls around a walkable area: as high as a room, outside of it.
+constexpr double kWallHeight_m = 2.5;
+constexpr double kWallThickness_m = 0.05;
+constexpr double kShortestWall_m = 1e-3;
+
+double step_of(const RecordingFacts& facts, const RecordedPeople& people,
+               const std::string& where) {
+  if (facts.fps == 0) {
+    if (people.recorded_frames)
+      throw InputError(where, "a recording with frames for steps of its own",
+                       "footsteps, which begin and end at any time");
+    return kLongestStep_s;
+  }
+  if (people.recorded_frames) return 1 / facts.fps;
+  const double steps = std::ceil(1 / (facts.fps * kLongestStep_s) - 1e-9);
+  return 1 / (facts.fps * std::max(1.0, steps));
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+double doubled_area(const AreaPolygon::Ring& ring) {
+  double sum = 0;
+  for (size_t i = 0; i < ring.size(); ++i) sum += cross(ring[i], ring[(i + 1) % ring.size()]);
+  return sum;
+}
+
+/// A box along each edge, on the side that `walkable_left` is not on.
+void add_walls(AreaPolygon::Ring ring, bool walkable_inside, std::vector<Obstacle>& walls) {
+  // The walkable area is to the left of each edge.
+  if ((doubled_area(ring) > 0) != walkable_inside) std::reverse(ring.begin(), ring.end());
+  std::vector<Eigen::Vector2d> corners;
+  for (const Eigen::Vector2d& corner : ring)
+    if (corners.empty() || (corner - corners.back()).norm() >= kShortestWall_m)
+      corners.push_back(corner);
+  const size_t count = corners.size();
+  for (size_t i = 0; i < count && count > 1; ++i) {
+    const Eigen::Vector2d &before = corners[(i + count - 1) % count], &from = corners[i],
+                          &to = corners[(i + 1) % count], &after = corners[(i + 2) % count];
+    const Eigen::Vector2d along = (to - from).normalized(), out(along.y(), -along.x());
+    // Where the area bends outwards, walls meet in a corner; elsewhere they would stand in the way.
+    const double early_m = cross(from - before, to - from) > 0 ? kWallThickness_m : 0;
+    const double late_m = cross(to - from, after - to) > 0 ? kWallThickness_m : 0;
+    const Eigen::Vector2d middle =
+        0.5 * (from - early_m * along + to + late_m * along) + 0.5 * kWallThickness_m * out;
+    Obstacle wall;
+    wall.name = fmt::format("wall {}", walls.size() + 1);
+    wall.centre_m = {middle.x(), middle.y(), 0.5 * kWallHeight_m};
+    wall.heading_rad = arc_tan2(along.y(), along.x());
+    wall.size_m = {(to - from).norm() + early_m + late_m, kWallThickness_m, kWallHeight_m};
+    wall.mesh = box_mesh(wall.size_m);
+    walls.push_back(std::move(wall));
+  }
+}
+
+/// As the file has it, in the metres of the scene.
+std::vector<AreaPolygon> area_of(const RecordingFacts& facts, const std::string& where) {
+  if (facts.wkt.empty()) return {};
+  std::vector<AreaPolygon> area = parse_area(facts.wkt, where);
+  const auto place = [&](AreaPolygon::Ring& ring) {
+    for (Eigen::Vector2d& corner : ring) corner = facts.wkt_unit_m * corner - facts.shift_m;
+  };
+  for (AreaPolygon& polygon : area) {
+    place(polygon.outline);
+    for (AreaPolygon::Ring& hole : polygon.holes) place(hole);
+  }
+  return area;
+}
+
+Rectangle ground_of(const RecordingFacts& facts, const std::vector<AreaPolygon>& area) {
+  Rectangle ground = facts.bounds;
+  for (const AreaPolygon& polygon : area)
+    for (const Eigen::Vector2d& corner : polygon.outline) {
+      ground.min_m = ground.min_m.cwiseMin(corner);
+      ground.max_m = ground.max_m.cwiseMax(corner);
+    }
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMargin_m);
+  return {ground.min_m - margin, ground.max_m + margin};
+}
+
+void add_geometry(Scene& scene, const std::string& where) {
+  for (const AreaPolygon& polygon : scene.area) {
+    add_walls(polygon.outline, true, scene.obstacles);
+    for (const AreaPolygon::Ring& hole : polygon.holes) add_walls(hole, false, scene.obstacles);
+  }
+  if (static_cast<int64_t>(scene.obstacles.size()) > kMaxObstacles)
+    throw InputError(where,
+                     fmt::format("at most {} walls and obstacles; geometry: false leaves "
+                                 "the file's walls out",
+                                 kMaxObstacles),
+                     fmt::format("{}", scene.obstacles.size()));
+}
+
+}  // namespace
+
+Group recorded_group() {
+  Group group;
+  group.name = "recorded";
+  group.model = adult_urdf();
+  return group;
+}
+
+void take_recording(Scene& scene, bool has_ground, const std::string& where) {
+  RecordedPeople& people = *scene.recorded;
+  people.recording = read_recording(people.options);
+  const RecordingFacts& facts = people.recording->facts();
+  scene.step_s = step_of(facts, people, where);
+  scene.duration_s = std::max(facts.duration_s, 1e-6);
+  if (people.geometry) scene.area = area_of(facts, people.options.file.string());
+  if (!has_ground) scene.ground = ground_of(facts, scene.area);
+  add_geometry(scene, where);
+  scene.groups.back().recorded = static_cast<int64_t>(people.recording->people().size());
+}
+
+Scene recorded_scene(const RecordingOptions& options) {
+  Scene scene;
+  scene.file = options.file;
+  scene.name = name_after(options.file.stem().string());
+  scene.recorded.emplace().options = options;
+  scene.groups.push_back(recorded_group());
+  take_recording(scene, false, options.file.string());
+  scene.description = scene.recorded->recording->facts().kind;
+  scene.content_hash = content_hash_of(scene);
+  return scene;
+}
+
+}  // namespace throng

@@ -1,0 +1,142 @@
+// The recording of a scene.
+#include "base/errors.h"
+#include "scenes/file/key_tables.h"
+#include "scenes/file/recorded_scene.h"
+#include "scenes/file/scene_limits.h"
+#include "scenes/file/scene_values.h"
+
+namespace throng {
+namespace {
+
+constexpr Range kRateRange{1e-3, 1e4};
+constexpr Range kUnitRange{1e-4, 1e3};
+
+/// An option that the file may say itself.
+Key<Scene> option(const std::string& name, std::string meaning, std::string fallback,
+                  const Range& range, std::optional<double> RecordingOptions::*member) {
+  return own_key<Scene>(name, std::move(meaning), std::move(fallback),
+                        {.kind = Rule::Kind::kNumber, .range = range})
+      .reading([name, range, member](Reading&, Fields& fields, Scene& scene) {
+        if (fields.find(name) != nullptr)
+          scene.recorded->options.*member = fields.number(name, range);
+      });
+}
+
+Key<Scene> time(const std::string& name, std::string meaning, std::string fallback,
+                double RecordingOptions::*member) {
+  return own_key<Scene>(name, std::move(meaning), std::move(fallback),
+                        {.kind = Rule::Kind::kNumber, .range = kTimeRange})
+      .reading([name, member](Reading&, Fields& fields, Scene& scene) {
+        double& value = scene.recorded->options.*member;
+        value = fields.number_or(name, kTimeRange, value);
+      });
+}
+
+void read_model(Reading& reading, Fields& fields, Scene& scene) {
+  Group& group = scene.groups.back();
+  group.model = read_model_file(reading, fields);
+  std::shared_ptr<const Model>& body = reading.bodies[group.model.string()];
+  if (body == nullptr) body = load_model(group.model);
+  group.body = body;
+}
+
+void read_tracks(Reading&, Fields& fields, Scene& scene) {
+  if (const auto found = fields.word("tracks", {"centre", "head"}))
+    scene.recorded->options.tracks = *found == 0 ? TrackedPoint::kCentre : TrackedPoint::kHead;
+}
+
+void read_separator(Reading&, Fields& fields, Scene& scene) {
+  const YamlNode* node = fields.find("separator");
+  if (node == nullptr) return;
+  const std::string text = fields.text("separator");
+  if (text != "tab" && text.size() != 1)
+    throw InputError(fields.where(*node), "one character, or tab, for 'separator'",
+                     fmt::format("'{}'", text));
+  scene.recorded->options.separator = text == "tab" ? '\t' : text.front();
+}
+
+std::vector<Key<Scene>> rows() {
+  return {
+      own_key<Scene>("file",
+                     "the recording, relative to the scene file; its kind is known by what it "
+                     "holds, see [recordings.md](recordings.md)",
+                     "", {})
+          .required()
+          .reading([](Reading& reading, Fields& fields, Scene& scene) {
+            scene.recorded->options.file =
+                existing_file(reading, fields, fields.require("file"), "a recording");
+          }),
+      own_key<Scene>("name", "what the recorded people are called", "`recorded`", {})
+          .reading([](Reading& reading, Fields& fields, Scene& scene) {
+            Group& group = scene.groups.back();
+            group.name = fields.name_or("name", group.name);
+            require_new(fields, group.name, reading.group_names);
+          }),
+      option("fps", "recorded frames a second", "what the file says, else required", kRateRange,
+             &RecordingOptions::fps),
+      option("unit_m", "metres a unit of length: 0.01 for cm", "what the file or its kind says",
+             kUnitRange, &RecordingOptions::unit_m),
+      own_key<Scene>("columns", "of a table: `id=pedID,t=time,x=posX,y=posY`", "by their names", {})
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            if (fields.find("columns") != nullptr)
+              scene.recorded->options.columns = fields.text("columns");
+          }),
+      own_key<Scene>("separator", "of columns: one character, or `tab`", "as the first line shows",
+                     {})
+          .reading(read_separator),
+      own_key<Scene>("tracks",
+                     "what positions are those of: `head`, below which the body hangs, or `centre`",
+                     "by kind of file", {.kind = Rule::Kind::kWord, .words = {"centre", "head"}})
+          .reading(read_tracks),
+      time("from_s", "the part of the time that is run begins so long after the first frame", "0",
+           &RecordingOptions::from_s),
+      time("until_s", "and ends so long after it", "the end", &RecordingOptions::until_s),
+      own_key<Scene>("strict", "what is odd (jumps, holes, ...) is an error", "false",
+                     {.kind = Rule::Kind::kFlag})
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            scene.recorded->options.strict = fields.boolean_or("strict", false);
+          }),
+      own_key<Scene>("step",
+                     "`smooth`: every recorded frame, and equal steps of at most 1/60 s between; "
+                     "`recorded`: the recorded frames alone",
+                     "`smooth`", {.kind = Rule::Kind::kWord, .words = {"smooth", "recorded"}})
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            scene.recorded->recorded_frames =
+                fields.word("step", {"smooth", "recorded"}).value_or(0) == 1;
+          }),
+      own_key<Scene>("geometry", "the walkable area of the file, where it has one, becomes walls",
+                     "true", {.kind = Rule::Kind::kFlag})
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            scene.recorded->geometry = fields.boolean_or("geometry", true);
+          }),
+      own_key<Scene>("model", "the bodies, as of a group", "`adult`", {}).reading(read_model),
+      own_key<Scene>("height_m", "as of a group; says more than heights of the file",
+                     "as recorded, else by age", map_rule("distribution"))
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            if (const YamlNode* node = fields.find("height_m"))
+              scene.groups.back().height_m =
+                  read_distribution(fields.file(), *node, "height_m",
+                                    age_group(Age::kAdult).height_m, {kMinPerson_m, kMaxPerson_m});
+          }),
+      own_key<Scene>("ages", "as of a group", "`adults`", map_rule("ages"))
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            scene.groups.back().ages = read_ages(fields);
+          }),
+      own_key<Scene>("styles", "as of a group", "by age", map_rule("styles"))
+          .reading([](Reading&, Fields& fields, Scene& scene) {
+            if (const YamlNode* node = fields.find("styles"))
+              scene.groups.back().styles = read_styles(fields, *node);
+          })};
+}
+
+}  // namespace
+
+const KeyTable<Scene>& recording_keys() {
+  static const KeyTable<Scene> table = {
+      .text = {.name = "recording", .meaning = "People who walk as they were recorded"},
+      .title = "a recording",
+      .keys = rows()};
+  return table;
+}
+
+}  // namespace throng
