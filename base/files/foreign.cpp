@@ -114,17 +114,24 @@ enum class Outcome { kAnswered, kEnded, kTooSlow, kTooMuchMemory, kTooMuchResult
 /// What the child says, until it has said all, ended, or gone too far.
 class Listener {
  public:
-  Listener(const Pipe& pipe, const Child& child, const Budget& budget)
-      : pipe_(pipe), child_(child), budget_(budget), resident_(resident_of(::getpid())) {
+  using Take = std::function<void(std::span<const uint8_t>)>;
+
+  /// `take`: for pieces; null if there must be none.
+  Listener(const Pipe& pipe, const Child& child, const Budget& budget, const Take* take)
+      : pipe_(pipe),
+        child_(child),
+        budget_(budget),
+        take_(take),
+        resident_(resident_of(::getpid())) {
     ::fcntl(pipe.read_end(), F_SETFL, O_NONBLOCK);
   }
 
   Outcome listen() {
-    const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                             std::chrono::duration<double>(budget_.wall_s));
+    deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                   std::chrono::duration<double>(budget_.wall_s));
     while (true) {
       const auto left =
-          std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+          std::chrono::ceil<std::chrono::milliseconds>(deadline_ - Clock::now()).count();
       if (left <= 0) return Outcome::kTooSlow;
       pollfd watched[2] = {{pipe_.read_end(), POLLIN, 0}, {child_.ended(), POLLIN, 0}};
       // A wait of a minute at most: the sum of milliseconds fits, and nothing hangs on it.
@@ -170,11 +177,12 @@ class Listener {
       if (count < 0 && error == EINTR) continue;
       if (count < 0 && error == EAGAIN) return std::nullopt;
       if (count <= 0) return Outcome::kEnded;
+      if (const std::optional<Outcome> outcome = take_pieces()) return outcome;
       if (said_.size() < sizeof(Answer)) continue;
       const Answer head = this->head();
-      if (head.magic != Answer::kMagic) return Outcome::kEnded;
-      const uint64_t most =
-          head.kind == Answer::Kind::kBytes ? budget_.result_bytes : 2 * foreign::kMostTextBytes;
+      if (head.kind == Answer::Kind::kPiece) continue;  // the rest of it is on its way
+      const uint64_t most = head.kind == Answer::Kind::kBytes ? budget_.result_bytes - taken_bytes_
+                                                              : 2 * foreign::kMostTextBytes;
       if (head.size > most) return Outcome::kTooMuchResult;
       said_.reserve(sizeof(Answer) + static_cast<size_t>(std::min(head.size, kMostReserved)));
       if (said_.size() - sizeof(Answer) >= head.size) {
@@ -184,10 +192,35 @@ class Listener {
     }
   }
 
+  /// Passes on the pieces that are whole; afterwards what was said begins with the head of another
+  /// answer, or with as much of one as there is.
+  std::optional<Outcome> take_pieces() {
+    size_t at = 0;
+    while (said_.size() - at >= sizeof(Answer)) {
+      Answer head;
+      std::memcpy(&head, said_.data() + at, sizeof head);
+      if (head.magic != Answer::kMagic) return Outcome::kEnded;
+      if (head.kind != Answer::Kind::kPiece) break;
+      if (take_ == nullptr || head.size > kMostPieceBytes) return Outcome::kEnded;
+      if (head.size > budget_.result_bytes - taken_bytes_) return Outcome::kTooMuchResult;
+      if (said_.size() - at - sizeof head < head.size) break;
+      const Clock::time_point before = Clock::now();
+      (*take_)(std::span(said_).subspan(at + sizeof head, static_cast<size_t>(head.size)));
+      deadline_ += Clock::now() - before;
+      taken_bytes_ += head.size;
+      at += sizeof head + static_cast<size_t>(head.size);
+    }
+    said_.erase(said_.begin(), said_.begin() + static_cast<ptrdiff_t>(at));
+    return std::nullopt;
+  }
+
   const Pipe& pipe_;
   const Child& child_;
   const Budget budget_;
+  const Take* take_;
   const uint64_t resident_;
+  Clock::time_point deadline_;
+  uint64_t taken_bytes_ = 0;
   std::vector<uint8_t> said_;
 };
 
@@ -218,12 +251,10 @@ std::string what_happened(Outcome outcome, int status, const std::string& librar
   return fmt::format("one on which {} ends the process that reads it", library);
 }
 
-}  // namespace
-
-std::vector<uint8_t> parse_apart(
-    const std::filesystem::path& path, const ForeignParser& parser, const ForeignLimits& limits,
-    const std::function<std::vector<uint8_t>(const RegularFile&)>& parse) {
-  const RegularFile file(path, parser.expected, limits.max_file_bytes);
+std::vector<uint8_t> run_apart(const RegularFile& file, const ForeignParser& parser,
+                               const ForeignLimits& limits, const foreign::Parse& parse,
+                               const Listener::Take* take) {
+  const std::filesystem::path& path = file.path();
   const Budget budget = budget_for(file.size(), limits);
   Pipe pipe(path);
   const pid_t parent = ::getpid();
@@ -232,7 +263,7 @@ std::vector<uint8_t> parse_apart(
   if (id == 0) foreign::answer(file, pipe.write_end(), parent, budget, parse);
   Child child(id);
   pipe.close_write_end();
-  Listener listener(pipe, child, budget);
+  Listener listener(pipe, child, budget, take);
   const Outcome outcome = listener.listen();
   const int status = child.end();
   const auto refusal = [&](const std::string& found) {
@@ -254,6 +285,35 @@ std::vector<uint8_t> parse_apart(
                             what_happened(is_too_large ? Outcome::kTooMuchMemory : outcome, status,
                                           parser.library, budget),
                             parser.way_out));
+}
+
+}  // namespace
+
+std::vector<uint8_t> parse_apart(
+    const std::filesystem::path& path, const ForeignParser& parser, const ForeignLimits& limits,
+    const std::function<std::vector<uint8_t>(const RegularFile&)>& parse) {
+  const RegularFile file(path, parser.expected, limits.max_file_bytes);
+  return run_apart(
+      file, parser, limits,
+      [&](const RegularFile& opened, const SendPiece&) { return parse(opened); }, nullptr);
+}
+
+void parse_apart_in_pieces(const RegularFile& file, const ForeignParser& parser,
+                           const ForeignLimits& limits,
+                           const std::function<void(const RegularFile&, const SendPiece&)>& parse,
+                           const std::function<void(std::span<const uint8_t>)>& take) {
+  if (file.size() > limits.max_file_bytes)
+    throw InputError(
+        file.path().string(),
+        fmt::format("{} of at most {} MiB", parser.expected, limits.max_file_bytes >> 20),
+        fmt::format("{} MiB", file.size() >> 20));
+  run_apart(
+      file, parser, limits,
+      [&](const RegularFile& opened, const SendPiece& send) {
+        parse(opened, send);
+        return std::vector<uint8_t>();
+      },
+      &take);
 }
 
 }  // namespace throng

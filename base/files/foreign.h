@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -66,5 +67,17 @@ struct Refusal : std::runtime_error {
 std::vector<uint8_t> parse_apart(
     const std::filesystem::path& file, const ForeignParser& parser, const ForeignLimits& limits,
     const std::function<std::vector<uint8_t>(const RegularFile&)>& parse);
+
+/// In the child: sends on a part of what it makes. At most kMostPieceBytes at a time.
+using SendPiece = std::function<void(std::span<const uint8_t>)>;
+inline constexpr size_t kMostPieceBytes = 1 << 20;
+
+/// The same for what is too large for memory: `take` is called in the parent with each piece that
+/// `parse` sends, in their order. What it throws ends the child and is passed on; the time that it
+/// takes is not the child's. All pieces together are within limits.max_result_bytes.
+void parse_apart_in_pieces(const RegularFile& file, const ForeignParser& parser,
+                           const ForeignLimits& limits,
+                           const std::function<void(const RegularFile&, const SendPiece&)>& parse,
+                           const std::function<void(std::span<const uint8_t>)>& take);
 
 }  // namespace throng

@@ -96,8 +96,8 @@ void send(int pipe, Answer::Kind kind, std::string_view expected, std::string_vi
   send(pipe, std::as_bytes(std::span(found)));
 }
 
-void send(int pipe, std::span<const uint8_t> bytes) {
-  const Answer head{.kind = Answer::Kind::kBytes, .size = bytes.size()};
+void send(int pipe, Answer::Kind kind, std::span<const uint8_t> bytes) {
+  const Answer head{.kind = kind, .size = bytes.size()};
   send(pipe, std::as_bytes(std::span(&head, 1)));
   send(pipe, std::as_bytes(bytes));
 }
@@ -120,7 +120,7 @@ uint64_t memory_of(pid_t process, Memory kind) {
 }
 
 void answer(const RegularFile& file, int pipe, pid_t parent, const Budget& budget,
-            const std::function<std::vector<uint8_t>(const RegularFile&)>& parse) {
+            const Parse& parse) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);  // it died before it could take us along
   reset_signals();
@@ -131,7 +131,14 @@ void answer(const RegularFile& file, int pipe, pid_t parent, const Budget& budge
   // not even if the library ends the process.
   std::atexit([] { ::_exit(1); });
   try {
-    send(pipe, std::span<const uint8_t>(parse(file)));
+    const SendPiece send_piece = [&](std::span<const uint8_t> piece) {
+      while (!piece.empty()) {
+        const size_t size = std::min(piece.size(), kMostPieceBytes);
+        send(pipe, Answer::Kind::kPiece, piece.first(size));
+        piece = piece.subspan(size);
+      }
+    };
+    send(pipe, Answer::Kind::kBytes, parse(file, send_piece));
   } catch (const Refusal& refusal) {
     send(pipe, Answer::Kind::kRefused, refusal.expected, refusal.found);
   } catch (const std::bad_alloc&) {

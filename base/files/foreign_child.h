@@ -26,9 +26,10 @@ inline constexpr bool kHasShadowMemory = false;
 inline constexpr bool kHasShadowMemory = false;
 #endif
 
-/// How an answer begins; `size` bytes follow, for kRefused `expected` and then `found`.
+/// How an answer begins; `size` bytes follow, for kRefused `expected` and then `found`. Any number
+/// of pieces may come before it.
 struct Answer {
-  enum class Kind : uint32_t { kBytes = 1, kRefused, kThrew, kOutOfMemory };
+  enum class Kind : uint32_t { kBytes = 1, kRefused, kThrew, kOutOfMemory, kPiece };
   static constexpr uint32_t kMagic = 0x54485241;
   uint32_t magic = kMagic;
   Kind kind = Kind::kBytes;
@@ -46,9 +47,12 @@ struct Budget {
   uint64_t result_bytes = 0;
 };
 
+/// What it returns is sent, too.
+using Parse = std::function<std::vector<uint8_t>(const RegularFile&, const SendPiece&)>;
+
 /// Runs the parser in the process that was just forked.
 [[noreturn]] void answer(const RegularFile& file, int pipe, pid_t parent, const Budget& budget,
-                         const std::function<std::vector<uint8_t>(const RegularFile&)>& parse);
+                         const Parse& parse);
 
 /// The bytes that a process has mapped, or holds in memory; 0 where /proc does not tell.
 enum class Memory { kMapped, kResident };

@@ -94,6 +94,83 @@ TEST_F(Apart, TheParsersBytesComeBack) {
   EXPECT_EQ(parse_apart(file(), kParser, {}, [&](const RegularFile&) { return large; }), large);
 }
 
+TEST_F(Apart, PiecesComeInTheirOrder) {
+  const RegularFile foo(file(), "a foo", 1 << 20);
+  Bytes made(5'000'003);
+  std::iota(made.begin(), made.end(), uint8_t{0});
+  Bytes taken;
+  const auto take = [&](std::span<const uint8_t> piece) {
+    EXPECT_LE(piece.size(), kMostPieceBytes);
+    taken.insert(taken.end(), piece.begin(), piece.end());
+  };
+  parse_apart_in_pieces(
+      foo, kParser, {},
+      [&](const RegularFile&, const SendPiece& send) {
+        const std::span<const uint8_t> all(made);
+        for (size_t at = 0, size = 1; at < all.size(); at += size, size = size * 3 + 1)
+          send(all.subspan(at, std::min(size, all.size() - at)));
+      },
+      take);
+  EXPECT_EQ(taken, made);
+}
+
+TEST_F(Apart, WhatGoesWrongAfterSomePiecesIsAnError) {
+  const RegularFile foo(file(), "a foo", 1 << 20);
+  size_t taken = 0;
+  const auto count = [&](std::span<const uint8_t> piece) { taken += piece.size(); };
+  const auto complaint_of = [&](const ForeignLimits& limits, const auto& parse, const auto& take) {
+    try {
+      parse_apart_in_pieces(foo, kParser, limits, parse, take);
+      return std::string("accepted");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+  };
+  const Bytes piece(100'000);
+  EXPECT_THAT(complaint_of(
+                  {},
+                  [&](const RegularFile&, const SendPiece& send) {
+                    send(piece);
+                    throw Refusal("two feet", "three");
+                  },
+                  count),
+              EndsWith("expected two feet, found three"));
+  EXPECT_EQ(taken, piece.size());
+  EXPECT_THAT(complaint_of(
+                  {},
+                  [&](const RegularFile&, const SendPiece& send) {
+                    send(piece);
+                    std::abort();
+                  },
+                  count),
+              HasSubstr("crashes libfoo (SIGABRT)"));
+  const auto without_end = [&](const RegularFile&, const SendPiece& send) {
+    while (for_ever) send(piece);
+  };
+  EXPECT_THAT(complaint_of({.max_result_bytes = 10 << 20}, without_end, count),
+              HasSubstr("makes more than 10 MiB"));
+  EXPECT_THAT(complaint_of({}, without_end,
+                           [](std::span<const uint8_t>) {
+                             throw InputError("a.foo:7", "a number", "none");
+                           }),
+              EndsWith("a.foo:7: expected a number, found none"));
+}
+
+TEST_F(Apart, TimeToTakePiecesIsNotTheChilds) {
+  const RegularFile foo(file(), "a foo", 1 << 20);
+  int taken = 0;
+  parse_apart_in_pieces(
+      foo, kParser, {.wall_s = 0.3},
+      [](const RegularFile&, const SendPiece& send) {
+        for (int i = 0; i < 8; ++i) send(Bytes(10));
+      },
+      [&](std::span<const uint8_t>) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(60));
+        ++taken;
+      });
+  EXPECT_EQ(taken, 8);
+}
+
 TEST_F(Apart, AParserThatThrowsIsQuoted) {
   EXPECT_THAT(complaint([](const RegularFile&) -> Bytes { throw Refusal("two\nfeet", "three"); }),
               EndsWith("a.foo: expected two feet, found three"));
