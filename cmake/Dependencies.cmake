@@ -16,6 +16,7 @@ if(THRONG_SCENES)
   pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET GLOBAL assimp)
   find_package(yaml-cpp REQUIRED)
   find_package(SQLite3 REQUIRED)  # trajectories
+  find_package(ZLIB REQUIRED)     # recordings that are packed
   find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
   # Navigation meshes. Debian's package has neither a CMake nor a pkg-config file.
   find_path(RECAST_INCLUDE_DIR Recast.h PATH_SUFFIXES recastnavigation REQUIRED)
@@ -34,7 +35,6 @@ endif()
 if(THRONG_VIEWER)
   find_package(nlohmann_json REQUIRED)
   find_package(PNG REQUIRED)
-  find_package(ZLIB REQUIRED)
   pkg_check_modules(GLIB REQUIRED IMPORTED_TARGET GLOBAL glib-2.0)
   pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET GLOBAL libwebp libwebpmux)
   find_program(NODE node REQUIRED)

@@ -131,6 +131,13 @@ double RecordingBuilder::first_instant_from(double instant) const {
   return first;
 }
 
+double RecordingBuilder::given_rate(const PrintedTimes& times) const {
+  if (lie_on(*store_, times, *options_.fps)) return *options_.fps;
+  throw InputError(options_.file.string(),
+                   fmt::format("times of {:g} frames a second, because of --fps", *options_.fps),
+                   "others; without --fps the file's own are taken");
+}
+
 SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
   SampleMapping out;
   const auto step = static_cast<double>(std::max<int64_t>(step_, 1));
@@ -145,7 +152,7 @@ SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
       break;
     case RecordedClock::kTimes: {
       const PrintedTimes times{first_instant_, head_.rounding_s};
-      facts.fps = regular_rate(*store_, times).value_or(0);
+      facts.fps = options_.fps ? given_rate(times) : regular_rate(*store_, times).value_or(0);
       out.grid_per_s = facts.fps;
       break;
     }

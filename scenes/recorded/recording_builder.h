@@ -14,6 +14,7 @@
 #include "scenes/recorded/recorded_samples.h"
 #include "scenes/recorded/recording.h"
 #include "scenes/recorded/sample_store.h"
+#include "scenes/recorded/time_grid.h"
 #include "scenes/recorded/walkable_wkt.h"
 
 namespace throng {
@@ -72,6 +73,7 @@ class RecordingBuilder {
   void widen(const StoredSample& sample, int64_t place);
   Eigen::Vector2d shift() const;
   void check_extent() const;
+  double given_rate(const PrintedTimes& times) const;
   SampleMapping mapping(RecordingFacts& facts);
   double first_instant_from(double instant) const;
   RecordingFacts what_is_said() const;

@@ -18,7 +18,7 @@ struct Spans {
   size_t longest = 0;                                            ///< whose track is
 };
 
-Spans spans_of(const SampleStore& store, const PrintedTimes& times) {
+Spans spans_of(const SampleStore& store) {
   Spans out;
   double longest_s = -1;
   std::vector<StoredSample> samples;
@@ -32,8 +32,7 @@ Spans spans_of(const SampleStore& store, const PrintedTimes& times) {
     }
     for (size_t i = 1; i < samples.size(); ++i) {
       const double gap_s = samples[i].instant - samples[i - 1].instant;
-      if (gap_s > std::max(times.rounding_s, 1e-6))
-        out.least_gap_s = std::min(out.least_gap_s, gap_s);
+      if (gap_s > 1e-6) out.least_gap_s = std::min(out.least_gap_s, gap_s);
     }
   }
   return out;
@@ -53,6 +52,17 @@ double refined(const std::vector<StoredSample>& track, double per_s) {
   return per_s;
 }
 
+/// Steps of one and of two last digits in turn: those of a rate that is as fine as the digits.
+bool is_cut_short(const std::vector<StoredSample>& track, double digit_s) {
+  size_t single = 0, twofold = 0;
+  for (size_t i = 1; i < track.size(); ++i) {
+    const double digits = (track[i].instant - track[i - 1].instant) / digit_s;
+    single += digits > 0.5 && digits < 1.5 ? 1 : 0;
+    twofold += digits > 1.5 && digits < 2.5 ? 1 : 0;
+  }
+  return single > 0 && single + twofold + 1 == track.size() && 10 * twofold > track.size();
+}
+
 /// A whole number of frames a second, or of milliseconds a frame, where it could be one.
 double rounded(double per_s, double allowed) {
   const auto near = [&](double nice) { return std::abs(nice - per_s) <= allowed; };
@@ -68,26 +78,41 @@ bool lie_on(const SampleStore& store, const PrintedTimes& times, double per_s) {
   std::vector<StoredSample> samples;
   for (size_t person = 0; person < store.people(); ++person) {
     store.read(person, samples);
+    double last_frame = -1;
+    double last_s = -std::numeric_limits<double>::infinity();
     for (const StoredSample& sample : samples) {
       const double since_s = sample.instant - times.first_s;
-      const double off_s = std::abs(since_s - std::round(since_s * per_s) / per_s);
-      if (off_s > allowed_s(times, per_s, sample.instant)) return false;
+      const double frame = std::round(since_s * per_s);
+      if (std::abs(since_s - frame / per_s) > allowed_s(times, per_s, sample.instant)) return false;
+      // Two instants are two frames, or the rate is too low.
+      if (sample.instant > last_s && frame <= last_frame) return false;
+      last_frame = frame;
+      last_s = sample.instant;
     }
   }
   return true;
 }
 
 std::optional<double> regular_rate(const SampleStore& store, const PrintedTimes& times) {
-  const Spans spans = spans_of(store, times);
-  // Where rounding is as large as the steps, every time lies on every grid.
-  if (!std::isfinite(spans.least_gap_s) || spans.least_gap_s < 4 * times.rounding_s)
-    return std::nullopt;
+  const Spans spans = spans_of(store);
+  if (!std::isfinite(spans.least_gap_s)) return std::nullopt;
   std::vector<StoredSample> track;
   store.read(spans.longest, track);
-  const double guess = refined(track, 1 / spans.least_gap_s);
   const double span_s = track.back().instant - track.front().instant;
-  const double rate = rounded(guess, guess * (2 * times.rounding_s / span_s + 1e-6));
-  if (lie_on(store, times, rate)) return rate;
+  const auto rate_from = [&](double guess, double rounding_s) {
+    return rounded(guess, guess * (2 * rounding_s / span_s + 1e-6));
+  };
+  // Where a step is hardly more than the last digit, only its mean tells.
+  if (is_cut_short(track, 2 * times.rounding_s)) {
+    const double mean = static_cast<double>(track.size() - 1) / span_s;
+    if (const double rate = rate_from(mean, times.rounding_s); lie_on(store, times, rate))
+      return rate;
+  }
+  // Most are exact; those of 60 a second are not, with as few digits as there are.
+  const double guess = refined(track, 1 / spans.least_gap_s);
+  if (const double rate = rate_from(guess, 0); lie_on(store, {times.first_s, 0}, rate)) return rate;
+  if (const double rate = rate_from(guess, times.rounding_s); lie_on(store, times, rate))
+    return rate;
   return std::nullopt;
 }
 

@@ -55,7 +55,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"CLI", {"apps"}},
     {"nlohmann", {"apps", "bench", "paper", "viewer"}},
     {"glib.h", {"viewer"}},
-    {"zlib.h", {"viewer"}},
+    {"zlib.h", {"scenes", "viewer"}},
 };
 
 std::string first_part(const std::string& path) { return path.substr(0, path.find('/')); }

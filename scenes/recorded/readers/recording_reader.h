@@ -27,6 +27,8 @@ class RecordingSource {
   /// The first bytes; of what a gzip file holds its first ones.
   std::string_view head() const { return head_; }
   bool is_packed() const { return is_packed_; }
+  /// Not one of the binary kinds.
+  bool is_text() const { return head_.find('\0') == std::string::npos; }
   /// Gives all lines, unpacked.
   void lines(LineTaker& taker) const;
 
@@ -50,6 +52,9 @@ class RecordingReader {
 std::span<const RecordingReader* const> recording_readers();
 
 const RecordingReader& archive_text_reader();
+const RecordingReader& eth_text_reader();
+const RecordingReader& table_text_reader();
+const RecordingReader& vadere_reader();
 
 /// What is missing, and the options that give it, as one error: "expected --fps 16 and --unit cm
 /// ...".

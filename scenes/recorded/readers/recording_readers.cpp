@@ -10,15 +10,16 @@
 namespace throng {
 
 std::span<const RecordingReader* const> recording_readers() {
-  static const std::array<const RecordingReader*, 1> readers = {&archive_text_reader()};
+  static const std::array readers = {&vadere_reader(), &table_text_reader(), &eth_text_reader(),
+                                     &archive_text_reader()};
   return readers;
 }
 
 void ask_for(const RecordingBuilder& builder, bool rate, bool unit, std::string_view found) {
   const char* const what =
-      rate && unit ? "its frames a second and its unit of length, as in --fps 16 --unit cm"
-      : rate       ? "its frames a second, as in --fps 25"
-                   : "its unit of length, as in --unit cm";
+      rate && unit ? "to be given its frames a second and unit of length, as in --fps 16 --unit cm"
+      : rate       ? "to be given its frames a second, as in --fps 25"
+                   : "to be given its unit of length, as in --unit cm";
   throw InputError(builder.options().file.string(), what, found);
 }
 
@@ -29,7 +30,9 @@ std::string first_line(std::string_view head) {
   return in_quotes(head.substr(0, head.find_first_of("\r\n")));
 }
 
-const RecordingReader* reader_of(const RecordingSource& source) {
+const RecordingReader* reader_of(const RecordingSource& source, const RecordingOptions& options) {
+  // Whoever names columns knows that it is a table.
+  if (!options.columns.empty() && source.is_text()) return &table_text_reader();
   for (const RecordingReader* reader : recording_readers())
     if (reader->knows(source.head())) return reader;
   return nullptr;
@@ -39,7 +42,7 @@ const RecordingReader* reader_of(const RecordingSource& source) {
 
 std::shared_ptr<const Recording> read_recording(const RecordingOptions& options) {
   const RecordingSource source(options.file);
-  const RecordingReader* const reader = reader_of(source);
+  const RecordingReader* const reader = reader_of(source, options);
   if (reader == nullptr)
     throw InputError(
         options.file.string(),
@@ -55,7 +58,7 @@ bool is_recording(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return false;
   try {
-    return reader_of(RecordingSource(file)) != nullptr;
+    return reader_of(RecordingSource(file), {}) != nullptr;
   } catch (const InputError&) {
     return false;
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/errors.h"
+#include "scenes/recorded/readers/gzip.h"
 #include "scenes/recorded/readers/recording_reader.h"
 
 namespace throng {
@@ -31,10 +32,21 @@ RecordingSource::RecordingSource(const std::filesystem::path& path)
     : file_(path, "a recording", std::numeric_limits<int64_t>::max()) {
   head_.resize(std::min<uint64_t>(file_.size(), kHeadBytes));
   head_.resize(read_piece(file_, 0, head_));
+  is_packed_ = is_gzip(head_);
+  if (!is_packed_) return;
+  head_.clear();
+  unpack(
+      file_, [&](std::string_view piece) { head_ += piece.substr(0, kHeadBytes - head_.size()); },
+      kHeadBytes);
 }
 
 void RecordingSource::lines(LineTaker& taker) const {
   LineCutter cutter(file_.path(), taker);
+  if (is_packed_) {
+    unpack(file_, [&](std::string_view piece) { cutter.push(piece); });
+    cutter.end();
+    return;
+  }
   std::vector<char> piece(kPieceBytes);
   uint64_t at = 0;
   while (const size_t count = read_piece(file_, at, piece)) {
