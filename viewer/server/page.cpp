@@ -1,7 +1,10 @@
 #include "viewer/server/page.h"
 
-// The assembler takes the file as it is: a C++ array of its size costs seconds of compilation.
+// The assembler takes the file as it is: a C++ array of its size costs seconds of compilation. Its
+// names are global, because optimisation at link time may put what uses them into another object.
 asm(R"(
+  .globl throng_page_begin, throng_page_end
+  .hidden throng_page_begin, throng_page_end
   .section .rodata
   .balign 16
 throng_page_begin:
