@@ -3,10 +3,9 @@
 // them into exit codes.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <functional>
-#include <string>
-#include <vector>
+
+#include "apps/command_line.h"
 
 namespace throng {
 
@@ -18,33 +17,19 @@ inline constexpr int kExitEnvironment = 3;
 
 /// A subcommand and its action; the action returns the exit code.
 struct Command {
-  CLI::App* app = nullptr;
+  CommandOptions* app = nullptr;
   std::function<int()> action;
 };
 
-Command add_run_command(CLI::App& parent);
-Command add_scenes_command(CLI::App& parent);
-Command add_info_command(CLI::App& parent);
-Command add_check_command(CLI::App& parent);
-Command add_monitor_command(CLI::App& parent);
-Command add_render_command(CLI::App& parent);
-Command add_view_command(CLI::App& parent);
-Command add_paper_command(CLI::App& parent);
-Command add_bench_command(CLI::App& parent);
-Command add_validate_command(CLI::App& parent);
-
-/// Accepts a number in [low, high] (above low if `open`); `what` completes "expected ...".
-CLI::Validator number_option(double low, double high, bool open, const std::string& what);
-/// Accepts a whole number in [low, high].
-CLI::Validator whole_option(int64_t low, int64_t high, const std::string& what);
-/// Accepts one of the names, with a did-you-mean.
-CLI::Validator name_option(std::vector<std::string> names);
-
-/// Throws InputError where an option that names a file, a folder or a URL names none, or "-", which
-/// only --json takes.
-void require_names(const CLI::App& command);
-
-/// One line for what the parser threw: what was expected, what was found, and what was meant.
-std::string explain(const CLI::App& app, const CLI::ParseError& error);
+Command add_run_command(CommandLine& parent);
+Command add_scenes_command(CommandLine& parent);
+Command add_info_command(CommandLine& parent);
+Command add_check_command(CommandLine& parent);
+Command add_monitor_command(CommandLine& parent);
+Command add_render_command(CommandLine& parent);
+Command add_view_command(CommandLine& parent);
+Command add_paper_command(CommandLine& parent);
+Command add_bench_command(CommandLine& parent);
+Command add_validate_command(CommandLine& parent);
 
 }  // namespace throng

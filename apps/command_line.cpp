@@ -1,25 +1,16 @@
+#include "apps/command_line.h"
+
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <cmath>
-#include <optional>
+#include <algorithm>
+#include <sstream>
+#include <utility>
 
-#include "apps/command.h"
 #include "base/errors.h"
 
 namespace throng {
 namespace {
-
-/// The whole text as a number of type T, or nothing.
-template <typename T>
-std::optional<T> number_of(const std::string& text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -28,10 +19,13 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
+  for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
   return names;
 }
 
@@ -41,57 +35,11 @@ std::string unknown_option(const CLI::App& app, const std::string& where, std::s
                      did_you_mean(found, option_names(app)), where);
 }
 
-}  // namespace
-
-CLI::Validator number_option(double low, double high, bool open, const std::string& what) {
-  return CLI::Validator(
-      [=](std::string& text) -> std::string {
-        const std::optional<double> value = number_of<double>(text);
-        if (value && std::isfinite(*value) && (open ? *value > low : *value >= low) &&
-            *value <= high)
-          return "";
-        return fmt::format("expected {}, found '{}'", what, text);
-      },
-      "");
-}
-
-void require_names(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    const std::string kind = option->get_type_name();
-    if (kind != "FILE" && kind != "DIR" && kind != "URL") continue;
-    for (const std::string& name : option->results()) {
-      if (name.empty()) throw InputError(option->get_name(), "a name", "none");
-      if (name == "-" && option->get_name() != "--json")
-        throw InputError(option->get_name(), "a name (./- for a file that is called so)",
-                         "'-': only --json writes to the standard output");
-    }
-  }
-}
-
-CLI::Validator whole_option(int64_t low, int64_t high, const std::string& what) {
-  return CLI::Validator(
-      [=](std::string& text) -> std::string {
-        const std::optional<int64_t> value = number_of<int64_t>(text);
-        if (value && *value >= low && *value <= high) return "";
-        return fmt::format("expected {}, found '{}'", what, text);
-      },
-      "");
-}
-
-CLI::Validator name_option(std::vector<std::string> names) {
-  return CLI::Validator(
-      [names = std::move(names)](std::string& text) -> std::string {
-        if (std::find(names.begin(), names.end(), text) != names.end()) return "";
-        return fmt::format("expected one of {}, found '{}'{}", fmt::join(names, ", "), text,
-                           did_you_mean(text, names));
-      },
-      "");
-}
-
+/// One line for what the parser threw: what was expected, what was found, and what was meant.
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* at = &app;
   std::string where = app.get_name();
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* command : commands_of(app)) {
     if (!command->parsed()) continue;
     at = command;
     where += " " + command->get_name();
@@ -112,5 +60,154 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
                        at->remaining().front());
   return fmt::format("{}: {}", where, error.what());
 }
+
+}  // namespace
+
+Option* Option::required() {
+  parsed_->required();
+  return this;
+}
+
+Option* Option::check(OptionCheck check) {
+  parsed_->check(
+      CLI::Validator([check = std::move(check)](std::string& text) { return check(text); }, ""));
+  return this;
+}
+
+Option* Option::transform(void (*change)(std::string& argument)) {
+  parsed_->transform(CLI::Validator(
+      [change](std::string& text) {
+        change(text);
+        return std::string();
+      },
+      ""));
+  return this;
+}
+
+Option* Option::type_name(const std::string& name) {
+  parsed_->type_name(name);
+  return this;
+}
+
+Option* Option::expected(int count) {
+  parsed_->expected(count);
+  return this;
+}
+
+Option* Option::expected(int least, int most) {
+  parsed_->expected(least, most);
+  return this;
+}
+
+Option* Option::delimiter(char between) {
+  parsed_->delimiter(between);
+  return this;
+}
+
+Option* Option::take_all() {
+  parsed_->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  return this;
+}
+
+Option* Option::default_str(const std::string& value) {
+  parsed_->default_str(value);
+  return this;
+}
+
+Option* Option::needs(Option* other) {
+  parsed_->needs(other->parsed_);
+  return this;
+}
+
+Option* Option::excludes(Option* other) {
+  parsed_->excludes(other->parsed_);
+  return this;
+}
+
+Option* Option::excludes(const std::string& other) {
+  parsed_->excludes(other);
+  return this;
+}
+
+bool Option::is_given() const { return parsed_->count() > 0; }
+
+void CommandOptions::footer(const std::string& text) { parsed_->footer(text); }
+
+template <typename T>
+Option* CommandOptions::add_option(const std::string& name, T& value, const std::string& about) {
+  return &options_.emplace_back(*parsed_->add_option(name, value, about));
+}
+
+template Option* CommandOptions::add_option(const std::string&, int&, const std::string&);
+template Option* CommandOptions::add_option(const std::string&, int64_t&, const std::string&);
+template Option* CommandOptions::add_option(const std::string&, uint64_t&, const std::string&);
+template Option* CommandOptions::add_option(const std::string&, double&, const std::string&);
+template Option* CommandOptions::add_option(const std::string&, std::string&, const std::string&);
+template Option* CommandOptions::add_option(const std::string&, std::optional<int>&,
+                                            const std::string&);
+template Option* CommandOptions::add_option(const std::string&, std::optional<uint64_t>&,
+                                            const std::string&);
+template Option* CommandOptions::add_option(const std::string&, std::optional<double>&,
+                                            const std::string&);
+template Option* CommandOptions::add_option(const std::string&, std::vector<int64_t>&,
+                                            const std::string&);
+template Option* CommandOptions::add_option(const std::string&, std::vector<float>&,
+                                            const std::string&);
+template Option* CommandOptions::add_option(const std::string&, std::vector<std::string>&,
+                                            const std::string&);
+
+Option* CommandOptions::add_flag(const std::string& name, bool& value, const std::string& about) {
+  return &options_.emplace_back(*parsed_->add_flag(name, value, about));
+}
+
+bool CommandOptions::is_given() const { return parsed_->parsed(); }
+
+void CommandOptions::require_names() const {
+  for (const CLI::Option* option : std::as_const(*parsed_).get_options()) {
+    const std::string kind = option->get_type_name();
+    if (kind != "FILE" && kind != "DIR" && kind != "URL") continue;
+    for (const std::string& name : option->results()) {
+      if (name.empty()) throw InputError(option->get_name(), "a name", "none");
+      if (name == "-" && option->get_name() != "--json")
+        throw InputError(option->get_name(), "a name (./- for a file that is called so)",
+                         "'-': only --json writes to the standard output");
+    }
+  }
+}
+
+CommandLine::CommandLine(const std::string& name, const std::string& about,
+                         const std::string& footer, const std::string& version)
+    : parsed_(std::make_unique<CLI::App>(about, name)) {
+  parsed_->footer(footer);
+  parsed_->set_version_flag("-V,--version", version, "Prints version and commit");
+  parsed_->get_formatter()->column_width(34);
+}
+
+CommandLine::~CommandLine() = default;
+
+CommandOptions* CommandLine::add_subcommand(const std::string& name, const std::string& about) {
+  return &commands_.emplace_back(*parsed_->add_subcommand(name, about));
+}
+
+bool CommandLine::has_command(const std::string& name) const {
+  const std::vector<std::string> names = command_names(*parsed_);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::optional<std::string> CommandLine::parse(std::vector<std::string> words) {
+  std::reverse(words.begin(), words.end());  // as the parser wants them
+  try {
+    parsed_->parse(std::move(words));
+  } catch (const CLI::Success& asked) {
+    std::ostringstream out, err;
+    parsed_->exit(asked, out, err);
+    return out.str();
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(explain(*parsed_, error));
+  }
+  return std::nullopt;
+}
+
+std::string CommandLine::help() const { return parsed_->help(); }
 
 }  // namespace throng

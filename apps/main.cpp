@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <new>
-#include <sstream>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "apps/command.h"
@@ -49,65 +46,45 @@ int ended(int exit_code) {
   return failed("throng: could not write to the standard output", kExitEnvironment);
 }
 
-/// What the parser itself has to say: help and version.
-int print_parser_output(const CLI::App& app, const CLI::Success& asked) {
-  std::ostringstream out, err;
-  app.exit(asked, out, err);
-  show("{}", out.str());
-  return kExitFine;
-}
-
-bool is_command(const CLI::App& app, const std::string& name) {
-  return !app.get_subcommands([&](const CLI::App* each) { return each->get_name() == name; })
-              .empty();
-}
-
 /// What people write for what the parser wants: `throng help run` is `throng run --help`, and the
 /// --json of `monitor`, which takes no name, may have the one for stdout. A command that does not
 /// exist is left to the parser.
-std::vector<std::string> as_parsed(const CLI::App& app, std::vector<std::string> words) {
+std::vector<std::string> as_parsed(const CommandLine& line, std::vector<std::string> words) {
   if (words.empty()) return words;
   if (words.front() == "monitor") std::erase(words, "-");
   if (words.front() != "help") return words;
   words.erase(words.begin());
-  if (words.empty() || words.front().starts_with("-") || is_command(app, words.front()))
+  if (words.empty() || words.front().starts_with("-") || line.has_command(words.front()))
     words.emplace_back("--help");
   return words;
 }
 
 int run(int argc, char** argv) {
-  CLI::App app(kAbout, "throng");
-  app.footer(kFooter);
-  app.set_version_flag("-V,--version", fmt::format("throng {} ({})", version(), commit()),
-                       "Prints version and commit");
-  app.get_formatter()->column_width(34);
-  const std::vector<Command> commands = {add_run_command(app),     add_scenes_command(app),
-                                         add_info_command(app),    add_check_command(app),
-                                         add_monitor_command(app), add_render_command(app),
-                                         add_view_command(app),    add_paper_command(app),
-                                         add_bench_command(app),   add_validate_command(app)};
-  app.add_subcommand("help", "The options of a command: throng help COMMAND");
-  std::vector<std::string> words = as_parsed(app, {argv + 1, argv + argc});
-  std::reverse(words.begin(), words.end());  // as the parser wants them
-  try {
-    app.parse(std::move(words));
-  } catch (const CLI::Success& asked) {
-    return print_parser_output(app, asked);
-  } catch (const CLI::ParseError& error) {
-    return failed(explain(app, error), kExitBadInput);
+  CommandLine line("throng", kAbout, kFooter, fmt::format("throng {} ({})", version(), commit()));
+  const std::vector<Command> commands = {add_run_command(line),     add_scenes_command(line),
+                                         add_info_command(line),    add_check_command(line),
+                                         add_monitor_command(line), add_render_command(line),
+                                         add_view_command(line),    add_paper_command(line),
+                                         add_bench_command(line),   add_validate_command(line)};
+  line.add_subcommand("help", "The options of a command: throng help COMMAND");
+  if (const auto text = line.parse(as_parsed(line, {argv + 1, argv + argc}))) {
+    show("{}", *text);
+    return kExitFine;
   }
   for (const Command& command : commands)
-    if (command.app->parsed()) {
-      require_names(*command.app);
+    if (command.app->is_given()) {
+      command.app->require_names();
       return command.action();
     }
-  say("{}", app.help());
+  say("{}", line.help());
   return kExitBadInput;
 }
 
 int run_guarded(int argc, char** argv) {
   try {
     return run(argc, argv);
+  } catch (const UsageError& error) {
+    return failed(error.what(), kExitBadInput);
   } catch (const InputError& error) {
     return failed(error.what(), kExitBadInput);
   } catch (const EnvironmentError& error) {

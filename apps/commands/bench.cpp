@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -56,8 +55,8 @@ struct BenchCommand {
   std::string parts;
   int aged_frames = 0;
   bool steering = false;
-  CLI::Option* avatars = nullptr;
-  CLI::Option* frames = nullptr;
+  Option* avatars = nullptr;
+  Option* frames = nullptr;
 
   bool measures_engines() const { return !steering && parts.empty() && aged_frames == 0; }
 };
@@ -123,8 +122,8 @@ class ProgressLine {
 
 Measured measure_steering(const BenchCommand& command, const bench::Progress& progress) {
   bench::SteeringBenchOptions options;
-  if (command.avatars->count() > 0) options.counts = {command.options.avatars};
-  if (command.frames->count() > 0) options.steps = command.options.frames;
+  if (command.avatars->is_given()) options.counts = {command.options.avatars};
+  if (command.frames->is_given()) options.steps = command.options.frames;
   options.per_m2 = command.options.per_m2;
   options.threads = command.options.threads;
   options.seed = command.options.seed;
@@ -213,7 +212,7 @@ int measure(BenchCommand& command) {
                                                                : report(command, *result);
 }
 
-void add_options(CLI::App& app, BenchCommand& command) {
+void add_options(CommandOptions& app, BenchCommand& command) {
   bench::BenchOptions& options = command.options;
   command.avatars = app.add_option("--avatars", options.avatars, "People [20000]")
                         ->check(whole_option(2, 1'000'000, "a whole number from 2 to 1000000"))
@@ -280,8 +279,8 @@ void add_options(CLI::App& app, BenchCommand& command) {
 
 }  // namespace
 
-Command add_bench_command(CLI::App& parent) {
-  CLI::App* app =
+Command add_bench_command(CommandLine& parent) {
+  CommandOptions* app =
       parent.add_subcommand("bench", "This machine against the other engines it was built with");
   app->footer(kFooter);
   const auto command = std::make_shared<BenchCommand>();

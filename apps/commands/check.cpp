@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
@@ -68,8 +67,9 @@ int check(const CheckOptions& options) {
 
 }  // namespace
 
-Command add_check_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("check", "Judges a log: numbering, gaps, events in pairs");
+Command add_check_command(CommandLine& parent) {
+  CommandOptions* app =
+      parent.add_subcommand("check", "Judges a log: numbering, gaps, events in pairs");
   app->footer(kFooter);
   const auto options = std::make_shared<CheckOptions>();
   app->add_option("LOG", options->log, "The log to judge")->required();

@@ -60,8 +60,8 @@ int describe(const std::string& name) {
 
 }  // namespace
 
-Command add_info_command(CLI::App& parent) {
-  CLI::App* app =
+Command add_info_command(CommandLine& parent) {
+  CommandOptions* app =
       parent.add_subcommand("info", "Checks and describes a .tri mesh, a URDF, a scene or a log");
   app->footer(kFooter);
   const auto file = std::make_shared<std::string>();

@@ -2,7 +2,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -155,11 +154,11 @@ int watch_log(const MonitorOptions& options) {
 
 }  // namespace
 
-Command add_monitor_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("monitor", "Watches a run, live or in a log");
+Command add_monitor_command(CommandLine& parent) {
+  CommandOptions* app = parent.add_subcommand("monitor", "Watches a run, live or in a log");
   app->footer(kFooter);
   const auto options = std::make_shared<MonitorOptions>();
-  CLI::Option* log = app->add_option("LOG", options->log, "A log instead of a live run");
+  Option* log = app->add_option("LOG", options->log, "A log instead of a live run");
   app->add_option("--lcm", options->lcm, fmt::format("Where to listen [{}]", options->lcm))
       ->type_name("URL")
       ->excludes(log);

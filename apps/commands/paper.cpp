@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -84,19 +83,17 @@ int reproduce_paper(const PaperCommand& command) {
 
 }  // namespace
 
-Command add_paper_command(CLI::App& parent) {
-  CLI::App* app =
+Command add_paper_command(CommandLine& parent) {
+  CommandOptions* app =
       parent.add_subcommand("paper", "Every table and figure of the paper, ours beside theirs");
   app->footer(kFooter);
   const auto command = std::make_shared<PaperCommand>();
   command->options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const auto five = CLI::Validator(
-      [](std::string& text) -> std::string {
-        return text.ends_with('0') || text.ends_with('5')
-                   ? ""
-                   : fmt::format("expected a multiple of 5, found '{}'", text);
-      },
-      "");
+  const auto five = [](const std::string& text) -> std::string {
+    return text.ends_with('0') || text.ends_with('5')
+               ? ""
+               : fmt::format("expected a multiple of 5, found '{}'", text);
+  };
   app->add_option("--frames", command->options.frames, "Frames of Part I [500]")
       ->check(whole_option(10, 10000, "10 to 10000 frames"))
       ->check(five)

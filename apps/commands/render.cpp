@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -103,7 +102,7 @@ int render_frame(RenderCommand command) {
   return kExitFine;
 }
 
-void add_point(CLI::App& app, const char* name, std::vector<float>& xyz, const char* what) {
+void add_point(CommandOptions& app, const char* name, std::vector<float>& xyz, const char* what) {
   app.add_option(name, xyz, what)
       ->expected(3)
       ->delimiter(',')
@@ -113,14 +112,14 @@ void add_point(CLI::App& app, const char* name, std::vector<float>& xyz, const c
 
 }  // namespace
 
-Command add_render_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("render", "A picture of one frame of a log");
+Command add_render_command(CommandLine& parent) {
+  CommandOptions* app = parent.add_subcommand("render", "A picture of one frame of a log");
   app->footer(kFooter);
   const auto command = std::make_shared<RenderCommand>();
   app->add_option("LOG", command->log, "The log of a run")->required();
-  CLI::Option* frame = app->add_option("--frame", command->frame, "Which frame; the first is 0")
-                           ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
-                           ->type_name("N");
+  Option* frame = app->add_option("--frame", command->frame, "Which frame; the first is 0")
+                      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+                      ->type_name("N");
   app->add_option("--frames", command->frames, "From the first to the last: an animated WebP")
       ->expected(2)
       ->delimiter(':')

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -112,7 +111,7 @@ std::vector<std::string> pair_search_names() {
   return names;
 }
 
-void add_options(CLI::App& app, RunOptions& options) {
+void add_options(CommandOptions& app, RunOptions& options) {
   app.add_option("SCENE", options.scene, "A scene file, or a name from `throng scenes`")
       ->required();
   app.add_option("--avatars", options.avatars, "People in all; scales the scene's groups")
@@ -147,7 +146,8 @@ void add_options(CLI::App& app, RunOptions& options) {
                  "hybrid-one, hybrid-all or two-pass")
       ->check(name_option(strategy_names()))
       ->type_name("NAME")
-      ->excludes("--deadline-ms", "--deadline-tests");
+      ->excludes("--deadline-ms")
+      ->excludes("--deadline-tests");
   app.add_option("--simd", options.simd, "best, scalar, sse4, avx2 or avx512")
       ->check(name_option(simd_names()))
       ->type_name("TARGET");
@@ -158,18 +158,16 @@ void add_options(CLI::App& app, RunOptions& options) {
       ->check(number_option(0, 1e6, true, "a number above 0; 1 is real time"))
       ->type_name("X");
   app.add_option("--lcm", options.lcm, fmt::format("Where to publish, or off [{}]", options.lcm))
-      ->check(CLI::Validator(
-          [](std::string& url) {
-            // liblcm would open a file before anything is known to be possible.
-            const bool is_fine = url.empty() || url == "off" || url.starts_with("udpm://") ||
-                                 url.starts_with("tcpq://") || url.starts_with("memq://");
-            return is_fine ? std::string()
-                           : fmt::format(
-                                 "expected off or a URL that begins with udpm://, tcpq:// "
-                                 "or memq:// (--log FILE writes a log), found '{}'",
-                                 url);
-          },
-          ""))
+      ->check([](const std::string& url) {
+        // liblcm would open a file before anything is known to be possible.
+        const bool is_fine = url.empty() || url == "off" || url.starts_with("udpm://") ||
+                             url.starts_with("tcpq://") || url.starts_with("memq://");
+        return is_fine ? std::string()
+                       : fmt::format(
+                             "expected off or a URL that begins with udpm://, tcpq:// "
+                             "or memq:// (--log FILE writes a log), found '{}'",
+                             url);
+      })
       ->type_name("URL");
   app.add_option("--log", options.log, "LCM log to write, or off [out/SCENE.lcmlog]")
       ->type_name("FILE");
@@ -450,8 +448,9 @@ int run_scene(const RunOptions& options) {
 
 }  // namespace
 
-Command add_run_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("run", "Runs a scene: who touches whom, frame by frame");
+Command add_run_command(CommandLine& parent) {
+  CommandOptions* app =
+      parent.add_subcommand("run", "Runs a scene: who touches whom, frame by frame");
   app->footer(kFooter);
   const auto options = std::make_shared<RunOptions>();
   add_options(*app, *options);

@@ -11,8 +11,8 @@
 
 namespace throng {
 
-Command add_scenes_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("scenes", "The bundled scenes, a line each");
+Command add_scenes_command(CommandLine& parent) {
+  CommandOptions* app = parent.add_subcommand("scenes", "The bundled scenes, a line each");
   const auto schema = std::make_shared<bool>(false);
   app->add_flag("--schema", *schema,
                 "What a scene file may hold instead, as JSON Schema: for editors");

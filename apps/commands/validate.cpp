@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -115,8 +114,8 @@ int validate(const ValidateOptions& options) {
 
 }  // namespace
 
-Command add_validate_command(CLI::App& parent) {
-  CLI::App* app =
+Command add_validate_command(CommandLine& parent) {
+  CommandOptions* app =
       parent.add_subcommand("validate", "RiMEA, IMO and ISO 20414 tests of how people walk");
   app->footer(kFooter);
   const auto options = std::make_shared<ValidateOptions>();
@@ -124,12 +123,7 @@ Command add_validate_command(CLI::App& parent) {
       ->type_name("DIR");
   app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
   app->add_option("--only", options->only, "These tests only: rimea_4, imo_8, ...")
-      ->transform(CLI::Validator(
-          [](std::string& id) {
-            id = validation::normal_id(id);
-            return std::string();
-          },
-          ""))
+      ->transform([](std::string& id) { id = validation::normal_id(id); })
       ->check(name_option(test_ids()))
       ->type_name("ID");
   app->add_option(

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -76,12 +75,13 @@ int view(const ViewCommand& command) {
 
 }  // namespace
 
-Command add_view_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("view", "The 3-D page: a live run, a log, or one file");
+Command add_view_command(CommandLine& parent) {
+  CommandOptions* app =
+      parent.add_subcommand("view", "The 3-D page: a live run, a log, or one file");
   app->footer(kFooter);
   const auto command = std::make_shared<ViewCommand>();
   command->web.port = kDefaultPort;
-  CLI::Option* log = app->add_option("LOG", command->log, "The log of a run; without it, live");
+  Option* log = app->add_option("LOG", command->log, "The log of a run; without it, live");
   app->add_option("--lcm", command->lcm, fmt::format("Where to listen [{}]", command->lcm))
       ->type_name("URL")
       ->excludes(log);

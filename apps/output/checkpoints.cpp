@@ -2,21 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
-#include "apps/command.h"
 #include "base/errors.h"
 #include "scenes/run/checkpoint.h"
 #include "scenes/run/runner.h"
 
 namespace throng {
 
-void add_checkpoint_options(CLI::App& app, CheckpointOptions& options) {
-  CLI::Option* file =
-      app.add_option("--checkpoint", options.file, "File from which --resume can go on")
-          ->type_name("FILE");
+void add_checkpoint_options(CommandOptions& app, CheckpointOptions& options) {
+  Option* file = app.add_option("--checkpoint", options.file, "File from which --resume can go on")
+                     ->type_name("FILE");
   app.add_option("--every", options.every_s,
                  fmt::format("Simulated time between checkpoints [{}]", options.every_s))
       ->check(number_option(0, 1e7, true, "a number of seconds above 0"))

@@ -2,10 +2,10 @@
 // One rule: a checkpoint that cannot be written ends the run, which says so and keeps its summary.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <cstdint>
 #include <string>
 
+#include "apps/command_line.h"
 #include "apps/output/output_plan.h"
 #include "scenes/run/simulation.h"
 
@@ -17,7 +17,7 @@ struct CheckpointOptions {
   std::string resume;
 };
 
-void add_checkpoint_options(CLI::App& app, CheckpointOptions& options);
+void add_checkpoint_options(CommandOptions& app, CheckpointOptions& options);
 void plan_checkpoints(const CheckpointOptions& options, OutputPlan& plan);
 
 /// Puts the simulation where the checkpoint was taken. Throws InputError if the file is none of

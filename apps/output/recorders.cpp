@@ -2,29 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "apps/command.h"
 #include "scenes/sinks/trace.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
 
 namespace throng {
 
-void add_recorder_options(CLI::App& app, RecorderOptions& options) {
+void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
   app.add_option("--trajectory", options.trajectories,
                  "Positions to FILE.sqlite (as JuPedSim, PedPy) or FILE.csv")
-      ->check(CLI::Validator(
-          [](std::string& name) {
-            return is_trajectory_name(name)
-                       ? std::string()
-                       : fmt::format("expected a name that ends in .sqlite or .csv, found '{}'",
-                                     name);
-          },
-          ""))
+      ->check([](const std::string& name) {
+        return is_trajectory_name(name)
+                   ? std::string()
+                   : fmt::format("expected a name that ends in .sqlite or .csv, found '{}'", name);
+      })
       ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->take_all()
       ->type_name("FILE");
   app.add_option("--trajectory-fps", options.trajectory_fps,
                  fmt::format("Recorded frames a second [{}]", options.trajectory_fps))

@@ -3,11 +3,11 @@
 // run's summary is printed all the same.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "apps/command_line.h"
 #include "apps/output/log_guard.h"
 #include "apps/output/output_plan.h"
 #include "scenes/sinks/contacts/contact_sink.h"
@@ -23,7 +23,7 @@ struct RecorderOptions {
   std::string html;      ///< the page with the run in it, or ""
 };
 
-void add_recorder_options(CLI::App& app, RecorderOptions& options);
+void add_recorder_options(CommandOptions& app, RecorderOptions& options);
 void plan_recorders(const RecorderOptions& options, OutputPlan& plan);
 
 class Recorders {
