@@ -189,6 +189,11 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   w.anchor_step[slot] = steps_;
 }
 
+void Crowd::lead(uint32_t id, bool is_there) {
+  traffic_.lead(id, is_there);
+  journeys_.lead(id, is_there);
+}
+
 void Crowd::move(size_t slot) {
   Walkers& w = walkers_;
   const auto part = static_cast<double>(steps_ % steps_a_decision_);

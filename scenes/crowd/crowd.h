@@ -44,6 +44,9 @@ class Crowd {
   void drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
              const Eigen::Vector2d& velocity_mps);
 
+  /// Somebody of Person::is_led is there, or is not: others see that at their next decision.
+  void lead(uint32_t id, bool is_there);
+
   /// Everything that the next step depends on and that the constructor does not know.
   void archive(Archive& a);
 

@@ -12,13 +12,15 @@
 
 namespace throng {
 
-CrowdWorld::CrowdWorld(const Scene& scene, SimdTarget simd, Workers& workers)
+CrowdWorld::CrowdWorld(const Scene& scene, SimdTarget simd, Workers& workers,
+                       std::span<const Person> led)
     : scene_(scene),
       workers_(workers),
       simd_(resolved(simd)),
       kinds_(kinds_of(scene)),
       ways_(scene, workers),
-      spawned_(spawn(scene, ways_)),
+      led_(static_cast<uint32_t>(led.size())),
+      spawned_(spawn(scene, ways_, led)),
       crowd_(ways_, spawned_.people, {scene.seed, scene.step_s, scene.steering, simd}, workers) {
   note_driven();
 }
@@ -36,7 +38,7 @@ void CrowdWorld::note_driven() {
 }
 
 void CrowdWorld::place(BodyStates& bodies) {
-  for (const Person& person : spawned_.people) {
+  for (const Person& person : std::span(spawned_.people).subspan(led_)) {
     const std::shared_ptr<const Model>& body = scene_.groups[person.group].body;
     bodies.types.push_back(kinds_.of_group[person.group]);
     bodies.scales.push_back(static_cast<float>(person.height_m / double{body->height_m}));
@@ -45,7 +47,7 @@ void CrowdWorld::place(BodyStates& bodies) {
     rises_m_.push_back(double{body->root_above_ground_m() * bodies.scales.back()});
   }
   bodies.looks_rad = crowd_.looks_rad();
-  blocks_ = blocks_of(bodies.types);
+  blocks_ = blocks_of(bodies.types, led_);
 }
 
 void CrowdWorld::describe(RunInfo& info) const {
@@ -86,7 +88,7 @@ WalkNow CrowdWorld::move_root(uint32_t id, RootPose& root, float& speed_mps) con
   // Whoever has left keeps the last place and posture.
   const bool is_present = crowd_.journeys().is_present(id);
   const WalkNow walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
-  root.position_m = {position.x(), position.y(), rises_m_[id]};
+  root.position_m = {position.x(), position.y(), rises_m_[id - led_]};
   root.world_from_root = turned_to(heading);
   if (is_present) speed_mps = static_cast<float>(velocity.norm());
   return walk;
@@ -98,12 +100,12 @@ std::span<const uint8_t> CrowdWorld::present() const {
 }
 
 void CrowdWorld::add_driven(DrivenAvatars& driven) const {
-  for (uint32_t id = 0; id < spawned_.people.size(); ++id) {
+  for (uint32_t id = led_; id < spawned_.people.size(); ++id) {
     const Person& person = spawned_.people[id];
     if (!is_driven(person)) continue;
     const Eigen::Vector2d& at = person.position_m;
     driven.add(id, scene_.groups[person.group].body->kinematics,
-               {{at.x(), at.y(), rises_m_[id]}, turned_to(person.heading)});
+               {{at.x(), at.y(), rises_m_[id - led_]}, turned_to(person.heading)});
   }
 }
 

@@ -21,7 +21,9 @@ struct WalkNow;
 
 class CrowdWorld final : public World {
  public:
-  CrowdWorld(const Scene& scene, SimdTarget simd, Workers& workers);
+  /// The first people of the crowd are `led` by another world, which places and moves their bodies.
+  CrowdWorld(const Scene& scene, SimdTarget simd, Workers& workers,
+             std::span<const Person> led = {});
 
   const std::vector<std::shared_ptr<const Model>>& models() const override { return kinds_.models; }
   void place(BodyStates& bodies) override;
@@ -33,6 +35,9 @@ class CrowdWorld final : public World {
 
   void add_driven(DrivenAvatars& driven) const override;
   void lead(const DrivenAvatars& driven) override;
+
+  /// To lead those who are led.
+  Crowd& crowd() { return crowd_; }
 
   const std::vector<std::string>& notes() const override { return spawned_.notes; }
   int unplaced() const override;
@@ -52,6 +57,7 @@ class CrowdWorld final : public World {
   SimdTarget simd_;
   Kinds kinds_;
   Ways ways_;
+  uint32_t led_;  ///< how many
   Spawned spawned_;
   Crowd crowd_;
   std::vector<double> rises_m_;  ///< of the roots above the ground, by person

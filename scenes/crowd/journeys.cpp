@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "base/random.h"
@@ -36,8 +37,13 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
   until_s_.assign(people.size(), kNever);
   stops_.assign(people.size(), 0);
   visits_.assign(people.size(), 0);
-  for (uint32_t id = 0; id < people.size(); ++id)
-    if (people[id].entrance == Person::kFromTheStart) enter(id, people[id].position_m, 0);
+  for (uint32_t id = 0; id < people.size(); ++id) {
+    if (people[id].entrance != Person::kFromTheStart) continue;
+    if (people[id].is_led)
+      lead(id, true);
+    else
+      enter(id, people[id].position_m, 0);
+  }
 }
 
 void Journeys::archive(Archive& a) {
@@ -46,7 +52,9 @@ void Journeys::archive(Archive& a) {
   for (uint32_t id = 0; id < doing_.size(); ++id) {
     if (doing_[id] > Doing::kGone || next_[id] > Doing::kGone)
       a.refuse("something that people do", "something else");
-    if (stops_[id] >= ways_.route(groups_[id]).size()) a.refuse("a stop of the route", "another");
+    // Those who are led have no route.
+    if (stops_[id] >= std::max<size_t>(1, ways_.route(groups_[id]).size()))
+      a.refuse("a stop of the route", "another");
     // Written so that NaN is refused, too.
     if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
       a.refuse("a place", "one out of the world");

@@ -37,6 +37,10 @@ class Journeys {
 
   /// Somebody comes in at a place.
   void enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
+  /// Somebody who is led is there, or is not.
+  void lead(uint32_t id, bool is_there) {
+    doing_[id] = is_there ? Doing::kStaying : Doing::kOutside;
+  }
   /// Somebody who is leaving has left.
   void leave(uint32_t id) { doing_[id] = Doing::kGone; }
 

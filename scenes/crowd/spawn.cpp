@@ -122,22 +122,6 @@ double tallest_m(const Group& group) {
   return most_m;
 }
 
-Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
-  const Group& group = scene.groups[group_index];
-  Person person;
-  person.group = static_cast<uint32_t>(group_index);
-  const AgeGroup& age = age_group(draw_age(group.ages, scene.seed, id));
-  person.height_m = draw(group.height_m.value_or(age.height_m), scene.seed, id, Purpose::kHeight);
-  person.free_speed_mps =
-      draw(group.speed_mps.value_or(age.speed_mps), scene.seed, id, Purpose::kFreeSpeed);
-  person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
-  person.radius_m = disc_of(group, person.height_m);
-  person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
-  if (group.driven.empty())
-    person.style = draw_style(group.styles.value_or(age.styles), scene.seed, id);
-  return person;
-}
-
 /// Those of one source, with the times at which they come.
 void list_source(const Scene& scene, const Ways& ways, size_t group, const Source& source,
                  uint32_t entrance, uint64_t first_id, std::vector<Person>& people) {
@@ -159,6 +143,22 @@ void list_source(const Scene& scene, const Ways& ways, size_t group, const Sourc
 
 }  // namespace
 
+Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
+  const Group& group = scene.groups[group_index];
+  Person person;
+  person.group = static_cast<uint32_t>(group_index);
+  const AgeGroup& age = age_group(draw_age(group.ages, scene.seed, id));
+  person.height_m = draw(group.height_m.value_or(age.height_m), scene.seed, id, Purpose::kHeight);
+  person.free_speed_mps =
+      draw(group.speed_mps.value_or(age.speed_mps), scene.seed, id, Purpose::kFreeSpeed);
+  person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
+  person.radius_m = disc_of(group, person.height_m);
+  person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
+  if (group.driven.empty())
+    person.style = draw_style(group.styles.value_or(age.styles), scene.seed, id);
+  return person;
+}
+
 double disc_radius_m(double height_m) {
   return kReferenceRadius_m * (height_m / kReferenceHeight_m);
 }
@@ -169,12 +169,16 @@ double wall_gap_m(double radius_m, double height_m) {
   return std::max(radius_m, std::min(kReferenceRadius_m, 0.125 * (height_m / kReferenceHeight_m)));
 }
 
-Spawned spawn(const Scene& scene, const Ways& ways) {
+Spawned spawn(const Scene& scene, const Ways& ways, std::span<const Person> led) {
   Spawned out;
+  out.people.assign(led.begin(), led.end());
   double widest_m = 0;
   for (const Group& group : scene.groups)
     widest_m = std::max(widest_m, disc_of(group, tallest_m(group)));
+  for (const Person& person : led) widest_m = std::max(widest_m, person.radius_m);
   Places places(scene.ground, widest_m);
+  for (size_t i = 0; i < led.size(); ++i)
+    if (led[i].entrance == Person::kFromTheStart) places.add(led[i].position_m, i);
   uint64_t id = 0;
   uint32_t entrance = 0;
   for (size_t g = 0; g < scene.groups.size(); ++g) {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct Person {
   double free_speed_mps = 0;
   double phase = 0;  ///< of the gait cycle, in [0, 1)
   GaitStyle style = GaitStyle::kPlain;
+  /// Something outside moves it and says when it is there: see Crowd::lead(). It is there from the
+  /// start if `entrance` says so.
+  bool is_led = false;
   double delay_s = 0;  ///< stands still for so long after entering
   /// Index into Ways::entrances() of somebody who enters later, at enters_s or as soon as there is
   /// room after that; until then the place is the middle of that area.
@@ -34,7 +38,7 @@ struct Person {
 };
 
 struct Spawned {
-  std::vector<Person> people;  ///< group by group
+  std::vector<Person> people;  ///< those who are led, then group by group
   std::vector<int> unplaced;   ///< by group, of those who should stand there at the start
   std::vector<std::string> notes;
 };
@@ -42,7 +46,10 @@ struct Spawned {
 /// Throws darts (at first 0.3 m between discs, then closer, at last touching) until a place is free
 /// or patience ends. People who enter later are listed, not placed: of each group first those who
 /// stand there, then those of its sources, in the order they enter.
-Spawned spawn(const Scene& scene, const Ways& ways);
+Spawned spawn(const Scene& scene, const Ways& ways, std::span<const Person> led = {});
+
+/// Somebody of a group: size, speed and gait as the seed draws them for `id`.
+Person person_of(const Scene& scene, size_t group, uint64_t id);
 
 /// Radius of the steering disc: 0.22 m for a person of 1.70 m. Half the shoulder breadth is 0.255
 /// m, so that shoulders and arms touch where discs do not.

@@ -29,7 +29,7 @@ bool has_way(const Stop& stop, const Rectangle& area) {
 Traffic::Traffic(const Ways& ways, std::span<const Person> people, uint64_t seed)
     : ways_(ways), seed_(seed) {
   for (const Rectangle& area : ways.entrances()) entrances_.push_back({area, false, 0, 0});
-  uint64_t outside = 0;
+  uint64_t outside = 0, led = 0;
   for (uint32_t id = 0; id < people.size(); ++id) {
     const Person& person = people[id];
     groups_.push_back(person.group);
@@ -39,8 +39,9 @@ Traffic::Traffic(const Ways& ways, std::span<const Person> people, uint64_t seed
     enters_s_.push_back(person.enters_s);
     const bool is_in = person.entrance == Person::kFromTheStart;
     present_.push_back(is_in);
-    is_open_ |= !is_in || ways.on_arrival(person.group) == OnArrival::kLeave;
-    if (is_in) continue;
+    is_open_ |= !is_in || person.is_led || ways.on_arrival(person.group) == OnArrival::kLeave;
+    if (person.is_led) ++led;
+    if (is_in || person.is_led) continue;
     ++outside;
     Entrance& entrance = entrances_[person.entrance];
     if (entrance.end == 0) {
@@ -52,7 +53,7 @@ Traffic::Traffic(const Ways& ways, std::span<const Person> people, uint64_t seed
   // Every step may find everybody near an entrance, or let in all who are outside.
   near_.reserve(is_open_ ? people.size() : 0);
   entered_.reserve(outside);
-  counters_.entered = counters_.present = people.size() - outside;
+  counters_.entered = counters_.present = people.size() - outside - led;
   count(0);
 }
 

@@ -30,6 +30,8 @@ class Traffic {
   /// Everything that release() and admit() may have changed.
   void archive(Archive& a);
 
+  /// Somebody who is led is there, or is not.
+  void lead(uint32_t id, bool is_there) { present_[id] = is_there ? 1 : 0; }
   /// Takes out whoever is leaving.
   void release(Journeys& journeys);
 

@@ -28,14 +28,6 @@ float stretch_to(float seen_phase, float phase, float nominal) {
   return wanted > 0 ? std::clamp(nominal / wanted, kShortest, kLongest) : kLongest;
 }
 
-/// As tall as recorded, or drawn like anybody of the group.
-double height_of(const RecordedPerson& person, const Group& group, const AgeGroup& age,
-                 uint64_t seed, uint64_t id) {
-  if (group.height_m) return draw(*group.height_m, seed, id, Purpose::kHeight);
-  if (person.height_m && has_people(group)) return *person.height_m;
-  return draw(age.height_m, seed, id, Purpose::kHeight);
-}
-
 }  // namespace
 
 RecordedWorld::RecordedWorld(const Scene& scene, SimdTarget simd, Workers& workers)
@@ -44,9 +36,35 @@ RecordedWorld::RecordedWorld(const Scene& scene, SimdTarget simd, Workers& worke
       simd_(resolved(simd)),
       kinds_(kinds_of(scene)),
       type_(kinds_.of_group.back()),
-      rise_m_(static_cast<double>(kinds_.models[type_]->root_above_ground_m())),
-      present_(recording().people().size(), 0) {
+      rise_m_(static_cast<double>(kinds_.models[type_]->root_above_ground_m())) {
+  find_people();
   note_oddities();
+  if (scene.groups.size() == 1) return;
+  others_ = std::make_unique<CrowdWorld>(scene, simd, workers, people_);
+  notes_.insert(notes_.end(), others_->notes().begin(), others_->notes().end());
+}
+
+/// Like anybody of their group, but as tall as recorded, and where they are at the start.
+void RecordedWorld::find_people() {
+  const size_t group = scene_.groups.size() - 1;
+  const bool has_heights = !scene_.groups[group].height_m && has_people(scene_.groups[group]);
+  std::vector<Sample> samples;
+  for (size_t id = 0; id < recording().people().size(); ++id) {
+    const RecordedPerson& recorded = recording().people()[id];
+    Person person = person_of(scene_, group, id);
+    if (has_heights && recorded.height_m) {
+      person.height_m = *recorded.height_m;
+      person.radius_m = disc_radius_m(person.height_m);
+    }
+    person.is_led = true;
+    person.entrance = 0;
+    if (scene_.groups.size() > 1 && recorded.first_s == 0) {
+      recording().read(id, samples);
+      person.position_m = samples.front().position_m;
+      person.entrance = Person::kFromTheStart;
+    }
+    people_.push_back(person);
+  }
 }
 
 void RecordedWorld::note_oddities() {
@@ -57,27 +75,48 @@ void RecordedWorld::note_oddities() {
 }
 
 void RecordedWorld::place(BodyStates& bodies) {
-  const Group& group = scene_.groups.back();
-  const auto own_m = static_cast<double>(group.body->height_m);
-  for (uint64_t id = 0; id < recording().people().size(); ++id) {
-    const AgeGroup& age = age_group(draw_age(group.ages, scene_.seed, id));
-    const double height_m = height_of(recording().people()[id], group, age, scene_.seed, id);
+  const auto own_m = static_cast<double>(scene_.groups.back().body->height_m);
+  for (const Person& person : people_) {
     bodies.types.push_back(type_);
-    bodies.scales.push_back(static_cast<float>(height_m / own_m));
-    bodies.phases.push_back(
-        static_cast<float>(random_uniform({scene_.seed, id, 0, Purpose::kGaitPhase})));
-    bodies.styles.push_back(draw_style(group.styles.value_or(age.styles), scene_.seed, id));
+    bodies.scales.push_back(static_cast<float>(person.height_m / own_m));
+    bodies.phases.push_back(static_cast<float>(person.phase));
+    bodies.styles.push_back(person.style);
   }
   blocks_ = blocks_of(bodies.types);
+  if (others_) others_->place(bodies);
+  present_.assign(bodies.types.size(), 0);
 }
 
 void RecordedWorld::describe(RunInfo& info) const {
-  for (const Group& group : scene_.groups) {
-    info.groups.push_back(group.name);
-    info.drive_channels.emplace_back();
-  }
-  info.group_of_avatar.assign(recording().people().size(),
-                              static_cast<uint16_t>(scene_.groups.size() - 1));
+  if (others_) return others_->describe(info);
+  info.groups = {scene_.groups.back().name};
+  info.drive_channels.resize(1);
+  info.group_of_avatar.assign(people_.size(), 0);
+}
+
+void RecordedWorld::add_driven(DrivenAvatars& driven) const {
+  if (others_) others_->add_driven(driven);
+}
+
+void RecordedWorld::lead(const DrivenAvatars& driven) {
+  if (others_) others_->lead(driven);
+}
+
+const SteeringCounters& RecordedWorld::steering() const {
+  return others_ ? others_->steering() : World::steering();
+}
+
+const TrafficCounters& RecordedWorld::traffic() const {
+  return others_ ? others_->traffic() : World::traffic();
+}
+
+std::vector<Stranding> RecordedWorld::strandings() const {
+  return others_ ? others_->strandings() : World::strandings();
+}
+
+void RecordedWorld::step() {
+  ++frame_;
+  if (others_) others_->step();
 }
 
 const HeadPlace& RecordedWorld::head_of(const BodyStates& bodies, uint32_t id) const {
@@ -87,7 +126,7 @@ const HeadPlace& RecordedWorld::head_of(const BodyStates& bodies, uint32_t id) c
 void RecordedWorld::prepare(const Posing& posing, const BodyStates& bodies) {
   heads_.resize(kGaitStyleCount);
   std::array<bool, kGaitStyleCount> is_there{};
-  for (uint32_t id = 0; id < bodies.styles.size() && tracks_heads(); ++id) {
+  for (uint32_t id = 0; id < people_.size() && tracks_heads(); ++id) {
     bool& is_made = is_there[static_cast<size_t>(bodies.styles[id])];
     if (is_made) continue;
     heads_[static_cast<size_t>(bodies.styles[id])] =
@@ -101,13 +140,14 @@ void RecordedWorld::prepare(const Posing& posing, const BodyStates& bodies) {
     return dressed(samples, {recording().facts().tracks, &posing.gait_of(id), &head_of(bodies, id),
                              bodies.scales[id]});
   };
-  tracks_ = std::make_unique<Tracks>(recording().people().size(), dress, workers_);
+  tracks_ = std::make_unique<Tracks>(people_.size(), dress, workers_);
 }
 
 void RecordedWorld::archive(Archive& a) {
   a(frame_);
   // Whether people came in a frame ago decides how they walk on.
   a(present_);
+  if (others_) others_->archive(a);
 }
 
 void RecordedWorld::update(const Posing& posing, BodyStates& bodies, std::span<float> speeds_mps) {
@@ -129,6 +169,25 @@ void RecordedWorld::update(const Posing& posing, BodyStates& bodies, std::span<f
         walk_on(posing, {walk.data(), count}, scene_.step_s, first, simd_, bodies);
     }
   });
+  if (!others_) return;
+  others_->update(posing, bodies, speeds_mps);
+  std::span<const uint8_t> there = others_->present();
+  std::copy(there.begin() + static_cast<ptrdiff_t>(people_.size()), there.end(),
+            present_.begin() + static_cast<ptrdiff_t>(people_.size()));
+  lead_recorded(bodies, speeds_mps);
+}
+
+/// So that the others see them from here on.
+void RecordedWorld::lead_recorded(const BodyStates& bodies, std::span<const float> speeds_mps) {
+  Crowd& crowd = others_->crowd();
+  for (uint32_t id = 0; id < people_.size(); ++id) {
+    crowd.lead(id, present_[id] != 0);
+    if (present_[id] == 0) continue;
+    const Eigen::Vector3f ahead = bodies.roots[id].world_from_root * Eigen::Vector3f::UnitX();
+    const Eigen::Vector2d heading = ahead.head<2>().cast<double>().normalized();
+    crowd.drive(id, bodies.roots[id].position_m.head<2>(), heading,
+                static_cast<double>(speeds_mps[id]) * heading);
+  }
 }
 
 WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& posing,

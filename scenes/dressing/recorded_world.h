@@ -1,4 +1,5 @@
-// The world of a recording: people where they were recorded, dressed in bodies that walk there.
+// The world of a recording: people where they were recorded, dressed in bodies that walk there, and
+// people of the scene's other groups, who avoid them.
 // One rule: a recorded position is kept, that of the root or that of the head; the body does the
 // rest as anybody's does.
 #pragma once
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/crowd/crowd_world.h"
 #include "scenes/dressing/head_place.h"
 #include "scenes/dressing/tracks.h"
 #include "scenes/run/body_blocks.h"
@@ -27,11 +29,19 @@ class RecordedWorld final : public World {
   void place(BodyStates& bodies) override;
   void describe(RunInfo& info) const override;
   void prepare(const Posing& posing, const BodyStates& bodies) override;
-  void step() override { ++frame_; }
+  void step() override;
   void update(const Posing& posing, BodyStates& bodies, std::span<float> speeds_mps) override;
   void archive(Archive& a) override;
   std::span<const uint8_t> present() const override { return present_; }
   const std::vector<std::string>& notes() const override { return notes_; }
+
+  // Of the others, who are driven, steered, come and go.
+  void add_driven(DrivenAvatars& driven) const override;
+  void lead(const DrivenAvatars& driven) override;
+  int unplaced() const override { return others_ ? others_->unplaced() : 0; }
+  const SteeringCounters& steering() const override;
+  const TrafficCounters& traffic() const override;
+  std::vector<Stranding> strandings() const override;
 
  private:
   const Recording& recording() const { return *scene_.recorded->recording; }
@@ -40,17 +50,21 @@ class RecordedWorld final : public World {
   WalkNow walk_to(const TrackNow& now, uint32_t id, const Posing& posing, BodyStates& bodies,
                   float& speed_mps);
   void note_oddities();
+  void find_people();
+  void lead_recorded(const BodyStates& bodies, std::span<const float> speeds_mps);
 
   const Scene& scene_;
   Workers& workers_;
   SimdTarget simd_;
   Kinds kinds_;
-  uint16_t type_;  ///< of all of them
-  double rise_m_;  ///< of their roots above the ground, at scale 1
+  uint16_t type_;               ///< of all of them
+  double rise_m_;               ///< of their roots above the ground, at scale 1
+  std::vector<Person> people_;  ///< those who were recorded
   std::vector<BodyBlock> blocks_;
   std::vector<HeadPlace> heads_;  ///< by style; empty where nobody walks so
   std::unique_ptr<Tracks> tracks_;
-  std::vector<uint8_t> present_;
+  std::unique_ptr<CrowdWorld> others_;  ///< null: the recorded are alone
+  std::vector<uint8_t> present_;        ///< of all
   int64_t frame_ = 0;
   std::vector<std::string> notes_;
 };

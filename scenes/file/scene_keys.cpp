@@ -1,5 +1,7 @@
 #include "scenes/file/scene_keys.h"
 
+#include <iterator>
+
 #include "base/errors.h"
 #include "base/limits.h"
 #include "base/text.h"
@@ -29,7 +31,7 @@ bool is_recorded(const Fields& fields) { return is_kind(fields, "recorded"); }
 void read_kind(Reading&, Fields& fields, Scene&) {
   std::vector<std::string> absent = {"box", "recording"};
   if (is_box(fields)) absent = {"ground", "groups", "obstacles", "recording"};
-  if (is_recorded(fields)) absent = {"box", "step_s", "duration_s", "groups", "steering"};
+  if (is_recorded(fields)) absent = {"box", "step_s"};
   expect_keys_without(absent, scene_keys(), fields);
 }
 
@@ -41,6 +43,23 @@ void read_part(const KeyTable<Scene>& table, Reading& reading, const Fields& fie
   read_keys(table, reading, inner, scene);
 }
 
+void require_possible_ground(const Fields& fields, const Scene& scene) {
+  const YamlNode* node = fields.find("ground");
+  const std::string where = node != nullptr ? fields.where(*node) : fields.where();
+  if (!(scene.ground.size_m().minCoeff() >= kMinGround_m))
+    throw InputError(
+        where, fmt::format("ground of at least {} m x {} m", kMinGround_m, kMinGround_m),
+        fmt::format("{} m x {} m", scene.ground.size_m().x(), scene.ground.size_m().y()));
+  if (!(scene.ground.area_m2() <= kMaxGround_m2))
+    throw InputError(where, fmt::format("ground of at most {} m2", kMaxGround_m2),
+                     fmt::format("{}", scene.ground.area_m2()));
+  if (!scene.recorded) return;
+  const Rectangle& bounds = scene.recorded->recording->facts().bounds;
+  if (!scene.ground.contains(bounds.min_m) || !scene.ground.contains(bounds.max_m))
+    throw InputError(where, fmt::format("a ground that holds the recording ({})", show(bounds)),
+                     show(scene.ground));
+}
+
 /// Before all that has to lie on the ground, which may follow from it.
 void read_recorded(Reading& reading, const Fields& fields, Scene& scene) {
   const YamlNode& node = fields.require("recording");
@@ -48,7 +67,9 @@ void read_recorded(Reading& reading, const Fields& fields, Scene& scene) {
   scene.groups.push_back(recorded_group());
   Fields inner(fields.file(), node, recording_keys().title);
   read_keys(recording_keys(), reading, inner, scene);
+  const double duration_s = scene.duration_s;
   take_recording(scene, fields.find("ground") != nullptr, inner.where());
+  if (fields.find("duration_s") != nullptr) scene.duration_s = duration_s;
   reading.people += scene.groups.back().recorded;
   for (const Obstacle& wall : scene.obstacles) reading.obstacle_names.insert(wall.name);
 }
@@ -56,17 +77,11 @@ void read_recorded(Reading& reading, const Fields& fields, Scene& scene) {
 void read_ground(Reading& reading, Fields& fields, Scene& scene) {
   if (is_box(fields)) return;
   if (is_recorded(fields)) read_recorded(reading, fields, scene);
-  if (is_recorded(fields) && fields.find("ground") == nullptr) return;
-  const YamlNode& node = fields.require("ground");
-  scene.ground = read_rectangle(fields.file(), node, "ground");
-  if (!(scene.ground.size_m().minCoeff() >= kMinGround_m))
-    throw InputError(
-        fields.where(node),
-        fmt::format("ground of at least {} m x {} m", kMinGround_m, kMinGround_m),
-        fmt::format("{} m x {} m", scene.ground.size_m().x(), scene.ground.size_m().y()));
-  if (!(scene.ground.area_m2() <= kMaxGround_m2))
-    throw InputError(fields.where(node), fmt::format("ground of at most {} m2", kMaxGround_m2),
-                     fmt::format("{}", scene.ground.area_m2()));
+  if (fields.find("ground") != nullptr || !is_recorded(fields))
+    scene.ground = read_rectangle(fields.file(), fields.require("ground"), "ground");
+  // Only those who steer need a ground of limited size.
+  if (!is_recorded(fields) || fields.find("groups") != nullptr)
+    require_possible_ground(fields, scene);
 }
 
 void expect_at_most(int64_t most, const std::string& key, const Fields& fields) {
@@ -77,17 +92,19 @@ void expect_at_most(int64_t most, const std::string& key, const Fields& fields) 
 }
 
 void read_groups(Reading& reading, Fields& fields, Scene& scene) {
-  if (is_box(fields) || is_recorded(fields)) return;
+  if (is_box(fields)) return;
   expect_at_most(kMaxGroups, "groups", fields);
-  read_items(group_keys(), "groups", true, reading, fields, scene.groups);
+  // Those who were recorded stay the last.
+  std::vector<Group> recorded = std::move(scene.groups);
+  scene.groups.clear();
+  read_items(group_keys(), "groups", !is_recorded(fields), reading, fields, scene.groups);
+  std::move(recorded.begin(), recorded.end(), std::back_inserter(scene.groups));
 }
 
 void read_obstacles(Reading& reading, Fields& fields, Scene& scene) {
   expect_at_most(kMaxObstacles, "obstacles", fields);
   read_items(obstacle_keys(), "obstacles", false, reading, fields, scene.obstacles);
-  if (!scene.obstacles.empty())
-    require_few(fields.where(fields.require("obstacles")),
-                reading.people + static_cast<int64_t>(scene.obstacles.size()));
+  require_few(fields.where(), reading.people + static_cast<int64_t>(scene.obstacles.size()));
 }
 
 void read_box(Reading& reading, Fields& fields, Scene& scene) {

@@ -14,6 +14,7 @@
 #include "scenes/dressing/head_place.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
+#include "tests/scenes/walking_heads.h"
 
 namespace throng {
 namespace {
@@ -199,24 +200,6 @@ Scene lanes(double fps, const std::shared_ptr<const Model>& model) {
     scene.groups.push_back(group);
   }
   return scene;
-}
-
-/// Where the middle of somebody's head is, seen from above.
-Eigen::Vector2d head_of(const Model& model, const Frame& frame, const BodyStates& bodies,
-                        size_t id) {
-  std::vector<PartPose> poses(static_cast<size_t>(model.part_count()));
-  const RootFrame root{frame.roots[id].world_from_root, bodies.scales[id]};
-  const size_t begin = frame.posture_offsets[id], end = frame.posture_offsets[id + 1];
-  forward_kinematics(model.kinematics, frame.postures.subspan(begin, end - begin), {&root, 1},
-                     poses);
-  const auto head = std::find_if(model.parts.begin(), model.parts.end(),
-                                 [](const Part& part) { return part.name == "head"; });
-  Eigen::AlignedBox3f box;
-  for (const Eigen::Vector3f& vertex : head->mesh.vertices) box.extend(vertex);
-  const Eigen::Vector3d middle =
-      static_cast<double>(bodies.scales[id]) * box.center().cast<double>();
-  const PartPose& pose = poses[static_cast<size_t>(head - model.parts.begin())];
-  return (frame.roots[id].position_m + to_isometry(pose) * middle).head<2>();
 }
 
 /// 0: the right foot alone carries, 1: the left one, -1: both.
