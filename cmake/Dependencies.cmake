@@ -17,6 +17,7 @@ if(THRONG_SCENES)
   find_package(yaml-cpp REQUIRED)
   find_package(SQLite3 REQUIRED)  # trajectories
   find_package(ZLIB REQUIRED)     # recordings that are packed
+  pkg_search_module(HDF5 REQUIRED IMPORTED_TARGET GLOBAL hdf5-serial hdf5)  # recordings
   find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
   # Navigation meshes. Debian's package has neither a CMake nor a pkg-config file.
   find_path(RECAST_INCLUDE_DIR Recast.h PATH_SUFFIXES recastnavigation REQUIRED)

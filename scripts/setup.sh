@@ -16,6 +16,8 @@ packages=(
   libwebp-dev
   # trajectories: the file format, and polygons of the walkable area
   libsqlite3-dev libboost-dev
+  # recordings of the archive of experiments
+  libhdf5-dev
   # navigation meshes
   librecast-dev
   # figures of `throng paper --out`

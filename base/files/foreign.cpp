@@ -28,13 +28,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kCpuSecondsPerMiB = 0.5;
 constexpr double kWallSecondsPerMiB = 1;
-constexpr uint64_t kMemoryPerByte = 16;
 
 Budget budget_for(uint64_t file_bytes, const ForeignLimits& limits) {
   const double mib = static_cast<double>(file_bytes >> 20);
   return {.cpu_s = limits.cpu_s + static_cast<int>(kCpuSecondsPerMiB * mib),
           .wall_s = limits.wall_s + kWallSecondsPerMiB * mib,
-          .memory_bytes = limits.max_memory_bytes + kMemoryPerByte * file_bytes,
+          .memory_bytes = limits.max_memory_bytes + limits.memory_per_file_byte * file_bytes,
           .result_bytes = limits.max_result_bytes};
 }
 

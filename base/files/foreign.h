@@ -35,8 +35,8 @@ struct ForeignParser {
   std::string way_out;   ///< "export it again, for example as .stl"
 };
 
-/// What a file may cost. A MiB of it adds half a second of processor time, a second by the clock
-/// and 16 MiB of memory: a large file of a slow text format is no attack.
+/// What a file may cost. A MiB of it adds half a second of processor time and a second by the
+/// clock: a large file of a slow text format is no attack.
 struct ForeignLimits {
   uint64_t max_file_bytes = 512u << 20;
   /// Processor time, in whole seconds; what is sound and small takes milliseconds.
@@ -47,6 +47,8 @@ struct ForeignLimits {
   /// operating system, because their shadow memory is larger than any limit: there the parent
   /// looks at it every few milliseconds.
   uint64_t max_memory_bytes = uint64_t{2} << 30;
+  /// What a byte of the file adds; none where it is read and forgotten piece by piece.
+  uint64_t memory_per_file_byte = 16;
   uint64_t max_result_bytes = uint64_t{1} << 30;
 };
 

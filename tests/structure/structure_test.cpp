@@ -41,6 +41,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"assimp", {"avatars"}},
     {"yaml-cpp", {"scenes"}},
     {"sqlite3.h", {"scenes"}},
+    {"hdf5.h", {"scenes"}},
     {"boost", {"scenes"}},
     {"Recast.h", {"scenes"}},
     {"DetourNavMesh.h", {"scenes"}},

@@ -81,6 +81,7 @@ void unpack(const RegularFile& file, const std::function<void(std::string_view)>
   const ForeignParser zlib{.library = "zlib", .expected = kExpected, .way_out = "unpack it first"};
   const ForeignLimits limits{.max_file_bytes = uint64_t{64} << 30,
                              .max_memory_bytes = 64 << 20,
+                             .memory_per_file_byte = 0,
                              .max_result_bytes = uint64_t{1} << 40};
   parse_apart_in_pieces(
       file, zlib, limits,

@@ -51,10 +51,15 @@ class RecordingReader {
 /// In the order in which they are asked.
 std::span<const RecordingReader* const> recording_readers();
 
+const RecordingReader& archive_hdf5_reader();
 const RecordingReader& archive_text_reader();
 const RecordingReader& eth_text_reader();
+const RecordingReader& jupedsim_sqlite_reader();
 const RecordingReader& table_text_reader();
 const RecordingReader& vadere_reader();
+
+/// Text alone is read packed. Throws InputError.
+void refuse_packed(const RecordingSource& source, const RecordingReader& reader);
 
 /// What is missing, and the options that give it, as one error: "expected --fps 16 and --unit cm
 /// ...".

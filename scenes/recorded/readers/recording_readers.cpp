@@ -10,8 +10,9 @@
 namespace throng {
 
 std::span<const RecordingReader* const> recording_readers() {
-  static const std::array readers = {&vadere_reader(), &table_text_reader(), &eth_text_reader(),
-                                     &archive_text_reader()};
+  static const std::array readers = {&jupedsim_sqlite_reader(), &archive_hdf5_reader(),
+                                     &vadere_reader(),          &table_text_reader(),
+                                     &eth_text_reader(),        &archive_text_reader()};
   return readers;
 }
 
@@ -21,6 +22,12 @@ void ask_for(const RecordingBuilder& builder, bool rate, bool unit, std::string_
       : rate       ? "to be given its frames a second, as in --fps 25"
                    : "to be given its unit of length, as in --unit cm";
   throw InputError(builder.options().file.string(), what, found);
+}
+
+void refuse_packed(const RecordingSource& source, const RecordingReader& reader) {
+  if (source.is_packed())
+    throw InputError(source.file().path().string(), "a gzip file of text",
+                     fmt::format("one of {}; unpack it first", reader.kind()));
 }
 
 namespace {

@@ -1,0 +1,152 @@
+#include "scenes/recorded/readers/foreign_samples.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/errors.h"
+#include "base/text.h"
+
+namespace throng {
+namespace {
+
+constexpr size_t kSamplesAPiece = 8192;
+constexpr size_t kMostWktBytes = 512 << 10;
+
+struct FactsHead {
+  double fps = 0;
+  int64_t version = 0;
+  int64_t areas = 0;
+};
+
+static_assert(kSamplesAPiece * sizeof(ForeignSample) <= kMostPieceBytes);
+static_assert(sizeof(FactsHead) + kMostWktBytes <= kMostPieceBytes);
+
+template <typename T>
+std::span<const uint8_t> bytes_of(const T* values, size_t count) {
+  return {reinterpret_cast<const uint8_t*>(values), count * sizeof(T)};
+}
+
+/// In the parent.
+class Taker {
+ public:
+  Taker(RecordingBuilder& builder, const ForeignKind& kind) : builder_(builder), kind_(kind) {}
+
+  void take(std::span<const uint8_t> piece) {
+    if (!has_facts_)
+      facts(piece);
+    else
+      samples(piece);
+  }
+  /// A child that sent nothing, and did not fail, was told to.
+  void end() const {
+    if (!has_facts_) refuse();
+  }
+
+ private:
+  [[noreturn]] void refuse() const {
+    throw InputError(builder_.options().file.string(), kind_.parser.expected,
+                     fmt::format("one of which {} makes something else", kind_.parser.library));
+  }
+
+  void facts(std::span<const uint8_t> piece) {
+    FactsHead facts;
+    if (piece.size() < sizeof facts || piece.size() > sizeof facts + kMostWktBytes) refuse();
+    std::memcpy(&facts, piece.data(), sizeof facts);
+    has_facts_ = true;
+    const std::span<const uint8_t> wkt = piece.subspan(sizeof facts);
+    RecordingHead& head = builder_.head();
+    head.kind = facts.version > 0 ? fmt::format("{} {}", kind_.kind, facts.version) : kind_.kind;
+    head.tracks = kind_.tracks;
+    head.clock = RecordedClock::kFrames;
+    head.place = "row";
+    head.wkt.assign(wkt.begin(), wkt.end());
+    if (find_no_utf8(head.wkt) != std::string::npos) refuse();
+    unit_ = LengthUnit(builder_.options().unit_m.value_or(1));
+    head.wkt_unit_m = builder_.options().unit_m.value_or(1);
+    if (facts.areas > 1)
+      builder_.note("more walkable areas than the first, which is taken", facts.areas - 1,
+                    "areas may change with frames");
+    if (!builder_.options().fps && std::isnan(facts.fps))
+      ask_for(builder_, true, false, fmt::format("{} without an fps", kind_.parser.expected));
+    head.per_s = builder_.options().fps.value_or(facts.fps);
+    if (!(head.per_s > 0 && head.per_s <= 10'000))
+      throw InputError(builder_.options().file.string(), "an fps above 0 and up to 10000",
+                       fmt::format("{:g}; --fps 25 overrules the file", head.per_s));
+  }
+
+  void samples(std::span<const uint8_t> piece) {
+    if (piece.size() % sizeof(ForeignSample) != 0) refuse();
+    for (; !piece.empty(); piece = piece.subspan(sizeof(ForeignSample))) {
+      ForeignSample sample;
+      std::memcpy(&sample, piece.data(), sizeof sample);
+      ++row_;
+      if (std::isinf(sample.z_m)) builder_.refuse(row_, "z", "infinity");
+      if (std::isinf(sample.heading_rad)) builder_.refuse(row_, "an orientation", "infinity");
+      builder_.add(sample.id,
+                   {.instant = static_cast<double>(sample.frame),
+                    .x_m = unit_.metres(sample.x_m),
+                    .y_m = unit_.metres(sample.y_m),
+                    .z_m = static_cast<float>(unit_.metres(static_cast<double>(sample.z_m))),
+                    .heading_rad = sample.heading_rad},
+                   row_);
+    }
+  }
+
+  RecordingBuilder& builder_;
+  const ForeignKind& kind_;
+  LengthUnit unit_;
+  bool has_facts_ = false;
+  int64_t row_ = 0;
+};
+
+}  // namespace
+
+void ForeignSender::facts(const ForeignFacts& facts) {
+  if (facts.wkt.size() > kMostWktBytes)
+    throw Refusal(fmt::format("a walkable area of at most {} KiB", kMostWktBytes >> 10),
+                  fmt::format("one of {} KiB", facts.wkt.size() >> 10));
+  const FactsHead head{facts.fps, facts.version, facts.areas};
+  std::vector<uint8_t> piece(sizeof head + facts.wkt.size());
+  std::memcpy(piece.data(), &head, sizeof head);
+  std::memcpy(piece.data() + sizeof head, facts.wkt.data(), facts.wkt.size());
+  send_(piece);
+}
+
+void ForeignSender::sample(const ForeignSample& sample) {
+  samples_.push_back(sample);
+  if (samples_.size() == kSamplesAPiece) end();
+}
+
+void ForeignSender::end() {
+  send_(bytes_of(samples_.data(), samples_.size()));
+  samples_.clear();
+}
+
+void read_apart(const RecordingSource& source, const ForeignKind& kind,
+                const std::function<void(const RegularFile&, ForeignSender&)>& parse,
+                RecordingBuilder& builder) {
+  if (!builder.options().columns.empty())
+    throw InputError("--columns", "a table of text", std::string(kind.parser.expected));
+  const ForeignLimits limits{.max_file_bytes = uint64_t{64} << 30,
+                             .max_memory_bytes = uint64_t{1} << 30,
+                             .memory_per_file_byte = 0,
+                             .max_result_bytes = uint64_t{1} << 40};
+  Taker taker(builder, kind);
+  parse_apart_in_pieces(
+      source.file(), kind.parser, limits,
+      [&](const RegularFile& file, const SendPiece& send) {
+        ForeignSender sender(send);
+        parse(file, sender);
+        sender.end();
+      },
+      [&](std::span<const uint8_t> piece) { taker.take(piece); });
+  taker.end();
+}
+
+std::string path_of(const RegularFile& file) {
+  return fmt::format("/proc/self/fd/{}", file.descriptor());
+}
+
+}  // namespace throng

@@ -1,0 +1,59 @@
+// Samples from the child process in which a library reads a binary file, to the builder.
+// One rule: what arrives is checked like a file; a piece that does not fit is refused.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/files/foreign.h"
+#include "scenes/recorded/readers/recording_reader.h"
+
+namespace throng {
+
+/// What comes before all samples.
+struct ForeignFacts {
+  double fps = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the file does not say
+  int64_t version = 0;                                    ///< of the format
+  int64_t areas = 0;                                      ///< how many walkable areas there are
+  std::string wkt{};                                      ///< the first of them
+};
+
+struct ForeignSample {
+  int64_t id = 0;
+  int64_t frame = 0;
+  double x_m = 0, y_m = 0;
+  float z_m = std::numeric_limits<float>::quiet_NaN();
+  float heading_rad = std::numeric_limits<float>::quiet_NaN();
+};
+
+/// In the child: many samples to a piece.
+class ForeignSender {
+ public:
+  explicit ForeignSender(const SendPiece& send) : send_(send) {}
+  void facts(const ForeignFacts& facts);
+  void sample(const ForeignSample& sample);
+  void end();
+
+ private:
+  const SendPiece& send_;
+  std::vector<ForeignSample> samples_;
+};
+
+struct ForeignKind {
+  ForeignParser parser;
+  std::string_view kind;
+  TrackedPoint tracks = TrackedPoint::kCentre;
+};
+
+/// Runs `parse` in a child and feeds the builder; the clock is one of frames.
+void read_apart(const RecordingSource& source, const ForeignKind& kind,
+                const std::function<void(const RegularFile&, ForeignSender&)>& parse,
+                RecordingBuilder& builder);
+
+/// How a library finds a file again that is open.
+std::string path_of(const RegularFile& file);
+
+}  // namespace throng
