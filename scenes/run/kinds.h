@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "avatars/gait/gait.h"
@@ -25,6 +27,14 @@ Kinds kinds_of(const Scene& scene);
 
 /// Around every posture at all.
 RootSphere driven_sphere(const Model& model);
+
+/// The values of a column of posture rows; none yet.
+struct ColumnSpan {
+  float low = std::numeric_limits<float>::infinity();
+  float high = -std::numeric_limits<float>::infinity();
+};
+/// Around every posture whose columns are within `spans`, one a column, none of them empty.
+RootSphere sphere_around(const Model& model, std::span<const ColumnSpan> spans);
 
 std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere);
 std::shared_ptr<const BodyType> obstacle_type(const Obstacle& obstacle);
