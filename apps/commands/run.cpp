@@ -23,6 +23,7 @@
 #include "base/say.h"
 #include "lcmtypes/codec/readable.h"
 #include "lcmtypes/log/log_sink.h"
+#include "lcmtypes/replay/log_world.h"
 #include "lcmtypes/wire/drive_receiver.h"
 #include "lcmtypes/wire/lcm_sink.h"
 #include "scenes/run/runner.h"
@@ -47,6 +48,7 @@ Examples:
   throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
   throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
   throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
+  throng run out/plaza.lcmlog --exact --part-volume obb    the poses of a log, culled again
 
 The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
 and (without --exact) --strategy; never on --threads, --simd, --pair-search or --pace. Under a deadline
@@ -112,7 +114,8 @@ std::vector<std::string> pair_search_names() {
 }
 
 void add_options(CommandOptions& app, RunOptions& options) {
-  app.add_option("SCENE", options.scene, "A scene file, or a name from `throng scenes`")
+  app.add_option("SCENE", options.scene,
+                 "A scene file, a name from `throng scenes`, or a log to be culled again")
       ->required();
   app.add_option("--avatars", options.avatars, "People in all; scales the scene's groups")
       ->check(whole_option(1, PairKey::kMaxId, "a whole number from 1 to 16777215"))
@@ -202,24 +205,48 @@ SimulationOptions simulation_options(const RunOptions& options) {
 /// The scene as it is to run, and how many times longer its plan became.
 struct Prepared {
   Scene scene;
+  WorldFactory world = {};  ///< empty: the scene's own
+  std::optional<RunReport::Recording> recording = {};
   double plan_factor = 1;
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = {};
 };
+
+Prepared log_for(const RunOptions& options) {
+  const std::pair<bool, const char*> asked[] = {{options.avatars.has_value(), "--avatars"},
+                                                {options.seed.has_value(), "--seed"},
+                                                {!options.steering.empty(), "--steering"}};
+  for (const auto& [is_asked, option] : asked)
+    if (is_asked)
+      throw InputError(option, "a scene: whoever is in a log is as the log has it",
+                       fmt::format("'{}'", options.scene));
+  LogRun log = read_log_run(options.scene);
+  Prepared out{std::move(log.scene), std::move(log.world),
+               RunReport::Recording{std::move(log.facts), log.people}};
+  if (options.seconds && *options.seconds > out.scene.duration_s) {
+    out.notes.push_back(
+        fmt::format("{} is over after {:.6g} s", options.scene, out.scene.duration_s));
+  } else if (options.seconds) {
+    out.scene.duration_s = *options.seconds;
+  }
+  return out;
+}
 
 Prepared scene_for(const RunOptions& options) {
   require_no_other_kind(options.scene);
-  Prepared out;
-  out.scene = load_scene(options.scene);
+  Prepared out{load_scene(options.scene)};
   Scene& scene = out.scene;
   if (options.seconds) scene.duration_s = *options.seconds;
   if (options.seed) scene.seed = *options.seed;
-  if (!options.part_volume.empty()) scene.part_volume = volume_of(options.part_volume).value();
-  if (options.exact) scene.exact = true;
   if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
-  if (options.avatars) {
-    out.plan_factor = scale_to(scene, *options.avatars, out.notes);
-    for (const std::string& note : out.notes) say("note: {}\n", note);
-  }
+  if (options.avatars) out.plan_factor = scale_to(scene, *options.avatars, out.notes);
+  return out;
+}
+
+Prepared prepared(const RunOptions& options) {
+  Prepared out = is_log(options.scene) ? log_for(options) : scene_for(options);
+  if (!options.part_volume.empty()) out.scene.part_volume = volume_of(options.part_volume).value();
+  if (options.exact) out.scene.exact = true;
+  for (const std::string& note : out.notes) say("note: {}\n", note);
   return out;
 }
 
@@ -241,8 +268,9 @@ PlannedFile planned_log(const RunOptions& options) {
   if (options.log == "off") return log;
   log.path = options.log;
   if (!log.path.empty()) return log;
-  // The log of the run that was stopped has the other name.
-  const char* ending = options.checkpoints.resume.empty() ? ".lcmlog" : "_resumed.lcmlog";
+  // A log that is culled again, and that of the run that was stopped, have the other names.
+  const std::string ending = fmt::format("{}{}.lcmlog", is_log(options.scene) ? "_culled" : "",
+                                         options.checkpoints.resume.empty() ? "" : "_resumed");
   log.path = fs::path("out") / fs::path(options.scene).stem().concat(ending);
   log.makes_folder = true;
   // Nobody chose the name, so nobody chose to lose what has it.
@@ -409,15 +437,16 @@ int report_end(const RunOptions& options, const RunReport& report, const Listene
 }
 
 int run_scene(const RunOptions& options) {
-  const SimulationOptions simulated = simulation_options(options);
+  SimulationOptions simulated = simulation_options(options);
   const PlannedFile log = planned_log(options);
   OutputPlan plan = planned_outputs(options, log);
   plan.check();  // before what takes its time
-  Prepared prepared = scene_for(options);
-  const double states = state_every(options, prepared.scene);
-  plan_inputs(prepared.scene, plan);
+  Prepared source = prepared(options);
+  const double states = state_every(options, source.scene);
+  plan_inputs(source.scene, plan);
   plan.check();
-  Simulation simulation(std::move(prepared.scene), simulated);
+  simulated.world = std::move(source.world);
+  Simulation simulation(std::move(source.scene), simulated);
   if (!log.path.empty() || options.lcm != "off" || !options.recorders.html.empty())
     require_readable(simulation.info(), options.publish_parts);
   for (const std::string& note : simulation.notes()) say("note: {}\n", note);
@@ -439,8 +468,9 @@ int run_scene(const RunOptions& options) {
   RunReport report =
       report_of(options, simulated, simulation.scene(), summary, listeners, log.path);
   if (driver != nullptr) report.driven = driver->counts();
-  report.plan_factor = prepared.plan_factor;
-  report.notes = std::move(prepared.notes);
+  report.recording = std::move(source.recording);
+  report.plan_factor = source.plan_factor;
+  report.notes = std::move(source.notes);
   report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
   report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
   return report_end(options, report, listeners, checkpoints);

@@ -25,9 +25,10 @@ struct Signature {
 
 constexpr const char* kLogReaders =
     "`throng view`, `throng check`, `throng info`, `throng monitor` and `throng render` read it";
+constexpr std::string_view kLogBegins = "\xED\xA1\xDA\x01";
 
 constexpr std::array<Signature, 16> kSignatures = {{
-    {"\xED\xA1\xDA\x01", "a log of a run", kLogReaders},
+    {kLogBegins, "a log of a run", kLogReaders},
     {"THRONGCP", "a checkpoint", "`throng run SCENE --resume FILE` goes on from it"},
     {std::string_view("SQLite format 3\0", 16), "a SQLite database, as --trajectory writes",
      "JuPedSim and PedPy read trajectories"},
@@ -89,6 +90,11 @@ std::optional<FileKind> known_kind(const fs::path& file) {
   if (text.starts_with("{") && text.find("\"throng\"") != std::string_view::npos)
     return FileKind{"results that --json wrote", ""};
   return std::nullopt;
+}
+
+bool is_log(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error) && head_of(file).starts_with(kLogBegins);
 }
 
 void require_no_other_kind(const std::string& name) {

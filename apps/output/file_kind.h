@@ -16,6 +16,9 @@ struct FileKind {
 /// Nothing for a scene, for what nobody knows, and for what is not a regular file.
 std::optional<FileKind> known_kind(const std::filesystem::path& file);
 
+/// Whether it begins like a log of a run, or of anything else that LCM recorded.
+bool is_log(const std::filesystem::path& file);
+
 /// Throws InputError if `name` is a file of a known kind that is no scene.
 void require_no_other_kind(const std::string& name);
 

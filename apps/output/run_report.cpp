@@ -139,6 +139,17 @@ std::string deadline_text(const RunReport& report) {
   return text;
 }
 
+Json recording_json(const RunReport::Recording& recording) {
+  Json json = {{"kind", recording.facts.kind},
+               {"people", recording.people},
+               {"frames", recording.facts.frames},
+               {"fps", recording.facts.fps},
+               {"odd", Json::array()}};
+  for (const Oddity& odd : recording.facts.odd)
+    json["odd"].push_back({{"what", odd.what}, {"count", odd.count}, {"first", odd.first}});
+  return json;
+}
+
 Json to_json(const RunReport& report) {
   const RunSummary& summary = report.summary;
   Json json;
@@ -160,6 +171,7 @@ Json to_json(const RunReport& report) {
   json["plan"] = {{"grew", report.plan_factor},
                   {"ground_m", {report.ground_m.x(), report.ground_m.y()}}};
   json["notes"] = report.notes;
+  if (report.recording) json["recording"] = recording_json(*report.recording);
   json["parts"] = summary.parts;
   json["frames"] = summary.frames;
   json["stopped_early"] = summary.stopped_early;

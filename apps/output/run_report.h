@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lcmtypes/wire/drive_receiver.h"
+#include "scenes/recorded/recording.h"
 #include "scenes/run/runner.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
 
@@ -49,6 +50,13 @@ struct RunReport {
     ContactTotals totals;
   };
   std::optional<Contacts> contacts;  ///< with --contacts
+
+  /// What was culled instead of a crowd of our own.
+  struct Recording {
+    RecordingFacts facts;
+    int64_t people = 0;
+  };
+  std::optional<Recording> recording;
 
   /// People of one group who cannot reach one of its goals, at the end.
   struct Stranded {
