@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -10,11 +11,14 @@
 #include "avatars/mesh/tri.h"
 #include "base/errors.h"
 #include "kinematics/kdl_tree.h"
+#include "lcmtypes/codec/readable.h"
 #include "lcmtypes/codec/run_reader.h"
 #include "lcmtypes/log/log_check.h"
+#include "lcmtypes/replay/log_world.h"
 #include "scenes/box/box_world.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/checkpoint.h"
+#include "scenes/sinks/trajectories/walkable_area.h"
 #include "tests/kinematics/finite_poses.h"
 
 namespace throng::fuzz {
@@ -152,6 +156,27 @@ bool log(std::span<const uint8_t> input) {
     promise(!again.torn && !again.damaged && again.log_events == messages, "a log that is mended");
     promise(again.damage.empty(), "a mended log that holds nothing damaged");
     return report.is_sound();
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+bool culled_log(std::span<const uint8_t> input) {
+  const File file("c.lcmlog", input);
+  try {
+    const LogRun run = read_log_run(file.path());
+    promise(run.facts.frames >= 1 && run.scene.step_s > 0 && run.scene.duration_s > 0,
+            "time that runs");
+    SimulationOptions options;
+    options.world = run.world;
+    Simulation simulation(run.scene, options);
+    for (int64_t i = 0; i < std::min<int64_t>(run.facts.frames, 5); ++i)
+      for (const RootPose& root : simulation.step().roots)
+        promise(root.position_m.allFinite(), "finite positions");
+    promise(!walkable_wkt(run.scene).empty(), "a ground");
+    require_readable(simulation.info(), true);
+    return true;
   } catch (const InputError& error) {
     expect_words(error);
     return false;

@@ -27,6 +27,8 @@ bool scene(std::span<const uint8_t> input);
 /// A row of messages: channel byte | u16 length, big-endian | bytes.
 bool messages(std::span<const uint8_t> input);
 bool log(std::span<const uint8_t> input);
+/// A log that is culled again.
+bool culled_log(std::span<const uint8_t> input);
 bool checkpoint(std::span<const uint8_t> input);
 /// A mesh file behind a byte that says which of kMeshExtensions it has.
 bool mesh(std::span<const uint8_t> input);
@@ -38,9 +40,13 @@ struct Target {
   std::string_view name;
   bool (*run)(std::span<const uint8_t> input);
 };
-inline constexpr Target kTargets[] = {{"tri", tri},     {"urdf", urdf},
-                                      {"scene", scene}, {"messages", messages},
-                                      {"log", log},     {"checkpoint", checkpoint},
+inline constexpr Target kTargets[] = {{"tri", tri},
+                                      {"urdf", urdf},
+                                      {"scene", scene},
+                                      {"messages", messages},
+                                      {"log", log},
+                                      {"culled_log", culled_log},
+                                      {"checkpoint", checkpoint},
                                       {"mesh", mesh}};
 
 /// Inputs to start from: fixtures, what Throng writes itself, and what is known to have crashed the
