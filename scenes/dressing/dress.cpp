@@ -184,6 +184,47 @@ class Stretch {
       const float phase = since_left[i] + leftmost;  // NaN stays NaN
       knots_[i].phase = phase < 1 ? phase : phase - 1;
     }
+    bridge_phases();
+  }
+
+  /// How far the gait goes on from a sample to the next by the distance walked.
+  double strides_after(size_t i) const {
+    const double ahead_mps = static_cast<double>(std::max(knots_[i].ahead_mps, 0.0f));
+    const double stride_m = static_cast<double>(
+        wearer_.gait->stride_length_m(static_cast<float>(ahead_mps), wearer_.scale));
+    return ahead_mps * (track_[i + 1].time_s - track_[i].time_s) / stride_m;
+  }
+
+  /// Where no sway is seen before or between those that are, by distance, so that nobody has to
+  /// change step all at once when one is seen.
+  void bridge_phases() {
+    const auto is_seen = [](const Knot& knot) { return !std::isnan(knot.phase); };
+    const auto wrapped = [](double phase) {
+      const auto rest = static_cast<float>(phase - std::floor(phase));
+      return rest < 1 ? rest : 0;
+    };
+    const auto first = std::find_if(knots_.begin(), knots_.end(), is_seen);
+    if (first == knots_.end()) return;
+    auto seen = static_cast<size_t>(first - knots_.begin());
+    for (size_t i = seen; i > 0; --i)
+      knots_[i - 1].phase = wrapped(static_cast<double>(knots_[i].phase) - strides_after(i - 1));
+    while (true) {
+      size_t next = seen + 1;
+      double strides = 0;
+      for (; next < knots_.size() && !is_seen(knots_[next]); ++next)
+        strides += strides_after(next - 1);
+      if (next == knots_.size()) return;
+      strides += strides_after(next - 1);
+      const auto from = static_cast<double>(knots_[seen].phase);
+      const double off =
+          std::remainder(static_cast<double>(knots_[next].phase) - (from + strides), 1.0);
+      double walked = 0;
+      for (size_t i = seen + 1; i < next; ++i) {
+        walked += strides_after(i - 1);
+        knots_[i].phase = wrapped(from + walked + (strides > 0 ? off * walked / strides : 0));
+      }
+      seen = next;
+    }
   }
 
   std::span<const Sample> track_;

@@ -15,16 +15,19 @@
 namespace throng {
 namespace {
 
-/// How far a stride may be from what the gait has at a speed: a head that sways sooner or later
-/// than that sways for another reason.
-constexpr float kShortest = 0.6f;
-constexpr float kLongest = 1.7f;
+/// How far strides may be from what the gait has at a speed: beyond, feet would be out of reach.
+constexpr float kShortest = 0.65f;
+constexpr float kLongest = 1.5f;
+/// A phase gets to where it is seen within some of these: a quarter of a stride.
+constexpr float kCatchUp_s = 0.25f;
 
-/// How much longer strides have to be for the phase to get to where it is seen, having gone on by
-/// `nominal` otherwise.
-float stretch_to(float seen_phase, float phase, float nominal) {
+/// How much longer strides have to be for the phase to get to where it is seen; without, it goes on
+/// by `nominal` in a step.
+float stretch_to(float seen_phase, float phase, float nominal, double step_s) {
   if (std::isnan(seen_phase) || !(nominal > 0)) return 1;
-  const float wanted = std::remainder(seen_phase - phase, 1.0f);
+  const float behind = std::remainder(seen_phase - (phase + nominal), 1.0f);
+  const float share = std::min(static_cast<float>(step_s) / kCatchUp_s, 1.0f);
+  const float wanted = nominal + share * behind;
   return wanted > 0 ? std::clamp(nominal / wanted, kShortest, kLongest) : kLongest;
 }
 
@@ -205,7 +208,7 @@ WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& p
   const float gait_mps = was_present ? bodies.gait_mps[id] : std::max(now.ahead_mps, 0.0f);
   const float nominal = std::max(now.ahead_mps, 0.0f) * static_cast<float>(scene_.step_s) /
                         posing.gait_of(id).stride_length_m(gait_mps, scale);
-  const float stretch = was_present ? stretch_to(now.phase, phase, nominal) : 1;
+  const float stretch = was_present ? stretch_to(now.phase, phase, nominal, scene_.step_s) : 1;
   const SinCos turn = sin_cos(static_cast<double>(now.heading_rad));
   Eigen::Vector2d at = now.position_m;
   if (tracks_heads()) {

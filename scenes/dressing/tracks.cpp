@@ -14,12 +14,12 @@ float between(float from, float to, double u) {
   return static_cast<float>(std::lerp(static_cast<double>(from), static_cast<double>(to), u));
 }
 
-/// The shorter way round.
+/// The shorter way round; NaN stays NaN.
 float phase_between(float from, float to, double u) {
   const float turn = std::remainder(to - from, 1.0f);
   const float phase = between(from, from + turn, u);
   const float rest = phase - std::floor(phase);
-  return rest < 1 ? rest : 0;
+  return rest >= 1 ? 0 : rest;
 }
 
 TrackNow at_knot(const Knot& knot) {

@@ -127,7 +127,8 @@ void take_recording(Scene& scene, bool has_ground, const std::string& where) {
   people.recording = read_recording(people.options);
   const RecordingFacts& facts = people.recording->facts();
   scene.step_s = step_of(facts, people, where);
-  scene.duration_s = std::max(facts.duration_s, 1e-6);
+  // A run ends before the frame at its end: the last recorded one is a step earlier.
+  scene.duration_s = facts.duration_s + scene.step_s;
   if (people.geometry) scene.area = area_of(facts, people.options.file.string());
   if (!has_ground) scene.ground = ground_of(facts, scene.area);
   add_geometry(scene, where);

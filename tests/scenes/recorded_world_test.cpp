@@ -14,6 +14,7 @@
 #include "scenes/file/recorded_scene.h"
 #include "scenes/run/simulation.h"
 #include "tests/scenes/recorded/recording_folder.h"
+#include "tests/scenes/slide_meter.h"
 #include "tests/scenes/walking_heads.h"
 
 namespace throng {
@@ -122,6 +123,23 @@ TEST_F(RecordedWorldTest, HeadsKeepToTheRecordWithinTwoCentimetres) {
         << "seed " << seed;
 }
 
+/// As in a crowd of our own.
+void expect_planted_feet(const Scene& scene, const std::string& name) {
+  Simulation simulation(scene, {});
+  SlideMeter meter(simulation);
+  const auto frames = static_cast<int64_t>(std::min(scene.duration_s, 60.0) / scene.step_s);
+  for (int64_t i = 0; i < frames; ++i) meter.watch(simulation.step());
+  ASSERT_GT(meter.slides_m.size(), 100u) << name;
+  fmt::print("{}: {} steps slide {:.1f} mm in the median, {:.1f} mm at 95 %\n", name,
+             meter.slides_m.size(), 1e3 * meter.quantile_m(0.5), 1e3 * meter.quantile_m(0.95));
+  EXPECT_LT(meter.quantile_m(0.5), 0.002) << name;
+}
+
+TEST_F(RecordedWorldTest, PlantedFeetStayWhereTheyArePut) {
+  for (const TrackedPoint tracks : {TrackedPoint::kHead, TrackedPoint::kCentre})
+    expect_planted_feet(scene(wandering(11, 20, 600, 25), tracks), "wandering");
+}
+
 /// With real recordings, where they are at hand.
 TEST_F(RecordedWorldTest, RealHeadsAndCentresAreKeptAsWell) {
   const char* folder = std::getenv("THRONG_RECORDINGS");
@@ -129,6 +147,7 @@ TEST_F(RecordedWorldTest, RealHeadsAndCentresAreKeptAsWell) {
   const auto run = [&](const std::string& name, RecordingOptions options) {
     options.file = std::filesystem::path(folder) / name;
     Scene made = recorded_scene(options);
+    expect_planted_feet(made, name);
     if (made.recorded->recording->facts().tracks == TrackedPoint::kHead) {
       EXPECT_GE(share_within_2_cm(made), 0.999) << name;
     } else {
@@ -144,6 +163,7 @@ TEST_F(RecordedWorldTest, RealHeadsAndCentresAreKeptAsWell) {
   run("uo-050-180-180.txt", at_16_fps_in_cm);
   run("uo-180-180-120.txt", at_16_fps_in_cm);
   run("n34_cam2.csv", at_25_fps);
+  run("jupedsim_bottleneck.sqlite", {});
   run("crowdit.csv.gz", {});
   run("pathfinder.csv", {});
 }
