@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "base/append.h"
 #include "bench/version_json.h"
 
 namespace throng::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Text = std::back_insert_iterator<std::string>;
 
 double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
@@ -25,29 +24,27 @@ Json crowd_json(const BenchOptions& options) {
           {"seed", options.seed}};
 }
 
-void put_engine(Text to, const EngineResult& engine) {
+void put_engine(std::string& out, const EngineResult& engine) {
   if (engine.agrees)
-    fmt::format_to(to, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9.2f}{:>9.2f}  {}\n",
-                   engine.name + " " + engine.version, engine.ms.min, engine.ms.median,
-                   engine.ms.p95, engine.pairs, engine.ratio, engine.ratio_boxes, engine.what);
+    append(out, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9.2f}{:>9.2f}  {}\n",
+           engine.name + " " + engine.version, engine.ms.min, engine.ms.median, engine.ms.p95,
+           engine.pairs, engine.ratio, engine.ratio_boxes, engine.what);
   else
-    fmt::format_to(to, "  {:<22}no time: its {} pairs are not the reference's\n",
-                   engine.name + " " + engine.version, engine.pairs);
+    append(out, "  {:<22}no time: its {} pairs are not the reference's\n",
+           engine.name + " " + engine.version, engine.pairs);
 }
 
-void put_quarters(Text to, const BenchResult& r) {
+void put_quarters(std::string& out, const BenchResult& r) {
   if (r.quarters.empty()) return;
-  fmt::format_to(to, "\n  {:<22}{:>9}{:>11}", "as the crowd mixes", "ours ms", "pairs");
-  for (const EngineResult& engine : r.engines) fmt::format_to(to, "{:>9}", engine.name);
+  append(out, "\n  {:<22}{:>9}{:>11}", "as the crowd mixes", "ours ms", "pairs");
+  for (const EngineResult& engine : r.engines) append(out, "{:>9}", engine.name);
   for (const Quarter& quarter : r.quarters) {
-    fmt::format_to(to, "\n  {:<22}{:>9.3f}{:>11}",
-                   fmt::format("frames {} to {}", quarter.first, quarter.last), quarter.ms,
-                   quarter.pairs);
+    append(out, "\n  {:<22}{:>9.3f}{:>11}",
+           fmt::format("frames {} to {}", quarter.first, quarter.last), quarter.ms, quarter.pairs);
     for (size_t i = 0; i < r.engines.size(); ++i)
-      fmt::format_to(to, "{:>9}",
-                     r.engines[i].agrees ? fmt::format("{:.2f}", quarter.ratios[i]) : "-");
+      append(out, "{:>9}", r.engines[i].agrees ? fmt::format("{:.2f}", quarter.ratios[i]) : "-");
   }
-  fmt::format_to(to, "\n");
+  append(out, "\n");
 }
 
 Json quarters_json(const BenchResult& r) {
@@ -68,33 +65,31 @@ Json quarters_json(const BenchResult& r) {
 
 std::string to_text(const BenchResult& r, const MachineLine& machine) {
   std::string out;
-  const Text to = std::back_inserter(out);
-  fmt::format_to(to, "{}: {} avatars, {:.4g} per m2, {} frames, {} thread{}, {} on {}\n\n",
-                 r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square", r.options.avatars,
-                 r.options.per_m2, r.options.frames, r.options.threads,
-                 r.options.threads == 1 ? "" : "s", r.throng.simd, machine.cpu);
-  fmt::format_to(to, "  {:<22}{:>9}{:>9}{:>9}{:>11}{:>9}{:>9}\n", "", "min ms", "median", "p95",
-                 "pairs", "/ ours", "/ boxes");
+  append(out, "{}: {} avatars, {:.4g} per m2, {} frames, {} thread{}, {} on {}\n\n",
+         r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square", r.options.avatars,
+         r.options.per_m2, r.options.frames, r.options.threads, r.options.threads == 1 ? "" : "s",
+         r.throng.simd, machine.cpu);
+  append(out, "  {:<22}{:>9}{:>9}{:>9}{:>11}{:>9}{:>9}\n", "", "min ms", "median", "p95", "pairs",
+         "/ ours", "/ boxes");
   const ThrongResult& t = r.throng;
   const std::string name = "throng ordop26";
-  fmt::format_to(to, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", name, t.ms.min,
-                 t.ms.median, t.ms.p95, t.pairs, "1", "",
-                 "kinematics, boxes, or-DOP 26, sorted pairs, begin/end");
-  fmt::format_to(to, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", "throng boxes",
-                 t.boxes_ms.min, t.boxes_ms.median, t.boxes_ms.p95, t.box_pairs, "", "1",
-                 "the same less or-DOP tests, sorting and events");
-  for (const EngineResult& engine : r.engines) put_engine(to, engine);
+  append(out, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", name, t.ms.min, t.ms.median,
+         t.ms.p95, t.pairs, "1", "", "kinematics, boxes, or-DOP 26, sorted pairs, begin/end");
+  append(out, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", "throng boxes",
+         t.boxes_ms.min, t.boxes_ms.median, t.boxes_ms.p95, t.box_pairs, "", "1",
+         "the same less or-DOP tests, sorting and events");
+  for (const EngineResult& engine : r.engines) put_engine(out, engine);
   for (const Skipped& skipped : r.skipped)
-    fmt::format_to(to, "  {:<22}skipped: {}\n", skipped.name, skipped.reason);
-  put_quarters(to, r);
-  fmt::format_to(to, "\n  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10}\n", "our stages", "volume",
-                 "updates", "tests", "passed", "ms");
+    append(out, "  {:<22}skipped: {}\n", skipped.name, skipped.reason);
+  put_quarters(out, r);
+  append(out, "\n  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10}\n", "our stages", "volume", "updates",
+         "tests", "passed", "ms");
   for (const StageRow& stage : t.stages)
-    fmt::format_to(to, "  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10.3f}\n", stage.stage, stage.volume,
-                   stage.updates, stage.tests, stage.passed, stage.ms);
-  fmt::format_to(to, "\n  {:.2f} kB of memory an avatar, whole process{}; hash {:016x}\n",
-                 static_cast<double>(machine.peak_rss_bytes) / 1e3 / r.options.avatars,
-                 r.engines.empty() ? "" : " with the engines", t.hash);
+    append(out, "  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10.3f}\n", stage.stage, stage.volume,
+           stage.updates, stage.tests, stage.passed, stage.ms);
+  append(out, "\n  {:.2f} kB of memory an avatar, whole process{}; hash {:016x}\n",
+         static_cast<double>(machine.peak_rss_bytes) / 1e3 / r.options.avatars,
+         r.engines.empty() ? "" : " with the engines", t.hash);
   return out;
 }
 
@@ -153,11 +148,10 @@ std::string to_csv(const BenchResult& r) {
   std::string out;
   const auto put = [&](const std::string& name, const std::string& version, const Spread& ms,
                        uint64_t pairs, double times_ours) {
-    fmt::format_to(std::back_inserter(out),
-                   "{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f},{}\n", r.options.avatars,
-                   r.options.per_m2, r.options.threads, r.options.frames, r.throng.simd, name,
-                   version, ms.min, ms.median, ms.p95, pairs, times_ours,
-                   r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square");
+    append(out, "{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f},{}\n", r.options.avatars,
+           r.options.per_m2, r.options.threads, r.options.frames, r.throng.simd, name, version,
+           ms.min, ms.median, ms.p95, pairs, times_ours,
+           r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square");
   };
   const ThrongResult& t = r.throng;
   put("throng", "ordop26", t.ms, t.pairs, 1);
@@ -169,20 +163,18 @@ std::string to_csv(const BenchResult& r) {
 
 std::string to_text(const AgeingResult& r) {
   std::string out;
-  const Text to = std::back_inserter(out);
-  fmt::format_to(to, "After {} frames of walking, ms a frame\n\n  {:<22}{:>12}{:>12}{:>9}{:>12}\n",
-                 r.walked_frames, "", "fresh", "aged", "ratio", "aged / ours");
-  fmt::format_to(to,
-                 "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}{:>12}  updates and tests: {} fresh, {} aged\n",
-                 "throng ordop26", r.fresh_ms, r.aged_ms, ratio(r.aged_ms, r.fresh_ms), 1,
-                 r.fresh_work, r.aged_work);
+  append(out, "After {} frames of walking, ms a frame\n\n  {:<22}{:>12}{:>12}{:>9}{:>12}\n",
+         r.walked_frames, "", "fresh", "aged", "ratio", "aged / ours");
+  append(out, "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}{:>12}  updates and tests: {} fresh, {} aged\n",
+         "throng ordop26", r.fresh_ms, r.aged_ms, ratio(r.aged_ms, r.fresh_ms), 1, r.fresh_work,
+         r.aged_work);
   for (const AgedEngine& e : r.engines) {
     const std::string name = e.name + " " + e.version;
     if (e.agrees)
-      fmt::format_to(to, "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}{:>12.1f}\n", name, e.fresh_ms,
-                     e.aged_ms, ratio(e.aged_ms, e.fresh_ms), ratio(e.aged_ms, r.aged_ms));
+      append(out, "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}{:>12.1f}\n", name, e.fresh_ms, e.aged_ms,
+             ratio(e.aged_ms, e.fresh_ms), ratio(e.aged_ms, r.aged_ms));
     else
-      fmt::format_to(to, "  {:<22}no time: its pairs are not the reference's\n", name);
+      append(out, "  {:<22}no time: its pairs are not the reference's\n", name);
   }
   return out;
 }
@@ -209,24 +201,21 @@ std::string to_json(const AgeingResult& r, const BenchOptions& options,
 
 std::string to_text(const FalsePositives& r) {
   std::string out;
-  const Text to = std::back_inserter(out);
-  fmt::format_to(to, "{} pairs of avatars, {} of parts, {} truly touching\n\n", r.avatar_pairs,
-                 r.tests, r.touching);
-  fmt::format_to(to, "  {:<18}{:>12}{:>20}{:>9}\n", "volume", "reported", "reported per true",
-                 "missed");
+  append(out, "{} pairs of avatars, {} of parts, {} truly touching\n\n", r.avatar_pairs, r.tests,
+         r.touching);
+  append(out, "  {:<18}{:>12}{:>20}{:>9}\n", "volume", "reported", "reported per true", "missed");
   for (const VolumeReport& v : r.volumes)
-    fmt::format_to(to, "  {:<18}{:>12}{:>20.3f}{:>9}\n", v.name, v.reported,
-                   ratio(static_cast<double>(v.reported), static_cast<double>(r.touching)),
-                   v.missed);
-  fmt::format_to(to, "\n{}, part by part: tests / passed / false positives\n\n  {:<16}",
-                 r.matrix_volume, "");
-  for (const std::string& part : r.parts) fmt::format_to(to, "{:>22}", part);
+    append(out, "  {:<18}{:>12}{:>20.3f}{:>9}\n", v.name, v.reported,
+           ratio(static_cast<double>(v.reported), static_cast<double>(r.touching)), v.missed);
+  append(out, "\n{}, part by part: tests / passed / false positives\n\n  {:<16}", r.matrix_volume,
+         "");
+  for (const std::string& part : r.parts) append(out, "{:>22}", part);
   for (size_t a = 0; a < r.parts.size(); ++a) {
-    fmt::format_to(to, "\n  {:<16}", r.parts[a]);
+    append(out, "\n  {:<16}", r.parts[a]);
     for (size_t b = 0; b < r.parts.size(); ++b) {
       const PartCell& cell = r.cell(std::min(a, b), std::max(a, b));
-      fmt::format_to(to, "{:>22}",
-                     fmt::format("{}/{}/{}", cell.tests, cell.passed, cell.passed - cell.touching));
+      append(out, "{:>22}",
+             fmt::format("{}/{}/{}", cell.tests, cell.passed, cell.passed - cell.touching));
     }
   }
   return out + "\n";

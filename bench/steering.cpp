@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "base/append.h"
 #include "bench/version_json.h"
 #include "scenes/crowd/crowd.h"
 #include "scenes/crowd/spawn.h"
@@ -107,27 +107,26 @@ std::vector<SteeringRow> measure_steering(const SteeringBenchOptions& options,
 std::string to_text(const std::vector<SteeringRow>& rows, const SteeringBenchOptions& options,
                     const std::string& cpu) {
   std::string out;
-  const auto to = std::back_inserter(out);
-  fmt::format_to(to,
-                 "steering: four groups cross a square, {:.4g} per m2, a decision and a move of "
-                 "everybody a step, {} thread{}, {} on {}\n\n",
-                 options.per_m2, options.threads, options.threads == 1 ? "" : "s",
-                 name_of(resolved(options.simd)), cpu);
-  fmt::format_to(to, "  {:<8}{:>9}{:>10}{:>10}{:>10}{:>11}{:>9}{:>11}{:>9}\n", "model", "people",
-                 "min ms", "median", "p95", "us/person", "sweeps", "RVO2 ms", "/ ours");
+  append(out,
+         "steering: four groups cross a square, {:.4g} per m2, a decision and a move of "
+         "everybody a step, {} thread{}, {} on {}\n\n",
+         options.per_m2, options.threads, options.threads == 1 ? "" : "s",
+         name_of(resolved(options.simd)), cpu);
+  append(out, "  {:<8}{:>9}{:>10}{:>10}{:>10}{:>11}{:>9}{:>11}{:>9}\n", "model", "people", "min ms",
+         "median", "p95", "us/person", "sweeps", "RVO2 ms", "/ ours");
   for (const SteeringRow& row : rows) {
-    fmt::format_to(to, "  {:<8}{:>9}{:>10.3f}{:>10.3f}{:>10.3f}{:>11.3f}{:>9.1f}",
-                   name_of(row.model), row.people, row.ms.min, row.ms.median, row.ms.p95,
-                   1e3 * row.ms.median / std::max(row.people, 1), row.sweeps);
+    append(out, "  {:<8}{:>9}{:>10.3f}{:>10.3f}{:>10.3f}{:>11.3f}{:>9.1f}", name_of(row.model),
+           row.people, row.ms.min, row.ms.median, row.ms.p95,
+           1e3 * row.ms.median / std::max(row.people, 1), row.sweeps);
     if (row.rvo2_ms)
-      fmt::format_to(to, "{:>11.4g}{:>9.2f}\n", *row.rvo2_ms, *row.rvo2_ms / row.ms.median);
+      append(out, "{:>11.4g}{:>9.2f}\n", *row.rvo2_ms, *row.rvo2_ms / row.ms.median);
     else
-      fmt::format_to(to, "{:>11}{:>9}\n", "-", "-");
+      append(out, "{:>11}{:>9}\n", "-", "-");
   }
-  fmt::format_to(to,
-                 "\n  RVO2: {}. It did not run here:\n  read the ratio as an order of size. "
-                 "docs/benchmarks.md says what is unfair.\n",
-                 kSource);
+  append(out,
+         "\n  RVO2: {}. It did not run here:\n  read the ratio as an order of size. "
+         "docs/benchmarks.md says what is unfair.\n",
+         kSource);
   return out;
 }
 

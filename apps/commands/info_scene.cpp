@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <iterator>
 #include <numeric>
 
 #include "apps/commands/info.h"
+#include "base/append.h"
 #include "scenes/file/scene.h"
 #include "scenes/ways/flow_field.h"
 #include "scenes/ways/nav_mesh.h"
@@ -39,11 +39,10 @@ void add_way(std::string& text, const Group& group, const NavMesh& mesh) {
     const Path path = mesh.path(from, group.goals[i].areas);
     if (i > 0) text += ", ";
     if (path.arrives)
-      fmt::format_to(std::back_inserter(text), "{:.1f} m to goal {}", path.length_m(), i + 1);
+      append(text, "{:.1f} m to goal {}", path.length_m(), i + 1);
     else
-      fmt::format_to(std::back_inserter(text), "none to goal {}", i + 1);
-    if (path.corners_m.size() > 2)
-      fmt::format_to(std::back_inserter(text), " by {} corners", path.corners_m.size() - 2);
+      append(text, "none to goal {}", i + 1);
+    if (path.corners_m.size() > 2) append(text, " by {} corners", path.corners_m.size() - 2);
     if (!path.corners_m.empty()) from = path.corners_m.back();
   }
   text += '\n';
@@ -51,8 +50,8 @@ void add_way(std::string& text, const Group& group, const NavMesh& mesh) {
 
 void add_distribution(std::string& text, const char* what, const Distribution& d,
                       const char* unit) {
-  fmt::format_to(std::back_inserter(text), "    {:<8} {:g} +- {:g} {}, {:g} to {:g}\n", what,
-                 d.mean, d.deviation, unit, d.min, d.max);
+  append(text, "    {:<8} {:g} +- {:g} {}, {:g} to {:g}\n", what, d.mean, d.deviation, unit, d.min,
+         d.max);
 }
 
 /// What is the same for all of them, and by age what is not.
@@ -63,8 +62,7 @@ void add_people(std::string& text, const Group& group) {
     if (group.ages[i] == 0) continue;
     const AgeGroup& age = age_group(static_cast<Age>(i));
     if (group.ages != kAdultsOnly)
-      fmt::format_to(std::back_inserter(text), "    {:.0f} % {}\n", 100 * group.ages[i] / sum,
-                     age.name);
+      append(text, "    {:.0f} % {}\n", 100 * group.ages[i] / sum, age.name);
     if (!group.speed_mps) add_distribution(text, "speed", age.speed_mps, "m/s");
     if (!group.height_m) add_distribution(text, "height", age.height_m, "m");
   }
@@ -73,27 +71,24 @@ void add_people(std::string& text, const Group& group) {
 }
 
 void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
-  fmt::format_to(std::back_inserter(text), "  {}: {} of '{}', {} parts each, {} goals\n",
-                 group.name, group.total(), group.body->name, group.body->part_count(),
-                 group.goals.size());
-  if (group.count > 0)
-    fmt::format_to(std::back_inserter(text), "    from     {}\n", describe(group.spawn));
+  append(text, "  {}: {} of '{}', {} parts each, {} goals\n", group.name, group.total(),
+         group.body->name, group.body->part_count(), group.goals.size());
+  if (group.count > 0) append(text, "    from     {}\n", describe(group.spawn));
   for (const Source& source : group.sources)
-    fmt::format_to(std::back_inserter(text), "    source   {} at {:g} per s from {:g} s on, {}\n",
-                   source.count, source.rate_per_s, source.start_s, describe(source.area));
+    append(text, "    source   {} at {:g} per s from {:g} s on, {}\n", source.count,
+           source.rate_per_s, source.start_s, describe(source.area));
   if (!group.driven.empty())
-    fmt::format_to(std::back_inserter(text),
-                   "    driven   by messages on the LCM channel {}; nothing else moves it\n",
-                   group.driven);
+    append(text, "    driven   by messages on the LCM channel {}; nothing else moves it\n",
+           group.driven);
   if (group.driven.empty()) add_way(text, group, mesh);
-  fmt::format_to(std::back_inserter(text), "    size     {}\n", describe_size(group));
+  append(text, "    size     {}\n", describe_size(group));
   add_people(text, group);
 }
 
 void add_obstacle(std::string& text, const Obstacle& obstacle) {
-  fmt::format_to(std::back_inserter(text), "  {}: {} {:g} x {:g} x {:g} m at ({:g}, {:g})\n",
-                 obstacle.name, kind_name(obstacle.kind), obstacle.size_m.x(), obstacle.size_m.y(),
-                 obstacle.size_m.z(), obstacle.centre_m.x(), obstacle.centre_m.y());
+  append(text, "  {}: {} {:g} x {:g} x {:g} m at ({:g}, {:g})\n", obstacle.name,
+         kind_name(obstacle.kind), obstacle.size_m.x(), obstacle.size_m.y(), obstacle.size_m.z(),
+         obstacle.centre_m.x(), obstacle.centre_m.y());
 }
 
 }  // namespace
@@ -104,34 +99,31 @@ std::string describe_scene(const std::string& path_or_name) {
   int people = 0;
   for (const Group& group : scene.groups) people += static_cast<int>(group.total());
   if (scene.box) people = scene.box->count;
-  fmt::format_to(std::back_inserter(text), "{}: {}\n", scene.name, scene.description);
-  fmt::format_to(std::back_inserter(text), "  ground     {}\n", describe(scene.ground));
-  fmt::format_to(std::back_inserter(text), "  avatars    {}, {:.2f} per m2 of ground\n", people,
-                 people / scene.ground.area_m2());
-  fmt::format_to(std::back_inserter(text), "  time       {:g} s in steps of 1/{:g} s, seed {}\n",
-                 scene.duration_s, 1 / scene.step_s, scene.seed);
-  fmt::format_to(std::back_inserter(text), "  culling    sphere, then {}{}\n",
-                 name_of(scene.part_volume), scene.exact ? ", then triangles" : "");
+  append(text, "{}: {}\n", scene.name, scene.description);
+  append(text, "  ground     {}\n", describe(scene.ground));
+  append(text, "  avatars    {}, {:.2f} per m2 of ground\n", people,
+         people / scene.ground.area_m2());
+  append(text, "  time       {:g} s in steps of 1/{:g} s, seed {}\n", scene.duration_s,
+         1 / scene.step_s, scene.seed);
+  append(text, "  culling    sphere, then {}{}\n", name_of(scene.part_volume),
+         scene.exact ? ", then triangles" : "");
   if (scene.box) {
     const PartsBox& box = *scene.box;
-    fmt::format_to(
-        std::back_inserter(text),
-        "  box        {} loose parts of '{}' in a cube of {:g} m; {:g} to {:g} m/s, up to "
-        "{:g} rad/s\n",
-        box.count, box.body->name, box.edge_m, box.min_speed_mps, box.max_speed_mps,
-        box.max_spin_radps);
+    append(text,
+           "  box        {} loose parts of '{}' in a cube of {:g} m; {:g} to {:g} m/s, up to "
+           "{:g} rad/s\n",
+           box.count, box.body->name, box.edge_m, box.min_speed_mps, box.max_speed_mps,
+           box.max_spin_radps);
     return text;
   }
   const Walkable walkable(scene);
   const FlowGrid grid(walkable);
   const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures());
-  fmt::format_to(std::back_inserter(text),
-                 "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
-                 mesh.polygon_count(), mesh.voxel_m());
-  fmt::format_to(std::back_inserter(text), "\nGroups:\n");
+  append(text, "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
+         mesh.polygon_count(), mesh.voxel_m());
+  append(text, "\nGroups:\n");
   for (const Group& group : scene.groups) add_group(text, group, mesh);
-  fmt::format_to(std::back_inserter(text), "\nObstacles:{}\n",
-                 scene.obstacles.empty() ? " none" : "");
+  append(text, "\nObstacles:{}\n", scene.obstacles.empty() ? " none" : "");
   for (const Obstacle& obstacle : scene.obstacles) add_obstacle(text, obstacle);
   return text;
 }

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "apps/output/text_file.h"
+#include "base/append.h"
 #include "bench/version_json.h"
 
 namespace throng {
@@ -71,8 +71,7 @@ std::string verdict_table(const std::vector<ValidationRun>& runs) {
   std::string text;
   const auto row = [&text](bool passed, const std::string& id, const std::string& title,
                            const std::string& measured) {
-    fmt::format_to(std::back_inserter(text), "{}  {:<9} {}\n{:<16}{}\n", verdict(passed), id, title,
-                   "", measured);
+    append(text, "{}  {:<9} {}\n{:<16}{}\n", verdict(passed), id, title, "", measured);
   };
   for (const ValidationRun& run : runs)
     for (size_t i = 0; i < run.test->ids.size(); ++i)

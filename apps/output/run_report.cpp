@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "apps/process/machine.h"
+#include "base/append.h"
 #include "bench/version_json.h"
 
 namespace throng {
@@ -33,17 +33,15 @@ std::string in_words(std::string_view name) {
 void add_stage(std::string& text, std::string_view name, const StageCounters& stage,
                int64_t frames) {
   if (stage.updates == 0 && stage.tests == 0) return;
-  fmt::format_to(std::back_inserter(text),
-                 "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", in_words(name),
-                 stage.volume, stage.updates, stage.tests, stage.passed,
-                 per(stage.update_ns, stage.updates), per(stage.test_ns, stage.tests),
-                 per((stage.update_ns + stage.test_ns) * 1e-6, static_cast<uint64_t>(frames)));
+  append(text, "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", in_words(name),
+         stage.volume, stage.updates, stage.tests, stage.passed,
+         per(stage.update_ns, stage.updates), per(stage.test_ns, stage.tests),
+         per((stage.update_ns + stage.test_ns) * 1e-6, static_cast<uint64_t>(frames)));
 }
 
 void add_stage_table(std::string& text, const RunSummary& summary) {
-  fmt::format_to(std::back_inserter(text), "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10} {:>8} {:>9}\n",
-                 "stage", "volume", "updates", "tests", "passed", "ns/update", "ns/test",
-                 "ms/frame");
+  append(text, "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10} {:>8} {:>9}\n", "stage", "volume",
+         "updates", "tests", "passed", "ns/update", "ns/test", "ms/frame");
   const auto stages = culling_stages(summary.totals);
   for (size_t i = 0; i < stages.size(); ++i)
     add_stage(text, kCullingStageNames[i], *stages[i], summary.frames);
@@ -246,7 +244,7 @@ std::string format_table(const RunReport& report) {
   text += '\n';
   add_time_table(text, summary);
   const auto line = [&text](const char* name, const std::string& what) {
-    fmt::format_to(std::back_inserter(text), "{:<9} {}\n", name, what);
+    append(text, "{:<9} {}\n", name, what);
   };
   text += '\n';
   line("frame", fmt::format("{:.3f} ms median, {:.3f} p95, {:.3f} max; culling {:.3f} median",

@@ -1,7 +1,6 @@
 #include "scenes/sinks/contacts/contact_sink.h"
 
 #include <fmt/format.h>
-#include <fmt/ostream.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <cstring>
 #include <iterator>
 
+#include "base/append.h"
 #include "base/errors.h"
 #include "base/files/whole_file.h"
 
@@ -48,9 +48,8 @@ std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) 
     const double rate = person.present_s > 0 ? 60 * person.contacts / person.present_s : 0;
     const std::string group =
         id < run.group_of_avatar.size() ? run.groups[run.group_of_avatar[id]] : "";
-    fmt::format_to(std::back_inserter(text), "{},{},{:.3f},{},{:.3f},{},{:.3f},{}\n", id,
-                   quoted(group), person.present_s, person.contacts, rate, person.partners,
-                   person.touching_s, person.obstacle_contacts);
+    append(text, "{},{},{:.3f},{},{:.3f},{},{:.3f},{}\n", id, quoted(group), person.present_s,
+           person.contacts, rate, person.partners, person.touching_s, person.obstacle_contacts);
   }
   return text;
 }
@@ -59,8 +58,8 @@ std::string minutes_csv(const ContactStatistics& statistics) {
   std::string text = "minute,contacts,person_s,contacts_per_person_min\n";
   for (size_t i = 0; i < statistics.minutes().size(); ++i) {
     const MinuteRow& row = statistics.minutes()[i];
-    fmt::format_to(std::back_inserter(text), "{},{},{:.3f},{:.4f}\n", i, row.contacts, row.person_s,
-                   row.person_s > 0 ? 120 * static_cast<double>(row.contacts) / row.person_s : 0.0);
+    append(text, "{},{},{:.3f},{:.4f}\n", i, row.contacts, row.person_s,
+           row.person_s > 0 ? 120 * static_cast<double>(row.contacts) / row.person_s : 0.0);
   }
   return text;
 }
@@ -82,10 +81,10 @@ std::string durations_csv(const ContactStatistics& statistics) {
   const std::vector<uint64_t> counts = duration_counts(statistics);
   const double all = std::max<double>(1, static_cast<double>(statistics.durations_s().size()));
   for (size_t i = 0; i < counts.size(); ++i)
-    fmt::format_to(std::back_inserter(text), "{},{},{},{:.5f}\n", i == 0 ? 0 : kDurations_s[i - 1],
-                   i < std::size(kDurations_s) ? fmt::format("{}", kDurations_s[i]) : "", counts[i],
-                   static_cast<double>(counts[i]) / all);
-  fmt::format_to(std::back_inserter(text), "cut,,{},\n", statistics.cut_count());
+    append(text, "{},{},{},{:.5f}\n", i == 0 ? 0 : kDurations_s[i - 1],
+           i < std::size(kDurations_s) ? fmt::format("{}", kDurations_s[i]) : "", counts[i],
+           static_cast<double>(counts[i]) / all);
+  append(text, "cut,,{},\n", statistics.cut_count());
   return text;
 }
 
@@ -108,11 +107,10 @@ std::string density_csv(const ContactStatistics& statistics) {
   std::string text = "level,above_per_m2,up_to_per_m2,contacts,person_s,contacts_per_person_min\n";
   for (size_t i = 0; i < DensityLevels::kCount; ++i) {
     const DensityRow& row = statistics.densities()[i];
-    fmt::format_to(
-        std::back_inserter(text), "{},{},{},{},{:.1f},{:.4f}\n", DensityLevels::kNames[i],
-        i == 0 ? 0 : DensityLevels::kBounds[i - 1],
-        i < DensityLevels::kBounds.size() ? fmt::format("{}", DensityLevels::kBounds[i]) : "",
-        row.contacts, row.person_s, row.per_person_min());
+    append(text, "{},{},{},{},{:.1f},{:.4f}\n", DensityLevels::kNames[i],
+           i == 0 ? 0 : DensityLevels::kBounds[i - 1],
+           i < DensityLevels::kBounds.size() ? fmt::format("{}", DensityLevels::kBounds[i]) : "",
+           row.contacts, row.person_s, row.per_person_min());
   }
   return text;
 }
@@ -237,12 +235,12 @@ void ContactSink::begin(const RunInfo& run) {
 
 void ContactSink::list_ended() {
   for (const Contact& contact : statistics_->ended())
-    fmt::print(contacts_, "{:.4f},{:.4f},{},{},{:.3f},{:.3f},{:.3f},{},{},{},{}\n", contact.begin_s,
-               contact.duration_s, contact.a, contact.b, contact.place_m.x(), contact.place_m.y(),
-               contact.density_per_m2,
-               field(statistics_->part_name(contact.a, contact.first_part_a)),
-               field(statistics_->part_name(contact.b, contact.first_part_b)),
-               contact.part_contacts, contact.cut ? 1 : 0);
+    contacts_ << fmt::format("{:.4f},{:.4f},{},{},{:.3f},{:.3f},{:.3f},{},{},{},{}\n",
+                             contact.begin_s, contact.duration_s, contact.a, contact.b,
+                             contact.place_m.x(), contact.place_m.y(), contact.density_per_m2,
+                             field(statistics_->part_name(contact.a, contact.first_part_a)),
+                             field(statistics_->part_name(contact.b, contact.first_part_b)),
+                             contact.part_contacts, contact.cut ? 1 : 0);
   if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
 }
 
@@ -276,14 +274,14 @@ void ContactSink::write_pairs() const {
   const double step_s = statistics_->step_s();
   errno = 0;
   std::ofstream out(file, std::ios::trunc | std::ios::binary);
-  fmt::print(out, "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n");
+  out << "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n";
   for (const PartContact& contact : statistics_->part_contacts()) {
     const PairKey pair = contact.pair;
-    fmt::print(out, "{:.4f},{:.4f},{},{},{},{},{}\n",
-               static_cast<double>(contact.begin_frame) * step_s,
-               static_cast<double>(contact.frames) * step_s, pair.a(),
-               field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
-               field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0);
+    out << fmt::format("{:.4f},{:.4f},{},{},{},{},{}\n",
+                       static_cast<double>(contact.begin_frame) * step_s,
+                       static_cast<double>(contact.frames) * step_s, pair.a(),
+                       field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
+                       field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0);
   }
   out.close();
   if (!out) throw cannot_write(file, errno);

@@ -5,8 +5,8 @@
 
 #include <cerrno>
 #include <cstring>
-#include <iterator>
 
+#include "base/append.h"
 #include "base/errors.h"
 #include "scenes/sinks/trajectories/trajectory_writer.h"
 
@@ -37,8 +37,8 @@ class CsvWriter final : public TrajectoryWriter {
   void frame(int64_t number, std::span<const TrajectoryRow> rows) override {
     const double time_s = static_cast<double>(number) * frame_s_;
     for (const TrajectoryRow& row : rows)
-      fmt::format_to(std::back_inserter(text_), "{},{:.4f},{},{:.4f},{:.4f},{:.4f},{:.4f}\n",
-                     number, time_s, row.id, row.x_m, row.y_m, row.heading_rad, row.speed_mps);
+      append(text_, "{},{:.4f},{},{:.4f},{:.4f},{:.4f},{:.4f}\n", number, time_s, row.id, row.x_m,
+             row.y_m, row.heading_rad, row.speed_mps);
     write_out();
   }
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <boost/polygon/polygon.hpp>
 #include <cmath>
-#include <iterator>
 
+#include "base/append.h"
 #include "scenes/file/shapes.h"
 
 namespace throng {
@@ -82,8 +82,7 @@ std::string text_of(const std::vector<Eigen::Vector2d>& ring) {
   for (size_t i = 0; i <= ring.size(); ++i) {
     const Eigen::Vector2d& corner = ring[i % ring.size()];
     // Four digits are the whole unit; adding zero turns -0 into 0.
-    fmt::format_to(std::back_inserter(text), "{}{:.4f} {:.4f}", i == 0 ? "" : ", ",
-                   corner.x() + 0.0, corner.y() + 0.0);
+    append(text, "{}{:.4f} {:.4f}", i == 0 ? "" : ", ", corner.x() + 0.0, corner.y() + 0.0);
   }
   return text + ")";
 }
