@@ -1,7 +1,6 @@
 #include "apps/output/scene_schema.h"
 
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include "scenes/file/scene_keys.h"
 
@@ -67,8 +66,20 @@ Json schema_of(const Rule& rule) {
 
 /// Without what only a page can follow: "[text](link)" becomes "text".
 std::string plain(const std::string& markdown) {
-  static const std::regex link("\\[([^\\]]*)\\]\\([^)]*\\)");
-  return std::regex_replace(markdown, link, "$1");
+  std::string text;
+  size_t rest = 0;
+  for (size_t open = 0; (open = markdown.find('[', open)) != std::string::npos;) {
+    const size_t middle = markdown.find(']', open);
+    const size_t end = markdown.find(')', middle);
+    if (end == std::string::npos) break;
+    if (markdown[middle + 1] != '(') {
+      ++open;
+      continue;
+    }
+    text += markdown.substr(rest, open - rest) + markdown.substr(open + 1, middle - open - 1);
+    rest = open = end + 1;
+  }
+  return text + markdown.substr(rest);
 }
 
 Json schema_of(const KeyText& key) {
