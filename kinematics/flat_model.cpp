@@ -36,6 +36,17 @@ std::optional<int> principal(const Eigen::Vector3d& v) {
   return std::nullopt;
 }
 
+/// The shortest turn from one unit vector to another that is not its opposite. Eigen's
+/// FromTwoVectors() does the same, and brings a singular value decomposition for opposites.
+Eigen::Quaterniond turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const double s = std::sqrt((1 + to.dot(from)) * 2);
+  const Eigen::Vector3d axis = from.cross(to);
+  Eigen::Quaterniond q;
+  q.vec() = axis * (1 / s);
+  q.w() = s * 0.5;
+  return q;
+}
+
 /// A joint as KDL has it: parent_from_child(q) = before * joint(q) * after.
 struct FlatJoint {
   bool fixed = true;
@@ -213,8 +224,7 @@ class Flattener {
     if (principal(joint.axis)) return Eigen::Matrix3d::Identity();
     int nearest = 0;
     joint.axis.cwiseAbs().maxCoeff(&nearest);
-    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::Unit(nearest), joint.axis)
-        .toRotationMatrix();
+    return turn(Eigen::Vector3d::Unit(nearest), joint.axis.normalized()).toRotationMatrix();
   }
 
   static int add(Drive drive, float sign, std::vector<Drive>& to) {
