@@ -26,6 +26,7 @@
 #include "lcmtypes/replay/log_world.h"
 #include "lcmtypes/wire/drive_receiver.h"
 #include "lcmtypes/wire/lcm_sink.h"
+#include "scenes/crowd/journeys.h"
 #include "scenes/run/runner.h"
 
 namespace throng {

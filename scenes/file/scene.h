@@ -12,7 +12,7 @@
 
 #include "avatars/model/model.h"
 #include "base/rectangle.h"
-#include "culling/culler.h"
+#include "culling/volumes/volume_kind.h"
 #include "scenes/file/people.h"
 #include "scenes/file/steering_rule.h"
 #include "scenes/recorded/recording.h"

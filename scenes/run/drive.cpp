@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/crowd/crowd.h"
+
 namespace throng {
 namespace {
 

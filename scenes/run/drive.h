@@ -8,13 +8,14 @@
 #include <span>
 #include <vector>
 
-#include "avatars/model/model.h"
 #include "base/files/archive.h"
-#include "culling/culler.h"
-#include "scenes/crowd/crowd.h"
+#include "base/pose.h"
+#include "kinematics/kinematics.h"
 #include "scenes/file/scene.h"
 
 namespace throng {
+
+class Crowd;
 
 /// Where a driven avatar is from the next step on.
 struct DrivenPose {
