@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "apps/command_line.h"
+#include "apps/options/command_line.h"
 
 namespace throng {
 

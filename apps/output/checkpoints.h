@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "apps/command_line.h"
+#include "apps/options/command_line.h"
 #include "apps/output/output_plan.h"
 #include "scenes/run/simulation.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/command_line.h"
+#include "apps/options/command_line.h"
 #include "apps/output/log_guard.h"
 #include "apps/output/output_plan.h"
 #include "scenes/sinks/contacts/contact_sink.h"

@@ -1,4 +1,4 @@
-#include "apps/option_checks.h"
+#include "apps/options/option_checks.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

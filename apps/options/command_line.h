@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/option_checks.h"
+#include "apps/options/option_checks.h"
 
 namespace CLI {
 class App;
