@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "apps/command.h"
+#include "apps/input/run_source.h"
 #include "apps/output/checkpoints.h"
 #include "apps/output/file_kind.h"
 #include "apps/output/json_output.h"
@@ -23,7 +24,6 @@
 #include "base/say.h"
 #include "lcmtypes/codec/readable.h"
 #include "lcmtypes/log/log_sink.h"
-#include "lcmtypes/replay/log_world.h"
 #include "lcmtypes/wire/drive_receiver.h"
 #include "lcmtypes/wire/lcm_sink.h"
 #include "scenes/crowd/journeys.h"
@@ -49,6 +49,7 @@ Examples:
   throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
   throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
   throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
+  throng run uo-050-180-180.txt --fps 16 --unit cm         a recording, dressed in bodies
   throng run out/plaza.lcmlog --exact --part-volume obb    the poses of a log, culled again
 
 The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
@@ -61,14 +62,8 @@ No file is touched before the run is known to be possible. An older log under th
 out/SCENE.lcmlog, is kept as out/SCENE.previous.lcmlog; what a named file held is replaced.)";
 
 struct RunOptions {
-  std::string scene;
-  std::optional<int> avatars;
-  std::optional<double> seconds;
-  std::optional<uint64_t> seed;
+  RunSourceOptions source;
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::string part_volume;
-  std::string steering;
-  bool exact = false;
   std::optional<double> deadline_ms;
   std::optional<uint64_t> deadline_tests;
   std::string strategy = "pipeline";
@@ -87,12 +82,6 @@ struct RunOptions {
 
 constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
     {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
-
-std::vector<std::string> volume_names() {
-  std::vector<std::string> names;
-  for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
-  return names;
-}
 
 std::vector<std::string> simd_names() {
   std::vector<std::string> names;
@@ -115,29 +104,10 @@ std::vector<std::string> pair_search_names() {
 }
 
 void add_options(CommandOptions& app, RunOptions& options) {
-  app.add_option("SCENE", options.scene,
-                 "A scene file, a name from `throng scenes`, or a log to be culled again")
-      ->required();
-  app.add_option("--avatars", options.avatars, "People in all; scales the scene's groups")
-      ->check(whole_option(1, PairKey::kMaxId, "a whole number from 1 to 16777215"))
-      ->type_name("N");
-  app.add_option("--seconds", options.seconds, "Simulated time instead of the scene's")
-      ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
-      ->type_name("S");
-  app.add_option("--seed", options.seed, "Start of all random numbers instead of the scene's")
-      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
-      ->type_name("N");
+  add_run_source_options(app, options.source);
   app.add_option("--threads", options.threads, "Default: all cores")
       ->check(whole_option(1, kMaxThreads, fmt::format("a whole number from 1 to {}", kMaxThreads)))
       ->type_name("N");
-  app.add_option("--part-volume", options.part_volume, "What encloses a body part")
-      ->check(name_option(volume_names()))
-      ->type_name("VOLUME");
-  app.add_option("--steering", options.steering,
-                 steering_choices() + "; instead of the scene's model")
-      ->check(name_option(steering_names()))
-      ->type_name("MODEL");
-  app.add_flag("--exact", options.exact, "Triangles decide what touches");
   app.add_option("--deadline-ms", options.deadline_ms, "Time for culling a frame, by the clock")
       ->check(number_option(0, 1e6, false, "a number of milliseconds from 0"))
       ->type_name("D");
@@ -203,54 +173,6 @@ SimulationOptions simulation_options(const RunOptions& options) {
   return {.threads = options.threads, .culler = culler};
 }
 
-/// The scene as it is to run, and how many times longer its plan became.
-struct Prepared {
-  Scene scene;
-  WorldFactory world = {};  ///< empty: the scene's own
-  std::optional<RunReport::Recording> recording = {};
-  double plan_factor = 1;
-  std::vector<std::string> notes = {};
-};
-
-Prepared log_for(const RunOptions& options) {
-  const std::pair<bool, const char*> asked[] = {{options.avatars.has_value(), "--avatars"},
-                                                {options.seed.has_value(), "--seed"},
-                                                {!options.steering.empty(), "--steering"}};
-  for (const auto& [is_asked, option] : asked)
-    if (is_asked)
-      throw InputError(option, "a scene: whoever is in a log is as the log has it",
-                       fmt::format("'{}'", options.scene));
-  LogRun log = read_log_run(options.scene);
-  Prepared out{std::move(log.scene), std::move(log.world),
-               RunReport::Recording{std::move(log.facts), log.people}};
-  if (options.seconds && *options.seconds > out.scene.duration_s) {
-    out.notes.push_back(
-        fmt::format("{} is over after {:.6g} s", options.scene, out.scene.duration_s));
-  } else if (options.seconds) {
-    out.scene.duration_s = *options.seconds;
-  }
-  return out;
-}
-
-Prepared scene_for(const RunOptions& options) {
-  require_no_other_kind(options.scene);
-  Prepared out{load_scene(options.scene)};
-  Scene& scene = out.scene;
-  if (options.seconds) scene.duration_s = *options.seconds;
-  if (options.seed) scene.seed = *options.seed;
-  if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
-  if (options.avatars) out.plan_factor = scale_to(scene, *options.avatars, out.notes);
-  return out;
-}
-
-Prepared prepared(const RunOptions& options) {
-  Prepared out = is_log(options.scene) ? log_for(options) : scene_for(options);
-  if (!options.part_volume.empty()) out.scene.part_volume = volume_of(options.part_volume).value();
-  if (options.exact) out.scene.exact = true;
-  for (const std::string& note : out.notes) say("note: {}\n", note);
-  return out;
-}
-
 /// Frames from states to states, as --states-hz asks for.
 double state_every(const RunOptions& options, const Scene& scene) {
   if (!options.states_hz) return 1;
@@ -270,9 +192,10 @@ PlannedFile planned_log(const RunOptions& options) {
   log.path = options.log;
   if (!log.path.empty()) return log;
   // A log that is culled again, and that of the run that was stopped, have the other names.
-  const std::string ending = fmt::format("{}{}.lcmlog", is_log(options.scene) ? "_culled" : "",
-                                         options.checkpoints.resume.empty() ? "" : "_resumed");
-  log.path = fs::path("out") / fs::path(options.scene).stem().concat(ending);
+  const std::string ending =
+      fmt::format("{}{}.lcmlog", is_log(options.source.name) ? "_culled" : "",
+                  options.checkpoints.resume.empty() ? "" : "_resumed");
+  log.path = fs::path("out") / fs::path(options.source.name).stem().concat(ending);
   log.makes_folder = true;
   // Nobody chose the name, so nobody chose to lose what has it.
   log.keeps = links_followed(log.path).replace_extension(".previous.lcmlog");
@@ -287,27 +210,6 @@ OutputPlan planned_outputs(const RunOptions& options, const PlannedFile& log) {
   plan_recorders(options.recorders, plan);
   plan_checkpoints(options.checkpoints, plan);
   return plan;
-}
-
-void plan_model(const Model* model, OutputPlan& plan) {
-  if (model == nullptr) return;
-  for (const Link& link : model->robot.links)
-    for (const std::vector<Geometry>* shapes : {&link.collision, &link.visual})
-      for (const Geometry& shape : *shapes) plan.reads("a mesh of the scene", shape.mesh_file);
-}
-
-/// The files that the scene was read from.
-void plan_inputs(const Scene& scene, OutputPlan& plan) {
-  plan.reads("the scene", scene.file);
-  for (const Group& group : scene.groups) {
-    plan.reads("a model of the scene", group.model);
-    plan_model(group.body.get(), plan);
-  }
-  for (const Obstacle& obstacle : scene.obstacles)
-    plan.reads("an obstacle of the scene", obstacle.mesh_file);
-  if (!scene.box) return;
-  plan.reads("the model of the scene", scene.box->model);
-  plan_model(scene.box->body.get(), plan);
 }
 
 /// Everybody who listens to the run.
@@ -442,7 +344,8 @@ int run_scene(const RunOptions& options) {
   const PlannedFile log = planned_log(options);
   OutputPlan plan = planned_outputs(options, log);
   plan.check();  // before what takes its time
-  Prepared source = prepared(options);
+  RunSource source = open_run_source(options.source);
+  for (const std::string& note : source.notes) say("note: {}\n", note);
   const double states = state_every(options, source.scene);
   plan_inputs(source.scene, plan);
   plan.check();

@@ -22,7 +22,7 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
       ->take_all()
       ->type_name("FILE");
   app.add_option("--trajectory-fps", options.trajectory_fps,
-                 fmt::format("Recorded frames a second [{}]", options.trajectory_fps))
+                 "Frames a second in it [10; of a recording its own]")
       ->check(number_option(0, 1e4, true, "a number of frames a second above 0"))
       ->type_name("F");
   app.add_option("--html", options.html, "The 3-D page with the run in it, one file to send")

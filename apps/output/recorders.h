@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace throng {
 
 struct RecorderOptions {
   std::vector<std::string> trajectories;
-  double trajectory_fps = 10;
+  std::optional<double> trajectory_fps;
   std::string contacts;  ///< a folder, or ""
   std::string trace;     ///< a hash a stage and frame, or ""
   std::string html;      ///< the page with the run in it, or ""

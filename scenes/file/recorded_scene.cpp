@@ -135,11 +135,12 @@ void take_recording(Scene& scene, bool has_ground, const std::string& where) {
   scene.groups.back().recorded = static_cast<int64_t>(people.recording->people().size());
 }
 
-Scene recorded_scene(const RecordingOptions& options) {
+Scene recorded_scene(const RecordingOptions& options, bool recorded_frames) {
   Scene scene;
   scene.file = options.file;
   scene.name = name_after(options.file.stem().string());
   scene.recorded.emplace().options = options;
+  scene.recorded->recorded_frames = recorded_frames;
   scene.groups.push_back(recorded_group());
   take_recording(scene, false, options.file.string());
   scene.description = scene.recorded->recording->facts().kind;

@@ -9,8 +9,9 @@
 
 namespace throng {
 
-/// A recording as it is, dressed in adults; its name is the file's. Throws InputError.
-Scene recorded_scene(const RecordingOptions& options);
+/// A recording as it is, dressed in adults; its name is the file's. `recorded_frames`: see
+/// RecordedPeople. Throws InputError.
+Scene recorded_scene(const RecordingOptions& options, bool recorded_frames = false);
 
 /// Reads scene.recorded->options.file and sets what follows: step, duration, walls, and the ground
 /// unless the scene has one. `where` begins the errors of a scene that does not fit it.

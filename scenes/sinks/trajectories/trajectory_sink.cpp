@@ -23,6 +23,19 @@ double heading_rad(const Eigen::Quaternionf& turn) {
   return 2 * std::atan2(static_cast<double>(turn.z()), static_cast<double>(turn.w()));
 }
 
+double usual_fps(const Scene& scene) {
+  const double recorded_fps = scene.recorded ? scene.recorded->recording->facts().fps : 0;
+  return recorded_fps > 0 ? recorded_fps : 10;
+}
+
+/// "walkers 7"; of those who were recorded the number is the file's.
+std::string name_of(const RunInfo& run, size_t id) {
+  const std::string& group = run.groups[run.group_of_avatar[id]];
+  if (!run.scene->recorded) return fmt::format("{} {}", group, id);
+  const std::vector<RecordedPerson>& people = run.scene->recorded->recording->people();
+  return fmt::format("{} {}", group, id < people.size() ? people[id].id : static_cast<int64_t>(id));
+}
+
 }  // namespace
 
 bool is_trajectory_name(const std::filesystem::path& file) {
@@ -33,8 +46,8 @@ TrajectorySink::TrajectorySink(const TrajectoryOptions& options)
     : fps_(options.fps), writer_(open_trajectory(options.file)) {}
 
 void TrajectorySink::begin(const RunInfo& run) {
-  every_ = std::max<int64_t>(1, std::llround(1 / (fps_ * run.step_s)));
   const Scene& scene = *run.scene;
+  every_ = std::max<int64_t>(1, std::llround(1 / (fps_.value_or(usual_fps(scene)) * run.step_s)));
   TrajectoryHead head;
   head.fps = 1 / (static_cast<double>(every_) * run.step_s);
   head.bounds = scene.ground;
@@ -46,7 +59,7 @@ void TrajectorySink::begin(const RunInfo& run) {
                 {"run_id", fmt::format("{:016x}", run.run_id)},
                 {"step_s", fmt::format("{}", run.step_s)}};
   for (size_t id = 0; id < run.group_of_avatar.size(); ++id)
-    head.people.push_back(fmt::format("{} {}", run.groups[run.group_of_avatar[id]], id));
+    head.people.push_back(name_of(run, id));
   writer_->begin(head);
 }
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "scenes/run/sink.h"
@@ -13,7 +14,9 @@ namespace throng {
 
 struct TrajectoryOptions {
   std::filesystem::path file;  ///< NAME.sqlite or NAME.csv
-  double fps = 10;             ///< wanted; every so many steps are recorded that it comes nearest
+  /// Wanted; every so many steps are written that it comes nearest. None: as a recording has it,
+  /// else 10.
+  std::optional<double> fps = {};
 };
 
 class TrajectorySink final : public Sink {
@@ -30,7 +33,7 @@ class TrajectorySink final : public Sink {
   int64_t rows() const { return rows_total_; }
 
  private:
-  double fps_;
+  std::optional<double> fps_;
   std::unique_ptr<TrajectoryWriter> writer_;
   int64_t every_ = 1;  ///< steps
   int64_t frames_ = 0;

@@ -1,0 +1,148 @@
+#include "apps/input/run_source.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "apps/output/file_kind.h"
+#include "apps/output/output_plan.h"
+#include "base/errors.h"
+#include "culling/culler.h"
+#include "lcmtypes/replay/log_world.h"
+#include "scenes/crowd/steering/steering.h"
+#include "scenes/file/recorded_scene.h"
+
+namespace throng {
+namespace {
+
+std::vector<std::string> volume_names() {
+  std::vector<std::string> names;
+  for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
+  return names;
+}
+
+/// Options that ask for other people than a file has.
+void refuse_other_people(const RunSourceOptions& options, bool has_seed, const char* expected) {
+  const std::pair<bool, const char*> asked[] = {{options.avatars.has_value(), "--avatars"},
+                                                {options.seed && !has_seed, "--seed"},
+                                                {!options.steering.empty(), "--steering"}};
+  for (const auto& [is_asked, option] : asked)
+    if (is_asked) throw InputError(option, expected, fmt::format("'{}'", options.name));
+}
+
+/// A file has an end.
+void cut(const RunSourceOptions& options, RunSource& source) {
+  if (!options.seconds) return;
+  if (*options.seconds > source.scene.duration_s)
+    source.notes.push_back(
+        fmt::format("{} is over after {:.6g} s", options.name, source.scene.duration_s));
+  else
+    source.scene.duration_s = *options.seconds;
+}
+
+void refuse_recording_options(const RunSourceOptions& options, const std::string& what) {
+  require_no_recording_options(options.recording, what);
+  if (!options.step.empty()) throw InputError("--step", "a recording", what);
+}
+
+RunSource log_source(const RunSourceOptions& options) {
+  refuse_recording_options(options, "a log, which says all of this itself");
+  refuse_other_people(options, false, "a scene: whoever is in a log is as the log has it");
+  LogRun log = read_log_run(options.name);
+  RunSource out{std::move(log.scene), std::move(log.world),
+                RunReport::Recording{std::move(log.facts), log.people}};
+  cut(options, out);
+  return out;
+}
+
+RunReport::Recording report_of(const Recording& recording) {
+  return {recording.facts(), static_cast<int64_t>(recording.people().size())};
+}
+
+RunSource recording_source(const RunSourceOptions& options) {
+  refuse_other_people(options, true, "a scene: whoever is in a recording goes as recorded");
+  RunSource out{recorded_scene(recording_options(options.name, options.recording),
+                               options.step == "recorded")};
+  if (options.seed) out.scene.seed = *options.seed;
+  cut(options, out);
+  return out;
+}
+
+RunSource scene_source(const RunSourceOptions& options) {
+  refuse_recording_options(options, "a scene; in a scene file these are keys of 'recording'");
+  require_no_other_kind(options.name);
+  RunSource out{load_scene(options.name)};
+  Scene& scene = out.scene;
+  if (scene.recorded) {
+    cut(options, out);
+  } else if (options.seconds) {
+    scene.duration_s = *options.seconds;
+  }
+  if (options.seed) scene.seed = *options.seed;
+  if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
+  if (options.avatars) out.plan_factor = scale_to(scene, *options.avatars, out.notes);
+  return out;
+}
+
+void plan_model(const Model* model, OutputPlan& plan) {
+  if (model == nullptr) return;
+  for (const Link& link : model->robot.links)
+    for (const std::vector<Geometry>* shapes : {&link.collision, &link.visual})
+      for (const Geometry& shape : *shapes) plan.reads("a mesh of the scene", shape.mesh_file);
+}
+
+}  // namespace
+
+void add_run_source_options(CommandOptions& app, RunSourceOptions& options) {
+  app.add_option("FILE", options.name,
+                 "A scene file, a name from `throng scenes`, a recording, or a log")
+      ->required();
+  app.add_option("--avatars", options.avatars, "People in all; scales the scene's groups")
+      ->check(whole_option(1, PairKey::kMaxId, "a whole number from 1 to 16777215"))
+      ->type_name("N");
+  app.add_option("--seconds", options.seconds, "Simulated time instead of the scene's")
+      ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
+      ->type_name("S");
+  app.add_option("--seed", options.seed, "Start of all random numbers instead of the scene's")
+      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
+      ->type_name("N");
+  app.add_option("--part-volume", options.part_volume, "What encloses a body part")
+      ->check(name_option(volume_names()))
+      ->type_name("VOLUME");
+  app.add_option("--steering", options.steering,
+                 steering_choices() + "; instead of the scene's model")
+      ->check(name_option(steering_names()))
+      ->type_name("MODEL");
+  app.add_flag("--exact", options.exact, "Triangles decide what touches");
+  add_recording_options(app, options.recording);
+  app.add_option("--step", options.step,
+                 "Of a recording: recorded, its frames alone, or smooth, at most 1/60 s [smooth]")
+      ->check(name_option({"smooth", "recorded"}))
+      ->type_name("STEP");
+}
+
+RunSource open_run_source(const RunSourceOptions& options) {
+  RunSource out = is_log(options.name)         ? log_source(options)
+                  : is_recording(options.name) ? recording_source(options)
+                                               : scene_source(options);
+  if (out.scene.recorded) out.recording = report_of(*out.scene.recorded->recording);
+  if (!options.part_volume.empty()) out.scene.part_volume = volume_of(options.part_volume).value();
+  if (options.exact) out.scene.exact = true;
+  return out;
+}
+
+void plan_inputs(const Scene& scene, OutputPlan& plan) {
+  plan.reads("the scene", scene.file);
+  if (scene.recorded) plan.reads("the recording of the scene", scene.recorded->options.file);
+  for (const Group& group : scene.groups) {
+    plan.reads("a model of the scene", group.model);
+    plan_model(group.body.get(), plan);
+  }
+  for (const Obstacle& obstacle : scene.obstacles)
+    plan.reads("an obstacle of the scene", obstacle.mesh_file);
+  if (!scene.box) return;
+  plan.reads("the model of the scene", scene.box->model);
+  plan_model(scene.box->body.get(), plan);
+}
+
+}  // namespace throng
