@@ -24,7 +24,8 @@ struct Signature {
 };
 
 constexpr const char* kLogReaders =
-    "`throng view`, `throng check`, `throng info`, `throng monitor` and `throng render` read it";
+    "`throng run`, `throng view`, `throng check`, `throng info`, `throng monitor` and "
+    "`throng render` read it";
 constexpr std::string_view kLogBegins = "\xED\xA1\xDA\x01";
 
 constexpr std::array<Signature, 16> kSignatures = {{
