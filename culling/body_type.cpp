@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-#include "culling/volumes/fitted.h"
+#include "culling/fitted.h"
 
 namespace throng {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/crowd.h"
-#include "culling/volumes/fitted.h"
+#include "culling/fitted.h"
 
 namespace throng::bench {
 

@@ -5,8 +5,8 @@
 
 #include "bench/paper/census.h"
 #include "bench/paper/thread_clock.h"
+#include "culling/fitted.h"
 #include "culling/strategies/recipe.h"
-#include "culling/volumes/fitted.h"
 
 namespace throng::paper {
 namespace {

@@ -4,9 +4,10 @@
 #include <utility>
 
 #include "base/counting_sort.h"
+#include "culling/fitted.h"
+#include "culling/kernels/kernels_of.h"
 #include "culling/kernels/kernels_scalar.h"
 #include "culling/stages/stopwatch.h"
-#include "culling/volumes/fitted.h"
 
 namespace throng {
 namespace {

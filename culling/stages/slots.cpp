@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "culling/volumes/fitted.h"
+#include "culling/fitted.h"
 
 namespace throng {
 

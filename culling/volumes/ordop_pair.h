@@ -7,8 +7,8 @@
 #include <cstddef>
 
 #include "base/pose.h"
-#include "culling/kernels/kernels.h"
 #include "culling/volumes/directions.h"
+#include "culling/volumes/ordop_table.h"
 
 namespace throng {
 

@@ -12,7 +12,7 @@
 
 #include "culling/body_type.h"
 #include "culling/exact/triangle_bvh.h"
-#include "culling/kernels/kernels.h"
+#include "culling/kernels/kernels_of.h"
 #include "culling/volumes/ordop_pair.h"
 #include "culling/volumes/volume_list.h"
 

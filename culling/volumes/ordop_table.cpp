@@ -1,0 +1,106 @@
+#include "culling/volumes/ordop_table.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "culling/volumes/directions.h"
+
+namespace throng {
+namespace {
+
+/// The interval of values, half width rounded up.
+Slab around(double low, double high, bool centred) {
+  const float centre = centred ? 0 : static_cast<float>(0.5 * (low + high));
+  const double half =
+      std::max(high - static_cast<double>(centre), static_cast<double>(centre) - low);
+  return {centre, std::nextafter(static_cast<float>(half), std::numeric_limits<float>::max())};
+}
+
+}  // namespace
+
+OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& p : points) box.extend(p.cast<double>());
+  // A flat part has a thickness, too small to matter.
+  const double thinnest = std::max(1e-4 * box.sizes().maxCoeff(), 1e-6);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    origin[axis] = static_cast<float>(box.center()[i]);
+    half_box[axis] = static_cast<float>(std::max(0.5 * box.sizes()[i], thinnest));
+    per_half_box[axis] = 1.0f / half_box[axis];
+  }
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    double low = std::numeric_limits<double>::infinity(), high = -low, length2 = 0;
+    for (const Eigen::Vector3f& p : points) {
+      double at = 0;
+      for (size_t axis = 0; axis < 3; ++axis)
+        at += kDirections[d][axis] * ((static_cast<double>(p[static_cast<Eigen::Index>(axis)]) -
+                                       static_cast<double>(origin[axis])) /
+                                      static_cast<double>(half_box[axis]));
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    for (size_t axis = 0; axis < 3; ++axis)
+      length2 += std::abs(kDirections[d][axis]) /
+                 (static_cast<double>(half_box[axis]) * static_cast<double>(half_box[axis]));
+    slabs.slab[d] = around(low, high, d < static_cast<size_t>(kAxisDirections));
+    length[d] =
+        std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
+  }
+  // The same number already, but for a flat part and the last bit.
+  const float half = std::max({slabs.slab[0].half, slabs.slab[1].half, slabs.slab[2].half});
+  for (size_t axis = 0; axis < 3; ++axis) slabs.slab[axis].half = half;
+  fill_lookups();
+  fill_reaches();
+}
+
+OrdopTable::OrdopTable(const Slabs& fitted) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    origin[axis] = fitted.slab[axis].centre;
+    half_box[axis] = per_half_box[axis] = 1;
+  }
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    double moved = static_cast<double>(fitted.slab[d].centre);
+    for (size_t axis = 0; axis < 3; ++axis)
+      moved -= kDirections[d][axis] * static_cast<double>(origin[axis]);
+    const double half = static_cast<double>(fitted.slab[d].half);
+    slabs.slab[d] = around(moved - half, moved + half, d < static_cast<size_t>(kAxisDirections));
+    length[d] = direction_length(static_cast<int>(d));
+  }
+  fill_lookups();
+  fill_reaches();
+}
+
+void OrdopTable::fill_lookups() {
+  std::fill_n(edge_half + 24, 8, 0.0f);
+  std::fill_n(edge_centre + 24, 8, 0.0f);
+  for (size_t entry = 0; entry < 16; ++entry) {
+    const bool negative[3] = {(entry & 1) != 0, (entry & 2) != 0, (entry & 4) != 0};
+    for (size_t omitted = 0; omitted < 3; ++omitted) {
+      const size_t first = omitted == 0 ? 1 : 0, second = omitted == 2 ? 1 : 2;
+      const Slab& slab = slabs.slab[edge_direction(omitted, negative[first] != negative[second])];
+      edge_half[omitted * 8 + entry % 8] = slab.half;
+      edge_centre[omitted * 8 + entry % 8] = negative[first] ? -slab.centre : slab.centre;
+    }
+    const Slab& slab =
+        slabs.slab[corner_direction(negative[1] != negative[0], negative[2] != negative[0])];
+    corner_half[entry] = slab.half;
+    corner_centre[entry] = negative[0] ? -slab.centre : slab.centre;
+  }
+}
+
+void OrdopTable::fill_reaches() {
+  // A part as thin as rounding, whose inverse reach would be infinite, holds nothing.
+  constexpr float kThinnest = 1e-6f;
+  holds_origin = true;
+  for (size_t d = 0; d < kDirections.size(); ++d) {
+    const Slab& slab = slabs.slab[d];
+    per_reach_up[d] = 1 / (slab.centre + slab.half);
+    per_reach_down[d] = 1 / (slab.centre - slab.half);
+    holds_origin &= slab.half - std::abs(slab.centre) > kThinnest;
+  }
+}
+
+}  // namespace throng
