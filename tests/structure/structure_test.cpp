@@ -111,6 +111,7 @@ TEST_F(Structure, CullingIsKnownByItsDoor) {
                                            "culling/counters.h",
                                            "culling/culler.h",
                                            "culling/culling.h",
+                                           "culling/distance/hull_depth.h",
                                            "culling/event_hash.h",
                                            "culling/pair.h",
                                            "culling/strategies/strategy.h",

@@ -1,0 +1,67 @@
+// How deep two parts are in each other: the least translation that parts their convex hulls, over
+// all directions.
+// One rule: never below the true value and at most 1 mm above it; every answer carries the bounds
+// that prove it.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "base/pose.h"
+#include "culling/distance/growing_polytope.h"
+
+namespace throng {
+
+/// The points of a part, made ready once: those that its convex hull rests on, and all.
+class ConvexHull {
+ public:
+  /// At least one point (asserted), in the part's own frame, metres. Flat ones, needles and single
+  /// points are hulls, too.
+  explicit ConvexHull(std::span<const Eigen::Vector3f> points);
+
+  /// All points lie within kShare of the hull of the first corner_count() of them.
+  static constexpr double kShare = 1e-7;  ///< as a share of the part's size
+  int corner_count() const { return corner_count_; }
+  /// Corners first, a column a coordinate.
+  const Eigen::Matrix<double, Eigen::Dynamic, 3>& points() const { return points_; }
+
+  /// The corner farthest along a direction.
+  Eigen::Vector3d support(const Eigen::Vector3d& direction) const;
+  /// How far any point lies along it.
+  double extent(const Eigen::Vector3d& direction) const;
+
+ private:
+  Eigen::Matrix<double, Eigen::Dynamic, 3> points_;
+  int corner_count_ = 0;
+};
+
+/// A hull where it is in a frame that both share. Scale and pose as in base/pose.h.
+struct PlacedHull {
+  const ConvexHull* hull = nullptr;
+  const PartPose* pose = nullptr;
+  float scale = 1;
+};
+
+struct Depth {
+  double depth_m = 0;     ///< 0: apart (by 1 um or more), or touching
+  double at_least_m = 0;  ///< of the true value, proven; at most 0.5 mm below depth_m
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit; B moved by depth_m along it
+                                                         ///< is out of A
+};
+
+/// Finds depths of pairs, one after another, without allocating once it has seen the largest. One a
+/// thread.
+class DepthFinder {
+ public:
+  /// a_to_b_m is B's root minus A's, as in solids_touch().
+  Depth depth(const PlacedHull& a, const PlacedHull& b, const Eigen::Vector3f& a_to_b_m);
+
+  /// Corners of the polytope that the latest pair needed: what its time grows with.
+  size_t corners_used() const { return inside_.points().size(); }
+
+ private:
+  GrowingPolytope inside_;  ///< of the differences of points of A and of B
+};
+
+}  // namespace throng
