@@ -1,0 +1,53 @@
+#include "scenes/measures/contact_depths.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+constexpr size_t kNone = SIZE_MAX;
+
+}  // namespace
+
+ContactDepths::ContactDepths(const RunInfo& run) : first_pose_(run.model_of_avatar.size(), kNone) {
+  for (const std::shared_ptr<const Model>& model : run.models) {
+    std::vector<ConvexHull>& hulls = hulls_.emplace_back();
+    for (const Part& part : model->parts) hulls.emplace_back(part.mesh.vertices);
+  }
+}
+
+const PartPose* ContactDepths::poses_of(const RunInfo& run, const Frame& frame, uint32_t avatar) {
+  if (first_pose_[avatar] == kNone) {
+    const Model& model = *run.models[run.model_of_avatar[avatar]];
+    const size_t row = frame.posture_offsets[avatar];
+    const RootFrame root{frame.roots[avatar].world_from_root, run.scale_of_avatar[avatar]};
+    first_pose_[avatar] = poses_.size();
+    poses_.resize(poses_.size() + model.parts.size());
+    forward_kinematics(model.kinematics,
+                       frame.postures.subspan(row, frame.posture_offsets[avatar + 1] - row),
+                       {&root, 1}, std::span(poses_).subspan(first_pose_[avatar]));
+  }
+  return poses_.data() + first_pose_[avatar];
+}
+
+void ContactDepths::find(const RunInfo& run, const Frame& frame,
+                         const std::function<void(PairKey, double)>& found) {
+  std::fill(first_pose_.begin(), first_pose_.end(), kNone);
+  poses_.clear();
+  for (const PairKey& pair : frame.pairs) {
+    if (pair.b() >= first_pose_.size() || pair.part_a() == kWholeBody) continue;
+    poses_of(run, frame, pair.a());  // may move the poses of the other
+    const PartPose* of_b = poses_of(run, frame, pair.b()) + pair.part_b();
+    const PartPose* of_a = poses_of(run, frame, pair.a()) + pair.part_a();
+    const ConvexHull& hull_a = hulls_[run.model_of_avatar[pair.a()]][pair.part_a()];
+    const ConvexHull& hull_b = hulls_[run.model_of_avatar[pair.b()]][pair.part_b()];
+    const Eigen::Vector3f shift =
+        (frame.roots[pair.b()].position_m - frame.roots[pair.a()].position_m).cast<float>();
+    found(pair, finder_
+                    .depth({&hull_a, of_a, run.scale_of_avatar[pair.a()]},
+                           {&hull_b, of_b, run.scale_of_avatar[pair.b()]}, shift)
+                    .depth_m);
+  }
+}
+
+}  // namespace throng

@@ -1,0 +1,86 @@
+// Contacts of two people: how many a person and minute, by density and by part; and how deep.
+// One rule: as in contact_statistics.h, but two people who part for less than half a second are
+// still at the same contact, and memory grows with the people who touch now, not with the contacts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "scenes/measures/histogram.h"
+#include "scenes/measures/measure_table.h"
+#include "scenes/measures/part_group.h"
+#include "scenes/run/sink.h"
+#include "scenes/sinks/contacts/local_density.h"
+
+namespace throng {
+
+class ContactMeasures {
+ public:
+  static constexpr double kGap_s = 0.5;
+  /// People per m2 within 2 m.
+  static constexpr std::array<double, 5> kBounds_per_m2 = {0.43, 1, 2, 3.57, 5};
+  static constexpr size_t kLevels = kBounds_per_m2.size() + 1;
+
+  /// Who parts for less than gap_s has not parted.
+  explicit ContactMeasures(const RunInfo& run, double gap_s = kGap_s);
+
+  void frame(const Frame& frame);
+  void end();
+
+  /// After frame(), while its spans last: the level of density around two people; how deep two
+  /// parts of them are.
+  size_t level_of(uint32_t a, uint32_t b);
+  void add_depth(PairKey pair, double depth_m);
+
+  uint64_t contacts() const;
+  double person_s() const { return person_s_; }
+  MeasureTable contact_table() const;
+  MeasureTable depth_table() const;
+
+ private:
+  /// What goes on, or has ended so lately that it may go on again.
+  struct Open {
+    uint32_t touching = 0;  ///< pairs of parts
+    double ended_s = 0;     ///< counts if nothing touches
+    double deepest_m = -1;  ///< of people; below 0: not looked at
+  };
+  using OpenContacts = std::unordered_map<uint64_t, Open>;
+
+  void place(const Frame& frame);
+  double density_at(uint32_t person);
+  bool begin(OpenContacts& open, uint64_t key) const;
+  void finish(OpenContacts& open, uint64_t key) const;
+  void forget_ended();
+  void spend_time(const Frame& frame);
+  uint64_t people_key(PairKey pair) const { return pair.bits() >> 16; }
+  uint64_t group_key(PairKey pair) const;
+
+  double step_s_;
+  double gap_s_;
+  int64_t sample_every_;
+  size_t people_;
+  PartGroups groups_;
+  LocalDensity density_;
+  std::vector<Eigen::Vector2d> positions_m_;
+  std::vector<double> densities_;  ///< by person, of this frame; below 0: not asked for yet
+  bool is_placed_ = false;
+  const Frame* frame_ = nullptr;
+  double now_s_ = 0;
+
+  OpenContacts open_;         ///< of two people
+  OpenContacts open_groups_;  ///< of groups of parts of two people
+  std::array<uint64_t, kLevels> contacts_{};
+  std::array<double, kLevels> person_s_at_{};
+  std::array<uint64_t, kGroupPairs> group_contacts_{};
+  double person_s_ = 0;
+
+  Histogram depths_;                  ///< of two parts, at sampled instants
+  Histogram deepest_;                 ///< of a contact
+  std::vector<Histogram> depths_at_;  ///< by level
+  std::vector<Histogram> depths_of_;  ///< by pair of groups
+};
+
+}  // namespace throng

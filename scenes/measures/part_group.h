@@ -1,0 +1,38 @@
+// Body parts as people speak of them: arms, legs, trunk.
+// One rule: a group follows from the name of a part alone, so that any model's parts have one.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/run/sink.h"
+
+namespace throng {
+
+enum class PartGroup : uint8_t { kHead, kTrunk, kArm, kHand, kLeg, kFoot, kOther };
+inline constexpr size_t kPartGroups = 7;
+
+/// "lowerLeftArm" is an arm, "pelvis" the trunk; kOther where the name says nothing.
+PartGroup part_group(const std::string& part_name);
+
+/// Two groups in any order, as one number below kGroupPairs.
+inline constexpr size_t kGroupPairs = kPartGroups * (kPartGroups + 1) / 2;
+size_t group_pair(PartGroup a, PartGroup b);
+/// "arm and trunk"; "trunk and trunk".
+const std::string& name_of_group_pair(size_t pair);
+
+/// The groups of all parts of a run.
+class PartGroups {
+ public:
+  explicit PartGroups(const RunInfo& run);
+  PartGroup of(uint32_t avatar, uint32_t part) const;
+
+ private:
+  std::vector<uint16_t> model_of_avatar_;
+  std::vector<std::vector<PartGroup>> groups_;  ///< by model and part
+};
+
+}  // namespace throng
