@@ -31,5 +31,6 @@ Command add_view_command(CommandLine& parent);
 Command add_paper_command(CommandLine& parent);
 Command add_bench_command(CommandLine& parent);
 Command add_validate_command(CommandLine& parent);
+Command add_compare_command(CommandLine& parent);
 
 }  // namespace throng

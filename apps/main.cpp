@@ -61,11 +61,11 @@ std::vector<std::string> as_parsed(const CommandLine& line, std::vector<std::str
 
 int run(int argc, char** argv) {
   CommandLine line("throng", kAbout, kFooter, fmt::format("throng {} ({})", version(), commit()));
-  const std::vector<Command> commands = {add_run_command(line),     add_scenes_command(line),
-                                         add_info_command(line),    add_check_command(line),
-                                         add_monitor_command(line), add_render_command(line),
-                                         add_view_command(line),    add_paper_command(line),
-                                         add_bench_command(line),   add_validate_command(line)};
+  const std::vector<Command> commands = {
+      add_run_command(line),      add_scenes_command(line),  add_info_command(line),
+      add_check_command(line),    add_monitor_command(line), add_render_command(line),
+      add_view_command(line),     add_paper_command(line),   add_bench_command(line),
+      add_validate_command(line), add_compare_command(line)};
   line.add_subcommand("help", "The options of a command: throng help COMMAND");
   if (const auto text = line.parse(as_parsed(line, {argv + 1, argv + argc}))) {
     show("{}", *text);

@@ -1,0 +1,148 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/commands/comparison_report.h"
+#include "apps/output/file_kind.h"
+#include "apps/output/json_output.h"
+#include "apps/output/output_plan.h"
+#include "apps/process/progress.h"
+#include "apps/process/stop_signal.h"
+#include "base/figure.h"
+#include "base/say.h"
+#include "lcmtypes/replay/log_world.h"
+#include "scenes/measures/comparison.h"
+#include "scenes/run/runner.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+A and B are scenes, names from `throng scenes`, or logs; each is run first, with triangles (a log is culled
+again). Options that only one of them needs stand in its scene.
+
+Examples:
+  throng compare corridor crossing --seconds 20
+  throng compare bottleneck my_bottleneck.yaml --out out/compare --json compare.json
+  throng compare before.yaml after.yaml --line 0,-1,0,1)";
+
+struct CompareOptions {
+  std::string a, b;
+  std::string json;
+  std::string out;
+  std::optional<double> seconds;
+  std::vector<float> line;  ///< two points
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+};
+
+/// What is to be run, and how.
+struct Prepared {
+  Scene scene;
+  WorldFactory world = {};  ///< empty: the scene's own
+};
+
+/// Everything that A and B may be comes in here.
+Prepared prepared(const std::string& name, const CompareOptions& options) {
+  Prepared out;
+  if (is_log(name)) {
+    LogRun log = read_log_run(name);
+    out = {std::move(log.scene), std::move(log.world)};
+  } else {
+    require_no_other_kind(name);
+    out.scene = load_scene(name);
+  }
+  if (options.seconds)
+    out.scene.duration_s =
+        out.world ? std::min(out.scene.duration_s, *options.seconds) : *options.seconds;
+  out.scene.exact = true;
+  return out;
+}
+
+std::optional<Passage> chosen_line(const CompareOptions& options) {
+  if (options.line.empty()) return {};
+  const auto at = [&](size_t i) {
+    return Eigen::Vector2d(static_cast<double>(options.line[i]),
+                           static_cast<double>(options.line[i + 1]));
+  };
+  return Passage{at(0), at(2)};
+}
+
+/// Nothing if a signal came first.
+std::optional<MeasuredRun> measured(Prepared source, const CompareOptions& options) {
+  SimulationOptions simulated{.threads = options.threads};
+  simulated.world = std::move(source.world);
+  Simulation simulation(std::move(source.scene), simulated);
+  for (const std::string& note : simulation.notes())
+    say("note: {}: {}\n", simulation.scene().name, note);
+  CrowdMeasures measures({.line = chosen_line(options)});
+  ProgressBar progress(simulation.scene().name,
+                       frame_count(simulation.scene().duration_s, simulation.info().step_s));
+  Sink* const sink = &measures;
+  const RunSummary summary = run(simulation, {&sink, 1}, [&](const Frame& frame) {
+    progress.show(frame.number + 1);
+    return !StopSignal::requested();
+  });
+  if (summary.stopped_early) return {};
+  return MeasuredRun{simulation.scene().name, measures.facts(), measures.tables()};
+}
+
+int compare(const CompareOptions& options) {
+  OutputPlan plan;
+  plan.writes_json(options.json);
+  plan.fills("--out", options.out, {"report.md", "*.svg"});
+  plan.check();
+  if (!options.out.empty()) require_gnuplot();
+  // Both before the first runs: what is wrong with B is known at once.
+  Prepared source_a = prepared(options.a, options);
+  Prepared source_b = prepared(options.b, options);
+  plan.reads("what is compared", source_a.scene.file);
+  plan.reads("what is compared", source_b.scene.file);
+  const StopSignal stop;
+  const OpenOutputs outputs = plan.open();
+  const std::optional<MeasuredRun> a = measured(std::move(source_a), options);
+  const std::optional<MeasuredRun> b = a ? measured(std::move(source_b), options) : std::nullopt;
+  if (!b) {
+    say("stopped by {}: nothing to compare yet\n", StopSignal::name());
+    return StopSignal::exit_code();
+  }
+  show_beside_json(options.json, comparison_text(*a, *b));
+  write_json_output(options.json, comparison_json(*a, *b));
+  if (!options.out.empty()) {
+    write_comparison_report(*a, *b, options.out);
+    show_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
+  }
+  return kExitFine;
+}
+
+}  // namespace
+
+Command add_compare_command(CommandLine& parent) {
+  CommandOptions* app = parent.add_subcommand(
+      "compare", "Two crowds side by side: speed, spacing, flow, sway, contacts and their depth");
+  app->footer(kFooter);
+  const auto options = std::make_shared<CompareOptions>();
+  app->add_option("A", options->a, "A scene file, a name from `throng scenes`, or a log")
+      ->required();
+  app->add_option("B", options->b, "The same")->required();
+  app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
+  app->add_option("--out", options->out, "A folder for report.md and its figures")
+      ->type_name("DIR");
+  app->add_option("--seconds", options->seconds, "Of each, instead of the scene's")
+      ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
+      ->type_name("S");
+  app->add_option("--line", options->line,
+                  "Where flow is measured, from one point to another [the narrowest place]")
+      ->delimiter(',')
+      ->expected(4)
+      ->type_name("X,Y,X,Y");
+  app->add_option("--threads", options->threads, "Default: all cores")
+      ->check(whole_option(1, 256, "a whole number from 1 to 256"))
+      ->type_name("N");
+  return {app, [options] { return compare(*options); }};
+}
+
+}  // namespace throng
