@@ -7,14 +7,13 @@
 
 #include "apps/command.h"
 #include "apps/commands/comparison_report.h"
-#include "apps/output/file_kind.h"
+#include "apps/input/run_source.h"
 #include "apps/output/json_output.h"
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
 #include "base/figure.h"
 #include "base/say.h"
-#include "lcmtypes/replay/log_world.h"
 #include "scenes/measures/comparison.h"
 #include "scenes/run/runner.h"
 
@@ -22,8 +21,8 @@ namespace throng {
 namespace {
 
 constexpr const char* kFooter = R"(
-A and B are scenes, names from `throng scenes`, or logs; each is run first, with triangles (a log is culled
-again). Options that only one of them needs stand in its scene.
+A and B are scenes, names from `throng scenes`, recordings or logs; each is run first, with triangles (a log
+is culled again). Options that a recording needs stand in a scene of `kind: recorded`.
 
 Examples:
   throng compare corridor crossing --seconds 20
@@ -39,26 +38,14 @@ struct CompareOptions {
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 };
 
-/// What is to be run, and how.
-struct Prepared {
-  Scene scene;
-  WorldFactory world = {};  ///< empty: the scene's own
-};
-
-/// Everything that A and B may be comes in here.
-Prepared prepared(const std::string& name, const CompareOptions& options) {
-  Prepared out;
-  if (is_log(name)) {
-    LogRun log = read_log_run(name);
-    out = {std::move(log.scene), std::move(log.world)};
-  } else {
-    require_no_other_kind(name);
-    out.scene = load_scene(name);
-  }
-  if (options.seconds)
-    out.scene.duration_s =
-        out.world ? std::min(out.scene.duration_s, *options.seconds) : *options.seconds;
-  out.scene.exact = true;
+/// With triangles, and no longer than asked for.
+RunSource source_of(const std::string& name, const CompareOptions& options) {
+  RunSourceOptions source;
+  source.name = name;
+  source.seconds = options.seconds;
+  source.exact = true;
+  RunSource out = open_run_source(source);
+  for (const std::string& note : out.notes) say("note: {}\n", note);
   return out;
 }
 
@@ -72,7 +59,7 @@ std::optional<Passage> chosen_line(const CompareOptions& options) {
 }
 
 /// Nothing if a signal came first.
-std::optional<MeasuredRun> measured(Prepared source, const CompareOptions& options) {
+std::optional<MeasuredRun> measured(RunSource source, const CompareOptions& options) {
   SimulationOptions simulated{.threads = options.threads};
   simulated.world = std::move(source.world);
   Simulation simulation(std::move(source.scene), simulated);
@@ -97,10 +84,11 @@ int compare(const CompareOptions& options) {
   plan.check();
   if (!options.out.empty()) require_gnuplot();
   // Both before the first runs: what is wrong with B is known at once.
-  Prepared source_a = prepared(options.a, options);
-  Prepared source_b = prepared(options.b, options);
-  plan.reads("what is compared", source_a.scene.file);
-  plan.reads("what is compared", source_b.scene.file);
+  RunSource source_a = source_of(options.a, options);
+  RunSource source_b = source_of(options.b, options);
+  plan_inputs(source_a.scene, plan);
+  plan_inputs(source_b.scene, plan);
+  plan.check();
   const StopSignal stop;
   const OpenOutputs outputs = plan.open();
   const std::optional<MeasuredRun> a = measured(std::move(source_a), options);
@@ -125,7 +113,8 @@ Command add_compare_command(CommandLine& parent) {
       "compare", "Two crowds side by side: speed, spacing, flow, sway, contacts and their depth");
   app->footer(kFooter);
   const auto options = std::make_shared<CompareOptions>();
-  app->add_option("A", options->a, "A scene file, a name from `throng scenes`, or a log")
+  app->add_option("A", options->a,
+                  "A scene file, a name from `throng scenes`, a recording, or a log")
       ->required();
   app->add_option("B", options->b, "The same")->required();
   app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
