@@ -1,4 +1,6 @@
 // The recording of a scene.
+#include <cstdlib>
+
 #include "base/errors.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/recorded_scene.h"
@@ -32,6 +34,24 @@ Key<Scene> time(const std::string& name, std::string meaning, std::string fallba
       });
 }
 
+/// A name that begins with $NAME/ lies in the folder that this variable of the environment names:
+/// recordings are large, and not everybody may pass them on.
+std::filesystem::path recording_file(const Reading& reading, const Fields& fields) {
+  const YamlNode& node = fields.require("file");
+  const std::string name = fields.text("file");
+  const size_t slash = name.find('/');
+  if (!name.starts_with('$') || slash == std::string::npos)
+    return existing_file(reading, fields, node, "a recording");
+  const std::string variable = name.substr(1, slash - 1);
+  const char* folder = std::getenv(variable.c_str());
+  if (folder == nullptr || *folder == 0)
+    throw InputError(
+        fields.where(node),
+        fmt::format("{} in the environment, the folder of '{}'", variable, name.substr(slash + 1)),
+        "nothing");
+  return std::filesystem::path(folder) / name.substr(slash + 1);
+}
+
 void read_model(Reading& reading, Fields& fields, Scene& scene) {
   Group& group = scene.groups.back();
   group.model = read_model_file(reading, fields);
@@ -58,13 +78,13 @@ void read_separator(Reading&, Fields& fields, Scene& scene) {
 std::vector<Key<Scene>> rows() {
   return {
       own_key<Scene>("file",
-                     "the recording, relative to the scene file; its kind is known by what it "
-                     "holds, see [recordings.md](recordings.md)",
+                     "the recording, relative to the scene file, or to a folder that a variable "
+                     "of the environment names (`$THRONG_RECORDINGS/jam.txt`); its kind is "
+                     "known by what it holds, see [recordings.md](recordings.md)",
                      "", {})
           .required()
           .reading([](Reading& reading, Fields& fields, Scene& scene) {
-            scene.recorded->options.file =
-                existing_file(reading, fields, fields.require("file"), "a recording");
+            scene.recorded->options.file = recording_file(reading, fields);
           }),
       own_key<Scene>("name", "what the recorded people are called", "`recorded`", {})
           .reading([](Reading& reading, Fields& fields, Scene& scene) {
