@@ -93,22 +93,44 @@ void add_obstacles(RecordedFrame& frame, std::deque<Mesh>& meshes, std::vector<R
   }
 }
 
-/// Fits the crowd: its bounding circle, seen from south-east and above.
+/// How far back the eye has to be for everybody who is there to be in the picture, feet and head.
+float distance_to_all(const CrowdState& crowd, const Eigen::Vector3f& target_m,
+                      const Eigen::Vector3f& back, float half_width, float half_height) {
+  constexpr float kRoom = 1.06F;  // at the rim: arms, shadows
+  const Eigen::Vector3f right = Eigen::Vector3f::UnitZ().cross(back).normalized();
+  const Eigen::Vector3f up = back.cross(right);
+  float distance_m = 3 * kPersonHeight_m;
+  for (size_t avatar = 0; avatar < crowd.roots.size(); ++avatar) {
+    if (crowd.present[avatar] == 0) continue;
+    for (const float z_m : {0.0F, kPersonHeight_m}) {
+      const Eigen::Vector3f point =
+          crowd.roots[avatar].position_m.cast<float>() + Eigen::Vector3f(0, 0, z_m) - target_m;
+      const float aside =
+          std::max(std::abs(point.dot(right)) / half_width, std::abs(point.dot(up)) / half_height);
+      distance_m = std::max(distance_m, point.dot(back) + kRoom * aside);
+    }
+  }
+  return distance_m;
+}
+
+/// The middle of those who are there.
+Eigen::Vector3f middle_of(const CrowdState& crowd) {
+  Eigen::AlignedBox3d box;
+  for (size_t avatar = 0; avatar < crowd.roots.size(); ++avatar)
+    if (crowd.present[avatar] != 0) box.extend(crowd.roots[avatar].position_m);
+  return box.isEmpty() ? Eigen::Vector3f::Zero() : box.center().cast<float>();
+}
+
+/// Fits the crowd, seen from south-east and above.
 Camera camera_of(const CrowdState& crowd, const PictureOptions& options) {
   Camera camera;
-  Eigen::Vector3d low = crowd.roots.empty() ? Eigen::Vector3d::Zero() : crowd.roots[0].position_m;
-  Eigen::Vector3d high = low;
-  for (const RootPose& root : crowd.roots) {
-    low = low.cwiseMin(root.position_m);
-    high = high.cwiseMax(root.position_m);
-  }
-  const Eigen::Vector3f middle = (0.5 * (low + high)).cast<float>();
-  camera.target_m = options.target_m.value_or(middle + Eigen::Vector3f(0, 0, 0.3F));
-  const float radius_m = std::max(kPersonHeight_m, 0.5F * static_cast<float>((high - low).norm()));
+  camera.target_m =
+      options.target_m.value_or(middle_of(crowd) + Eigen::Vector3f(0, 0, 0.5F * kPersonHeight_m));
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
-  const float half_width = std::tan(0.5F * camera.vertical_fov_rad) * std::max(aspect, 0.1F);
-  const float distance_m = 1.05F * radius_m / std::min(half_width, 0.8F);
+  const float half_height = std::tan(0.5F * camera.vertical_fov_rad);
+  const float half_width = half_height * std::max(aspect, 0.1F);
   const Eigen::Vector3f back = Eigen::Vector3f(0.45F, -0.75F, 0.5F).normalized();
+  const float distance_m = distance_to_all(crowd, camera.target_m, back, half_width, half_height);
   camera.eye_m = options.eye_m.value_or(camera.target_m + distance_m * back);
   return camera;
 }
