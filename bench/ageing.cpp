@@ -7,6 +7,7 @@
 
 #include "bench/boxes.h"
 #include "bench/engines/engines.h"
+#include "scenes/run/stages.h"
 
 namespace throng::bench {
 namespace {
@@ -21,8 +22,7 @@ double timed_ms(const std::function<void()>& work) {
 
 uint64_t work_of(const CullingCounters& c) {
   uint64_t sum = c.posed_bodies;
-  for (const StageCounters* stage : {&c.avatar, &c.body_box, &c.box, &c.part})
-    sum += stage->updates + stage->tests;
+  for (const StageCounters* stage : culling_stages(c)) sum += stage->updates + stage->tests;
   return sum;
 }
 
