@@ -118,7 +118,8 @@ Eigen::Vector3f middle_of(const CrowdState& crowd) {
   Eigen::AlignedBox3d box;
   for (size_t avatar = 0; avatar < crowd.roots.size(); ++avatar)
     if (crowd.present[avatar] != 0) box.extend(crowd.roots[avatar].position_m);
-  return box.isEmpty() ? Eigen::Vector3f::Zero() : box.center().cast<float>();
+  if (box.isEmpty()) return Eigen::Vector3f::Zero();
+  return box.center().cast<float>();
 }
 
 /// Fits the crowd, seen from south-east and above.

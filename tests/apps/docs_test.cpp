@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -14,8 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A fenced block. "```sh run" is run; "```yaml NAME" and "```python NAME" are files that later
-/// commands of the document use.
+/// A fenced block. "```sh run" is run, "```sh recordings" where THRONG_RECORDINGS names a folder of
+/// recordings; "```yaml NAME" and "```python NAME" are files that later commands of the document
+/// use.
 struct Block {
   int line = 0;
   std::string info;
@@ -47,22 +49,38 @@ std::vector<fs::path> documents() {
   return found;
 }
 
-TEST(Documents, CommandsWorkAsShown) {
+/// Runs the blocks of a kind in a folder that has the documents' own scenes; returns how many.
+int run_blocks(const std::string& kind) {
   int commands = 0;
   for (const fs::path& document : documents()) {
     const ScratchFolder folder;
+    const fs::path scenes = fs::path(THRONG_SOURCE_DIR) / "docs/recordings";
+    if (document.stem() == scenes.filename()) {
+      fs::create_directories(folder / "docs/recordings");
+      fs::copy(scenes, folder / "docs/recordings");
+    }
     for (const Block& block : blocks_of(read_file(document))) {
-      for (const std::string kind : {"yaml ", "python "})
-        if (block.info.starts_with(kind))
-          write_file(folder / block.info.substr(kind.size()), block.text);
-      if (block.info != "sh run") continue;
+      for (const std::string file : {"yaml ", "python "})
+        if (block.info.starts_with(file))
+          write_file(folder / block.info.substr(file.size()), block.text);
+      if (block.info != kind) continue;
       ++commands;
       const Outcome outcome = shell(block.text, folder);
       EXPECT_EQ(outcome.exit_code, 0) << document.filename().string() << ":" << block.line << ":\n"
                                       << block.text << outcome.err;
     }
   }
-  EXPECT_GE(commands, 3);
+  return commands;
+}
+
+TEST(Documents, CommandsWorkAsShown) { EXPECT_GE(run_blocks("sh run"), 3); }
+
+TEST(Documents, CommandsWithRecordingsWorkAsShown) {
+  if (std::getenv("THRONG_RECORDINGS") == nullptr)
+    GTEST_SKIP()
+        << "THRONG_RECORDINGS names no folder of recordings; docs/recordings.md says where "
+           "they come from";
+  EXPECT_GE(run_blocks("sh recordings"), 1);
 }
 
 TEST(Documents, TheSchemaOfScenesIsWhatTheCommandPrints) {

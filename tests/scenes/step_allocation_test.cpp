@@ -2,14 +2,17 @@
 // counted: every operator new of the process is.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "scenes/file/recorded_scene.h"
 #include "scenes/scenes.h"
 #include "tests/allocation_counter.h"
+#include "tests/scenes/recorded/recording_folder.h"
 
 namespace throng {
 namespace {
 
-TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
-  Scene scene = load_scene("corridor");
+void expect_no_uncounted_growth(const Scene& scene, const char* what) {
   for (const int threads : {1, 2}) {
     Simulation simulation(scene, {.threads = threads});
     for (int frame = 0; frame < 240; ++frame) simulation.step();
@@ -21,9 +24,40 @@ TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
       steps_that_grew += grew;
       if (!grew) uncounted += testing::allocations_so_far() - before;
     }
-    EXPECT_EQ(uncounted, 0u) << threads << " threads: steps that report no growth allocated";
-    EXPECT_LT(steps_that_grew, 60u) << threads << " threads";
+    EXPECT_EQ(uncounted, 0u) << what << ", " << threads
+                             << " threads: steps that report no growth allocated";
+    EXPECT_LT(steps_that_grew, 60u) << what << ", " << threads << " threads";
   }
+}
+
+TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
+  expect_no_uncounted_growth(load_scene("corridor"), "corridor");
+}
+
+using RecordingAllocations = RecordingTest;
+
+TEST_F(RecordingAllocations, AWarmStepOfARecordingAllocatesOnlyWhatItCountsAsGrowth) {
+  // Forty people on circles, some of them out of sight for a while, and ten who walk among them.
+  std::string text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n";
+  for (int person = 0; person < 40; ++person)
+    for (int frame = 0; frame < 300; ++frame) {
+      if (person % 4 == 0 && frame > 120 && frame < 160) continue;
+      const double turned = 0.01 * frame + person, radius_m = 2 + 0.1 * person;
+      text += fmt::format("{} {} {:.4f} {:.4f} 1.{}\n", person, frame, radius_m * std::cos(turned),
+                          radius_m * std::sin(turned), 60 + person);
+    }
+  RecordingOptions options;
+  options.file = write("circles.txt", text);
+  Scene scene = recorded_scene(options);
+  expect_no_uncounted_growth(scene, "recorded");
+  Group own;
+  own.name = "own";
+  own.model = adult_urdf();
+  own.count = 10;
+  own.spawn = {{-6, -6}, {-4, 6}};
+  own.goals = {Rectangle{{4, -6}, {6, 6}}};
+  scene.groups.insert(scene.groups.begin(), own);
+  expect_no_uncounted_growth(scene, "recorded, and some of our own");
 }
 
 }  // namespace

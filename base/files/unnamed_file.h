@@ -8,14 +8,14 @@
 
 namespace throng {
 
-class ScratchFile {
+class UnnamedFile {
  public:
   /// In $TMPDIR, or /tmp. Throws EnvironmentError, as the others, naming the folder and the way
   /// out.
-  ScratchFile();
-  ~ScratchFile();
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
+  UnnamedFile();
+  ~UnnamedFile();
+  UnnamedFile(const UnnamedFile&) = delete;
+  UnnamedFile& operator=(const UnnamedFile&) = delete;
 
   /// From several threads at once, for parts that do not overlap.
   void write(int64_t offset, std::span<const std::byte> bytes);
