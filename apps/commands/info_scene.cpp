@@ -70,6 +70,18 @@ void add_people(std::string& text, const Group& group) {
   if (group.height_m) add_distribution(text, "height", *group.height_m, "m");
 }
 
+/// Those who go as recorded.
+void add_recorded(std::string& text, const Scene& scene) {
+  const Group& group = scene.groups.back();
+  const RecordingFacts& facts = scene.recorded->recording->facts();
+  append(text, "  {}: {} of '{}', {} parts each\n", group.name, group.recorded, group.body->name,
+         group.body->part_count());
+  append(text, "    tracks   of {}, {} '{}', {:.6g} s\n",
+         facts.tracks == TrackedPoint::kHead ? "heads" : "centres", facts.kind,
+         scene.recorded->options.file.filename().string(), facts.duration_s);
+  append(text, "    size     {}\n", describe_size(group));
+}
+
 void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   append(text, "  {}: {} of '{}', {} parts each, {} goals\n", group.name, group.total(),
          group.body->name, group.body->part_count(), group.goals.size());
@@ -116,13 +128,20 @@ std::string describe_scene(const std::string& path_or_name) {
            box.max_spin_radps);
     return text;
   }
-  const Walkable walkable(scene);
-  const FlowGrid grid(walkable);
-  const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures());
-  append(text, "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
-         mesh.polygon_count(), mesh.voxel_m());
-  append(text, "\nGroups:\n");
-  for (const Group& group : scene.groups) add_group(text, group, mesh);
+  // Nobody looks for a way where all were recorded.
+  const bool steers = !scene.recorded || scene.groups.size() > 1;
+  std::string groups;
+  if (steers) {
+    const Walkable walkable(scene);
+    const FlowGrid grid(walkable);
+    const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures());
+    append(text, "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
+           mesh.polygon_count(), mesh.voxel_m());
+    for (const Group& group : scene.groups)
+      if (group.recorded == 0) add_group(groups, group, mesh);
+  }
+  if (scene.recorded) add_recorded(groups, scene);
+  text += "\nGroups:\n" + groups;
   append(text, "\nObstacles:{}\n", scene.obstacles.empty() ? " none" : "");
   for (const Obstacle& obstacle : scene.obstacles) add_obstacle(text, obstacle);
   return text;
