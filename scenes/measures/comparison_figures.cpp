@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -51,9 +52,12 @@ struct Bars {
 std::string bars_script(const Rows& rows, const Bars& bars) {
   std::string text = "$data << EOD\n";
   int count = 0;
+  std::array<bool, 2> has_any{};
   for (const ComparedRow& each : rows) {
     if (!bars.wanted(each.row)) continue;
     ++count;
+    has_any[0] |= !std::isnan(each.a);
+    has_any[1] |= !std::isnan(each.b);
     std::string label = bars.label(each.row);
     std::replace(label.begin(), label.end(), '"', '\'');
     text += fmt::format("\"{}\" {} {}\n", label, data(each.a), data(each.b));
@@ -61,13 +65,22 @@ std::string bars_script(const Rows& rows, const Bars& bars) {
   if (count == 0) return "";
   text += fmt::format(
       "EOD\nset style data histograms\nset style histogram clustered gap 1\nset style fill solid "
-      "0.85\nset xtics rotate by {} noenhanced\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
+      "0.85\nset xtics rotate by {} noenhanced\nset ylabel '{}'\nset xlabel '{}'\n{}\nplot ",
       count > 8 ? -35 : 0, bars.y_label, bars.x_label,
       bars.logarithmic ? "set logscale y" : "set yrange [0:*]");
-  return text + fmt::format(
-                    "plot $data using 2:xtic(1) linecolor rgb '{}' title 'A', $data using 3 "
-                    "linecolor rgb '{}' title 'B'\n",
-                    colour(0), colour(1));
+  // A column without a number is an error to gnuplot.
+  std::string separator;
+  for (size_t run = 0; run < 2; ++run) {
+    const char letter = run == 0 ? 'A' : 'B';
+    text += separator + (has_any[run] ? fmt::format("$data using {}:xtic(1) linecolor rgb '{}' "
+                                                    "title '{}'",
+                                                    run + 2, kFigureColours[run], letter)
+                                      : fmt::format("keyentry with boxes linecolor rgb '{}' "
+                                                    "title '{}: none'",
+                                                    kFigureColours[run], letter));
+    separator = ", ";
+  }
+  return text + "\n";
 }
 
 /// Mean and the band from 10 to 90 %.

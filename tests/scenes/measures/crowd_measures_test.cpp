@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
 
 #include "scenes/measures/comparison.h"
 #include "scenes/measures/heads.h"
@@ -144,6 +147,26 @@ TEST(Comparison, OfARunWithItselfIsNoDifference) {
   for (const char* id : {"speed_density", "spacing", "flow", "width_use", "sway_amplitude",
                          "accelerations", "contacts", "contacts_parts", "depth", "depth_parts"})
     EXPECT_TRUE(ids.contains(id)) << id;
+}
+
+TEST(Comparison, OfACrowdWithNothingIsDrawn) {
+  if (!has_gnuplot()) GTEST_SKIP() << "no gnuplot";
+  const MeasuredRun run = measured(short_scene("corridor", 6), 2);
+  MeasuredRun cleared = run;
+  cleared.name = "none";
+  for (MeasureTable& table : cleared.tables) {
+    table.rows.clear();
+    for (MeasureCurve& curve : table.curves) curve.points.clear();
+  }
+  const MeasuredRun& nothing = cleared;
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / fmt::format("figures_{}", getpid());
+  std::filesystem::create_directories(folder);
+  for (const auto& [a, b] : {std::pair(&run, &nothing), std::pair(&nothing, &run)})
+    for (const Figure& figure : comparison_figures(*a, *b))
+      EXPECT_NO_THROW(draw(figure, folder)) << figure.id;
+  std::filesystem::remove_all(folder);
+  EXPECT_TRUE(comparison_figures(nothing, nothing).empty());
 }
 
 }  // namespace
