@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"OptionWithEquals", "throng run plaza --secnds=1", "(did you mean '--seconds'?)"},
         Mistake{"OptionBeforeScene", "throng run --thread 2", "(did you mean '--threads'?)"},
         Mistake{"GlobalOption", "throng --versoin", "(did you mean '--version'?)"},
-        Mistake{"NoScene", "throng run", "SCENE"},
+        Mistake{"NoScene", "throng run", "FILE"},
         Mistake{"TwoScenes", "throng run plaza corridor", "found 'corridor'"},
         Mistake{"NoFile", "throng info", "FILE"},
         Mistake{"Volume", "throng run plaza --part-volume ordop15",

@@ -89,7 +89,7 @@ class Walkers {
       const float jump = draw(i, frame, 7, 0, 1) < 0.002f ? 100.0f : 1.0f;
       chunk_.present[i] = draw(i, stage, 3, 0, 1) < 0.95f;
       chunk_.stretch[i] =
-          stretches_ && draw(i, stage, 10, 0, 1) < 0.5f ? draw(i, stage, 11, 0.7, 1.5) : 1.0f;
+          stretches_ && draw(i, stage, 10, 0, 1) < 0.3f ? draw(i, stage, 11, 0.7, 1.5) : 1.0f;
       chunk_.ahead_mps[i] = ahead;
       chunk_.w_before[i] = chunk_.w_after[i];
       chunk_.z_before[i] = chunk_.z_after[i];
