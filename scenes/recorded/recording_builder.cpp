@@ -26,7 +26,7 @@ constexpr double kLongest_s = 1e7;
 constexpr double kWidest_m = 10'000;
 /// Coordinates beyond are those of a map.
 constexpr double kNoMap_m = 10'000;
-constexpr int64_t kDirectIds = 1 << 20;
+constexpr int64_t kDirectIds = 1 << 16;
 /// Where a step ends and the next begins.
 constexpr double kSameEvent_s = 1e-6;
 
@@ -52,8 +52,8 @@ void RecordingBuilder::note(std::string what, int64_t count, std::string first) 
 }
 
 size_t RecordingBuilder::person_of(int64_t id, int64_t place) {
-  if (id == last_id_) return last_person_;
   if (id < 0) refuse(place, "an id of 0 or more", std::to_string(id));
+  if (id == last_id_) return last_person_;
   uint32_t& number = id < kDirectIds ? small_ids_[static_cast<size_t>(id)] : large_ids_[id];
   if (number == 0) {
     if (ids_.size() > PairKey::kMaxId)

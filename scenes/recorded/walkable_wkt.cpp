@@ -173,7 +173,7 @@ WalkableArea::WalkableArea(const std::vector<AreaPolygon>& polygons) {
   // As many slabs as leave each a few edges, but fewer where most edges go through many.
   size_t slabs = std::clamp<size_t>(all.size() / 2, 1, 1024);
   for (;; slabs /= 2) {
-    slabs_per_m_ = static_cast<double>(slabs) / (top_ - bottom_);
+    slabs_per_m_ = top_ > bottom_ ? static_cast<double>(slabs) / (top_ - bottom_) : 0;
     slab_begin_.assign(slabs + 1, 0);
     size_t copies = 0;
     for (const Edge& edge : all) copies += last_slab(edge) - first_slab(edge) + 1;

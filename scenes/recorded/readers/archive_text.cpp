@@ -263,9 +263,11 @@ class ArchiveText final : public RecordingReader {
  private:
   static bool is_position(std::string_view line) {
     const std::vector<std::string_view> words = words_of(line);
+    int64_t whole = 0;
     double value = 0;
-    if (words.size() < 3) return false;
-    for (size_t i = 0; i < std::min<size_t>(words.size(), 4); ++i)
+    if (words.size() < 3 || !parse_whole(words[0], whole) || !parse_whole(words[1], whole))
+      return false;
+    for (size_t i = 2; i < std::min<size_t>(words.size(), 4); ++i)
       if (!parse_number(words[i], value)) return false;
     return true;
   }

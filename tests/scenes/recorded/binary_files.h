@@ -18,6 +18,7 @@ inline void make_sqlite(const std::filesystem::path& file, const std::string& sq
   std::filesystem::remove(file);
   sqlite3* database = nullptr;
   sqlite3_open(file.c_str(), &database);
+  sqlite3_exec(database, "PRAGMA synchronous = OFF", nullptr, nullptr, nullptr);
   sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr);
   sqlite3_close(database);
 }
