@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "base/files/unnamed_file.h"
+#include "base/files/nameless_file.h"
 #include "base/workers.h"
 #include "scenes/dressing/dress.h"
 
@@ -50,7 +50,7 @@ class Tracks {
   const Knot& knot(size_t person, int64_t index);
   void load(size_t person, int64_t index);
 
-  UnnamedFile file_;
+  NamelessFile file_;
   std::vector<Cursor> cursors_;
   std::vector<std::array<Knot, kWindow>> windows_;
 };

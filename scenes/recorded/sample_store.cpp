@@ -1,58 +1,11 @@
 #include "scenes/recorded/sample_store.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <span>
-
-#include "base/errors.h"
 
 namespace throng {
-namespace {
 
-std::filesystem::path folder() {
-  std::error_code error;
-  const std::filesystem::path path = std::filesystem::temp_directory_path(error);
-  return error ? std::filesystem::path("/tmp") : path;
-}
-
-[[noreturn]] void fail(const char* what) {
-  throw EnvironmentError(
-      fmt::format("{}: cannot {} the temporary file that holds a recording: {}; set TMPDIR to a "
-                  "folder that has room for it",
-                  folder().string(), what, std::strerror(errno)));
-}
-
-/// Open for reading and writing, above standard error's, in no folder.
-int nameless_file() {
-  int low = ::open(folder().c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (low < 0) {  // a file system without such files
-    std::string name = (folder() / "throng_recording_XXXXXX").string();
-    low = ::mkostemp(name.data(), O_CLOEXEC);
-    if (low < 0) fail("make");
-    ::unlink(name.c_str());
-  }
-  if (low > STDERR_FILENO) return low;
-  const int file = ::fcntl(low, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-  const int error = errno;
-  ::close(low);
-  errno = error;
-  if (file < 0) fail("make");
-  return file;
-}
-
-}  // namespace
-
-SampleStore::SampleStore() : file_(nameless_file()) { unwritten_.reserve(kWriteBytes); }
-
-SampleStore::~SampleStore() {
-  if (file_ >= 0) ::close(file_);
-}
+SampleStore::SampleStore() { unwritten_.reserve(kWriteBytes); }
 
 size_t SampleStore::add_person() {
   chains_.emplace_back();
@@ -106,14 +59,8 @@ void SampleStore::flush_all() {
 }
 
 void SampleStore::write_out() {
-  std::span<const std::byte> left(unwritten_);
-  while (!left.empty()) {
-    const ssize_t count = ::pwrite(file_, left.data(), left.size(), written_);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("write");
-    written_ += count;
-    left = left.subspan(static_cast<size_t>(count));
-  }
+  file_.write(written_, unwritten_);
+  written_ += static_cast<int64_t>(unwritten_.size());
   unwritten_.clear();
 }
 
@@ -126,15 +73,7 @@ void SampleStore::read(size_t person, std::vector<StoredSample>& out) const {
     // The last block of the file may be shorter than the largest.
     const auto wanted =
         static_cast<size_t>(std::min<int64_t>(static_cast<int64_t>(kBlockBytes), written_ - at));
-    size_t done = 0;
-    while (done < wanted) {
-      const ssize_t count =
-          ::pread(file_, block + done, wanted - done, at + static_cast<int64_t>(done));
-      if (count < 0 && errno == EINTR) continue;
-      if (count == 0) errno = EIO;  // it was ours alone, and longer
-      if (count <= 0) fail("read");
-      done += static_cast<size_t>(count);
-    }
+    file_.read(at, {block, wanted});
     BlockHead head;
     std::memcpy(&head, block, sizeof head);
     left -= static_cast<size_t>(head.count);

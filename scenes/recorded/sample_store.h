@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/files/nameless_file.h"
+
 namespace throng {
 
 /// As a file has it, in metres.
@@ -21,9 +23,6 @@ struct StoredSample {
 class SampleStore {
  public:
   SampleStore();
-  ~SampleStore();
-  SampleStore(const SampleStore&) = delete;
-  SampleStore& operator=(const SampleStore&) = delete;
 
   /// The number of somebody new.
   size_t add_person();
@@ -62,7 +61,7 @@ class SampleStore {
   void flush_all();
   void write_out();
 
-  int file_ = -1;
+  NamelessFile file_;
   int64_t written_ = 0;
   std::vector<std::byte> unwritten_;
   std::vector<Chain> chains_;

@@ -1,4 +1,4 @@
-#include "base/files/unnamed_file.h"
+#include "base/files/nameless_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ std::string folder() {
 
 }  // namespace
 
-UnnamedFile::UnnamedFile() {
+NamelessFile::NamelessFile() {
   const std::string in = folder();
   descriptor_ = ::open(in.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (descriptor_ >= 0) return;
@@ -38,9 +38,9 @@ UnnamedFile::UnnamedFile() {
   ::unlink(name.c_str());
 }
 
-UnnamedFile::~UnnamedFile() { ::close(descriptor_); }
+NamelessFile::~NamelessFile() { ::close(descriptor_); }
 
-void UnnamedFile::write(int64_t offset, std::span<const std::byte> bytes) {
+void NamelessFile::write(int64_t offset, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), offset);
     if (count < 0 && errno == EINTR) continue;
@@ -50,7 +50,7 @@ void UnnamedFile::write(int64_t offset, std::span<const std::byte> bytes) {
   }
 }
 
-void UnnamedFile::read(int64_t offset, std::span<std::byte> bytes) const {
+void NamelessFile::read(int64_t offset, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {
     const ssize_t count = ::pread(descriptor_, bytes.data(), bytes.size(), offset);
     if (count < 0 && errno == EINTR) continue;

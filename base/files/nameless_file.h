@@ -8,14 +8,14 @@
 
 namespace throng {
 
-class UnnamedFile {
+class NamelessFile {
  public:
   /// In $TMPDIR, or /tmp. Throws EnvironmentError, as the others, naming the folder and the way
   /// out.
-  UnnamedFile();
-  ~UnnamedFile();
-  UnnamedFile(const UnnamedFile&) = delete;
-  UnnamedFile& operator=(const UnnamedFile&) = delete;
+  NamelessFile();
+  ~NamelessFile();
+  NamelessFile(const NamelessFile&) = delete;
+  NamelessFile& operator=(const NamelessFile&) = delete;
 
   /// From several threads at once, for parts that do not overlap.
   void write(int64_t offset, std::span<const std::byte> bytes);
