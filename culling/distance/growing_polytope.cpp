@@ -65,7 +65,7 @@ void GrowingPolytope::remove_thin_beside_removed() {
   }
 }
 
-void GrowingPolytope::add(const Eigen::Vector3d& point) {
+bool GrowingPolytope::add(const Eigen::Vector3d& point) {
   size_m_ = std::max(size_m_, point.cwiseAbs().maxCoeff());
   removed_.clear();
   bool some_thin = false;
@@ -77,7 +77,7 @@ void GrowingPolytope::add(const Eigen::Vector3d& point) {
     else
       ++i;
   }
-  if (removed_.empty()) return;  // inside
+  if (removed_.empty()) return false;
   if (some_thin) remove_thin_beside_removed();
   const auto added = static_cast<uint32_t>(points_.size());
   points_.push_back(point);
@@ -87,6 +87,7 @@ void GrowingPolytope::add(const Eigen::Vector3d& point) {
     });
     if (!is_inner) faces_.push_back(face(edge.from, edge.to, added));
   }
+  return true;
 }
 
 }  // namespace throng

@@ -26,8 +26,8 @@ class GrowingPolytope {
 
   /// Four corners that span a volume, in any order. Keeps its memory.
   void start(const std::array<Eigen::Vector3d, 4>& corners);
-  /// Makes the polytope the hull of itself and the point.
-  void add(const Eigen::Vector3d& point);
+  /// Makes the polytope the hull of itself and the point; false if it is that already.
+  bool add(const Eigen::Vector3d& point);
 
   std::span<const Face> faces() const { return faces_; }
   void settle(size_t face) { faces_[face].settled = true; }

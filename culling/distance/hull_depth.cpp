@@ -174,10 +174,8 @@ Depth find_depth(const Placed& a, const Placed& b, const Fineness& fineness,
     }
     const Eigen::Vector3d corner = far + cube(normal);
     const bool is_known = normal.dot(corner) - inner <= fineness.gap_m;
-    if (least > 0 && !is_known && inside.points().size() < kMostCorners) {
-      inside.add(corner);
+    if (least > 0 && !is_known && inside.points().size() < kMostCorners && inside.add(corner))
       continue;
-    }
     out.at_least_m = std::max(0.0, inner - std::sqrt(3.0) * fineness.cube_m);
     // The corners left out count, too.
     out.depth_m = std::max(0.0, a.extent(out.direction) + b.extent(-out.direction));

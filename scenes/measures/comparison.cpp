@@ -13,8 +13,9 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// Columns of one line of a block: what is said of each place, of A, of B and their difference.
 constexpr size_t kMostColumns = 3;
 
+/// A range below another; or any range, where what follows is of all.
 bool is_before(const MeasureRow& a, const MeasureRow& b) {
-  return a.from && b.from && *a.from < *b.from;
+  return a.from && (!b.from || *a.from < *b.from);
 }
 
 std::string number(const std::string& unit, double value, bool with_sign) {

@@ -120,12 +120,16 @@ TEST(Comparison, ShowsEveryRowOfEitherInOrder) {
   a.rows = {ranged_row(0, 1, "", "mean", "m/s", 1.5),
             ranged_row(2, 3, "", "mean", "m/s", 0.5),
             {"all", {}, {}, "", "mean", "m/s", 1.0}};
-  b.rows = {ranged_row(1, 2, "", "mean", "m/s", 0.75), ranged_row(2, 3, "", "mean", "m/s", 0.25),
-            ranged_row(3, {}, "", "mean", "m/s", 0.125)};
+  b.rows = {ranged_row(1, 2, "", "mean", "m/s", 0.75),
+            ranged_row(2, 3, "", "mean", "m/s", 0.25),
+            ranged_row(3, {}, "", "mean", "m/s", 0.125),
+            {"none", {}, {}, "", "mean", "m/s", 2.0}};
+  a.rows.insert(a.rows.begin() + 2, ranged_row(7, {}, "", "mean", "m/s", 0.1));
   const std::vector<ComparedRow> rows = compared_rows(a, b);
   std::vector<std::string> places;
   for (const ComparedRow& row : rows) places.push_back(row.row.at);
-  EXPECT_EQ(places, (std::vector<std::string>{"0 to 1", "1 to 2", "2 to 3", "above 3", "all"}));
+  EXPECT_EQ(places, (std::vector<std::string>{"0 to 1", "1 to 2", "2 to 3", "above 3", "above 7",
+                                              "none", "all"}));
   EXPECT_TRUE(std::isnan(rows[0].b));
   EXPECT_TRUE(std::isnan(rows[1].a));
   EXPECT_EQ(rows[2].a, 0.5);
