@@ -6,8 +6,11 @@
 #include <cctype>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "apps/command.h"
+#include "apps/options/recording_options.h"
+#include "apps/output/file_kind.h"
 #include "avatars/model/describe.h"
 #include "base/errors.h"
 #include "base/say.h"
@@ -19,13 +22,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFooter = R"(
-The reader is chosen by the extension: .tri, .urdf, .yaml or .yml, .lcmlog.
+The reader is chosen by the extension: .tri, .urdf, .yaml or .yml, .lcmlog. Any other file is a recording
+of people, known by its content: see docs/recordings.md.
 
 Examples:
   throng info avatars/models/adult/head.tri
   throng info avatars/models/adult/adult.urdf
   throng info plaza
-  throng info out/plaza.lcmlog)";
+  throng info out/plaza.lcmlog
+  throng info experiment.txt --fps 16 --unit cm
+  throng info table.csv --columns id=pedID,t=time,x=posX,y=posY)";
 
 std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
@@ -34,39 +40,40 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-int describe(const std::string& name) {
+std::string description_of(const std::string& name, const RecordingFlags& flags) {
   const fs::path file(name);
   const std::string extension = lower_extension(file);
-  std::string text;
-  if (extension == ".tri") {
-    text = describe_tri(read_tri(file), name);
-  } else if (extension == ".urdf") {
-    text = describe_model(*load_model(file));
-  } else if (extension == ".yaml" || extension == ".yml") {
-    text = describe_scene(name);
-  } else if (extension == ".lcmlog") {
-    text = describe_log(file);
-  } else if (extension.empty() && !fs::exists(file)) {
-    text = describe_scene(name);  // a bundled one, or a did-you-mean
-  } else {
-    throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file",
-                     fs::is_directory(file) ? "a folder"
-                     : extension.empty()    ? "no extension"
-                                            : "extension '" + extension + "'");
-  }
-  show("{}", text);
+  const bool is_bundled = extension.empty() && !fs::exists(file);
+  if (extension == ".tri" || extension == ".urdf" || extension == ".yaml" || extension == ".yml" ||
+      extension == ".lcmlog" || is_bundled)
+    require_no_recording_options(flags, "a file that needs no options");
+  if (extension == ".tri") return describe_tri(read_tri(file), name);
+  if (extension == ".urdf") return describe_model(*load_model(file));
+  if (extension == ".yaml" || extension == ".yml") return describe_scene(name);
+  if (extension == ".lcmlog") return describe_log(file);
+  if (is_bundled) return describe_scene(name);  // or a did-you-mean
+  const std::optional<FileKind> kind = known_kind(file);
+  if (kind && !kind->is_recording)
+    throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file, or a recording", kind->what);
+  return describe_recording(*read_recording(recording_options(file, flags)), name);
+}
+
+int describe(const std::string& name, const RecordingFlags& flags) {
+  show("{}", description_of(name, flags));
   return kExitFine;
 }
 
 }  // namespace
 
 Command add_info_command(CommandLine& parent) {
-  CommandOptions* app =
-      parent.add_subcommand("info", "Checks and describes a .tri mesh, a URDF, a scene or a log");
+  CommandOptions* app = parent.add_subcommand(
+      "info", "Checks and describes a .tri mesh, a URDF, a scene, a log or a recording");
   app->footer(kFooter);
   const auto file = std::make_shared<std::string>();
   app->add_option("FILE", *file, "What to describe")->required();
-  return {app, [file] { return describe(*file); }};
+  const auto flags = std::make_shared<RecordingFlags>();
+  add_recording_options(*app, *flags);
+  return {app, [file, flags] { return describe(*file, *flags); }};
 }
 
 }  // namespace throng

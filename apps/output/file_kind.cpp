@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "base/errors.h"
+#include "scenes/recorded/recording.h"
 
 namespace throng {
 namespace {
@@ -28,15 +29,11 @@ constexpr const char* kLogReaders =
     "`throng render` read it";
 constexpr std::string_view kLogBegins = "\xED\xA1\xDA\x01";
 
-constexpr std::array<Signature, 16> kSignatures = {{
+constexpr std::array<Signature, 13> kSignatures = {{
     {kLogBegins, "a log of a run", kLogReaders},
     {"THRONGCP", "a checkpoint", "`throng run SCENE --resume FILE` goes on from it"},
-    {std::string_view("SQLite format 3\0", 16), "a SQLite database, as --trajectory writes",
-     "JuPedSim and PedPy read trajectories"},
-    {"frame,time_s,id,", "a trajectory", "it is what --trajectory wrote of a run"},
     {"\x89PNG\r\n", "a picture", ""},
     {"RIFF", "a picture or a sound", ""},
-    {"\x89HDF\r\n", "an HDF5 file", ""},
     {"\x1f\x8b", "a gzip archive", "unpack it first"},
     {"PK\x03\x04", "a zip archive", "unpack it first"},
     {"\x7f"
@@ -78,18 +75,21 @@ std::optional<FileKind> known_kind(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
   const std::string head = head_of(file);
+  if (is_recording(file)) return FileKind{"a recording", "`throng info` describes it", true};
   for (const Signature& signature : kSignatures)
-    if (head.starts_with(signature.begins)) return FileKind{signature.what, signature.readers};
+    if (head.starts_with(signature.begins))
+      return FileKind{signature.what, signature.readers, false};
   const std::string_view text = text_of(head);
   if (lower_extension(file) == ".tri" || text.starts_with("TRI"))
-    return FileKind{"a .tri mesh", "`throng info` reads it"};
+    return FileKind{"a .tri mesh", "`throng info` reads it", false};
   if (text.starts_with("<"))
     return text.find("<robot") != std::string_view::npos
                ? FileKind{"a URDF",
-                          "`throng info` reads it, and a scene names it as the model of a group"}
-               : FileKind{"XML", ""};
+                          "`throng info` reads it, and a scene names it as the model of a group",
+                          false}
+               : FileKind{"XML", "", false};
   if (text.starts_with("{") && text.find("\"throng\"") != std::string_view::npos)
-    return FileKind{"results that --json wrote", ""};
+    return FileKind{"results that --json wrote", "", false};
   return std::nullopt;
 }
 

@@ -11,6 +11,7 @@ namespace throng {
 struct FileKind {
   std::string what;     ///< "a log of a run"
   std::string readers;  ///< "`throng view`, ... read it"; may be empty
+  bool is_recording = false;
 };
 
 /// Nothing for a scene, for what nobody knows, and for what is not a regular file.

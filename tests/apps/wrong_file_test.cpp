@@ -43,8 +43,6 @@ TEST(WrongFile, IsNamedForWhatItIs) {
   const struct {
     std::string file, words;
   } cases[] = {
-      {"a.sqlite", "found a SQLite database, as --trajectory writes"},
-      {"a.csv", "found a trajectory"},
       {"a.checkpoint", "found a checkpoint; `throng run SCENE --resume FILE` goes on from it"},
       {"a.json", "found results that --json wrote"},
       {repository(adult + "head.tri"), "found a .tri mesh; `throng info` reads it"},
