@@ -14,6 +14,7 @@
 #include "tests/avatars/mesh_seeds.h"
 #include "tests/fuzz/targets.h"
 #include "tests/lcmtypes/synthetic_run.h"
+#include "tests/scenes/recorded/recording_seeds.h"
 
 namespace throng::fuzz {
 namespace {
@@ -207,6 +208,20 @@ void add_meshes(std::vector<Bytes>& out) {
   }
 }
 
+void add_recordings(std::vector<Bytes>& out) {
+  for (const std::string& seed : recording_seeds())
+    for (const char options : {'\0', '\3'}) out.push_back(bytes_of(options + seed));
+}
+
+void add_areas(std::vector<Bytes>& out) {
+  for (const char* area :
+       {"POLYGON ((-2 6, -2 0, 2 0, 2 6, 10 6, 10 10, -10 10, -10 6, -2 6))",
+        "MULTIPOLYGON (((0 0, 9 0, 9 9, 0 9), (1 1, 2 1, 2 2)), ((20 0, 29 0, 29 9)))",
+        "GEOMETRYCOLLECTION (POLYGON Z ((0 0 1, 1 0 1, 1 1 1)), POLYGON EMPTY)",
+        "LINESTRING (0 0, 1 1)"})
+    out.push_back(bytes_of(area));
+}
+
 }  // namespace
 
 Bytes packed(std::span<const std::pair<uint8_t, Bytes>> messages) {
@@ -232,6 +247,8 @@ std::vector<Bytes> seeds_of(std::string_view target) {
   if (target == "log") add_logs(out);
   if (target == "culled_log") add_culled_logs(out);
   if (target == "checkpoint") add_checkpoints(out);
+  if (target == "recording") add_recordings(out);
+  if (target == "wkt") add_areas(out);
   if (target == "mesh") add_meshes(out);
   return out;
 }

@@ -30,6 +30,10 @@ bool log(std::span<const uint8_t> input);
 /// A log that is culled again.
 bool culled_log(std::span<const uint8_t> input);
 bool checkpoint(std::span<const uint8_t> input);
+/// A file behind a byte that says which options are given.
+bool recording(std::span<const uint8_t> input);
+/// A walkable area.
+bool wkt(std::span<const uint8_t> input);
 /// A mesh file behind a byte that says which of kMeshExtensions it has.
 bool mesh(std::span<const uint8_t> input);
 inline constexpr std::string_view kMeshExtensions[] = {
@@ -47,6 +51,8 @@ inline constexpr Target kTargets[] = {{"tri", tri},
                                       {"log", log},
                                       {"culled_log", culled_log},
                                       {"checkpoint", checkpoint},
+                                      {"recording", recording},
+                                      {"wkt", wkt},
                                       {"mesh", mesh}};
 
 /// Inputs to start from: fixtures, what Throng writes itself, and what is known to have crashed the

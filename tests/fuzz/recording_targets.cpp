@@ -1,0 +1,84 @@
+// Recordings and walkable areas, of any bytes.
+#include <cmath>
+
+#include "base/errors.h"
+#include "scenes/recorded/recording.h"
+#include "scenes/recorded/walkable_wkt.h"
+#include "tests/fuzz/target_tools.h"
+#include "tests/fuzz/targets.h"
+
+namespace throng::fuzz {
+namespace {
+
+RecordingOptions options_of(uint8_t bits) {
+  RecordingOptions out;
+  if (bits & 1) out.fps = 25;
+  if (bits & 2) out.unit_m = 0.01;
+  if (bits & 4) out.columns = "id=1,frame=2,x=3,y=4";
+  if (bits & 8) out.separator = ';';
+  if (bits & 16) out.from_s = 0.1;
+  if (bits & 32) out.tracks = TrackedPoint::kHead;
+  if (bits & 64) out.strict = true;
+  return out;
+}
+
+void expect_sound(const Recording& recording) {
+  const RecordingFacts& facts = recording.facts();
+  int64_t samples = 0;
+  std::vector<Sample> track;
+  int64_t last_id = -1;
+  for (size_t person = 0; person < recording.people().size(); ++person) {
+    const RecordedPerson& somebody = recording.people()[person];
+    promise(somebody.id > last_id, "ids that ascend");
+    last_id = somebody.id;
+    recording.read(person, track);
+    samples += somebody.samples;
+    promise(!track.empty() && static_cast<int64_t>(track.size()) == somebody.samples,
+            "as many samples as are announced");
+    double last_s = -1;
+    for (const Sample& sample : track) {
+      promise(sample.time_s > last_s && sample.time_s >= 0, "times that ascend from 0");
+      last_s = sample.time_s;
+      promise(facts.bounds.contains(sample.position_m), "positions within the bounds");
+    }
+    promise(track.front().time_s == somebody.first_s && last_s == somebody.last_s,
+            "times of the first and the last sample");
+  }
+  promise(samples == facts.samples && samples > 0, "samples of all people");
+  promise(facts.bounds.size_m().maxCoeff() <= 20'001, "people in one place");
+  promise(facts.fps >= 0 && std::isfinite(facts.fps) && facts.duration_s <= 1.1e7,
+          "a rate and a duration");
+}
+
+}  // namespace
+
+bool recording(std::span<const uint8_t> input) {
+  if (input.empty()) return false;
+  const File file("recording", input.subspan(1));
+  RecordingOptions options = options_of(input[0]);
+  options.file = file.path();
+  try {
+    expect_sound(*read_recording(options));
+    promise(!options.columns.empty() || is_recording(file.path()), "a kind that is known again");
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+bool wkt(std::span<const uint8_t> input) {
+  try {
+    const std::vector<AreaPolygon> polygons = parse_area(text_of(input), "fuzz.wkt");
+    const WalkableArea area(polygons);
+    promise(!polygons.empty(), "a polygon");
+    for (const Eigen::Vector2d& vertex : polygons.front().outline)
+      promise(area.contains(vertex), "an outline that is part of the area");
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+}  // namespace throng::fuzz
