@@ -8,7 +8,7 @@ Heads::Heads(const RunInfo& run) {
   for (const std::shared_ptr<const Model>& model : run.models) {
     Kind& kind = kinds_.emplace_back();
     for (const Part& part : model->parts) {
-      if (!model->is_person || part.name != "head") continue;
+      if (part.name != "head") continue;
       kind.kinematics.emplace(model->robot, std::span(&part.link, 1));
       Eigen::AlignedBox3f box;
       for (const Eigen::Vector3f& vertex : part.mesh.vertices) box.extend(vertex);

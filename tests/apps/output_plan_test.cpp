@@ -125,7 +125,9 @@ TEST(OutputPlan, NoOutputIsWhatIsRead) {
     for (const std::string& option : command.outputs)
       for (const std::string& file : command.read) {
         const std::string name = fmt::format("link{}", ending_of(command, option));
-        const char* said = option == "--contacts" ? "a file of that name" : kTwice;
+        const bool is_folder =
+            option == "--contacts" || (command.command == "compare" && option == "--out");
+        const char* said = is_folder ? "a file of that name" : kTwice;
         Workplace place;
         fs::create_symlink(file, place / name);
         expect_refused(
