@@ -47,12 +47,19 @@ TEST(Compare, OfALogWithTheSceneThatItIsOfIsNoDifference) {
   const Outcome outcome = shell("throng compare a.lcmlog corridor --seconds 3 --json -", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);  // alone on stdout
+  int compared = 0, one_sided = 0;
   for (const char* measure : {"speed_density", "spacing", "flow", "width_use"})
-    for (const auto& row : json[measure])
+    for (const auto& row : json[measure]) {
+      // A bin may have just enough values on one side.
+      const bool is_one_sided = row["a"].is_null() || row["b"].is_null();
+      ++(is_one_sided ? one_sided : compared);
+      if (is_one_sided) continue;
       // A log has positions to a fraction of a millimetre.
       EXPECT_NEAR(row["a"].get<double>(), row["b"].get<double>(),
                   0.02 + 0.02 * std::abs(row["a"].get<double>()))
           << measure << ": " << row;
+    }
+  EXPECT_GT(compared, 10 * one_sided);
 }
 
 TEST(Compare, ALineThatIsAskedForIsTheOneThatIsMeasured) {

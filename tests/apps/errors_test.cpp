@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"InfoMissing", "throng info no.tri", "no.tri"},
         Mistake{"InfoMissingUrdf", "throng info no.urdf", "no.urdf"},
         Mistake{"InfoMissingLog", "throng info no.lcmlog", "no.lcmlog"},
-        Mistake{"InfoExtension", "echo x >x.doc; throng info x.doc", "found extension '.doc'"},
+        Mistake{"InfoExtension", "echo x >x.doc; throng info x.doc", "expected a recording"},
         Mistake{"InfoSceneName", "throng info coridor", "(did you mean 'corridor'?)"},
         Mistake{"CheckMissing", "throng check no.lcmlog", "no.lcmlog"},
         Mistake{"CheckNoLog", "echo hello >x.lcmlog; throng check x.lcmlog", "x.lcmlog"},
