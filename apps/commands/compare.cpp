@@ -12,6 +12,7 @@
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
+#include "base/errors.h"
 #include "base/figure.h"
 #include "base/say.h"
 #include "scenes/measures/comparison.h"
@@ -55,6 +56,7 @@ std::optional<Passage> chosen_line(const CompareOptions& options) {
     return Eigen::Vector2d(static_cast<double>(options.line[i]),
                            static_cast<double>(options.line[i + 1]));
   };
+  if (at(0) == at(2)) throw InputError("--line", "two points", "the same point twice");
   return Passage{at(0), at(2)};
 }
 
@@ -82,6 +84,7 @@ int compare(const CompareOptions& options) {
   plan.writes_json(options.json);
   plan.fills("--out", options.out, {"report.md", "*.svg"});
   plan.check();
+  chosen_line(options);  // whether it is one
   if (!options.out.empty()) require_gnuplot();
   // Both before the first runs: what is wrong with B is known at once.
   RunSource source_a = source_of(options.a, options);

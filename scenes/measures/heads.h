@@ -1,6 +1,7 @@
 // Where the heads of people are: the centre of the head part's box, by forward kinematics of the
 // joint angles that a frame has.
-// One rule: an avatar without a head, a robot, is where its root is.
+// One rule: whoever has a part called head has a head, also in a log, which does not say who is a
+// person; anybody else is where the root is.
 #pragma once
 
 #include <Eigen/Core>

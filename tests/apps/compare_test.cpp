@@ -48,7 +48,8 @@ TEST(Compare, OfALogWithTheSceneThatItIsOfIsNoDifference) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);  // alone on stdout
   int compared = 0, one_sided = 0;
-  for (const char* measure : {"speed_density", "spacing", "flow", "width_use"})
+  for (const char* measure :
+       {"speed_density", "spacing", "flow", "width_use", "accelerations", "contacts", "depth"})
     for (const auto& row : json[measure]) {
       // A bin may have just enough values on one side.
       const bool is_one_sided = row["a"].is_null() || row["b"].is_null();
@@ -79,6 +80,7 @@ TEST(Compare, RefusesWhatItCannotReadBeforeAnythingChanges) {
   expect_refused(place, "throng compare my.yaml my.yaml --json my.yaml", "my.yaml");
   expect_refused(place, "throng compare my.yaml", "B");
   expect_refused(place, "throng compare my.yaml my.yaml --line 1,2,3", "--line");
+  expect_refused(place, "throng compare my.yaml my.yaml --line 1,2,1,2", "--line");
 }
 
 }  // namespace
