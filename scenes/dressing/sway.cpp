@@ -23,7 +23,7 @@ constexpr double kSlowest_hz = 0.35;
 /// Strides are compared with the nearest of these: what is 0.1 Hz beside it still shows.
 constexpr std::array<double, 4> kWaves_hz = {0.5, 0.7, 0.9, 1.1};
 
-using Complex = std::complex<double>;
+using Complex = std::complex<float>;
 
 size_t wave_near(double strides_hz) {
   size_t nearest = 0;
@@ -41,7 +41,8 @@ std::vector<std::array<Complex, kWaves_hz.size()>> turned_back(std::span<const S
     for (size_t wave = 0; wave < kWaves_hz.size(); ++wave) {
       const double turns = kWaves_hz[wave] * since_s;
       const SinCos at = sin_cos(kTurn * (turns - std::floor(turns)));
-      out[i][wave] = track[i].left_m * Complex(at.cos, -at.sin);
+      out[i][wave] = {static_cast<float>(track[i].left_m * at.cos),
+                      static_cast<float>(-track[i].left_m * at.sin)};
     }
   }
   return out;
@@ -61,12 +62,12 @@ std::vector<float> strides_since_left(std::span<const SwaySample> track) {
     const auto samples = static_cast<double>(end - begin);
     if (here.strides_hz < kSlowest_hz || strides < 1 || samples < kLeastSamples * strides) continue;
     const size_t wave = wave_near(here.strides_hz);
-    Complex common = 0;
+    std::complex<double> common = 0;
     double weight = 0;
     for (size_t j = begin; j < end; ++j) {
       const double u = (track[j].time_s - here.time_s) / kReach_s, inside = 1 - u * u;
       const double w = inside * inside * inside;
-      common += w * turned[j][wave];
+      common += w * std::complex<double>(turned[j][wave]);
       weight += w;
     }
     if (2 * std::abs(common) < kLeastSway_m * weight) continue;

@@ -69,17 +69,19 @@ constexpr double kDurations_s[] = {0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30};
 
 std::vector<uint64_t> duration_counts(const ContactStatistics& statistics) {
   std::vector<uint64_t> counts(std::size(kDurations_s) + 1, 0);
-  for (const float duration_s : statistics.durations_s())
-    ++counts[static_cast<size_t>(std::lower_bound(std::begin(kDurations_s), std::end(kDurations_s),
-                                                  static_cast<double>(duration_s) - 1e-6) -
-                                 std::begin(kDurations_s))];
+  for (size_t frames = 0; frames < statistics.lengths().size(); ++frames) {
+    const double duration_s = static_cast<double>(frames) * statistics.step_s();
+    counts[static_cast<size_t>(
+        std::lower_bound(std::begin(kDurations_s), std::end(kDurations_s), duration_s - 1e-6) -
+        std::begin(kDurations_s))] += statistics.lengths()[frames];
+  }
   return counts;
 }
 
 std::string durations_csv(const ContactStatistics& statistics) {
   std::string text = "above_s,up_to_s,contacts,share\n";
   const std::vector<uint64_t> counts = duration_counts(statistics);
-  const double all = std::max<double>(1, static_cast<double>(statistics.durations_s().size()));
+  const double all = std::max<double>(1, static_cast<double>(statistics.whole_count()));
   for (size_t i = 0; i < counts.size(); ++i)
     append(text, "{},{},{},{:.5f}\n", i == 0 ? 0 : kDurations_s[i - 1],
            i < std::size(kDurations_s) ? fmt::format("{}", kDurations_s[i]) : "", counts[i],
@@ -138,7 +140,7 @@ Figure rate_figure(const ContactStatistics& statistics) {
 
 Figure duration_figure(const ContactStatistics& statistics) {
   const std::vector<uint64_t> counts = duration_counts(statistics);
-  const double all = std::max<double>(1, static_cast<double>(statistics.durations_s().size()));
+  const double all = std::max<double>(1, static_cast<double>(statistics.whole_count()));
   std::string script = "$data << EOD\n";
   for (size_t i = 0; i < counts.size(); ++i)
     script += fmt::format(
@@ -204,7 +206,7 @@ std::vector<Figure> figures_of(const ContactStatistics& statistics) {
   const ContactTotals totals = statistics.totals();
   std::vector<Figure> figures;
   if (totals.person_s > 0) figures.push_back(rate_figure(statistics));
-  if (!statistics.durations_s().empty()) figures.push_back(duration_figure(statistics));
+  if (statistics.whole_count() > 0) figures.push_back(duration_figure(statistics));
   // A single cell is no picture, and one colour no scale.
   if (totals.contacts > 0 && statistics.parts().names.size() > 1)
     figures.push_back(part_figure(statistics));
@@ -275,14 +277,14 @@ void ContactSink::write_pairs() const {
   errno = 0;
   std::ofstream out(file, std::ios::trunc | std::ios::binary);
   out << "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n";
-  for (const PartContact& contact : statistics_->part_contacts()) {
+  statistics_->for_each_part_contact([&](const PartContact& contact) {
     const PairKey pair = contact.pair;
     out << fmt::format("{:.4f},{:.4f},{},{},{},{},{}\n",
                        static_cast<double>(contact.begin_frame) * step_s,
                        static_cast<double>(contact.frames) * step_s, pair.a(),
                        field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
                        field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0);
-  }
+  });
   out.close();
   if (!out) throw cannot_write(file, errno);
 }

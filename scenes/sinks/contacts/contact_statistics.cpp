@@ -76,8 +76,7 @@ void ContactStatistics::begin(PairKey pair) {
     ++people_[id].contacts;
     ++touching_[id];
   }
-  if (met_.insert(key_of(a, b)).second)
-    for (const uint32_t id : {a, b}) ++people_[id].partners;
+  met_.add(key_of(a, b));
   ++contacts_;
   ++minutes_.back().contacts;
   ++densities_[DensityLevels::level_of(density)].contacts;
@@ -102,7 +101,7 @@ void ContactStatistics::finish(PairKey pair, bool cut) {
     return;
   }
   add_part_time(pair, duration_s);
-  part_contacts_.push_back({touched.frame, pair, frame_ - touched.frame, touched.is_cut || cut});
+  part_contacts_.add({touched.frame, pair, frame_ - touched.frame, touched.is_cut || cut});
   const auto open = open_.find(key);
   if (--open->second.parts > 0) return;
   Contact contact = open->second.contact;
@@ -113,8 +112,15 @@ void ContactStatistics::finish(PairKey pair, bool cut) {
   if (contact.cut)
     ++cut_;
   else
-    durations_s_.push_back(static_cast<float>(contact.duration_s));
+    add_length(contact.duration_s);
   ended_.push_back(contact);
+}
+
+void ContactStatistics::add_length(double duration_s) {
+  const auto frames = static_cast<size_t>(std::llround(duration_s / step_s_));
+  if (frames >= lengths_.size()) lengths_.resize(frames + 1, 0);
+  ++lengths_[frames];
+  ++whole_;
 }
 
 /// Each frame stands for the step that follows it.
@@ -149,16 +155,21 @@ void ContactStatistics::frame(const Frame& frame) {
   is_first_ = false;
 }
 
+void ContactStatistics::count_partners() {
+  uint64_t last = 0;  // of nobody with themselves
+  met_.for_each([&](uint64_t key) {
+    if (key == last) return;
+    last = key;
+    for (const uint64_t id : {key >> 32, key & UINT32_MAX}) ++people_[id].partners;
+  });
+}
+
 void ContactStatistics::end(const RunEnd& end) {
   ended_.clear();
   ++frame_;
   for (const PairEvent& event : end.events)
     if (event.kind == EventKind::kEnd) finish(event.pair, true);
-  std::sort(durations_s_.begin(), durations_s_.end());
-  std::sort(
-      part_contacts_.begin(), part_contacts_.end(), [](const PartContact& a, const PartContact& b) {
-        return std::pair(a.begin_frame, a.pair.bits()) < std::pair(b.begin_frame, b.pair.bits());
-      });
+  count_partners();
 }
 
 ContactTotals ContactStatistics::totals() const {
@@ -170,8 +181,11 @@ ContactTotals ContactStatistics::totals() const {
     totals.person_s += person.present_s;
     totals.touching_s += person.touching_s;
   }
-  if (!durations_s_.empty())
-    totals.median_s = static_cast<double>(durations_s_[(durations_s_.size() - 1) / 2]);
+  uint64_t shorter = 0;  // or as long
+  for (size_t frames = 0; frames < lengths_.size() && 2 * shorter < whole_; ++frames) {
+    shorter += lengths_[frames];
+    totals.median_s = static_cast<double>(frames) * step_s_;
+  }
   return totals;
 }
 

@@ -6,11 +6,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
+#include "base/files/sorted_spill.h"
 #include "scenes/run/sink.h"
 #include "scenes/sinks/contacts/local_density.h"
 
@@ -38,11 +39,19 @@ struct PartContact {
   bool cut = false;    ///< as in Contact
 };
 
+/// By begin, then by pair.
+struct EarlierPair {
+  bool operator()(const PartContact& a, const PartContact& b) const {
+    if (a.begin_frame != b.begin_frame) return a.begin_frame < b.begin_frame;
+    return a.pair.bits() < b.pair.bits();
+  }
+};
+
 struct PersonContacts {
   double present_s = 0;
   double touching_s = 0;  ///< with anybody
   uint32_t contacts = 0;  ///< with people
-  uint32_t partners = 0;
+  uint32_t partners = 0;  ///< after ContactStatistics::end()
   uint32_t obstacle_contacts = 0;
 };
 
@@ -96,11 +105,17 @@ class ContactStatistics {
   const std::vector<MinuteRow>& minutes() const { return minutes_; }
   const std::array<DensityRow, DensityLevels::kCount>& densities() const { return densities_; }
   PartMatrix parts() const;
-  /// Lengths of all contacts that were not cut, ascending; and how many were.
-  const std::vector<float>& durations_s() const { return durations_s_; }
+  /// How many contacts that were not cut lasted so many frames, by frames; how many these are, and
+  /// how many were cut.
+  const std::vector<uint64_t>& lengths() const { return lengths_; }
+  uint64_t whole_count() const { return whole_; }
   uint64_t cut_count() const { return cut_; }
-  /// After end(): every contact of two parts of people, by begin and pair. 32 bytes each.
-  const std::vector<PartContact>& part_contacts() const { return part_contacts_; }
+  /// After end(): every contact of two parts of people, by begin and pair. Throws EnvironmentError,
+  /// as frame() does, if they do not fit into a temporary file, 32 bytes each.
+  template <typename Visit>
+  void for_each_part_contact(const Visit& visit) const {
+    part_contacts_.for_each(visit);
+  }
   double step_s() const { return step_s_; }
   std::string part_name(uint32_t id, uint32_t part) const;
 
@@ -120,8 +135,10 @@ class ContactStatistics {
   void place(const Frame& frame);
   void begin(PairKey pair);
   void finish(PairKey pair, bool cut);
+  void add_length(double duration_s);
   void add_part_time(PairKey pair, double duration_s);
   void spend_time(const Frame& frame);
+  void count_partners();
 
   double step_s_;
   int64_t sample_every_;
@@ -138,9 +155,9 @@ class ContactStatistics {
   std::unordered_map<uint64_t, Open> open_;
   std::unordered_map<uint64_t, OpenPart> open_parts_;
   std::unordered_map<uint64_t, uint32_t> open_obstacles_;  ///< parts of the person that touch it
-  std::unordered_set<uint64_t> met_;
+  SortedSpill<uint64_t, std::less<>> met_;                 ///< key_of() of each contact
   std::vector<Contact> ended_;
-  std::vector<PartContact> part_contacts_;
+  SortedSpill<PartContact, EarlierPair> part_contacts_;
 
   std::vector<PersonContacts> people_;
   std::vector<MinuteRow> minutes_;
@@ -148,7 +165,8 @@ class ContactStatistics {
   std::vector<uint64_t> part_counts_;
   std::vector<double> part_seconds_;
   std::vector<uint64_t> obstacle_part_counts_;
-  std::vector<float> durations_s_;
+  std::vector<uint64_t> lengths_;
+  uint64_t whole_ = 0;
   uint64_t cut_ = 0;
   uint64_t contacts_ = 0;
   uint64_t obstacle_contacts_ = 0;
