@@ -142,6 +142,7 @@ Json recording_json(const RunReport::Recording& recording) {
                {"people", recording.people},
                {"frames", recording.facts.frames},
                {"fps", recording.facts.fps},
+               {"shift_m", {recording.facts.shift_m.x(), recording.facts.shift_m.y()}},
                {"odd", Json::array()}};
   for (const Oddity& odd : recording.facts.odd)
     json["odd"].push_back({{"what", odd.what}, {"count", odd.count}, {"first", odd.first}});

@@ -71,6 +71,11 @@ void RecordedWorld::find_people() {
 }
 
 void RecordedWorld::note_oddities() {
+  const Eigen::Vector2d& shift_m = recording().facts().shift_m;
+  if (!shift_m.isZero())
+    notes_.push_back(fmt::format("{}: coordinates of the file are larger by ({:.0f}, {:.0f}) m",
+                                 scene_.recorded->options.file.filename().string(), shift_m.x(),
+                                 shift_m.y()));
   for (const Oddity& odd : recording().facts().odd)
     notes_.push_back(fmt::format(
         "{}: {}, {} {}", scene_.recorded->options.file.filename().string(), odd.what, odd.count,

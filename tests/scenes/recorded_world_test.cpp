@@ -250,6 +250,24 @@ TEST_F(RecordedWorldTest, OfWhomTheFileSaysNothingNothingIsThere) {
   EXPECT_TRUE(was_away) << "nobody was out of sight for a while";
 }
 
+TEST_F(RecordedWorldTest, MapCoordinatesAreShiftedAndTheShiftIsKept) {
+  std::string text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n";
+  for (int frame = 0; frame < 50; ++frame)
+    text += fmt::format("1 {} {:.4f} 5461234.5678 1.7\n", frame, 487'654.25 + 0.04 * frame);
+  const Scene made = scene(text, TrackedPoint::kCentre);
+  const Eigen::Vector2d shift_m = made.recorded->recording->facts().shift_m;
+  EXPECT_EQ(std::remainder(shift_m.x(), 1000), 0);
+  EXPECT_EQ(std::remainder(shift_m.y(), 1000), 0);
+  Simulation simulation(made, {});
+  ASSERT_EQ(simulation.notes().size(), 1u);
+  EXPECT_NE(simulation.notes().front().find(fmt::format("{:.0f}", shift_m.y())), std::string::npos)
+      << simulation.notes().front();
+  const Frame& frame = simulation.step();
+  EXPECT_LT(frame.roots[0].position_m.head<2>().norm(), 1500) << "near the origin";
+  EXPECT_NEAR(frame.roots[0].position_m.x() + shift_m.x(), 487'654.25, 1e-6);
+  EXPECT_NEAR(frame.roots[0].position_m.y() + shift_m.y(), 5'461'234.5678, 1e-6);
+}
+
 TEST_F(RecordedWorldTest, OwnPeopleWalkAroundThoseWhoWereRecorded) {
   // A row of people who stand for half a minute, across the way of ten others.
   std::string text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n";

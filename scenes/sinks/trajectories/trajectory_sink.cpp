@@ -58,6 +58,12 @@ void TrajectorySink::begin(const RunInfo& run) {
                 {"seed", fmt::format("{}", scene.seed)},
                 {"run_id", fmt::format("{:016x}", run.run_id)},
                 {"step_s", fmt::format("{}", run.step_s)}};
+  if (scene.recorded) {
+    const RecordingFacts& recorded = scene.recorded->recording->facts();
+    head.facts.emplace_back("recording", recorded.kind);
+    head.facts.emplace_back("shift_x_m", fmt::format("{}", recorded.shift_m.x()));
+    head.facts.emplace_back("shift_y_m", fmt::format("{}", recorded.shift_m.y()));
+  }
   for (size_t id = 0; id < run.group_of_avatar.size(); ++id)
     head.people.push_back(name_of(run, id));
   writer_->begin(head);
