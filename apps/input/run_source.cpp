@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "apps/output/file_kind.h"
@@ -84,6 +87,21 @@ RunSource scene_source(const RunSourceOptions& options) {
   return out;
 }
 
+/// By what it holds. A file of other columns is one, too: by its options, or by a name that no
+/// scene has.
+bool is_meant_as_recording(const RunSourceOptions& options) {
+  if (is_recording(options.name)) return true;
+  const std::filesystem::path file(options.name);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error) || known_kind(file)) return false;
+  constexpr std::string_view kEndings[] = {".csv", ".txt", ".tsv",  ".dat", ".gz",
+                                           ".pp",  ".h5",  ".hdf5", ".traj"};
+  const std::string ending = file.extension().string();
+  if (std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings))
+    return true;
+  return !options.recording.given().empty() && ending != ".yaml" && ending != ".yml";
+}
+
 void plan_model(const Model* model, OutputPlan& plan) {
   if (model == nullptr) return;
   for (const Link& link : model->robot.links)
@@ -122,9 +140,9 @@ void add_run_source_options(CommandOptions& app, RunSourceOptions& options) {
 }
 
 RunSource open_run_source(const RunSourceOptions& options) {
-  RunSource out = is_log(options.name)         ? log_source(options)
-                  : is_recording(options.name) ? recording_source(options)
-                                               : scene_source(options);
+  RunSource out = is_log(options.name)             ? log_source(options)
+                  : is_meant_as_recording(options) ? recording_source(options)
+                                                   : scene_source(options);
   if (out.scene.recorded) out.recording = report_of(*out.scene.recorded->recording);
   if (!options.part_volume.empty()) out.scene.part_volume = volume_of(options.part_volume).value();
   if (options.exact) out.scene.exact = true;

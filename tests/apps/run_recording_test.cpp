@@ -1,0 +1,82 @@
+// `throng run` over recordings, from outside: known by content, by options, or by name.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/apps/cli.h"
+
+namespace throng {
+namespace {
+
+using testing::HasSubstr;
+
+/// Two people who pass each other, in a table whose columns have names of their own.
+std::string table(const std::string& header) {
+  std::string text = header + "\n";
+  for (int i = 0; i < 50; ++i) {
+    text += fmt::format("3;{:.2f};{:.3f};0.5\n", 0.1 * i, 0.12 * i);
+    text += fmt::format("8;{:.2f};{:.3f};0\n", 0.1 * i, 6 - 0.12 * i);
+  }
+  return text;
+}
+
+TEST(RunRecording, OfATableWithColumnsOfItsOwnNeedsTheirNames) {
+  const ScratchFolder folder;
+  write_file(folder / "walk.csv", table("who;when;east;north"));
+  const Outcome refused = shell("throng run walk.csv --lcm off --log off", folder);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--columns"));
+  const Outcome outcome = shell(
+      "throng run walk.csv --columns id=who,t=when,x=east,y=north --lcm off --log walk.lcmlog "
+      "--trajectory walk.sqlite --exact --json -",
+      folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["recording"]["kind"], "table");
+  EXPECT_EQ(json["recording"]["people"], 2);
+  EXPECT_EQ(json["recording"]["frames"], 50);
+  EXPECT_EQ(json["recording"]["fps"], 10.0);
+  EXPECT_EQ(json["frames"], 49 * 6 + 1) << "six steps from one to the next, up to the last";
+  EXPECT_GT(json["events"]["begin"], 0) << "shoulders meet at half a metre";
+  EXPECT_EQ(shell("throng check walk.lcmlog", folder).exit_code, 0);
+  // What was written is a recording again, and so is the log.
+  for (const char* again : {"walk.sqlite", "walk.lcmlog"})
+    EXPECT_EQ(shell(fmt::format("throng run {} --lcm off --log off", again), folder).exit_code, 0);
+}
+
+TEST(RunRecording, ItsOptionsBelongToNothingElse) {
+  const ScratchFolder folder;
+  const Outcome scene = shell("throng run plaza --fps 25 --lcm off --log off", folder);
+  EXPECT_EQ(scene.exit_code, 2);
+  EXPECT_THAT(scene.err, HasSubstr("--fps: expected a recording"));
+  write_file(folder / "walk.csv", table("id;t;x;y"));
+  const Outcome scaled = shell("throng run walk.csv --avatars 5 --lcm off --log off", folder);
+  EXPECT_EQ(scaled.exit_code, 2);
+  EXPECT_THAT(scaled.err, HasSubstr("--avatars: expected a scene"));
+}
+
+TEST(RunRecording, ASceneAroundItNamesItsFile) {
+  const ScratchFolder folder;
+  write_file(folder / "walk.csv", table("id;t;x;y"));
+  write_file(
+      folder / "walk.yaml",
+      "kind: recorded\nrecording: {file: walk.csv, name: walkers, step: recorded, from_s: 1}\n"
+      "obstacles:\n  - {kind: cylinder, position_m: [3, 3], diameter_m: 0.4, height_m: 2}\n"
+      "ground: {min_m: [-5, -5], max_m: [10, 5]}\n");
+  const Outcome outcome = shell("throng run walk.yaml --lcm off --log off --json -", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["frames"], 40);
+  EXPECT_EQ(json["step_s"], 0.1);
+  EXPECT_THAT(shell("throng info walk.yaml", folder).out, HasSubstr("walkers: 2 of 'adult'"));
+  write_file(folder / "gone.yaml", "kind: recorded\nrecording: {file: $NOT_SET_AT_ALL/walk.csv}\n");
+  const Outcome gone = shell("throng run gone.yaml", folder);
+  EXPECT_EQ(gone.exit_code, 2);
+  EXPECT_THAT(gone.err, HasSubstr("gone.yaml:2: expected NOT_SET_AT_ALL in the environment"));
+}
+
+}  // namespace
+}  // namespace throng
