@@ -142,7 +142,7 @@ void RecordedWorld::prepare(const Posing& posing, const BodyStates& bodies) {
     is_made = true;
   }
   const auto dress = [&](size_t person) {
-    thread_local std::vector<Sample> samples;
+    std::vector<Sample> samples;
     recording().read(person, samples);
     const auto id = static_cast<uint32_t>(person);
     return dressed(samples, {recording().facts().tracks, &posing.gait_of(id), &head_of(bodies, id),
