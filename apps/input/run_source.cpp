@@ -87,19 +87,32 @@ RunSource scene_source(const RunSourceOptions& options) {
   return out;
 }
 
-/// By what it holds. A file of other columns is one, too: by its options, or by a name that no
-/// scene has.
+/// Not by what it holds, as a table of other columns: then by its options.
 bool is_meant_as_recording(const RunSourceOptions& options) {
-  if (is_recording(options.name)) return true;
-  const std::filesystem::path file(options.name);
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error) || known_kind(file)) return false;
+  const std::filesystem::path file(options.name);
+  return !options.recording.given().empty() && std::filesystem::is_regular_file(file, error) &&
+         !known_kind(file) && file.extension() != ".yaml" && file.extension() != ".yml";
+}
+
+/// A name that scenes hardly have.
+bool is_named_as_recording(const std::string& name) {
   constexpr std::string_view kEndings[] = {".csv", ".txt", ".tsv",  ".dat", ".gz",
                                            ".pp",  ".h5",  ".hdf5", ".traj"};
-  const std::string ending = file.extension().string();
-  if (std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings))
-    return true;
-  return !options.recording.given().empty() && ending != ".yaml" && ending != ".yml";
+  const std::string ending = std::filesystem::path(name).extension().string();
+  std::error_code error;
+  return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings) &&
+         std::filesystem::is_regular_file(name, error) && !known_kind(name);
+}
+
+/// Of what is neither, the error says what recordings hold if the name is that of one.
+RunSource scene_or_recording(const RunSourceOptions& options) {
+  if (!is_named_as_recording(options.name)) return scene_source(options);
+  try {
+    return scene_source(options);
+  } catch (const InputError&) {
+    return recording_source(options);
+  }
 }
 
 void plan_model(const Model* model, OutputPlan& plan) {
@@ -140,9 +153,10 @@ void add_run_source_options(CommandOptions& app, RunSourceOptions& options) {
 }
 
 RunSource open_run_source(const RunSourceOptions& options) {
-  RunSource out = is_log(options.name)             ? log_source(options)
-                  : is_meant_as_recording(options) ? recording_source(options)
-                                                   : scene_source(options);
+  const bool is_recorded = is_recording(options.name) || is_meant_as_recording(options);
+  RunSource out = is_log(options.name) ? log_source(options)
+                  : is_recorded        ? recording_source(options)
+                                       : scene_or_recording(options);
   if (out.scene.recorded) out.recording = report_of(*out.scene.recorded->recording);
   if (!options.part_volume.empty()) out.scene.part_volume = volume_of(options.part_volume).value();
   if (options.exact) out.scene.exact = true;

@@ -12,7 +12,7 @@
 
 #include "apps/options/option_checks.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the name is theirs
 class App;
 class Option;
 }  // namespace CLI

@@ -51,6 +51,8 @@ struct WalkChunk {
   using Numbers = float[kRoom];
 
   size_t count;
+  /// Come out where their owner wants them, who has room for a multiple of 32.
+  WalkPosture* postures;
   float step_s;
   // How the root moved: in the world, and its turn before and after (w and z of a quaternion).
   alignas(64) Numbers way_x_m, way_y_m;
@@ -67,8 +69,7 @@ struct WalkChunk {
   alignas(64) Numbers phases;
   alignas(64) Numbers feet[kFeetNumbers];
 
-  // Comes out. Postures go where their owner wants them, who has room for a multiple of 32.
-  WalkPosture* postures;
+  // Comes out, as the postures do.
   alignas(64) Numbers room_x, room_y;  ///< of a WalkRoom
   alignas(64) Numbers lift_m[2];       ///< of a foot that steps where the gait hardly lifts it
   /// Feet that the legs cannot reach as it is: 1 the right, 2 the left, 3 both.
