@@ -29,6 +29,13 @@ function(throng_precompile target)
     # So that ccache can tell what a file depends on.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
     target_precompile_headers(${target} REUSE_FROM throng_precompiled)
+    # Behind a precompiled header g++ 12 takes __OPTIMIZE__ for defined, without optimisation too, and the
+    # compiler's headers of SIMD instructions then rest on inlining that does not happen.
+    if(NOT CMAKE_BUILD_TYPE STREQUAL Release)
+      get_target_property(sources ${target} SOURCES)
+      list(FILTER sources INCLUDE REGEX "_simd\\.cpp$")
+      set_source_files_properties(${sources} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    endif()
   endif()
 endfunction()
 
