@@ -14,7 +14,7 @@ declare -A what=(
   [urdfs]="3000 mutated URDFs"
   [fuzz]="ten minutes of libFuzzer for each reader"
   [tidy]="clang-tidy over all sources"
-  [lto]="one definition of everything, by the linker: programs and tests with LTO"
+  [lto]="one definition of everything: each program read as a whole, and inline functions compared"
   [outside]="culling alone and the README's program in somebody else's project"
   [extend]="a volume, a scene field, a steering model and a sink added by patches"
   [soak]="an hour of people who walk and touch all the time"
@@ -55,7 +55,7 @@ run_step() {
     urdfs) generator mutated_urdfs 3000 ;;
     fuzz) bash scripts/fuzz.sh 600 ;;
     tidy) bash scripts/tidy.sh ;;
-    lto) bash scripts/build.sh lto ;;
+    lto) python3 scripts/one_definition.py ;;
     outside) outside ;;
     extend) bash tests/extend/extend_test.sh build "$PWD" "$PWD/build/extend" ;;
     soak) bash scripts/soak.sh 60 ;;
