@@ -219,7 +219,7 @@ class Flattener {
   /// that do, the one that costs the fewest reorientations.
   static Eigen::Matrix3d principal_frame(const FlatJoint& joint, const Eigen::Matrix3d& pending) {
     if (principal(pending * joint.axis)) return pending.transpose();  // none before, merged after
-    const Eigen::Matrix3d after = joint.after.linear();
+    Eigen::Matrix3d after = joint.after.linear();
     if (principal(after.transpose() * joint.axis)) return after;  // one before, none after
     if (principal(joint.axis)) return Eigen::Matrix3d::Identity();
     int nearest = 0;

@@ -1,5 +1,7 @@
 #include "kinematics/kdl_tree.h"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 namespace throng {
@@ -39,7 +41,7 @@ KDL::Tree to_kdl(const Robot& robot) {
     const std::string& child = robot.links[static_cast<size_t>(joint.child_link)].name;
     const KDL::Segment segment(child, to_kdl(joint), to_kdl(joint.parent_from_joint));
     if (!tree.addSegment(segment, parent))
-      throw std::logic_error("KDL refuses the link " + child + " below " + parent);
+      throw std::logic_error(fmt::format("KDL refuses the link {} below {}", child, parent));
   }
   return tree;
 }

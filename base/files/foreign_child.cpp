@@ -19,6 +19,7 @@ namespace throng::foreign {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
 // From <sanitizer/common_interface_defs.h>; there without a sanitizer, it is null.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is theirs
 extern "C" __attribute__((weak)) void __sanitizer_set_report_path(const char* path);
 #endif
 

@@ -190,7 +190,7 @@ Depth DepthFinder::depth(const PlacedHull& a, const PlacedHull& b,
   const Placed placed_a(a);
   Placed placed_b(b);
   placed_b.shift += a_to_b_m.cast<double>();
-  const Depth coarse = find_depth(placed_a, placed_b, kCoarse, inside_);
+  Depth coarse = find_depth(placed_a, placed_b, kCoarse, inside_);
   if (coarse.depth_m == 0 || coarse.depth_m > kMayBeNone_m) return coarse;
   return find_depth(placed_a, placed_b, kFine, inside_);
 }

@@ -97,7 +97,7 @@ class PairSearcher {
     while (first <= last) {
       const int end_of_strip = first | strip_mask();
       const size_t from = cell(first, row),
-                   count = static_cast<size_t>(std::min(last, end_of_strip) - first + 1);
+                   count = static_cast<size_t>(std::min(last, end_of_strip) - first) + 1;
       visit(start_[from], start_[from + count]);
       first = end_of_strip + 1;
     }

@@ -82,7 +82,8 @@ double cost(const Points& points, const Eigen::Matrix3d& axes, double fat) {
 /// Turns about the three axes by falling angles, for as long as the cost falls.
 Eigen::Matrix3d refined(const Points& points, Eigen::Matrix3d axes, double fat) {
   double best = cost(points, axes, fat);
-  for (double angle = 0.2; angle > 1e-4; angle *= 0.5) {
+  for (int halvings = 0; halvings <= 10; ++halvings) {
+    const double angle = std::ldexp(0.2, -halvings);
     bool improved = true;
     for (int round = 0; improved && round < 16; ++round) {
       improved = false;
