@@ -189,7 +189,9 @@ void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_m
   const Table& table = *table_;
   for (size_t avatar = 0; avatar < phases.size(); ++avatar) {
     const GaitPlace at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-    const RootBox& box = table.boxes[static_cast<size_t>(at.speed * table.phases + at.phase)];
+    const RootBox& box =
+        table.boxes[static_cast<size_t>(at.speed) * static_cast<size_t>(table.phases) +
+                    static_cast<size_t>(at.phase)];
     for (int axis = 0; axis < 3; ++axis) {
       boxes[avatar].min_m[axis] = scales[avatar] * box.min_m[axis];
       boxes[avatar].max_m[axis] = scales[avatar] * box.max_m[axis];

@@ -70,6 +70,7 @@ static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(Eigen::Vector3i) == 12);
 
 template <typename T>
 void put(const T* from, size_t count, uint8_t*& to) {
+  // NOLINTNEXTLINE(bugprone-undefined-memory-manipulation): plain numbers, as asserted above
   if (count > 0) std::memcpy(to, from, count * sizeof(T));
   to += count * sizeof(T);
 }
@@ -144,7 +145,7 @@ Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits) {
   const auto parse = [&](const RegularFile& opened) {
     return packed(triangles_by_assimp(opened, limits.max_file_bytes, kMaxVertices, kMaxTriangles));
   };
-  const Mesh mesh = welded(
+  Mesh mesh = welded(
       checked(unpacked(parse_apart(file, assimp, limits, parse), file.string()), file.string()));
   if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
   return mesh;

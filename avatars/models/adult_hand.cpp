@@ -181,7 +181,7 @@ Mesh hand_shape() {
     const int c = 2 * f;
     const std::array<int, kDigitSegments> rim = {
         at(kEnd, back(c)),       at(kEnd, back(c + 1)),
-        at(kEnd, back(c + 2)),   middle[static_cast<size_t>(c + 2)],
+        at(kEnd, back(c + 2)),   middle[static_cast<size_t>(c) + 2],
         at(kEnd, inside(c + 2)), at(kEnd, inside(c + 1)),
         at(kEnd, inside(c)),     middle[static_cast<size_t>(c)]};
     const double t = 1 - (c + 1) / 4.0;
