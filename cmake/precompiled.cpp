@@ -1,1 +1,1 @@
-// Nothing: the headers of cmake/Targets.cmake are precompiled with it.
+// Nothing: cmake/precompiled.h is compiled with it.

@@ -15,8 +15,7 @@ namespace fs = std::filesystem;
 /// The text between <name> and </name> of a package.xml, or "".
 std::string name_in_package_xml(const fs::path& file) {
   std::ifstream in(file);
-  constexpr size_t kEnough = size_t{64}
-                             << 10;  // a manifest is a page; do not read a disguised disk image
+  constexpr size_t kEnough = 65536;  // a manifest is a page; do not read a disguised disk image
   std::string text(kEnough, '\0');
   in.read(text.data(), static_cast<std::streamsize>(kEnough));
   text.resize(static_cast<size_t>(in.gcount()));
