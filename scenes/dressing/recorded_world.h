@@ -20,7 +20,7 @@ namespace throng {
 
 struct WalkNow;
 
-class RecordedWorld final : public World {
+class RecordedWorld : public World {
  public:
   /// Keeps references to both.
   RecordedWorld(const Scene& scene, SimdTarget simd, Workers& workers);

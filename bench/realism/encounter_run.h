@@ -1,0 +1,56 @@
+// Encounters run as dressed recordings: who touched, with what, how deep.
+// One rule: every frame is looked at, and an encounter whose roots came nearer than the discs at
+// any of them is put away and counted, never judged.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "bench/realism/encounter.h"
+#include "scenes/measures/part_group.h"
+#include "scenes/run/sink.h"
+
+namespace throng::realism {
+
+struct EncounterResult {
+  uint64_t number = 0;
+  EncounterKind kind = EncounterKind::kHeadOn;
+  double nearest_roots_m = std::numeric_limits<double>::infinity();
+  int touching_frames = 0;
+  double first_touch_s = 0;
+  double deepest_m = 0;
+  double deepest_s = 0;
+  std::string deepest_parts;  ///< "leftHand and upperRightLeg"
+  std::array<bool, kGroupPairs> groups{};
+  std::array<double, kGroupPairs> deepest_of_m{};
+
+  bool touches() const { return touching_frames > 0; }
+  bool is_sound() const { return nearest_roots_m >= Encounter::kDisc_m; }
+};
+
+struct EncounterRuns {
+  std::vector<EncounterResult> results;  ///< of those whose discs kept apart
+  uint64_t drawn_again = 0;              ///< draws whose ways would have broken a bound
+  std::vector<uint64_t> put_away;  ///< numbers of those whose discs met once they were dressed
+  uint64_t strangers = 0;          ///< contacts of people of two encounters: expected 0
+};
+
+struct EncounterOptions {
+  uint64_t seed = 1;
+  uint64_t first = 0;  ///< number of the first
+  uint64_t count = 1000;
+  int threads = 1;
+};
+
+/// `listener` sees the run, too; null: nobody does.
+EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener = nullptr,
+                             const std::function<void(uint64_t done)>& progress = {});
+
+/// The table of `realism encounters`.
+std::string encounter_report(const EncounterRuns& runs, const EncounterOptions& options);
+
+}  // namespace throng::realism

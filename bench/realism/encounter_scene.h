@@ -1,0 +1,23 @@
+// Encounters as a recording: side by side on one ground, too far apart to see each other.
+// One rule: where an encounter lies follows from its number alone, so that it is the same to the
+// bit when it is run by itself.
+#pragma once
+
+#include <span>
+
+#include "bench/realism/encounter.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/world.h"
+
+namespace throng::realism {
+
+/// People of encounter i are 2 i and 2 i + 1. The ground holds these encounters.
+Scene encounter_scene(std::span<const Encounter> encounters);
+
+/// Their world: recorded people with the height, style and phase that each encounter gives them.
+WorldFactory encounter_world(std::span<const Encounter> encounters);
+
+/// Where the middle of an encounter is on the ground.
+Eigen::Vector2d middle_of(const Encounter& encounter);
+
+}  // namespace throng::realism

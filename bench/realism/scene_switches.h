@@ -1,0 +1,11 @@
+// What is switched on or off in every scene that is measured.
+// One rule: the only place that changes a scene, so that before and after differ by it alone.
+#pragma once
+
+#include "scenes/file/scene.h"
+
+namespace throng::realism {
+
+inline void set_switches(Scene& scene) { scene.exact = true; }
+
+}  // namespace throng::realism
