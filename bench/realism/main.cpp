@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstdlib>
 #include <exception>
 #include <map>
 #include <optional>
@@ -11,7 +12,9 @@
 
 #include "base/errors.h"
 #include "base/say.h"
+#include "bench/realism/contact_report.h"
 #include "bench/realism/encounter_run.h"
+#include "bench/realism/subject.h"
 #include "lcmtypes/log/log_sink.h"
 
 namespace throng::realism {
@@ -20,21 +23,29 @@ namespace {
 constexpr const char* kUsage =
     R"(realism encounters [COUNT [SEED]]          two people meet, COUNT times [1000, seed 1]
 realism encounter NUMBER [--seed S] [--log FILE]   one of these; the log is for `throng render`
+realism contacts FILE... [--against FILE...]       contacts by density, of each and of all together;
+                                                   FILE: a scene, a bundled scene's name, a recording
 
-Option of all: --threads N.
+Options of all: --threads N, --seconds S (of scenes).
 )";
 
 struct Arguments {
   std::vector<std::string> words;
+  std::vector<std::string> against;  ///< what follows --against
   std::map<std::string, std::string> options;
 };
 
 Arguments arguments_of(int argc, char** argv) {
   Arguments out;
+  std::vector<std::string>* words = &out.words;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (!word.starts_with("--")) {
-      out.words.push_back(word);
+      words->push_back(word);
+      continue;
+    }
+    if (word == "--against") {
+      words = &out.against;
       continue;
     }
     if (i + 1 == argc) throw InputError(word, "a value after it", "nothing");
@@ -59,6 +70,52 @@ uint64_t option(const Arguments& arguments, const std::string& name, uint64_t ot
 int threads_of(const Arguments& arguments) {
   return static_cast<int>(
       option(arguments, "--threads", std::max(1u, std::thread::hardware_concurrency())));
+}
+
+std::optional<double> seconds_of(const Arguments& arguments) {
+  const auto found = arguments.options.find("--seconds");
+  if (found == arguments.options.end()) return {};
+  const char* const begin = found->second.c_str();
+  char* end = nullptr;
+  const double seconds = std::strtod(begin, &end);
+  if (end == begin || *end != 0 || !(seconds > 0 && seconds < 1e7))
+    throw InputError("--seconds", "a number of seconds above 0",
+                     fmt::format("'{}'", found->second));
+  return seconds;
+}
+
+AccountOf account_of(const std::string& name, const Arguments& arguments) {
+  ContactAccount account;
+  Scene scene = open_subject(name, seconds_of(arguments));
+  AccountOf out{scene.name, {}};
+  run_subject(std::move(scene), threads_of(arguments), true,
+              [&](const Simulation&) { return std::vector<Sink*>{&account}; });
+  out.sums = account.sums();
+  return out;
+}
+
+int contacts(const Arguments& arguments) {
+  const std::vector<std::string> names(arguments.words.begin() + 1, arguments.words.end());
+  const bool is_pair = !arguments.against.empty();
+  if (names.empty()) throw InputError("contacts", "scenes or recordings", "none");
+  if (is_pair && arguments.against.size() != names.size())
+    throw InputError("--against", fmt::format("as many as before it, {}", names.size()),
+                     fmt::format("{}", arguments.against.size()));
+  AccountOf all_before{"all together", {}}, all_after = all_before;
+  for (size_t i = 0; i < names.size(); ++i) {
+    const AccountOf before = account_of(names[i], arguments);
+    all_before.sums.add(before.sums);
+    std::optional<AccountOf> after;
+    if (is_pair) {
+      after = account_of(arguments.against[i], arguments);
+      all_after.sums.add(after->sums);
+    }
+    show("{}\n", contact_report(before, after ? &*after : nullptr, names.size() == 1));
+    flush_shown();
+  }
+  if (names.size() > 1)
+    show("{}", contact_report(all_before, is_pair ? &all_after : nullptr, true));
+  return 0;
 }
 
 int encounters(const Arguments& arguments) {
@@ -100,6 +157,7 @@ int realism(int argc, char** argv) {
   const std::string command = arguments.words.empty() ? "" : arguments.words.front();
   if (command == "encounters") return encounters(arguments);
   if (command == "encounter") return encounter(arguments);
+  if (command == "contacts") return contacts(arguments);
   say("{}", kUsage);
   return 2;
 }

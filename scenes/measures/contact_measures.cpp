@@ -24,6 +24,8 @@ ContactMeasures::ContactMeasures(const RunInfo& run, double gap_s)
       density_(*run.scene),
       positions_m_(people_),
       densities_(people_, -1),
+      open_(gap_s),
+      open_groups_(gap_s),
       depths_(depth_histogram()),
       deepest_(depth_histogram()),
       depths_at_(kLevels, depth_histogram()),
@@ -56,32 +58,8 @@ uint64_t ContactMeasures::group_key(PairKey pair) const {
          group_pair(groups_.of(pair.a(), pair.part_a()), groups_.of(pair.b(), pair.part_b()));
 }
 
-/// True if a contact begins, not goes on.
-bool ContactMeasures::begin(OpenContacts& open, uint64_t key) const {
-  const auto [found, is_new] = open.try_emplace(key);
-  Open& contact = found->second;
-  const bool begins =
-      is_new || (contact.touching == 0 && now_s_ - contact.ended_s >= gap_s_ - 1e-9);
-  ++contact.touching;
-  return begins;
-}
-
-void ContactMeasures::finish(OpenContacts& open, uint64_t key) const {
-  const auto found = open.find(key);
-  if (found == open.end() || found->second.touching == 0) return;
-  if (--found->second.touching == 0) found->second.ended_s = now_s_;
-}
-
-void ContactMeasures::forget_ended() {
-  const auto is_over = [&](const auto& contact) {
-    return contact.second.touching == 0 && now_s_ - contact.second.ended_s >= gap_s_ - 1e-9;
-  };
-  std::erase_if(open_, [&](const auto& contact) {
-    if (!is_over(contact)) return false;
-    if (contact.second.deepest_m >= 0) deepest_.add(contact.second.deepest_m);
-    return true;
-  });
-  std::erase_if(open_groups_, is_over);
+void ContactMeasures::add_deepest(const Deepest& deepest) {
+  if (deepest.of_people_m >= 0) deepest_.add(deepest.of_people_m);
 }
 
 /// Each frame stands for the step that follows it.
@@ -98,35 +76,34 @@ void ContactMeasures::frame(const Frame& frame) {
   now_s_ = static_cast<double>(frame.number) * step_s_;
   frame_ = &frame;
   is_placed_ = false;
-  forget_ended();
-  // Begins first: a pair that is refined further than before changes its parts, not its contact.
+  open_.forget_ended(now_s_, [&](const Deepest& deepest) { add_deepest(deepest); });
+  open_groups_.forget_ended(now_s_, [](const Nothing&) {});
   for (const PairEvent& event : frame.events) {
     if (event.kind != EventKind::kBegin || event.pair.b() >= people_) continue;
-    if (begin(open_, people_key(event.pair))) ++contacts_[level_of(event.pair.a(), event.pair.b())];
-    if (const uint64_t key = group_key(event.pair); begin(open_groups_, key))
+    if (open_.begin(people_key(event.pair), now_s_))
+      ++contacts_[level_of(event.pair.a(), event.pair.b())];
+    if (const uint64_t key = group_key(event.pair); open_groups_.begin(key, now_s_))
       ++group_contacts_[key & 0xff];
   }
   for (const PairEvent& event : frame.events) {
     if (event.kind != EventKind::kEnd || event.pair.b() >= people_) continue;
-    finish(open_, people_key(event.pair));
-    finish(open_groups_, group_key(event.pair));
+    open_.finish(people_key(event.pair), now_s_);
+    open_groups_.finish(group_key(event.pair), now_s_);
   }
   spend_time(frame);
 }
 
 void ContactMeasures::end() {
-  for (const auto& [key, contact] : open_)
-    if (contact.deepest_m >= 0) deepest_.add(contact.deepest_m);
-  open_.clear();
-  open_groups_.clear();
+  open_.forget_all([&](const Deepest& deepest) { add_deepest(deepest); });
+  open_groups_.forget_all([](const Nothing&) {});
 }
 
 void ContactMeasures::add_depth(PairKey pair, double depth_m) {
   depths_.add(depth_m);
   depths_at_[level_of(pair.a(), pair.b())].add(depth_m);
   depths_of_[group_key(pair) & 0xff].add(depth_m);
-  if (const auto found = open_.find(people_key(pair)); found != open_.end())
-    found->second.deepest_m = std::max(found->second.deepest_m, depth_m);
+  if (Deepest* const deepest = open_.find(people_key(pair)))
+    deepest->of_people_m = std::max(deepest->of_people_m, depth_m);
 }
 
 uint64_t ContactMeasures::contacts() const {

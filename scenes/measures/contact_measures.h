@@ -5,11 +5,11 @@
 
 #include <array>
 #include <cstdint>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "scenes/measures/histogram.h"
+#include "scenes/measures/lasting_contacts.h"
 #include "scenes/measures/measure_table.h"
 #include "scenes/measures/part_group.h"
 #include "scenes/run/sink.h"
@@ -41,19 +41,14 @@ class ContactMeasures {
   MeasureTable depth_table() const;
 
  private:
-  /// What goes on, or has ended so lately that it may go on again.
-  struct Open {
-    uint32_t touching = 0;  ///< pairs of parts
-    double ended_s = 0;     ///< counts if nothing touches
-    double deepest_m = -1;  ///< of people; below 0: not looked at
+  struct Deepest {
+    double of_people_m = -1;  ///< below 0: not looked at
   };
-  using OpenContacts = std::unordered_map<uint64_t, Open>;
+  struct Nothing {};
 
   void place(const Frame& frame);
   double density_at(uint32_t person);
-  bool begin(OpenContacts& open, uint64_t key) const;
-  void finish(OpenContacts& open, uint64_t key) const;
-  void forget_ended();
+  void add_deepest(const Deepest& deepest);
   void spend_time(const Frame& frame);
   uint64_t people_key(PairKey pair) const { return pair.bits() >> 16; }
   uint64_t group_key(PairKey pair) const;
@@ -70,8 +65,8 @@ class ContactMeasures {
   const Frame* frame_ = nullptr;
   double now_s_ = 0;
 
-  OpenContacts open_;         ///< of two people
-  OpenContacts open_groups_;  ///< of groups of parts of two people
+  LastingContacts<Deepest> open_;         ///< of two people
+  LastingContacts<Nothing> open_groups_;  ///< of groups of parts of two people
   std::array<uint64_t, kLevels> contacts_{};
   std::array<double, kLevels> person_s_at_{};
   std::array<uint64_t, kGroupPairs> group_contacts_{};

@@ -1,6 +1,7 @@
 #include "scenes/measures/histogram.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -21,6 +22,16 @@ void Histogram::add(double value) {
   greatest_ = count_ == 0 ? value : std::max(greatest_, value);
   ++count_;
   sum_ += value;
+}
+
+void Histogram::add(const Histogram& other) {
+  assert(low_ == other.low_ && width_ == other.width_ && bins_.size() == other.bins_.size());
+  if (other.count_ == 0) return;
+  for (size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
+  least_ = count_ == 0 ? other.least_ : std::min(least_, other.least_);
+  greatest_ = count_ == 0 ? other.greatest_ : std::max(greatest_, other.greatest_);
+  count_ += other.count_;
+  sum_ += other.sum_;
 }
 
 double Histogram::mean() const { return count_ == 0 ? kNone : sum_ / static_cast<double>(count_); }

@@ -14,6 +14,8 @@ class Histogram {
   Histogram(double low, double width, size_t bins);
 
   void add(double value);
+  /// All of another's, whose bins are the same.
+  void add(const Histogram& other);
 
   uint64_t count() const { return count_; }
   double sum() const { return sum_; }
