@@ -1,41 +1,17 @@
 #include "bench/realism/encounter_scene.h"
 
-#include <limits>
 #include <vector>
 
+#include "bench/realism/made_scene.h"
 #include "scenes/dressing/recorded_world.h"
-#include "scenes/file/recorded_scene.h"
-#include "scenes/recorded/recording_builder.h"
 #include "scenes/run/posing.h"
-#include "scenes/run/runner.h"
 
 namespace throng::realism {
 namespace {
 
-constexpr double kStep_s = 1.0 / 60;
 constexpr double kApart_m = 20;
 constexpr uint64_t kColumns = 32;
 constexpr uint64_t kPlaces = kColumns * kColumns;
-
-std::shared_ptr<const Recording> recording_of(std::span<const Encounter> encounters,
-                                              const RecordingOptions& options) {
-  RecordingBuilder builder(options);
-  builder.head().kind = "encounters";
-  builder.head().per_s = 1 / kStep_s;
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  const int64_t frames = frame_count(Encounter::kDuration_s, kStep_s);
-  int64_t place = 0;
-  for (size_t i = 0; i < encounters.size(); ++i)
-    for (size_t person = 0; person < 2; ++person)
-      for (int64_t frame = 0; frame < frames; ++frame) {
-        const Eigen::Vector2d at =
-            middle_of(encounters[i]) +
-            encounters[i].place_m(person, static_cast<double>(frame) * kStep_s);
-        builder.add(static_cast<int64_t>(2 * i + person),
-                    {static_cast<double>(frame), at.x(), at.y(), kNone, kNone}, ++place);
-      }
-  return builder.finish();
-}
 
 class EncounterWorld final : public RecordedWorld {
  public:
@@ -65,24 +41,18 @@ Eigen::Vector2d middle_of(const Encounter& encounter) {
 }
 
 Scene encounter_scene(std::span<const Encounter> encounters) {
-  Scene scene;
-  scene.name = "encounters";
-  scene.description = "pairs of people who meet";
-  scene.step_s = kStep_s;
-  scene.duration_s = Encounter::kDuration_s;
-  scene.exact = true;
-  RecordedPeople& people = scene.recorded.emplace();
-  people.options.file = "encounters";
-  people.options.tracks = TrackedPoint::kCentre;
-  people.recording = recording_of(encounters, people.options);
+  Scene scene = made_scene(
+      "encounters", 2 * encounters.size(), Encounter::kDuration_s,
+      [&](size_t person, double time_s) {
+        const Encounter& encounter = encounters[person / 2];
+        return Eigen::Vector2d(middle_of(encounter) + encounter.place_m(person % 2, time_s));
+      });
   const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * kApart_m);
   scene.ground = {middle_of(encounters.front()) - half, middle_of(encounters.front()) + half};
   for (const Encounter& encounter : encounters) {
     scene.ground.min_m = scene.ground.min_m.cwiseMin(middle_of(encounter) - half);
     scene.ground.max_m = scene.ground.max_m.cwiseMax(middle_of(encounter) + half);
   }
-  scene.groups.push_back(recorded_group());
-  scene.groups.back().recorded = static_cast<int64_t>(people.recording->people().size());
   return scene;
 }
 

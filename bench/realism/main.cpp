@@ -14,6 +14,9 @@
 #include "base/say.h"
 #include "bench/realism/contact_report.h"
 #include "bench/realism/encounter_run.h"
+#include "bench/realism/joint_report.h"
+#include "bench/realism/made_scene.h"
+#include "bench/realism/scene_switches.h"
 #include "bench/realism/subject.h"
 #include "lcmtypes/log/log_sink.h"
 
@@ -25,6 +28,8 @@ constexpr const char* kUsage =
 realism encounter NUMBER [--seed S] [--log FILE]   one of these; the log is for `throng render`
 realism contacts FILE... [--against FILE...]       contacts by density, of each and of all together;
                                                    FILE: a scene, a bundled scene's name, a recording
+realism joints [FILE...]                           speeds of joints, arm swing, turns of those who stand;
+                                                   without FILE of plain walking at 0.5 to 1.9 m/s
 
 Options of all: --threads N, --seconds S (of scenes).
 )";
@@ -118,6 +123,29 @@ int contacts(const Arguments& arguments) {
   return 0;
 }
 
+int joints(const Arguments& arguments) {
+  const auto measure = [&](Scene scene) {
+    const std::string name = scene.name;
+    JointSpeeds speeds;
+    std::unique_ptr<ArmSwing> swing;
+    // Contacts cost much and move no joint.
+    run_subject(std::move(scene), threads_of(arguments), false, [&](const Simulation& simulation) {
+      swing = std::make_unique<ArmSwing>(simulation);
+      return std::vector<Sink*>{&speeds, swing.get()};
+    });
+    show("{}\n", joint_report(name, speeds, *swing));
+    flush_shown();
+  };
+  if (arguments.words.size() == 1) {
+    Scene walking = plain_walking(seconds_of(arguments).value_or(20));
+    set_switches(walking);
+    measure(std::move(walking));
+  }
+  for (size_t i = 1; i < arguments.words.size(); ++i)
+    measure(open_subject(arguments.words[i], seconds_of(arguments)));
+  return 0;
+}
+
 int encounters(const Arguments& arguments) {
   EncounterOptions options;
   options.threads = threads_of(arguments);
@@ -157,6 +185,7 @@ int realism(int argc, char** argv) {
   const std::string command = arguments.words.empty() ? "" : arguments.words.front();
   if (command == "encounters") return encounters(arguments);
   if (command == "encounter") return encounter(arguments);
+  if (command == "joints") return joints(arguments);
   if (command == "contacts") return contacts(arguments);
   say("{}", kUsage);
   return 2;
