@@ -16,7 +16,6 @@ namespace {
 
 /// So many lie side by side.
 constexpr uint64_t kBatch = 1000;
-constexpr size_t kWorst = 10;
 
 class EncounterWatch final : public Sink {
  public:
@@ -130,18 +129,19 @@ std::string parts_lines(const std::vector<EncounterResult>& results) {
   return text;
 }
 
-std::string worst_lines(const std::vector<EncounterResult>& results, uint64_t seed) {
+std::string worst_lines(const std::vector<EncounterResult>& results,
+                        const EncounterOptions& options) {
   std::vector<const EncounterResult*> worst;
   for (const EncounterResult& result : results)
     if (result.touches()) worst.push_back(&result);
   std::stable_sort(worst.begin(), worst.end(),
                    [](const auto* a, const auto* b) { return a->deepest_m > b->deepest_m; });
-  if (worst.size() > kWorst) worst.resize(kWorst);
+  if (worst.size() > options.worst) worst.resize(options.worst);
   std::string text;
   for (const EncounterResult* each : worst)
     text += fmt::format("  {:>6}{:>7} cm at {:.2f} s, {}: {}\n", each->number, cm(each->deepest_m),
                         each->deepest_s, each->deepest_parts,
-                        Encounter(seed, each->number).description());
+                        Encounter(options.seed, each->number).description());
   return text;
 }
 
@@ -196,7 +196,7 @@ std::string encounter_report(const EncounterRuns& runs, const EncounterOptions& 
   text += parts_lines(runs.results);
   text += fmt::format("\n  the worst; `realism encounter NUMBER --seed {} --log FILE` runs one\n",
                       options.seed);
-  return text + worst_lines(runs.results, options.seed);
+  return text + worst_lines(runs.results, options);
 }
 
 }  // namespace throng::realism

@@ -44,6 +44,7 @@ struct EncounterOptions {
   uint64_t first = 0;  ///< number of the first
   uint64_t count = 1000;
   int threads = 1;
+  uint64_t worst = 10;  ///< so many are listed
 };
 
 /// `listener` sees the run, too; null: nobody does.

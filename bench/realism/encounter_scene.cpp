@@ -36,8 +36,8 @@ class EncounterWorld final : public RecordedWorld {
 
 Eigen::Vector2d middle_of(const Encounter& encounter) {
   const uint64_t place = encounter.number() % kPlaces;
-  return kApart_m * Eigen::Vector2d(static_cast<double>(place % kColumns),
-                                    static_cast<double>(place / kColumns));
+  const uint64_t column = place % kColumns, row = place / kColumns;
+  return kApart_m * Eigen::Vector2d(static_cast<double>(column), static_cast<double>(row));
 }
 
 Scene encounter_scene(std::span<const Encounter> encounters) {

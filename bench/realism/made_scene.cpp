@@ -50,7 +50,8 @@ Scene plain_walking(double duration_s) {
   constexpr double kSlowest_mps = 0.5, kStep_mps = 0.1, kApart_m = 5;
   Scene scene =
       made_scene("plain walking", kSpeeds * kEach, duration_s, [](size_t person, double time_s) {
-        const double speed_mps = kSlowest_mps + kStep_mps * static_cast<double>(person / kEach);
+        const size_t faster = person / kEach;
+        const double speed_mps = kSlowest_mps + kStep_mps * static_cast<double>(faster);
         return Eigen::Vector2d(speed_mps * time_s, kApart_m * static_cast<double>(person));
       });
   StyleShares styles;

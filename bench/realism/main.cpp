@@ -1,6 +1,8 @@
 // `realism`: how bodies behave that walk among others; see kUsage.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdlib>
 #include <exception>
@@ -23,16 +25,19 @@
 namespace throng::realism {
 namespace {
 
-constexpr const char* kUsage =
-    R"(realism encounters [COUNT [SEED]]          two people meet, COUNT times [1000, seed 1]
-realism encounter NUMBER [--seed S] [--log FILE]   one of these; the log is for `throng render`
-realism contacts FILE... [--against FILE...]       contacts by density, of each and of all together;
-                                                   FILE: a scene, a bundled scene's name, a recording
-realism joints [FILE...]                           speeds of joints, arm swing, turns of those who stand;
-                                                   without FILE of plain walking at 0.5 to 1.9 m/s
+constexpr const char* kUsage = R"(realism encounters [COUNT [SEED]] [--worst N]
+    two people meet, COUNT times [1000, seed 1]; the N worst are listed [10]
+realism encounter NUMBER [--seed S] [--log FILE]
+    one of these; the log is for `throng render`
+realism contacts FILE... [--against FILE...]
+    contacts by density, of each and of all together; before and after
+realism joints [FILE...]
+    speeds of joints, arm swing, turns of those who stand; without FILE of plain walking at 0.5 to 1.9 m/s
 
-Options of all: --threads N, --seconds S (of scenes).
+FILE: a scene, the name of a bundled one, a recording. Options of all: --threads N, --seconds S (of each FILE).
 )";
+
+constexpr std::array kOptions = {"--log", "--seconds", "--seed", "--threads", "--worst"};
 
 struct Arguments {
   std::vector<std::string> words;
@@ -53,6 +58,8 @@ Arguments arguments_of(int argc, char** argv) {
       words = &out.against;
       continue;
     }
+    if (std::find(kOptions.begin(), kOptions.end(), word) == kOptions.end())
+      throw InputError("realism", "an option of the program", fmt::format("'{}'", word));
     if (i + 1 == argc) throw InputError(word, "a value after it", "nothing");
     out.options[word] = argv[++i];
   }
@@ -73,8 +80,11 @@ uint64_t option(const Arguments& arguments, const std::string& name, uint64_t ot
 }
 
 int threads_of(const Arguments& arguments) {
-  return static_cast<int>(
-      option(arguments, "--threads", std::max(1u, std::thread::hardware_concurrency())));
+  const uint64_t threads =
+      option(arguments, "--threads", std::max(1u, std::thread::hardware_concurrency()));
+  if (threads < 1 || threads > 256)
+    throw InputError("--threads", "a whole number from 1 to 256", fmt::format("{}", threads));
+  return static_cast<int>(threads);
 }
 
 std::optional<double> seconds_of(const Arguments& arguments) {
@@ -152,6 +162,7 @@ int encounters(const Arguments& arguments) {
   if (arguments.words.size() > 1) options.count = whole("COUNT", arguments.words[1]);
   options.seed = arguments.words.size() > 2 ? whole("SEED", arguments.words[2])
                                             : option(arguments, "--seed", 1);
+  options.worst = option(arguments, "--worst", options.worst);
   const EncounterRuns runs = run_encounters(options, nullptr, [&](uint64_t done) {
     if (options.count > 1000) say("{} of {}\n", done, options.count);
   });

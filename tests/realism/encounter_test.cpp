@@ -21,7 +21,8 @@ TEST(Encounter, KeepsDiscsApartWithoutHurry) {
   for (uint64_t number = 0; number < 300; ++number) {
     const Encounter encounter(kSeed, number);
     double nearest_m = 100, fastest_mps2 = 0;
-    for (double time_s = 0; time_s <= Encounter::kDuration_s; time_s += kStep_s) {
+    for (int i = 0; i * kStep_s <= Encounter::kDuration_s; ++i) {
+      const double time_s = i * kStep_s;
       nearest_m =
           std::min(nearest_m, (encounter.place_m(0, time_s) - encounter.place_m(1, time_s)).norm());
       for (const size_t person : {0, 1})
