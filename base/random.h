@@ -21,6 +21,8 @@ enum class Purpose : uint32_t {
   kEmission = 10,
   kDelay = 11,
   kAge = 12,
+  kFacing = 13,
+  kStanding = 14,
 };
 
 /// The names of one stream of numbers.

@@ -34,6 +34,7 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
   for (const Person& person : people) {
     radii_m_.push_back(person.radius_m);
     free_speeds_mps_.push_back(person.free_speed_mps);
+    faces_m_.push_back(person.face_m);
     positions_m_.push_back(person.position_m);
     headings_.push_back(person.heading);
     widest_m_ = std::max(widest_m_, static_cast<float>(person.radius_m));
@@ -92,6 +93,8 @@ void Crowd::start_walking(size_t slot) {
   w.velocity_mps[slot] = w.smooth_mps[slot] = w.old_mps[slot] = w.next_mps[slot] =
       w.intent_mps[slot] = velocities_mps_[id];
   w.drift_mps[slot].setZero();
+  w.facing[slot].setZero();
+  w.turn_radps[slot] = 0;
   w.clearance_m[slot] = 0;
   w.look_to_rad[slot] = looks_rad_[id] = 0;
   w.anchor_step[slot] = steps_;
@@ -143,7 +146,12 @@ void Crowd::check_read(Archive& a) {
     for (const Eigen::Vector2d& speed : *speeds) check_speed(speed);
   walkers_.for_each_field([&](const auto& values, Saved saved) {
     using Value = typename std::remove_cvref_t<decltype(values)>::value_type;
-    if constexpr (std::is_same_v<Value, float>) {
+    if constexpr (std::is_same_v<Value, double>) {
+      if (saved != Saved::kAsTurn) return;
+      for (const double turn_radps : values)
+        if (!(std::abs(turn_radps) <= 1.001 * tuning::kMaxTurn_radps))
+          a.refuse("a turn as fast as people turn", "another");
+    } else if constexpr (std::is_same_v<Value, float>) {
       if (saved != Saved::kAsLook) return;
       for (const float look_rad : values) check_look(look_rad);
     } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
@@ -184,6 +192,7 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   w.velocity_mps[slot] = w.smooth_mps[slot] = w.intent_mps[slot] = velocity_mps;
   w.old_mps[slot] = w.next_mps[slot] = velocity_mps;
   w.drift_mps[slot].setZero();
+  w.turn_radps[slot] = 0;
   // A driven avatar is not stuck, however long it stands.
   w.anchor_m[slot] = position_m;
   w.anchor_step[slot] = steps_;
@@ -226,19 +235,60 @@ double Crowd::turn(size_t slot) {
   smooth += options_.step_s / (tuning::kTurnSmoothing_s + options_.step_s) *
             (walkers_.velocity_mps[slot] - smooth);
   const double speed = smooth.norm();
-  if (speed < tuning::kTurnSpeed_mps) return 0;
-  const Eigen::Vector2d to = smooth / speed;
+  const double slower = std::min(speed, walkers_.velocity_mps[slot].norm());
+  const double walks = (slower - tuning::kStands_mps) / (tuning::kWalks_mps - tuning::kStands_mps);
+  if (walks >= 1) return turn_into_way(slot, smooth / speed);
+  const Eigen::Vector2d& facing = walkers_.facing[slot];
+  Eigen::Vector2d to = facing;
+  if (walks > 0) to = facing.isZero() ? smooth : (1 - walks) * facing + (walks / speed) * smooth;
+  return turn_on_spot(slot, std::max(walks, 0.0), to);
+}
+
+/// Somebody who walks faces where it goes.
+double Crowd::turn_into_way(size_t slot, const Eigen::Vector2d& to) {
   const Eigen::Vector2d from = walkers_.heading[slot];
   Eigen::Vector2d& published = headings_[grid_.order()[slot]];
+  const double left = from.x() * to.y() - from.y() * to.x();
   if (from.dot(to) >= turn_cos_) {
     published = walkers_.heading[slot] = to;
+    walkers_.turn_radps[slot] = left / options_.step_s;
     return (to - from).norm();  // less than a thousandth below the angle
   }
-  const double side = from.x() * to.y() - from.y() * to.x() >= 0 ? turn_sin_ : -turn_sin_;
+  const double side = left >= 0 ? turn_sin_ : -turn_sin_;
   const Eigen::Vector2d turned(turn_cos_ * from.x() - side * from.y(),
                                side * from.x() + turn_cos_ * from.y());
   published = walkers_.heading[slot] = turned.normalized();
+  walkers_.turn_radps[slot] = std::copysign(tuning::kMaxTurn_radps, side);
   return tuning::kMaxTurn_radps * options_.step_s;
+}
+
+/// Somebody who stands turns when it is worth it, and then all the way. In between, `walks` from 0
+/// to 1, it does more and more as those who walk.
+double Crowd::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to) {
+  double& rate = walkers_.turn_radps[slot];
+  const Eigen::Vector2d from = walkers_.heading[slot];
+  const double most =
+      tuning::kTurnOnSpot_radps + walks * (tuning::kMaxTurn_radps - tuning::kTurnOnSpot_radps);
+  double wanted = 0;
+  if (!to.isZero()) {
+    const double off = arc_tan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
+    const double far = rate == 0 ? (1 - walks) * tuning::kTurnFrom_rad : tuning::kTurnDone_rad;
+    // What can be stopped where it should end.
+    if (std::abs(off) > far)
+      wanted = std::copysign(
+          std::min(most, std::sqrt(2 * tuning::kTurnStart_radps2 * std::abs(off))), off);
+  }
+  const double change =
+      (std::abs(rate) > most ? tuning::kTurnStop_radps2 : tuning::kTurnStart_radps2) *
+      options_.step_s;
+  rate += std::clamp(wanted - rate, -change, change);
+  if (rate == 0) return 0;
+  const SinCos turned = sin_cos(rate * options_.step_s);
+  headings_[grid_.order()[slot]] = walkers_.heading[slot] =
+      Eigen::Vector2d(turned.cos * from.x() - turned.sin * from.y(),
+                      turned.sin * from.x() + turned.cos * from.y())
+          .normalized();
+  return std::abs(rate) * options_.step_s;
 }
 
 }  // namespace throng

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -115,6 +116,9 @@ class Crowd {
   void hold_back(size_t slot, float& to_x, float& to_y) const;
   void move(size_t slot);
   double turn(size_t slot);  ///< by how much, in radians
+  double turn_into_way(size_t slot, const Eigen::Vector2d& to);
+  double turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to);
+  void find_facing(size_t slot);
   void look(size_t slot);
   float look_to_rad(size_t slot) const;
   double stalled_s_of(size_t slot) const;
@@ -133,8 +137,9 @@ class Crowd {
   // What never changes, by person.
   std::vector<double> radii_m_;
   std::vector<double> free_speeds_mps_;
-  float widest_m_ = 0;      ///< of all radii
-  double fastest_mps_ = 0;  ///< of all free speeds
+  std::vector<std::optional<Eigen::Vector2d>> faces_m_;  ///< what they look at while they stand
+  float widest_m_ = 0;                                   ///< of all radii
+  double fastest_mps_ = 0;                               ///< of all free speeds
 
   // What others see, by person.
   std::vector<Eigen::Vector2d> positions_m_;

@@ -69,6 +69,7 @@ double Crowd::wish(size_t begin, size_t end) {
     const bool walks = length >= static_cast<float>(tuning::kWish_mps);
     slots_.way_x[slot] = walks ? wanted.x() / length : 0.0f;
     slots_.way_y[slot] = walks ? wanted.y() / length : 0.0f;
+    find_facing(slot);
     walkers_.look_to_rad[slot] = look_to_rad(slot);
     slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * walkers_.free_speed_mps[slot]);
     slots_.horizon_s[slot] = static_cast<float>(

@@ -17,6 +17,7 @@ enum class Saved : uint8_t {
   kPlainly,
   kAsSpeed,  ///< refused if nobody is that fast
   kAsLook,   ///< refused if no head turns that far
+  kAsTurn,   ///< refused if nobody turns that fast
 };
 
 // FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
@@ -27,6 +28,8 @@ enum class Saved : uint8_t {
 //   drift_mps     what disc relaxation adds
 //   intent_mps    the wanted velocity, smoothed
 //   look_to_rad   where the head turns
+//   facing        what somebody who stands turns to: a unit vector, or zero
+//   turn_radps    of the heading, to the left; 0: whoever stands does not turn
 //   anchor_m      where progress was last made, and the step of it
 //   queued_steps  since the anchor
 #define THRONG_WALKER_FIELDS(FIELD)                \
@@ -42,6 +45,8 @@ enum class Saved : uint8_t {
   FIELD(Eigen::Vector2d, intent_mps, kAsSpeed)     \
   FIELD(double, clearance_m, kPlainly)             \
   FIELD(float, look_to_rad, kAsLook)               \
+  FIELD(Eigen::Vector2d, facing, kAsSpeed)         \
+  FIELD(double, turn_radps, kAsTurn)               \
   FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \
   FIELD(int64_t, anchor_step, kPlainly)            \
   FIELD(int64_t, queued_steps, kPlainly)           \

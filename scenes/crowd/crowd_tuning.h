@@ -45,6 +45,22 @@ inline constexpr double kMaxTurn_radps = 3.0;
 inline constexpr double kTurnSpeed_mps = 0.2;
 /// The body follows the mean velocity of about this time, so that it does not shake in a throng.
 inline constexpr double kTurnSmoothing_s = 0.5;
+/// Slower than the first a person stands and faces what it waits for, faster than the second it
+/// faces the way it walks.
+inline constexpr double kStands_mps = 0.2;
+inline constexpr double kWalks_mps = 0.5;
+/// Whoever stands turns when what it waits for is so far off; as far as that the head alone turns.
+inline constexpr double kTurnFrom_rad = 0.45;
+/// Such a turn goes on to here, begins and ends as gently as this, and is never faster: people who
+/// are asked to turn on the spot take two to three seconds for a quarter turn to half a turn.
+inline constexpr double kTurnDone_rad = 0.035;
+inline constexpr double kTurnStart_radps2 = 3.0;
+inline constexpr double kTurnOnSpot_radps = 0.85;
+/// A turn of somebody who walks slows down to that when the walk ends.
+inline constexpr double kTurnStop_radps2 = 10.0;
+/// An audience looks to its stage give or take this; nobody farther off than the other.
+inline constexpr double kFacing_rad = 0.1;
+inline constexpr double kMostFacing_rad = 0.25;
 /// The head turns to where its owner wants to go in about this time, before the body does.
 inline constexpr double kLook_s = 0.25;
 /// Whoever made no progress for so long tries another way past, each time for about a second.

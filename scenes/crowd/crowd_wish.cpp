@@ -34,10 +34,24 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   return intent + Eigen::Vector2d(shake(bits & 0xffffffff), shake(bits >> 32));
 }
 
+/// What somebody looks at who waits for others to move on, or for the time to come.
+void Crowd::find_facing(size_t slot) {
+  const uint32_t id = grid_.order()[slot];
+  const Eigen::Vector2d& position = walkers_.position_m[slot];
+  Eigen::Vector2d facing = journeys_.facing(id, position);
+  if (faces_m_[id] && journeys_.doing(id) != Doing::kWalking) facing = *faces_m_[id] - position;
+  const double length = facing.norm();
+  walkers_.facing[slot] = length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
+}
+
 /// The sine of the angle from the heading to the way wanted does for it, as far as heads turn.
 float Crowd::look_to_rad(size_t slot) const {
   const Eigen::Vector2f heading = walkers_.heading[slot].cast<float>();
-  const float x = slots_.way_x[slot], y = slots_.way_y[slot];
+  float x = slots_.way_x[slot], y = slots_.way_y[slot];
+  if (x == 0 && y == 0) {  // stands
+    x = static_cast<float>(walkers_.facing[slot].x());
+    y = static_cast<float>(walkers_.facing[slot].y());
+  }
   const float left = heading.x() * y - heading.y() * x, ahead = heading.x() * x + heading.y() * y;
   if (ahead < 0) return std::copysign(Gait::kMostLook_rad, left);
   return std::clamp(left, -Gait::kMostLook_rad, Gait::kMostLook_rad);

@@ -144,6 +144,12 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
   return length_m > 0 ? Eigen::Vector2d(way / length_m) : Eigen::Vector2d::Zero();
 }
 
+Eigen::Vector2d Journeys::facing(uint32_t id, const Eigen::Vector2d& position_m) const {
+  if (doing_[id] == Doing::kWalking) return direction(id, position_m);
+  if (doing_[id] != Doing::kWaiting || next_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
+  return stop(id).field->direction(position_m);
+}
+
 std::vector<Stranding> Journeys::strandings(std::span<const Eigen::Vector2d> positions_m) const {
   std::vector<Stranding> all;
   for (uint32_t id = 0; id < doing_.size(); ++id) {

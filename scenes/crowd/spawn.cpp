@@ -7,6 +7,7 @@
 
 #include "base/elementary.h"
 #include "base/random.h"
+#include "scenes/crowd/crowd_tuning.h"
 #include "scenes/file/scene_limits.h"
 
 namespace throng {
@@ -76,6 +77,19 @@ void stand_at(const Eigen::Vector2d& point, const Stop& goal, Person& person) {
   if (heading.squaredNorm() > 0) person.heading = heading.normalized();
 }
 
+/// Whoever stands at first looks at what there is to see.
+void face(uint64_t seed, uint64_t id, Person& person) {
+  if (!person.face_m || person.delay_s == 0) return;
+  const Eigen::Vector2d way = *person.face_m - person.position_m;
+  if (way.squaredNorm() == 0) return;
+  const SinCos off =
+      sin_cos(std::clamp(random_normal({seed, id, 0, Purpose::kFacing}, 0, tuning::kFacing_rad),
+                         -tuning::kMostFacing_rad, tuning::kMostFacing_rad));
+  person.heading =
+      Eigen::Vector2d(off.cos * way.x() - off.sin * way.y(), off.sin * way.x() + off.cos * way.y())
+          .normalized();
+}
+
 /// Finds a free place in the group's spawn area; `id` names the person asked for, placed or not.
 /// A place without a way to the goal is taken if there is no other: its people are reported, not
 /// left out.
@@ -96,6 +110,7 @@ bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64
       const bool is_good = goal.field->reaches(point);
       if (!is_good && has_poor_place) continue;
       stand_at(point, goal, person);
+      face(scene.seed, id, person);
       if (is_good) return true;
       has_poor_place = true;
     }
@@ -152,6 +167,7 @@ Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
   person.free_speed_mps =
       draw(group.speed_mps.value_or(age.speed_mps), scene.seed, id, Purpose::kFreeSpeed);
   person.delay_s = draw(group.delay_s, scene.seed, id, Purpose::kDelay);
+  person.face_m = group.face_m;
   person.radius_m = disc_of(group, person.height_m);
   person.phase = random_uniform({scene.seed, id, 0, Purpose::kGaitPhase});
   if (group.driven.empty())

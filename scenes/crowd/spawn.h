@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ struct Person {
   /// Something outside moves it and says when it is there: see Crowd::lead(). It is there from the
   /// start if `entrance` says so.
   bool is_led = false;
+  /// What it looks at while it stands; none: at its way.
+  std::optional<Eigen::Vector2d> face_m;
   double delay_s = 0;  ///< stands still for so long after entering
   /// Index into Ways::entrances() of somebody who enters later, at enters_s or as soon as there is
   /// room after that; until then the place is the middle of that area.

@@ -68,11 +68,18 @@ void read_driven(Reading&, Fields& fields, Group& group) {
                      "an LCM channel of your own for 'driven': 1 to 63 letters, digits or '_', "
                      "not beginning with THRONG_",
                      fmt::format("'{}'", group.driven));
-  for (const char* key : {"goals", "on_arrival", "sources", "delay_s"})
+  for (const char* key : {"goals", "on_arrival", "sources", "delay_s", "face"})
     if (const YamlNode* other = fields.find(key))
       throw InputError(fields.where(*other), "no goals and no sources for a driven group",
                        fmt::format("'{}'", key));
   group.goals.emplace_back().areas.push_back(group.spawn);
+}
+
+void read_face(Reading&, Fields& fields, Group& group) {
+  if (fields.find("face") == nullptr) return;
+  const std::vector<double> point =
+      fields.numbers("face", 2, {-kMaxCoordinate_m, kMaxCoordinate_m});
+  group.face_m = {point[0], point[1]};
 }
 
 void read_delay(Reading&, Fields& fields, Group& group) {
@@ -236,6 +243,24 @@ std::vector<Key<Group>> rows_of_groups() {
           })};
 }
 
+std::vector<Key<Group>> later_rows_of_groups() {
+  Key<Group> face =
+      own_key<Group>("face",
+                     "`[x, y]` of what they look at while they stand, in m: a stage, a counter; "
+                     "before they set out, where they wait, and where they stay",
+                     "where they go next",
+                     {.kind = Rule::Kind::kNumbers,
+                      .range = {-kMaxCoordinate_m, kMaxCoordinate_m},
+                      .least = 2,
+                      .most = 2})
+          .reading(read_face)
+          .hashing([](Hasher& hash, const Group& group) {
+            hash.add(group.face_m->x()).add(group.face_m->y());
+          });
+  face.is_default = [](const Group& group) { return !group.face_m; };
+  return {face};
+}
+
 }  // namespace
 
 const KeyTable<Group>& group_keys() {
@@ -244,6 +269,7 @@ const KeyTable<Group>& group_keys() {
                                                  .choices = {{"goals"}, {"driven"}}},
                                         .title = "a group",
                                         .keys = rows_of_groups(),
+                                        .later = later_rows_of_groups(),
                                         .complete = complete};
   return table;
 }

@@ -65,6 +65,7 @@ struct Group {
   std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()
   std::optional<StyleShares> styles;      ///< of walking; none: by age
   double radius_m = 0;                    ///< of the steering disc; 0: from the height
+  std::optional<Eigen::Vector2d> face_m;  ///< what they look at while they stand; none: their way
   /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
   /// goal, its spawn area, and no sources.
   std::string driven;
@@ -130,6 +131,7 @@ struct Scene {
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
   bool planted_feet = true;  ///< feet stay where they are put on curves, too
+  bool yielding = true;      ///< bodies give way to others; those who stand breathe and sway
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies
 };

@@ -244,7 +244,11 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
             add_value(hash, scene.recorded->recorded_frames);
           });
   recording.is_default = [](const Scene& scene) { return !scene.recorded; };
-  return {recording};
+  return {recording,
+          flag("yielding",
+               "bodies give way to each other, and those who stand breathe and sway; needs "
+               "`planted_feet`",
+               &Scene::yielding)};
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ void grow_plan(Scene& scene, double factor) {
   grow(scene.ground);
   for (Group& group : scene.groups) {
     grow(group.spawn);
+    if (group.face_m) group.face_m = middle + factor * (*group.face_m - middle);
     for (Source& source : group.sources) grow(source.area);
     for (Goal& goal : group.goals)
       for (Rectangle& area : goal.areas) grow(area);

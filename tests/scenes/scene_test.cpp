@@ -67,6 +67,7 @@ TEST_F(SceneFile, SaysWhatItSays) {
       "culling: {part_volume: ordop14, exact: true}\nplanted_feet: false\n" + kGroup +
       "    speed_mps: {mean: 1.2, deviation: 0.1, min: 1, max: 1.5}\n"
       "    height_m: 1.8\n"
+      "    face: [10, -3]\n"
       "obstacles:\n"
       "  - {name: wall, kind: box, position_m: [10, 5], size_m: [0.5, 2, 3], heading_deg: 90}\n"
       "  - {kind: cylinder, position_m: [12, 5], diameter_m: 1, height_m: 2, bottom_m: 1}\n");
@@ -77,11 +78,13 @@ TEST_F(SceneFile, SaysWhatItSays) {
   EXPECT_EQ(scene.part_volume, VolumeKind::kOrdop14);
   EXPECT_TRUE(scene.exact);
   EXPECT_FALSE(scene.planted_feet);
+  EXPECT_TRUE(scene.yielding);
   ASSERT_EQ(scene.groups.size(), 1u);
   EXPECT_EQ(scene.groups[0].count, 3);
   EXPECT_EQ(scene.groups[0].speed_mps->mean, 1.2);
   EXPECT_EQ(scene.groups[0].height_m->min, 1.8);
   EXPECT_EQ(scene.groups[0].height_m->max, 1.8);
+  EXPECT_EQ(scene.groups[0].face_m, Eigen::Vector2d(10, -3));
   ASSERT_NE(scene.groups[0].body, nullptr);
   EXPECT_EQ(scene.groups[0].body->part_count(), 15);
   ASSERT_EQ(scene.obstacles.size(), 2u);
@@ -128,6 +131,8 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
        "s.yaml:1: expected min_m below max_m in ground, found [0, 10] and [20, 0]"},
       {"three coordinates", "ground: {min_m: [0, 0, 0], max_m: [20, 10]}\n" + kGroup,
        "s.yaml:1: expected a list of 2 numbers for 'min_m', found a list of 3"},
+      {"a face without a place", kGround + kGroup + "    face: north\n",
+       "s.yaml:7: expected a list of 2 numbers for 'face', found 'north'"},
       {"huge ground", "ground: {min_m: [-90000, -90000], max_m: [90000, 90000]}\n" + kGroup,
        "s.yaml:1: expected ground of at most 1"},
       {"spawn off the ground",

@@ -1,0 +1,153 @@
+// People who stand: they face what they wait for, turn to it in steps.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "avatars/gait/gait.h"
+#include "tests/scenes/crowd_world.h"
+
+namespace throng {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
+}
+
+/// Of those who stand or creep in a queue: how fast they turn, and how far off their way they face.
+struct Queue {
+  std::vector<double> turns_degps;
+  double turned_rad = 0, stood_s = 0;
+  int off = 0, faced = 0;
+
+  void watch(const SmallWorld& world, const std::vector<Eigen::Vector2d>& before) {
+    const Crowd& crowd = world.crowd;
+    for (uint32_t id = 0; id < crowd.size(); ++id) {
+      if (crowd.journeys().doing(id) != Doing::kWalking) continue;
+      if (crowd.velocities_mps()[id].norm() >= 0.2) continue;
+      const double turn = std::abs(angle_between(before[id], crowd.headings()[id]));
+      turns_degps.push_back(turn / kDegree / world.scene.step_s);
+      turned_rad += turn;
+      stood_s += world.scene.step_s;
+      const Eigen::Vector2d way = crowd.journeys().direction(id, crowd.positions_m()[id]);
+      off += std::abs(angle_between(crowd.headings()[id], way)) > 45 * kDegree;
+      ++faced;
+    }
+  }
+};
+
+TEST(StandingPeople, WhoQueuesFacesTheWayAndTurnsSlowly) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    Scene scene = load_scene("bottleneck");
+    scene.seed = seed;
+    SmallWorld world(scene, 2);
+    Queue queue;
+    for (int step = 0; step < 30 * 60; ++step) {
+      const std::vector<Eigen::Vector2d> before(world.crowd.headings().begin(),
+                                                world.crowd.headings().end());
+      world.crowd.step();
+      queue.watch(world, before);
+    }
+    std::sort(queue.turns_degps.begin(), queue.turns_degps.end());
+    const double fast = queue.turns_degps[queue.turns_degps.size() * 99 / 100];
+    const double off = static_cast<double>(queue.off) / queue.faced;
+    std::printf(
+        "seed %d: %.0f s of standing, 99 %% turn less than %.0f degrees/s, %.2f turns a minute, "
+        "%.1f %% face more than 45 degrees off the way\n",
+        static_cast<int>(seed), queue.stood_s, fast,
+        queue.turned_rad / (360 * kDegree) / (queue.stood_s / 60), 100 * off);
+    ASSERT_GT(queue.stood_s, 300);
+    EXPECT_LT(fast, 60);
+    EXPECT_LT(off, 0.1);
+  }
+}
+
+/// Twenty people who wait in the middle of a hall of 20 m.
+Scene hall(double delay_s, const Eigen::Vector2d& face_m) {
+  Scene scene;
+  scene.ground = {{0, 0}, {20, 20}};
+  scene.groups = {group(20, {{4, 4}, {16, 16}}, {{{6, 6}, {14, 14}}})};
+  scene.groups[0].delay_s = {delay_s, 0, delay_s, delay_s};
+  scene.groups[0].face_m = face_m;
+  scene.groups[0].on_arrival = OnArrival::kStay;
+  return scene;
+}
+
+void expect_all_face(const SmallWorld& world, const Eigen::Vector2d& face_m, double within_deg) {
+  for (uint32_t id = 0; id < world.crowd.size(); ++id) {
+    const Eigen::Vector2d way = face_m - world.crowd.positions_m()[id];
+    const double off = std::abs(angle_between(world.crowd.headings()[id], way)) / kDegree;
+    EXPECT_LT(off, within_deg) << "person " << id << " looks " << off << " degrees past it";
+  }
+}
+
+TEST(StandingPeople, AnAudienceFacesTheStageFromTheStartAndWhereItStays) {
+  const Eigen::Vector2d stage_m(10, 25);
+  SmallWorld waiting(hall(100, stage_m), 1);
+  expect_all_face(waiting, stage_m, 15);
+  for (int step = 0; step < 300; ++step) waiting.crowd.step();
+  expect_all_face(waiting, stage_m, 26);
+  SmallWorld coming(hall(0, stage_m), 1);
+  for (int step = 0; step < 40 * 60; ++step) coming.crowd.step();
+  for (uint32_t id = 0; id < coming.crowd.size(); ++id)
+    ASSERT_EQ(coming.crowd.journeys().doing(id), Doing::kStaying);
+  expect_all_face(coming, stage_m, 26);
+}
+
+TEST(StandingPeople, ATurnBeginsWithTheHeadAndGoesThroughToTheEnd) {
+  for (const double behind_deg : {20.0, 60.0, 120.0, 179.0}) {
+    SCOPED_TRACE(testing::Message() << behind_deg << " degrees to the left");
+    Scene scene = hall(100, {0, 0});
+    scene.groups[0].count = 1;
+    SmallWorld world(scene, 1);
+    Spawned spawned = world.spawned;
+    const Eigen::Vector2d ahead = spawned.people[0].heading;
+    const double angle = behind_deg * kDegree;
+    spawned.people[0].face_m =
+        spawned.people[0].position_m + 5 * (Eigen::Rotation2Dd(angle) * ahead);
+    Crowd crowd(world.ways, spawned.people, {1, scene.step_s, scene.steering, SimdTarget::kBest},
+                world.workers);
+    double fastest = 0, before = 0, head_first = 0;
+    int starts = 0;
+    bool turned = false;
+    for (int step = 0; step < 6 * 60; ++step) {
+      crowd.step();
+      const double now = angle_between(ahead, crowd.headings()[0]);
+      const double turn = std::remainder(now - before, 360 * kDegree);
+      EXPECT_GE(turn, -1e-9) << "back and forth";
+      fastest = std::max(fastest, turn / scene.step_s / kDegree);
+      starts += turn > 0 && !turned;
+      turned = turn > 0;
+      if (std::abs(now) < 3 * kDegree) head_first = static_cast<double>(crowd.looks_rad()[0]);
+      before = now;
+    }
+    if (behind_deg < 25) {
+      EXPECT_EQ(starts, 0) << "the head does it alone";
+      EXPECT_NEAR(static_cast<double>(crowd.looks_rad()[0]), std::sin(angle), 0.01);
+      continue;
+    }
+    EXPECT_EQ(starts, 1) << "in one go";
+    EXPECT_LT(fastest, 60);
+    EXPECT_GT(head_first, 0.1) << "the head leads";
+    EXPECT_NEAR(std::remainder(before - angle, 360 * kDegree), 0, 3 * kDegree);
+  }
+}
+
+TEST(StandingPeople, WhoWaitsAtAGoalFacesTheNextOne) {
+  Scene scene;
+  scene.ground = {{0, 0}, {20, 20}};
+  scene.groups = {group(4, {{4, 9}, {6, 11}}, {{{8, 8}, {11, 11}}, {{9, 18}, {11, 20}}})};
+  scene.groups[0].goals[0].wait_s = 30;
+  SmallWorld world(scene, 1);
+  for (int step = 0; step < 20 * 60; ++step) world.crowd.step();
+  for (uint32_t id = 0; id < world.crowd.size(); ++id) {
+    ASSERT_EQ(world.crowd.journeys().doing(id), Doing::kWaiting);
+    EXPECT_GT(world.crowd.headings()[id].y(), 0.85) << "person " << id << " does not look north";
+  }
+}
+
+}  // namespace
+}  // namespace throng
