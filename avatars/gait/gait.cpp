@@ -92,6 +92,7 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
   std::vector<int> leg_links;
   std::vector<std::vector<WalkerPose>> cycles;
   double max_drop_m = 0;
+  StandingJoints standing;
   const std::optional<Walker> walker = Walker::find(posable, style);
   if (walker) {
     table_ = std::make_unique<Table>(column_count_, kPhases, kSpeeds);
@@ -117,19 +118,20 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
     }
     leg_links.assign(walker->leg_links().begin(), walker->leg_links().end());
     max_drop_m = Stepping::max_drop_m(*walker);
+    standing = standing_joints(posable, *table_, highest);
   } else {
     table_ = std::make_unique<Table>(column_count_, 1, 1);
     table_->set_row(0, 0, posable.rest());
     table_->set_row(0, 1, posable.rest());
   }
-  GaitBounds bounds = bounds_around(posable, *table_, leg_links, max_drop_m);
+  GaitBounds bounds = bounds_around(posable, *table_, leg_links, max_drop_m, standing);
   sphere_centre_m_.z() = static_cast<float>(bounds.centre_z_m);
   sphere_radius_m_ = static_cast<float>(bounds.radius_m);
   upright_radius_m_ = static_cast<float>(bounds.upright_radius_m);
   table_->boxes = std::move(bounds.whole);
   if (!walker) return;
   table_->stepping.emplace(*walker, posable, cycles, table_->speed_cells_per_root_speed,
-                           kShortestStride, bounds.rest);
+                           kShortestStride, bounds.rest, standing);
   share_room(sphere_centre_m_.z(), sphere_radius_m_, upright_radius_m_);
 }
 
@@ -258,6 +260,7 @@ void Gait::stand_as_tabled(WalkChunk& chunk, size_t i) const {
   RootBox box;
   bounds({&chunk.phases[i], 1}, {&chunk.gait_mps[i], 1}, {&chunk.scales[i], 1}, {&box, 1});
   table_->stepping->take(row.data(), chunk.postures[i]);
+  chunk.shift_m[i] = chunk.breath[i] = 0;
   const WalkRoom room = table_->stepping->room_of(box, chunk.scales[i]);
   chunk.room_x[i] = room.x;
   chunk.room_y[i] = room.y;

@@ -239,9 +239,26 @@ struct Extent {
   size_t link;
   double stray;
   double drop;
+  bool stands;  // moves when its owner stands and shifts its weight
   Cluster whole;
   std::vector<Cluster> pieces;
 };
+
+// What standing may do at a speed: move all that is not of the legs, and anything in it.
+struct Sway {
+  double shift = 0, stray = 0;
+};
+
+Sway sway_at(const StandingJoints& standing, int step) {
+  if (standing.shares.empty()) return {};
+  const auto speed = static_cast<size_t>(step / kSpeedSplit);
+  const double part = static_cast<double>(step % kSpeedSplit) / kSpeedSplit;
+  const double slow = standing.shares[speed];
+  const double fast = part > 0 ? standing.shares[speed + 1] : slow;
+  // Between two steps a little more of it may be allowed than at the faster one.
+  const double share = speed > 0 ? std::max({slow, fast, standing.shares[speed - 1]}) : 1.0;
+  return {share * standing.most_shift_m(), share * standing.most_breath_m()};
+}
 
 // By link, whether it hangs from one of these.
 std::vector<bool> hanging_from(const PosableModel& model, std::span<const int> roots) {
@@ -266,6 +283,7 @@ std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table
     Extent extent{static_cast<size_t>(part.link),
                   strays[i],
                   of_leg[static_cast<size_t>(part.link)] ? 0 : max_drop_m,
+                  !of_leg[static_cast<size_t>(part.link)],
                   Cluster(points),
                   {}};
     Cluster::cut(std::move(points), extent.whole.radius / kPieces, extent.pieces);
@@ -278,14 +296,19 @@ std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table
 // most the length that the point moves.
 template <typename Distance>
 void raise_farthest(const std::vector<Extent>& extents, const std::vector<Isometry3d>& links,
-                    const Distance& distance, double& farthest) {
+                    const Sway& sway, const Distance& distance, double& farthest) {
   for (const Extent& extent : extents) {
     const Isometry3d& pose = links[extent.link];
-    // A convex function of the drop: the most is at one of its ends.
-    const auto most = [&](const Vector3d& point) {
+    // A convex function of the drop and of the shift: the most is at their ends.
+    const auto dropped = [&](const Vector3d& point) {
       const double high = distance(point);
       return extent.drop > 0 ? std::max(high, distance(point - extent.drop * Vector3d::UnitZ()))
                              : high;
+    };
+    const auto most = [&](const Vector3d& point) {
+      if (!extent.stands || (sway.shift == 0 && sway.stray == 0)) return dropped(point);
+      const Vector3d shift = sway.shift * Vector3d::UnitY();
+      return std::max(dropped(point - shift), dropped(point + shift)) + sway.stray;
     };
     const auto beyond = [&](const Cluster& cluster) {
       return most(pose * cluster.middle) + cluster.radius + extent.stray > farthest;
@@ -379,7 +402,8 @@ class CellBoxes {
 }  // namespace
 
 GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
-                         std::span<const int> leg_roots, double max_drop_m) {
+                         std::span<const int> leg_roots, double max_drop_m,
+                         const StandingJoints& standing) {
   const std::vector<double> strays = strays_between_nodes(model, table);
   const std::vector<bool> of_leg = hanging_from(model, leg_roots);
   const std::vector<Extent> extents = extents_of(model, table, strays, of_leg, max_drop_m);
@@ -389,13 +413,14 @@ GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
   CellBoxes whole(table), rest(table);
   std::vector<Isometry3d> links;
   // A posture is worked out once for all that is asked of it.
-  for (int step = speed_steps(table) - 1; step >= 0; --step)
+  for (int step = speed_steps(table) - 1; step >= 0; --step) {
+    const Sway sway = sway_at(standing, step);
     for (int phase = 0; phase < table.phases; ++phase) {
       model.pose(columns_at(table, step, phase), links);
       raise_farthest(
-          extents, links, [&](const Vector3d& p) { return (p - centre).norm(); }, farthest);
+          extents, links, sway, [&](const Vector3d& p) { return (p - centre).norm(); }, farthest);
       raise_farthest(
-          extents, links, [](const Vector3d& p) { return p.head<2>().norm(); }, widest);
+          extents, links, sway, [](const Vector3d& p) { return p.head<2>().norm(); }, widest);
       Eigen::AlignedBox3d body, trunk;
       for (const BoundedPart& part : parts) {
         const Eigen::AlignedBox3d box = part.box(links[part.link]);
@@ -405,6 +430,7 @@ GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
       whole.add(step, phase, body);
       rest.add(step, phase, trunk);
     }
+  }
   return {centre.z(), rounded_up(farthest), rounded_up(widest), whole.boxes(), rest.boxes()};
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "avatars/gait/gait_pose.h"
+#include "avatars/stepping/standing.h"
 #include "base/pose.h"
 
 namespace throng {
@@ -57,9 +58,14 @@ struct GaitBounds {
   std::vector<RootBox> whole;  ///< of every part
   std::vector<RootBox> rest;   ///< of those that do not hang from the legs' roots
 };
-/// What does not hang from `leg_roots` (links) may be lowered by up to max_drop_m; the boxes hold
-/// it where it is.
+/// What does not hang from `leg_roots` (links) may be lowered by up to max_drop_m, and be moved as
+/// standing does; the boxes hold it where it is.
 GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
-                         std::span<const int> leg_roots = {}, double max_drop_m = 0);
+                         std::span<const int> leg_roots = {}, double max_drop_m = 0,
+                         const StandingJoints& standing = {});
+
+/// What the model has for standing, within the limits of its joints.
+StandingJoints standing_joints(const PosableModel& model, const GaitTable& table,
+                               double highest_root_speed);
 
 }  // namespace throng

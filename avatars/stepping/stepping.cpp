@@ -9,6 +9,7 @@
 #include "avatars/gait/gait_curves.h"
 #include "avatars/gait/gait_cycle.h"
 #include "avatars/gait/gait_table.h"
+#include "avatars/stepping/standing.h"
 #include "avatars/stepping/stepping_kernels.h"
 #include "avatars/stepping/stepping_tables.h"
 #include "base/elementary.h"
@@ -42,8 +43,12 @@ double lean_of(double sine) { return sine * (1 + 0.5 * sine * sine); }
 
 Stepping::Stepping(const Walker& walker, const PosableModel& model,
                    std::span<const std::vector<WalkerPose>> cycles, float cells_per_root_speed,
-                   float shortest_stride, std::span<const RootBox> rest_boxes)
-    : tables_(std::make_unique<SteppingTables>()), vertical_column_(walker.vertical_column()) {
+                   float shortest_stride, std::span<const RootBox> rest_boxes,
+                   const StandingJoints& standing)
+    : tables_(std::make_unique<SteppingTables>()),
+      vertical_column_(walker.vertical_column()),
+      lateral_column_(standing.lateral_column),
+      arm_columns_(standing.arm_columns) {
   SteppingTables& t = *tables_;
   t.leg_length_m = static_cast<float>(walker.leg_length_m());
   t.per_leg_length = 1 / t.leg_length_m;
@@ -53,13 +58,15 @@ Stepping::Stepping(const Walker& walker, const PosableModel& model,
   t.phases = static_cast<int>(cycles.front().size());
   t.speeds = static_cast<int>(cycles.size());
   t.max_drop_m = static_cast<float>(max_drop_m(walker));
+  t.most_shift_m = static_cast<float>(standing.most_shift_m());
+  t.most_breath_m = grained(standing.most_breath_m());
   for (size_t side = 0; side < 2; ++side) read_leg(walker, model, side);
   t.table.resize((t.box(static_cast<int32_t>(rest_boxes.size())) + 15) / 16);
   float* const to = t.table.front().floats;
   for (int speed = 0; speed < t.speeds; ++speed) {
     const std::vector<WalkerPose>& cycle = cycles[static_cast<size_t>(speed)];
     add_track(walker, cycle, speed / static_cast<double>(cells_per_root_speed),
-              to + t.track(speed));
+              standing.shares[static_cast<size_t>(speed)], to + t.track(speed));
     for (int phase = 0; phase <= t.phases; ++phase)
       add_node(walker, cycle[static_cast<size_t>(phase % t.phases)],
                to + t.node(speed * (t.phases + 1) + phase));
@@ -164,7 +171,7 @@ void Stepping::add_node(const Walker& walker, const WalkerPose& pose, float* to)
 }
 
 void Stepping::add_track(const Walker& walker, const std::vector<WalkerPose>& cycle,
-                         double root_speed, float* to) {
+                         double root_speed, double standing, float* to) {
   const WalkerPose &right_strike = cycle.front(), &left_strike = cycle[cycle.size() / 2];
   const double stride_m =
       stride_per_root_speed(walker.style()) * root_speed * walker.leg_length_m();
@@ -177,7 +184,7 @@ void Stepping::add_track(const Walker& walker, const std::vector<WalkerPose>& cy
   const WalkerPose::Foot &right = right_strike.feet[0], &left = left_strike.feet[1];
   const SinCos toes_out = sin_cos(left.target.heading_rad);
   for (const double value : {stance, right_strike.shift_m, side_m(right, 0), side_m(left, 1),
-                             stride_m, toes_out.sin, toes_out.cos, 0.0})
+                             stride_m, toes_out.sin, toes_out.cos, standing})
     *to++ = grained(value);
 }
 
@@ -222,13 +229,17 @@ void Stepping::put(const WalkPosture& posture, float* row) const {
     for (size_t i = 0; i < 5; ++i)
       row[tables_->legs[side].columns[i]] = posture.numbers[5 * side + i];
   row[vertical_column_] -= posture.numbers[WalkPosture::kDrop];
+  if (lateral_column_ >= 0) row[lateral_column_] += posture.numbers[WalkPosture::kShift];
+  for (const int column : arm_columns_)
+    if (column >= 0) row[column] += kBreath_rad * posture.numbers[WalkPosture::kBreath];
 }
 
 void Stepping::take(const float* row, WalkPosture& posture) const {
   for (size_t side = 0; side < 2; ++side)
     for (size_t i = 0; i < 5; ++i)
       posture.numbers[5 * side + i] = row[tables_->legs[side].columns[i]];
-  posture.numbers[WalkPosture::kDrop] = 0;
+  for (const size_t added : {WalkPosture::kDrop, WalkPosture::kShift, WalkPosture::kBreath})
+    posture.numbers[added] = 0;
 }
 
 WalkRoom Stepping::room_of(const RootBox& box, float scale) const {
@@ -261,7 +272,7 @@ void WalkChunk::fill_up() {
     std::fill(numbers + count, numbers + end, numbers[count - 1]);
   };
   for (Numbers* numbers : {&way_x_m, &way_y_m, &w_before, &z_before, &w_after, &z_after, &ahead_mps,
-                           &scales, &present, &stretch, &gait_mps, &phases})
+                           &scales, &present, &stretch, &shift_m, &breath, &gait_mps, &phases})
     fill(*numbers);
   for (Numbers& numbers : feet) fill(numbers);
   std::fill(tables.begin() + static_cast<ptrdiff_t>(count),

@@ -19,6 +19,7 @@ namespace throng {
 class Gait;
 class PosableModel;
 class Walker;
+struct StandingJoints;
 struct SteppingTables;
 struct WalkerPose;
 
@@ -32,6 +33,8 @@ struct alignas(64) WalkPosture {
     kNode,       ///< of the gait's table, the one before in phase and speed
     kU,          ///< shares of the next phase and the next speed
     kV,
+    kShift,  ///< of the pelvis to the left, metres at scale 1, and breath: see QuietStanding
+    kBreath,
   };
 };
 
@@ -61,6 +64,9 @@ struct WalkChunk {
   alignas(64) Numbers scales;
   alignas(64) Numbers present;  ///< 0: nothing changes, 1: walks
   alignas(64) Numbers stretch;  ///< so much longer than the gait's own strides theirs are
+  /// What QuietStanding adds; it comes out as far as the gait's speed and the legs leave room.
+  alignas(64) Numbers shift_m = {};
+  alignas(64) Numbers breath = {};
 
   std::array<const Gait*, kRoom> gaits;
 
@@ -99,7 +105,8 @@ class Stepping {
   /// does not hang from the hips.
   Stepping(const Walker& walker, const PosableModel& model,
            std::span<const std::vector<WalkerPose>> cycles, float cells_per_root_speed,
-           float shortest_stride, std::span<const RootBox> rest_boxes);
+           float shortest_stride, std::span<const RootBox> rest_boxes,
+           const StandingJoints& standing);
   ~Stepping();
 
   /// The pelvis sinks no farther for a foot that is too far away.
@@ -129,11 +136,13 @@ class Stepping {
   void read_leg(const Walker& walker, const PosableModel& model, size_t side);
   void add_node(const Walker& walker, const WalkerPose& pose, float* to);
   void add_track(const Walker& walker, const std::vector<WalkerPose>& cycle, double root_speed,
-                 float* to);
+                 double standing, float* to);
   bool settle(WalkChunk& chunk, size_t lane) const;
 
   std::unique_ptr<SteppingTables> tables_;
   int vertical_column_ = -1;
+  int lateral_column_ = -1;                 ///< or -1
+  std::array<int, 2> arm_columns_{-1, -1};  ///< or -1
 };
 
 }  // namespace throng

@@ -259,6 +259,13 @@ THRONG_LANES void store_feet(const Feet& feet, WalkChunk& c, size_t i) {
   }
 }
 
+/// What this speed leaves room for.
+THRONG_LANES void limit_standing(const SteppingTables& t, F share, WalkChunk& c, size_t i) {
+  const F most_m = t.most_shift_m * share;
+  store(clamped(load(c.shift_m + i), 0.0f - most_m, most_m), c.shift_m + i);
+  store(clamped(load(c.breath + i), 0.0f, share), c.breath + i);
+}
+
 THRONG_LANES void store_posture(const F (&posture)[16], const F (&room)[2], WalkChunk& c,
                                 size_t i) {
   store(room[0], c.room_x + i);
@@ -321,6 +328,7 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
   store(gait_now, c.gait_mps + i);
   const Place at = place_of(t, speeds, phase_now, root_speed);
   store_step(track, at, c, i);
+  limit_standing(t, clamped(track.standing, 0.0f, 1.0f), c, i);
   int32_t nodes[kPeople];
   store_whole(at.node, nodes);
   for (size_t lane = 0; lane < kPeople; ++lane) {
@@ -339,6 +347,8 @@ THRONG_LANES void walk_legs(const SteppingTables& t, WalkChunk& c, size_t i) {
   Place at;
   load_step(c, i, track, at);
   F posture[16], room[2];
-  store(legs_of(t, c.tables.data() + i, feet, at, track, posture, room), c.out_of_reach + i);
+  const Standing standing = {load(c.shift_m + i), load(c.breath + i)};
+  store(legs_of(t, c.tables.data() + i, feet, standing, at, track, posture, room),
+        c.out_of_reach + i);
   store_posture(posture, room, c, i);
 }

@@ -6,6 +6,11 @@ struct Feet {
   F x[2], y[2], turn[2], lift[2];
 };
 
+/// See QuietStanding.
+struct Standing {
+  F shift, breath;
+};
+
 THRONG_LANES F inverse_of(F a) { return 1.0f / a; }
 THRONG_LANES F inverse_sqrt_of(F a) { return 1.0f / sqrt_of(a); }
 
@@ -240,7 +245,7 @@ THRONG_LANES F whole_of(F x, int last) { return min_of(floor_of(x), static_cast<
 
 /// Of both feet at one speed, at scale 1.
 struct Track {
-  F stance, shift, side[2], stride, toes_out_sin, toes_out_cos;
+  F stance, shift, side[2], stride, toes_out_sin, toes_out_cos, standing;
   F x_at(F own_phase) const { return stride * (0.5f * stance - own_phase) + shift; }
 };
 
@@ -272,7 +277,7 @@ THRONG_LANES Speeds speeds_around(const SteppingTables& t, const float* const* t
 THRONG_LANES Track track_of(const SteppingTables& t, const Speeds& s, F root_speed) {
   const F v = root_speed * t.cells_per_root_speed - s.row;
   const auto blend = [&](size_t i) { return s.slow[i] + v * (s.fast[i] - s.slow[i]); };
-  return {blend(0), blend(1), {blend(2), blend(3)}, blend(4), blend(5), blend(6)};
+  return {blend(0), blend(1), {blend(2), blend(3)}, blend(4), blend(5), blend(6), blend(7)};
 }
 
 /// Between which nodes of the tables a lane's posture lies.
@@ -299,7 +304,8 @@ THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
 /// What WalkPosture and WalkRoom hold. Returns, as WalkChunk has it, which
 /// feet joints or bounds do not allow.
 THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, const Feet& feet,
-                       const Place& at, const Track& track, F (&posture)[16], F (&room)[2]) {
+                       const Standing& standing, const Place& at, const Track& track,
+                       F (&posture)[16], F (&room)[2]) {
   int32_t nodes[kPeople], cells[kPeople];
   store_whole(at.node, nodes);
   store_whole(at.cell, cells);
@@ -307,7 +313,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
   blend_rows([&](size_t lane) { return tables[lane] + t.node(nodes[lane]); }, t.next_speed_node(),
              at.u, at.v, node);
   const Turn pelvis = turn_of(node[10], node[11], node[12]);
-  const Point middle = {node[13], node[14], node[15]};
+  const Point middle = {node[13], node[14] + standing.shift, node[15]};
   Point grounds[2];
   F forward_x[2], forward_y[2];
   Reach reach[2];
@@ -337,7 +343,10 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
     }
   F rest[4];
   load_rows([&](size_t lane) { return tables[lane] + t.box(cells[lane]); }, rest);
-  Bounds bounds = {rest[0], rest[1], rest[2], rest[3]};
+  // What does not hang from the hips moves along; a breath moves none of it farther than that.
+  const F by = standing.breath * t.most_breath_m;
+  Bounds bounds = {rest[0] - by, rest[1] + standing.shift - by, rest[2] + by,
+                   rest[3] + standing.shift + by};
   F out_of_reach = 0.0f;
   for (size_t side = 0; side < 2; ++side) {
     const M allowed =
@@ -348,7 +357,8 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
   posture[WalkPosture::kNode] = at.node;
   posture[WalkPosture::kU] = at.u;
   posture[WalkPosture::kV] = at.v;
-  posture[14] = posture[15] = 0.0f;
+  posture[WalkPosture::kShift] = standing.shift;
+  posture[WalkPosture::kBreath] = standing.breath;
   room[0] = grains_of(t, bounds.low_x, bounds.high_x);
   room[1] = grains_of(t, bounds.low_y, bounds.high_y);
   return out_of_reach;

@@ -38,7 +38,9 @@ bool reach_with(const SteppingTables& tables, WalkChunk& chunk, size_t lane, int
   one_lane::Place at;
   one_lane::load_step(chunk, lane, track, at);
   F posture[16], room[2];
-  if (one_lane::legs_of(tables, &chunk.tables[lane], feet, at, track, posture, room).v != 0)
+  const one_lane::Standing standing = {share * chunk.shift_m[lane], share * chunk.breath[lane]};
+  if (one_lane::legs_of(tables, &chunk.tables[lane], feet, standing, at, track, posture, room).v !=
+      0)
     return false;
   for (size_t side = 0; side < 2; ++side)
     feet.lift[side] = chunk.lift_m[side][lane];  // as it was: another share may follow

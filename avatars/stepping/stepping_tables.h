@@ -43,7 +43,7 @@ struct SteppingTables {
   /// of a quaternion) and the middle between the hips.
   static constexpr size_t kNodeFloats = 16;
   /// Of the track of both feet at a speed: stance, shift forward, the right's side and the left's,
-  /// stride, sine and cosine of the angle that toes point outwards by.
+  /// stride, sine and cosine of the angle that toes point outwards by, how much of standing.
   static constexpr size_t kTrackFloats = 8;
   /// Low x, low y, high x, high y of what does not hang from the hips, by cell.
   static constexpr size_t kBoxFloats = 4;
@@ -54,6 +54,8 @@ struct SteppingTables {
   float shortest_stride_m = 0;
   int phases = 1, speeds = 1;
   float max_drop_m = 0;  ///< the pelvis sinks no farther for a foot that is too far away
+  // What standing adds at most, and how far a breath moves anything.
+  float most_shift_m = 0, most_breath_m = 0;
   // The room of all postures: see GaitBounds.
   float sphere_z_m = 0, sphere_m = 0, upright_m = 0;
   // A body's box is kept in grains from the corner of a square around the root.

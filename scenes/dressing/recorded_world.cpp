@@ -227,7 +227,7 @@ WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& p
   root.position_m = {at.x(), at.y(), static_cast<double>(scale) * rise_m_};
   root.world_from_root = turned_to({turn.cos, turn.sin});
   speed_mps = std::abs(now.ahead_mps);
-  return {was_present ? before : root, now.ahead_mps, true, stretch};
+  return {was_present ? before : root, now.ahead_mps, true, stretch, false};
 }
 
 }  // namespace throng

@@ -7,6 +7,7 @@
 #include <bitset>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,10 @@ struct BodyStates {
   std::array<std::vector<float>, WalkChunk::kFeetNumbers> feet;
   std::vector<WalkPosture> postures;
   std::vector<float> room_x, room_y;
+  std::vector<float> stood_s;  ///< see stood_after()
+  /// What quiet_standing() needs; without a seed nobody breathes.
+  std::optional<uint64_t> standing_seed;
+  double now_s = 0;
 
   /// Makes room for avatars that have not come in yet.
   void resize_steps(size_t avatars) {
@@ -42,6 +47,7 @@ struct BodyStates {
     postures.resize(avatars);
     room_x.resize(avatars);
     room_y.resize(avatars);
+    stood_s.assign(avatars, 0);
   }
 };
 

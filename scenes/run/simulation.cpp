@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "avatars/stepping/standing.h"
 #include "base/elementary.h"
 #include "scenes/file/shapes.h"
 #include "scenes/run/bodies_there.h"
@@ -46,6 +47,7 @@ BodyStates bodies_of(World& world, const Scene& scene, DrivenAvatars& driven) {
   const size_t avatars = bodies.types.size();
   bodies.gait_mps.assign(avatars, kNotComeIn);
   if (scene.planted_feet) bodies.resize_steps(avatars);
+  if (scene.planted_feet && scene.yielding) bodies.standing_seed = scene.seed;
   world.add_driven(driven);
   if (!driven.empty()) {
     bodies.held_rows.resize(avatars, nullptr);
@@ -150,12 +152,14 @@ std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
 }
 
 void Simulation::State::archive(Archive& a) {
-  a(frames, begins, ends, frame.utime_us, bodies.phases, bodies.gait_mps);
+  a(frames, begins, ends, frame.utime_us, bodies.phases, bodies.gait_mps, bodies.stood_s);
   for (std::vector<float>& numbers : bodies.feet) a(numbers);
   for (size_t i = 0; i < avatars; ++i)
     a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, speeds_mps[i]);
   for (const float speed : bodies.gait_mps)
     if (!(speed >= kNotComeIn && speed < 1000)) a.refuse("a speed to walk at", "another");
+  for (const float stood_s : bodies.stood_s)
+    if (!(stood_s >= 0 && stood_s <= kStood_s)) a.refuse("a time of standing", "another");
   constexpr float kFarFoot_m = 10;
   for (const std::vector<float>& numbers : bodies.feet)
     for (const float number : numbers)
@@ -271,6 +275,7 @@ const Frame& Simulation::step() {
   }
   const double steering_ns = nanoseconds_since(start);
   const auto before_gait = Clock::now();
+  s.bodies.now_s = static_cast<double>(s.frames) * s.scene.step_s;
   s.world->update(s.posing, s.bodies, s.speeds_mps);
   s.driven.place(s.bodies.roots);
   if (s.options.postures) s.update_postures();

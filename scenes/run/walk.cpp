@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "avatars/stepping/standing.h"
+
 namespace throng {
 
 Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
@@ -16,6 +18,26 @@ Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
   const double z = std::copysign(cosine > 0 ? smaller : larger, heading.y());
   return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
 }
+
+namespace {
+
+/// Whoever stands breathes and shifts its weight.
+void stand(std::span<const WalkNow> avatars, uint32_t first, BodyStates& bodies, WalkChunk& chunk) {
+  const float still_m = kStanding_mps * chunk.step_s;
+  for (size_t i = 0; i < avatars.size(); ++i) {
+    const uint32_t id = first + static_cast<uint32_t>(i);
+    const float x = chunk.way_x_m[i], y = chunk.way_y_m[i];
+    const bool stands = avatars[i].is_present && x * x + y * y < still_m * still_m;
+    bodies.stood_s[id] = stood_after(bodies.stood_s[id], stands, chunk.step_s);
+    const float share = standing_share(bodies.stood_s[id]);
+    if (share == 0) continue;
+    const QuietStanding adds = quiet_standing(*bodies.standing_seed, id, bodies.now_s);
+    if (avatars[i].shifts_weight) chunk.shift_m[i] = share * adds.shift_m;
+    chunk.breath[i] = share * adds.breath;
+  }
+}
+
+}  // namespace
 
 void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step_s, uint32_t first,
              SimdTarget target, BodyStates& bodies) {
@@ -46,6 +68,7 @@ void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step
   bring(bodies.gait_mps, chunk.gait_mps);
   bring(bodies.phases, chunk.phases);
   for (size_t i = 0; i < WalkChunk::kFeetNumbers; ++i) bring(bodies.feet[i], chunk.feet[i]);
+  if (bodies.standing_seed) stand(avatars, first, bodies, chunk);
   std::array<WalkPosture, WalkChunk::kRoom> scratch;
   const bool fills_registers = chunk.count % WalkChunk::kMostLanes == 0;
   chunk.postures = fills_registers ? bodies.postures.data() + first : scratch.data();

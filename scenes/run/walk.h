@@ -16,10 +16,11 @@ Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading);
 
 /// What walk_on() asks of an avatar besides its root.
 struct WalkNow {
-  RootPose before;         ///< its root in the frame before
-  float ahead_mps = 0;     ///< its speed, the way it faces
-  bool is_present = true;  ///< if not, it keeps phase, feet and legs
-  float stretch = 1;       ///< so much longer than the gait's own strides its strides are
+  RootPose before;            ///< its root in the frame before
+  float ahead_mps = 0;        ///< its speed, the way it faces
+  bool is_present = true;     ///< if not, it keeps phase, feet and legs
+  float stretch = 1;          ///< so much longer than the gait's own strides its strides are
+  bool shifts_weight = true;  ///< where it stands; of a recorded head the shifts are known already
 };
 
 /// Walks avatars first, first + 1, ... of one model, at most WalkChunk::kRoom, on to

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "avatars/gait/gait_curves.h"
+#include "avatars/stepping/standing.h"
 #include "base/random.h"
 #include "tests/avatars/gait_fixture.h"
 
@@ -39,7 +40,8 @@ class Path {
     walk();
   }
 
-  void step(const Pace& pace) {
+  void step(const Pace& pace, const QuietStanding& standing = {}) {
+    standing_ = standing;
     const double step_s = static_cast<double>(chunk_.step_s);
     const double turn = static_cast<double>(pace.turn_radps) * step_s;
     // The chord of an arc.
@@ -94,6 +96,8 @@ class Path {
     std::array<WalkPosture, WalkChunk::kRoom> postures;
     chunk_.postures = postures.data();
     chunk_.gaits[0] = &walking_.gait;
+    chunk_.shift_m[0] = standing_.shift_m;
+    chunk_.breath[0] = standing_.breath;
     Gait::walk(chunk_, SimdTarget::kScalar);
     out_of_reach_ += chunk_.out_of_reach[0] != 0;
     row_.resize(static_cast<size_t>(walking_.gait.column_count()));
@@ -143,6 +147,7 @@ class Path {
 
   const Walking& walking_ = Walking::adult();
   WalkChunk chunk_{};
+  QuietStanding standing_;
   double heading_rad_ = 0;
   Eigen::Vector2d position_m_ = Eigen::Vector2d::Zero();
   std::vector<float> row_;
@@ -256,7 +261,9 @@ TEST(Stepping, EveryPoseOfAWildWalkStaysInsideItsBoundsAndJointLimits) {
         return static_cast<float>(
             random_uniform({seed, i / 9, 0, Purpose::kBoxWorld}, low, high, index));
       };
-      path.step({draw(0, -0.5, 2.6), draw(1, -0.8, 0.8), draw(2, -3, 3)});
+      const bool strolls = draw(5, 0, 1) < 0.3f;
+      const QuietStanding standing{draw(3, -kMostShift_m, kMostShift_m), draw(4, 0, 1)};
+      path.step({draw(0, -0.5, strolls ? 0.5 : 2.6), draw(1, -0.8, 0.8), draw(2, -3, 3)}, standing);
       shifted += path.shift_m() > 0.01f;
       for (size_t c = 0; c < columns.size(); ++c) {
         ASSERT_GE(path.row()[c], columns[c].lower) << columns[c].name << ", seed " << seed;
@@ -314,6 +321,8 @@ TEST(Stepping, EveryTargetGivesTheSameBits) {
           chunk.present[i] = draw(7, 0, 1) < 0.95f;
           chunk.stretch[i] = draw(10, 0.6, 1.7);
           chunk.ahead_mps[i] = draw(0, -0.5, 2.5);
+          chunk.shift_m[i] = draw(11, -kMostShift_m, kMostShift_m);
+          chunk.breath[i] = draw(12, 0, 1);
           chunk.w_before[i] = chunk.w_after[i];
           chunk.z_before[i] = chunk.z_after[i];
           const Eigen::Quaternionf turn =

@@ -1,4 +1,4 @@
-// People who stand: they face what they wait for, turn to it in steps.
+// People who stand: they face what they wait for, turn to it in steps, breathe and shift weight.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +6,8 @@
 #include <cstdio>
 
 #include "avatars/gait/gait.h"
+#include "scenes/run/posing.h"
+#include "scenes/run/simulation.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {
@@ -147,6 +149,65 @@ TEST(StandingPeople, WhoWaitsAtAGoalFacesTheNextOne) {
     ASSERT_EQ(world.crowd.journeys().doing(id), Doing::kWaiting);
     EXPECT_GT(world.crowd.headings()[id].y(), 0.85) << "person " << id << " does not look north";
   }
+}
+
+/// The audience of a bundled scene before it sets out.
+Scene audience(bool yielding) {
+  Scene scene = load_scene("evacuation");
+  scene.yielding = yielding;
+  scene.groups[0].delay_s = {100, 0, 100, 100};
+  std::vector<std::string> notes;
+  scale_to(scene, 60, notes);
+  return scene;
+}
+
+TEST(StandingPeople, BreatheAndShiftTheirWeightUnlessTheSceneSaysOtherwise) {
+  for (const bool yielding : {true, false}) {
+    Simulation simulation(audience(yielding), {.postures = true});
+    const auto& kinematics = simulation.info().models.front()->kinematics;
+    const auto lateral = static_cast<size_t>(kinematics.column_of("pelvis_lateral"));
+    const auto arm = static_cast<size_t>(kinematics.column_of("left_shoulder_abduction"));
+    std::vector<float> low_m(60, 1), high_m(60, -1), low_rad(60, 9), high_rad(60, -9);
+    for (int i = 0; i < 60 * 30; ++i) {
+      const Frame& frame = simulation.step();
+      for (size_t id = 0; id < 60; ++id) {
+        const float* row = &frame.postures[frame.posture_offsets[id]];
+        low_m[id] = std::min(low_m[id], row[lateral]);
+        high_m[id] = std::max(high_m[id], row[lateral]);
+        low_rad[id] = std::min(low_rad[id], row[arm]);
+        high_rad[id] = std::max(high_rad[id], row[arm]);
+      }
+    }
+    for (size_t id = 0; id < 60; ++id) {
+      if (yielding) {
+        EXPECT_GT(high_m[id] - low_m[id], 0.01f) << "person " << id << " never shifts weight";
+        EXPECT_NEAR(high_rad[id] - low_rad[id], 0.01f, 0.001f) << "person " << id;
+      } else {
+        // What keeps steering from symmetry is up to a millimetre a second, which the gait follows.
+        EXPECT_NEAR(high_m[id], low_m[id], 0.001f);
+        EXPECT_NEAR(high_rad[id], low_rad[id], 0.001f);
+      }
+    }
+  }
+}
+
+TEST(StandingPeople, StandTheSameForAnyThreadsAndSimdTarget) {
+  const auto run = [](int threads, SimdTarget simd) {
+    SimulationOptions options;
+    options.threads = threads;
+    options.culler.simd = simd;
+    options.postures = true;
+    Simulation simulation(audience(true), options);
+    std::vector<float> all;
+    for (int i = 0; i < 400; ++i) {
+      const Frame& frame = simulation.step();
+      if (i % 20 == 0) all.insert(all.end(), frame.postures.begin(), frame.postures.end());
+    }
+    return all;
+  };
+  const std::vector<float> reference = run(1, SimdTarget::kScalar);
+  for (const SimdTarget simd : simd_targets_of_this_machine())
+    EXPECT_EQ(run(3, simd), reference) << name_of(simd);
 }
 
 }  // namespace

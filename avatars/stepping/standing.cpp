@@ -1,0 +1,106 @@
+#include "avatars/stepping/standing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/elementary.h"
+#include "base/random.h"
+
+namespace throng {
+namespace {
+
+// Nothing happens in the first second; then it comes, and goes again, within these.
+constexpr float kSettling_s = 1;
+constexpr float kComing_s = kStood_s - kSettling_s;
+constexpr float kGoing_s = 0.5f;
+
+// A person shifts weight once in each of its own periods of so long, in its middle.
+constexpr float kShortestPeriod_s = 22, kLongestPeriod_s = 36;
+constexpr float kEarliest = 0.2f, kLatest = 0.8f;
+constexpr float kShortestShift_s = 1.2f, kLongestShift_s = 2.2f;
+// On one foot, on the other, or now and then between them.
+constexpr float kNearSide_m = 0.02f, kFarSide_m = 0.04f, kBetween_m = 0.008f;
+constexpr float kBetweenShare = 0.25f;
+
+constexpr int kWaves = 3;
+constexpr float kWave_hz[kWaves] = {0.13f, 0.29f, 0.53f};
+constexpr float kWave_m[kWaves] = {0.0018f, 0.0012f, 0.0006f};
+
+constexpr float kSlowestBreath_hz = 12.0f / 60, kFastestBreath_hz = 18.0f / 60;
+constexpr float kBreathesIn = 0.4f;  // of a breath
+
+/// Four numbers in [0, 1).
+struct Draws {
+  float at[4];
+};
+Draws draws(uint64_t seed, uint64_t id, uint64_t what) {
+  const uint64_t bits = random_bits({seed, id, what, Purpose::kStanding});
+  Draws out;
+  for (int i = 0; i < 4; ++i)
+    out.at[i] = static_cast<float>(bits >> (16 * i) & 0xffff) * 0x1.0p-16f;
+  return out;
+}
+
+float between(float low, float high, float share) { return low + share * (high - low); }
+
+float smooth(float u) { return u * u * (3 - 2 * u); }
+/// Without a jerk at its ends.
+float smoother(float u) {
+  u = std::clamp(u, 0.0f, 1.0f);
+  return u * u * u * (10 + u * (6 * u - 15));
+}
+
+float fraction(double x) { return static_cast<float>(x - std::floor(x)); }
+
+/// Where the weight is from the shift of a period on.
+float place_m(const Draws& period, uint64_t number, bool begins_left) {
+  const float share = period.at[0];
+  if (period.at[1] < kBetweenShare) return between(-kBetween_m, kBetween_m, share);
+  const float side_m = between(kNearSide_m, kFarSide_m, share);
+  return (number % 2 == 0) == begins_left ? side_m : -side_m;
+}
+
+}  // namespace
+
+QuietStanding quiet_standing(uint64_t seed, uint64_t id, double time_s) {
+  // Numbers of periods begin at 2.
+  const Draws own = draws(seed, id, 0), waves = draws(seed, id, 1);
+  const float period_s = between(kShortestPeriod_s, kLongestPeriod_s, own.at[0]);
+  const double periods =
+      time_s / static_cast<double>(period_s) + 3 + static_cast<double>(own.at[1]);
+  const auto number = static_cast<uint64_t>(periods);
+  const Draws now = draws(seed, id, number);
+  const bool begins_left = waves.at[3] < 0.5f;
+  const float to_m = place_m(now, number, begins_left);
+  const float from_m = place_m(draws(seed, id, number - 1), number - 1, begins_left);
+  const float since_s = (fraction(periods) - between(kEarliest, kLatest, now.at[2])) * period_s;
+  const float shift_s = between(kShortestShift_s, kLongestShift_s, now.at[3]);
+  QuietStanding out;
+  out.shift_m = from_m + smoother(since_s / shift_s) * (to_m - from_m);
+  for (int i = 0; i < kWaves; ++i) {
+    const float hz = kWave_hz[i] * between(0.85f, 1.15f, waves.at[i]);
+    const float turn = fraction(time_s * static_cast<double>(hz) +
+                                static_cast<double>(waves.at[(i + 1) % kWaves]));
+    out.shift_m += kWave_m[i] * float_sin_cos(2 * std::numbers::pi_v<float> * turn).sin;
+  }
+  const float breath_hz = between(kSlowestBreath_hz, kFastestBreath_hz, own.at[2]);
+  const float breath =
+      fraction(time_s * static_cast<double>(breath_hz) + static_cast<double>(own.at[3]));
+  out.breath = breath < kBreathesIn ? smooth(breath / kBreathesIn)
+                                    : 1 - smooth((breath - kBreathesIn) / (1 - kBreathesIn));
+  return out;
+}
+
+float stood_after(float stood_s, bool stands, float step_s) {
+  if (stands) return std::min(stood_s + step_s, kStood_s);
+  const float rest_s = stood_s - step_s * (kComing_s / kGoing_s);
+  return rest_s > kSettling_s ? rest_s : 0;
+}
+
+float standing_share(float stood_s) {
+  const float u = (stood_s - kSettling_s) * (1 / kComing_s);
+  return u <= 0 ? 0 : smooth(std::min(u, 1.0f));
+}
+
+}  // namespace throng

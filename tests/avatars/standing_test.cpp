@@ -1,0 +1,238 @@
+// People who stand: they breathe and shift their weight over feet that stay, inside the bounds that
+// culling was given before.
+#include "avatars/stepping/standing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "tests/avatars/gait_fixture.h"
+
+namespace throng {
+namespace {
+
+using test::Walking;
+
+constexpr double kStep_s = 1.0 / 30;
+constexpr size_t kPeople = 16;
+
+TEST(Standing, WeightIsShiftedSmoothlyOnceInAWhileAndBreathGoesOn) {
+  double fastest_mps = 0, hardest_mps2 = 0, fewest = 1e9, most = 0;
+  for (uint64_t seed = 1; seed <= 8; ++seed)
+    for (uint64_t id = 0; id < 8; ++id) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", person " << id);
+      constexpr int kFrames = 18000, kAfter = 75;  // ten minutes, and 2.5 s
+      std::vector<double> places_m;
+      int breaths = 0, shifts = 0, last_shift = 0, shortest = kFrames, longest = 0;
+      bool breathed_in = false;
+      for (int frame = 0; frame < kFrames; ++frame) {
+        const QuietStanding now = quiet_standing(seed, id, 1e4 + frame * kStep_s);
+        ASSERT_LE(std::abs(now.shift_m), kMostShift_m);
+        ASSERT_GE(now.breath, 0);
+        ASSERT_LE(now.breath, 1);
+        breaths += now.breath > 0.9f && !breathed_in;
+        breathed_in = now.breath > 0.9f || (breathed_in && now.breath > 0.1f);
+        places_m.push_back(static_cast<double>(now.shift_m));
+        if (frame >= 2) {
+          const double before = places_m[places_m.size() - 2], now_m = places_m.back();
+          fastest_mps = std::max(fastest_mps, std::abs(now_m - before) / kStep_s);
+          hardest_mps2 =
+              std::max(hardest_mps2, std::abs(now_m - 2 * before + places_m[places_m.size() - 3]) /
+                                         (kStep_s * kStep_s));
+        }
+        if (frame < kAfter || frame - last_shift < 2 * kAfter) continue;
+        if (std::abs(places_m.back() - places_m[places_m.size() - 1 - kAfter]) < 0.02) continue;
+        if (shifts > 0) {
+          shortest = std::min(shortest, frame - last_shift);
+          longest = std::max(longest, frame - last_shift);
+        }
+        last_shift = frame;
+        ++shifts;
+      }
+      EXPECT_GE(breaths, 118);
+      EXPECT_LE(breaths, 181);
+      fewest = std::min(fewest, shifts / 10.0);
+      most = std::max(most, shifts / 10.0);
+      EXPECT_LT(shortest + 300, longest) << "as regular as a clock";
+      EXPECT_GT(*std::max_element(places_m.begin(), places_m.end()), 0.02) << "never on the left";
+      EXPECT_LT(*std::min_element(places_m.begin(), places_m.end()), -0.02) << "or on the right";
+    }
+  std::printf("%.1f to %.1f shifts of weight a minute, at most %.3f m/s and %.2f m/s2\n", fewest,
+              most, fastest_mps, hardest_mps2);
+  EXPECT_GE(fewest, 1);
+  EXPECT_LE(most, 4);
+  EXPECT_LT(fastest_mps, 0.15);
+  EXPECT_LT(hardest_mps2, 0.6);
+}
+
+TEST(Standing, ComesAfterASecondAndGoesWithinAnother) {
+  float stood_s = 0, before = 0;
+  for (int frame = 0; frame < 120; ++frame) {
+    stood_s = stood_after(stood_s, true, static_cast<float>(kStep_s));
+    const float share = standing_share(stood_s);
+    EXPECT_TRUE(frame >= 28 || share == 0) << "frame " << frame;
+    EXPECT_LE(std::abs(share - before), 0.06f);
+    before = share;
+  }
+  EXPECT_EQ(before, 1);
+  int frames = 0;
+  for (; standing_share(stood_s) > 0; ++frames) {
+    stood_s = stood_after(stood_s, false, static_cast<float>(kStep_s));
+    EXPECT_LE(std::abs(standing_share(stood_s) - before), 0.16f);
+    before = standing_share(stood_s);
+  }
+  EXPECT_LE(frames, 16);
+  EXPECT_EQ(stood_s, 0) << "whoever has walked settles down anew";
+}
+
+/// Some people of one style who stand, each as large as it likes.
+class Standers {
+ public:
+  explicit Standers(const Walking& walking, float ahead_mps = 0) : walking_(walking) {
+    chunk_.count = kPeople;
+    chunk_.step_s = static_cast<float>(kStep_s);
+    chunk_.postures = postures_.data();
+    for (size_t i = 0; i < kPeople; ++i) {
+      chunk_.scales[i] = 0.7f + 0.03f * static_cast<float>(i);
+      chunk_.phases[i] = static_cast<float>(i) / kPeople;
+      chunk_.gait_mps[i] = kNotComeIn;
+      chunk_.ahead_mps[i] = ahead_mps;
+      chunk_.present[i] = chunk_.stretch[i] = chunk_.w_before[i] = chunk_.w_after[i] = 1;
+      chunk_.gaits[i] = &walking.gait;
+    }
+  }
+
+  void step(const std::array<QuietStanding, kPeople>& adds, SimdTarget target = SimdTarget::kBest) {
+    for (size_t i = 0; i < kPeople; ++i) {
+      chunk_.shift_m[i] = adds[i].shift_m;
+      chunk_.breath[i] = adds[i].breath;
+    }
+    Gait::walk(chunk_, target);
+  }
+  /// The people in turn: as far as it goes to either side, breathed in or not.
+  void step_to_the_ends(uint64_t frame) {
+    std::array<QuietStanding, kPeople> adds;
+    for (size_t i = 0; i < kPeople; ++i)
+      adds[i] = {(i + frame) % 2 == 0 ? kMostShift_m : -kMostShift_m,
+                 (i / 2 + frame) % 2 == 0 ? 1.0f : 0.0f};
+    step(adds);
+  }
+
+  std::vector<PartPose> poses(size_t person) const {
+    std::vector<float> row(static_cast<size_t>(walking_.gait.column_count()));
+    const Gait* gait = &walking_.gait;
+    const auto me = static_cast<uint32_t>(person);
+    Gait::postures({&gait, 1}, postures_, {&me, 1}, row);
+    return walking_.poses(row);
+  }
+  const WalkChunk& chunk() const { return chunk_; }
+  const std::array<WalkPosture, WalkChunk::kRoom>& postures() const { return postures_; }
+  /// At scale 1.
+  RootBox box(size_t i) const {
+    return walking_.gait.box_of({chunk_.room_x[i], chunk_.room_y[i]}, 1);
+  }
+
+ private:
+  const Walking& walking_;
+  WalkChunk chunk_{};
+  std::array<WalkPosture, WalkChunk::kRoom> postures_{};
+};
+
+TEST(Standing, FeetStayWhereTheyAreWhileTheWeightIsShifted) {
+  for (const Walking& walking : Walking::styles()) {
+    Standers standers(walking);
+    std::array<std::vector<Eigen::Vector3d>, kPeople> first;
+    double farthest_m = 0, highest_m = 0, most_shift_m = 0;
+    for (int frame = 0; frame < 1800; ++frame) {
+      std::array<QuietStanding, kPeople> adds;
+      for (size_t i = 0; i < kPeople; ++i) adds[i] = quiet_standing(7, i, frame * kStep_s);
+      standers.step(adds);
+      if (frame % 6 != 0) continue;
+      for (size_t i = 0; i < kPeople; ++i) {
+        EXPECT_EQ(standers.chunk().out_of_reach[i], 0);
+        EXPECT_EQ(standers.chunk().shift_m[i], adds[i].shift_m);
+        most_shift_m = std::max(most_shift_m, static_cast<double>(std::abs(adds[i].shift_m)));
+        const std::vector<PartPose> poses = standers.poses(i);
+        size_t next = 0;
+        for (const size_t foot : {walking.right_foot, walking.left_foot}) {
+          double lowest_m = 1;
+          for (const Eigen::Vector3f& vertex : walking.model->parts[foot].mesh.vertices) {
+            const Eigen::Vector3d p = to_isometry(poses[foot]) * vertex.cast<double>();
+            lowest_m = std::min(lowest_m, p.z());
+            if (frame == 0) first[i].push_back(p);
+            const Eigen::Vector3d& was = first[i][next++];
+            if (was.z() < 0.005) farthest_m = std::max(farthest_m, (p - was).head<2>().norm());
+          }
+          highest_m = std::max(highest_m, std::abs(lowest_m));
+        }
+      }
+    }
+    std::printf("%s: soles move %.2f mm at most, and are %.2f mm above the ground or in it\n",
+                walking.name().c_str(), 1e3 * farthest_m, 1e3 * highest_m);
+    EXPECT_GT(most_shift_m, 0.035) << "nobody shifted any weight";
+    EXPECT_LT(farthest_m, 0.002) << walking.name();
+    EXPECT_LT(highest_m, 0.004) << walking.name();
+  }
+}
+
+TEST(Standing, EveryPostureStaysInsideItsBoundsAndJointLimits) {
+  for (const Walking& walking : Walking::styles()) {
+    const std::vector<JointColumn>& columns = walking.model->kinematics.columns();
+    const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
+    int shifted = 0;
+    // From standing to the fastest walk: whatever is asked for, no more is added than there is
+    // room.
+    for (const float ahead_mps : {0.0f, 0.1f, 0.3f, 0.6f, 0.8f, 0.9f, 1.0f, 1.2f, 1.6f, 2.4f}) {
+      Standers standers(walking, ahead_mps);
+      for (uint64_t frame = 0; frame < 4; ++frame) {
+        standers.step_to_the_ends(frame);
+        for (size_t i = 0; i < kPeople; ++i) {
+          shifted += standers.chunk().shift_m[i] != 0;
+          std::vector<float> row(columns.size());
+          const Gait* gait = &walking.gait;
+          const auto me = static_cast<uint32_t>(i);
+          Gait::postures({&gait, 1}, standers.postures(), {&me, 1}, row);
+          for (size_t c = 0; c < columns.size(); ++c) {
+            ASSERT_GE(row[c], columns[c].lower) << columns[c].name << " at " << ahead_mps;
+            ASSERT_LE(row[c], columns[c].upper) << columns[c].name << " at " << ahead_mps;
+          }
+          const std::vector<PartPose> poses = walking.poses(row);
+          const RootBox box = standers.box(i);
+          for (size_t part = 0; part < poses.size(); ++part)
+            for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
+              const Eigen::Vector3f p =
+                  (to_isometry(poses[part]) * vertex.cast<double>()).cast<float>();
+              for (int axis = 0; axis < 3; ++axis) {
+                ASSERT_GE(p[axis], box.min_m[axis]) << walking.model->parts[part].name;
+                ASSERT_LE(p[axis], box.max_m[axis]) << walking.model->parts[part].name;
+              }
+              ASSERT_LE(p.head<2>().norm(), walking.gait.upright_radius_m());
+              ASSERT_LE((p - centre).norm(), walking.gait.sphere_radius_m());
+            }
+        }
+      }
+    }
+    EXPECT_GT(shifted, 300) << walking.name() << ": nobody stood";
+  }
+}
+
+TEST(Standing, WhoWalksIsLeftAlone) {
+  const Walking& walking = Walking::adult();
+  Standers asked(walking, 1.6f), left_alone(walking, 1.6f);
+  for (uint64_t frame = 0; frame < 30; ++frame) {
+    asked.step_to_the_ends(frame);
+    left_alone.step({});
+    for (size_t i = 0; i < kPeople; ++i) {
+      EXPECT_TRUE(std::ranges::equal(asked.postures()[i].numbers, left_alone.postures()[i].numbers))
+          << "person " << i << ", frame " << frame;
+      EXPECT_EQ(asked.chunk().room_x[i], left_alone.chunk().room_x[i]);
+      EXPECT_EQ(asked.chunk().room_y[i], left_alone.chunk().room_y[i]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace throng
