@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/checksum.h"
 #include "base/elementary.h"
 #include "base/random.h"
 
@@ -23,9 +24,9 @@ constexpr float kShortestShift_s = 1.2f, kLongestShift_s = 2.2f;
 constexpr float kNearSide_m = 0.02f, kFarSide_m = 0.04f, kBetween_m = 0.008f;
 constexpr float kBetweenShare = 0.25f;
 
-constexpr int kWaves = 3;
-constexpr float kWave_hz[kWaves] = {0.13f, 0.29f, 0.53f};
-constexpr float kWave_m[kWaves] = {0.0018f, 0.0012f, 0.0006f};
+constexpr int kWaves = 2;
+constexpr float kWave_hz[kWaves] = {0.17f, 0.43f};
+constexpr float kWave_m[kWaves] = {0.0022f, 0.001f};
 
 constexpr float kSlowestBreath_hz = 12.0f / 60, kFastestBreath_hz = 18.0f / 60;
 constexpr float kBreathesIn = 0.4f;  // of a breath
@@ -34,11 +35,12 @@ constexpr float kBreathesIn = 0.4f;  // of a breath
 struct Draws {
   float at[4];
 };
-Draws draws(uint64_t seed, uint64_t id, uint64_t what) {
-  const uint64_t bits = random_bits({seed, id, what, Purpose::kStanding});
+/// SplitMix64 from where a person's own bits say.
+Draws draws(uint64_t own_bits, uint64_t number) {
+  const uint64_t bits = mixed(own_bits + number * 0x9e3779b97f4a7c15ull);
   Draws out;
   for (int i = 0; i < 4; ++i)
-    out.at[i] = static_cast<float>(bits >> (16 * i) & 0xffff) * 0x1.0p-16f;
+    out.at[i] = static_cast<float>(static_cast<int32_t>(bits >> (16 * i) & 0xffff)) * 0x1.0p-16f;
   return out;
 }
 
@@ -51,44 +53,49 @@ float smoother(float u) {
   return u * u * u * (10 + u * (6 * u - 15));
 }
 
-float fraction(double x) { return static_cast<float>(x - std::floor(x)); }
+/// Of a number from 0.
+float fraction(double x) {
+  return static_cast<float>(x - static_cast<double>(static_cast<int64_t>(x)));
+}
 
-/// Where the weight is from the shift of a period on.
-float place_m(const Draws& period, uint64_t number, bool begins_left) {
-  const float share = period.at[0];
-  if (period.at[1] < kBetweenShare) return between(-kBetween_m, kBetween_m, share);
-  const float side_m = between(kNearSide_m, kFarSide_m, share);
-  return (number % 2 == 0) == begins_left ? side_m : -side_m;
+/// Where the weight is from the shift of a period on. Without branches: nobody could foresee them.
+float place_m(const Draws& period, uint64_t number, uint64_t side) {
+  const auto left = static_cast<float>(1 - 2 * static_cast<int>((number + side) & 1));
+  const auto stands_between = static_cast<float>(period.at[1] < kBetweenShare);
+  const float between_m = between(-kBetween_m, kBetween_m, period.at[0]);
+  const float side_m = left * between(kNearSide_m, kFarSide_m, period.at[0]);
+  return side_m + stands_between * (between_m - side_m);
 }
 
 }  // namespace
 
 QuietStanding quiet_standing(uint64_t seed, uint64_t id, double time_s) {
   // Numbers of periods begin at 2.
-  const Draws own = draws(seed, id, 0), waves = draws(seed, id, 1);
+  const uint64_t bits = random_bits({seed, id, 0, Purpose::kStanding});
+  const Draws own = draws(bits, 0), waves = draws(bits, 1);
   const float period_s = between(kShortestPeriod_s, kLongestPeriod_s, own.at[0]);
   const double periods =
       time_s / static_cast<double>(period_s) + 3 + static_cast<double>(own.at[1]);
-  const auto number = static_cast<uint64_t>(periods);
-  const Draws now = draws(seed, id, number);
-  const bool begins_left = waves.at[3] < 0.5f;
-  const float to_m = place_m(now, number, begins_left);
-  const float from_m = place_m(draws(seed, id, number - 1), number - 1, begins_left);
+  const auto number = static_cast<uint64_t>(static_cast<int64_t>(periods));
+  const Draws now = draws(bits, number);
+  const uint64_t side = bits >> 63;
+  const float to_m = place_m(now, number, side);
+  const float from_m = place_m(draws(bits, number - 1), number - 1, side);
   const float since_s = (fraction(periods) - between(kEarliest, kLatest, now.at[2])) * period_s;
   const float shift_s = between(kShortestShift_s, kLongestShift_s, now.at[3]);
   QuietStanding out;
   out.shift_m = from_m + smoother(since_s / shift_s) * (to_m - from_m);
   for (int i = 0; i < kWaves; ++i) {
     const float hz = kWave_hz[i] * between(0.85f, 1.15f, waves.at[i]);
-    const float turn = fraction(time_s * static_cast<double>(hz) +
-                                static_cast<double>(waves.at[(i + 1) % kWaves]));
+    const float turn =
+        fraction(time_s * static_cast<double>(hz) + static_cast<double>(waves.at[i + kWaves]));
     out.shift_m += kWave_m[i] * float_sin_cos(2 * std::numbers::pi_v<float> * turn).sin;
   }
   const float breath_hz = between(kSlowestBreath_hz, kFastestBreath_hz, own.at[2]);
   const float breath =
       fraction(time_s * static_cast<double>(breath_hz) + static_cast<double>(own.at[3]));
-  out.breath = breath < kBreathesIn ? smooth(breath / kBreathesIn)
-                                    : 1 - smooth((breath - kBreathesIn) / (1 - kBreathesIn));
+  out.breath = smooth(std::min(breath / kBreathesIn, 1.0f)) -
+               smooth(std::max((breath - kBreathesIn) / (1 - kBreathesIn), 0.0f));
   return out;
 }
 

@@ -22,7 +22,7 @@ struct QuietStanding {
   float breath = 0;   ///< from 0, breathed out, to 1
 };
 
-/// Half of the way from between the feet to above one of them would be 2.7 cm.
+/// Feet stand some 11 cm apart: above one of them would be 5.5 cm.
 inline constexpr float kMostShift_m = 0.045f;
 /// How far arms are lifted sideways by a whole breath: the chest widens by some millimetres.
 inline constexpr float kBreath_rad = 0.01f;

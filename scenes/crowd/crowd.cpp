@@ -234,10 +234,11 @@ double Crowd::turn(size_t slot) {
   Eigen::Vector2d& smooth = walkers_.smooth_mps[slot];
   smooth += options_.step_s / (tuning::kTurnSmoothing_s + options_.step_s) *
             (walkers_.velocity_mps[slot] - smooth);
-  const double speed = smooth.norm();
-  const double slower = std::min(speed, walkers_.velocity_mps[slot].norm());
+  const double speed = smooth.norm(), now_square = walkers_.velocity_mps[slot].squaredNorm();
+  if (speed >= tuning::kWalks_mps && now_square >= tuning::kWalks_mps * tuning::kWalks_mps)
+    return turn_into_way(slot, smooth / speed);
+  const double slower = std::min(speed, std::sqrt(now_square));
   const double walks = (slower - tuning::kStands_mps) / (tuning::kWalks_mps - tuning::kStands_mps);
-  if (walks >= 1) return turn_into_way(slot, smooth / speed);
   const Eigen::Vector2d& facing = walkers_.facing[slot];
   Eigen::Vector2d to = facing;
   if (walks > 0) to = facing.isZero() ? smooth : (1 - walks) * facing + (walks / speed) * smooth;

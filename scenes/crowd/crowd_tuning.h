@@ -47,7 +47,7 @@ inline constexpr double kTurnSpeed_mps = 0.2;
 inline constexpr double kTurnSmoothing_s = 0.5;
 /// Slower than the first a person stands and faces what it waits for, faster than the second it
 /// faces the way it walks.
-inline constexpr double kStands_mps = 0.2;
+inline constexpr double kStands_mps = 0.3;
 inline constexpr double kWalks_mps = 0.5;
 /// Whoever stands turns when what it waits for is so far off; as far as that the head alone turns.
 inline constexpr double kTurnFrom_rad = 0.45;

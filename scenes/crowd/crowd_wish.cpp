@@ -12,6 +12,7 @@ namespace throng {
 Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   Eigen::Vector2d direction = journeys_.direction(id, walkers_.position_m[slot]);
+  walkers_.facing[slot] = direction;
   const double stalled_s = stalled_s_of(slot);
   if (stalled_s > tuning::kStuck_s) {
     const auto second = static_cast<uint64_t>(std::floor(stalled_s));
@@ -34,12 +35,14 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   return intent + Eigen::Vector2d(shake(bits & 0xffffffff), shake(bits >> 32));
 }
 
-/// What somebody looks at who waits for others to move on, or for the time to come.
+/// What somebody looks at who waits for the time to come; others look to the way that
+/// wanted_mps() has found.
 void Crowd::find_facing(size_t slot) {
   const uint32_t id = grid_.order()[slot];
+  if (journeys_.doing(id) == Doing::kWalking) return;
   const Eigen::Vector2d& position = walkers_.position_m[slot];
-  Eigen::Vector2d facing = journeys_.facing(id, position);
-  if (faces_m_[id] && journeys_.doing(id) != Doing::kWalking) facing = *faces_m_[id] - position;
+  const Eigen::Vector2d facing =
+      faces_m_[id] ? *faces_m_[id] - position : journeys_.facing(id, position);
   const double length = facing.norm();
   walkers_.facing[slot] = length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
 }

@@ -145,7 +145,6 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
 }
 
 Eigen::Vector2d Journeys::facing(uint32_t id, const Eigen::Vector2d& position_m) const {
-  if (doing_[id] == Doing::kWalking) return direction(id, position_m);
   if (doing_[id] != Doing::kWaiting || next_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
   return stop(id).field->direction(position_m);
 }

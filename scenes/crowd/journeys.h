@@ -50,8 +50,7 @@ class Journeys {
   /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
   Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m) const;
 
-  /// The way that a person has to go from here, or will have to when a wait is over: what it looks
-  /// to while it stands. Zero for those who have none.
+  /// The way that somebody who waits will go from here. Zero for those who have none.
   Eigen::Vector2d facing(uint32_t id, const Eigen::Vector2d& position_m) const;
 
   /// direction() of the same is asked for soon.

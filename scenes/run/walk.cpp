@@ -28,6 +28,7 @@ void stand(std::span<const WalkNow> avatars, uint32_t first, BodyStates& bodies,
     const uint32_t id = first + static_cast<uint32_t>(i);
     const float x = chunk.way_x_m[i], y = chunk.way_y_m[i];
     const bool stands = avatars[i].is_present && x * x + y * y < still_m * still_m;
+    if (!stands && bodies.stood_s[id] == 0) continue;
     bodies.stood_s[id] = stood_after(bodies.stood_s[id], stands, chunk.step_s);
     const float share = standing_share(bodies.stood_s[id]);
     if (share == 0) continue;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "avatars/gait/gait.h"
+#include "culling/exact/triangle_bvh.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 #include "tests/scenes/crowd_world.h"
@@ -208,6 +209,55 @@ TEST(StandingPeople, StandTheSameForAnyThreadsAndSimdTarget) {
   const std::vector<float> reference = run(1, SimdTarget::kScalar);
   for (const SimdTarget simd : simd_targets_of_this_machine())
     EXPECT_EQ(run(3, simd), reference) << name_of(simd);
+}
+
+/// Closer together than anybody would stand of their own accord.
+TEST(StandingPeople, NoContactOfPeopleWhoShiftTheirWeightIsMissed) {
+  Scene scene = load_scene("evacuation");
+  Group& group = scene.groups[0];
+  group.count = 60;
+  group.spawn = {{-4, 4}, {0.5, 7.5}};
+  group.radius_m = 0.12;
+  group.delay_s = {100, 0, 100, 100};
+  Simulation simulation(scene, {.threads = 2});
+  const Model& model = *simulation.info().models.front();
+  std::vector<TriangleBvh> surfaces;
+  for (const Part& part : model.parts)
+    surfaces.emplace_back(part.mesh.vertices, part.mesh.triangles);
+  const size_t parts = surfaces.size();
+  const std::vector<float>& scales = simulation.bodies().scales;
+  int touching = 0, missed = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const Frame& frame = simulation.step();
+    if (i % 60 != 59) continue;
+    const auto people = static_cast<uint32_t>(frame.roots.size());
+    std::vector<PartPose> poses(people * parts);
+    for (uint32_t id = 0; id < people; ++id) {
+      const RootFrame root{frame.roots[id].world_from_root, scales[id]};
+      const size_t begin = frame.posture_offsets[id], end = frame.posture_offsets[id + 1];
+      forward_kinematics(model.kinematics, frame.postures.subspan(begin, end - begin), {&root, 1},
+                         std::span(poses).subspan(id * parts, parts));
+    }
+    ExactCounters counters;
+    for (uint32_t a = 0; a < people; ++a)
+      for (uint32_t b = a + 1; b < people; ++b) {
+        const Eigen::Vector3f a_to_b =
+            (frame.roots[b].position_m - frame.roots[a].position_m).cast<float>();
+        if (a_to_b.norm() > 1.2f) continue;
+        for (uint32_t pa = 0; pa < parts; ++pa)
+          for (uint32_t pb = 0; pb < parts; ++pb) {
+            if (!solids_touch(surfaces[pa], poses[a * parts + pa], scales[a], surfaces[pb],
+                              poses[b * parts + pb], scales[b], a_to_b, counters))
+              continue;
+            ++touching;
+            missed +=
+                !std::binary_search(frame.pairs.begin(), frame.pairs.end(), PairKey(a, b, pa, pb));
+          }
+      }
+  }
+  std::printf("%d contacts by triangles, %d missed\n", touching, missed);
+  EXPECT_GT(touching, 500);
+  EXPECT_EQ(missed, 0);
 }
 
 }  // namespace
