@@ -12,6 +12,7 @@
 #include "avatars/gait/gait_cycle.h"
 #include "avatars/gait/gait_table.h"
 #include "avatars/gait/row_blend.h"
+#include "base/simd/bilinear.h"
 
 namespace throng {
 namespace {
@@ -28,6 +29,26 @@ constexpr float kShortestStride = 0.03f;
 // Nodes are rounded to this, in radians and metres: the last bits of the C library's sines, which
 // differ between processors, do not reach a result.
 constexpr double kNodeGrain = 1.0 / (1 << 18);
+
+/// How far the right foot has come in the root frame, by share of its swing.
+SwingShares swing_of(const std::vector<WalkerPose>& cycle, double stance) {
+  const auto phases = static_cast<double>(cycle.size());
+  const auto x_at = [&](double phase) {
+    const auto before = static_cast<size_t>(phase * phases) % cycle.size();
+    const double share = phase * phases - std::floor(phase * phases);
+    const auto x = [&](size_t i) { return cycle[i % cycle.size()].feet[0].ground_m.x(); };
+    return x(before) + share * (x(before + 1) - x(before));
+  };
+  SwingShares shares{};
+  const double from = x_at(stance), to = x_at(0);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(shares.size() - 1);
+    const double x = i + 1 == shares.size() ? to : x_at(stance + share * (1 - stance));
+    shares[i] =
+        static_cast<float>(std::nearbyint((x - from) / (to - from) / kNodeGrain) * kNodeGrain);
+  }
+  return shares;
+}
 
 }  // namespace
 
@@ -105,6 +126,8 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
       min_look_rad_ = limits.lower;
       max_look_rad_ = limits.upper;
     }
+    if (const int aside = posable.joint_of("pelvis_lateral"); aside >= 0)
+      aside_column_ = posable.column_of_joint(aside);
     table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
     table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
     for (int speed = 0; speed < kSpeeds; ++speed) {
@@ -133,6 +156,9 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
   table_->stepping.emplace(*walker, posable, cycles, table_->speed_cells_per_root_speed,
                            kShortestStride, bounds.rest, standing);
   share_room(sphere_centre_m_.z(), sphere_radius_m_, upright_radius_m_);
+  swing_ = swing_of(cycles[static_cast<size_t>(kSpeeds / 2)],
+                    stance_fraction(kFastestRelativeSpeed / 4, style));
+  outline_ = outline_of(posable, *table_, table_->speed_cells_per_root_speed, table_->leg_length_m);
 }
 
 Gait::~Gait() = default;
@@ -177,6 +203,16 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> p
   }
 }
 
+float Gait::trunk_aside_m(const WalkPosture& posture) const {
+  if (aside_column_ < 0) return 0;
+  const float* n = posture.numbers;
+  const float* at = table_->rows.data() +
+                    static_cast<size_t>(n[WalkPosture::kNode]) * table_->next_phase() +
+                    aside_column_;
+  return bilinear(at, table_->next_phase(), table_->next_speed(), n[WalkPosture::kU],
+                  n[WalkPosture::kV]);
+}
+
 void Gait::look(float look_rad, std::span<float> row) const {
   if (look_column_ < 0) return;
   assert(std::abs(look_rad) <= kMostLook_rad);
@@ -203,8 +239,16 @@ void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_m
 
 bool Gait::has_legs() const { return table_->stepping.has_value(); }
 
+FootTrack Gait::track_at(float speed_mps, float scale) const {
+  return table_->stepping->track_at(speed_mps, scale);
+}
+
 RootBox Gait::box_of(const WalkRoom& room, float scale) const {
   return table_->stepping->box_of(room, scale);
+}
+
+WalkRoom Gait::room_of(const RootBox& box, float scale) const {
+  return table_->stepping->room_of(box, scale);
 }
 
 void Gait::share_room(float centre_z_m, float radius_m, float upright_radius_m) {

@@ -9,6 +9,7 @@
 #include "avatars/gait/gait_style.h"
 #include "avatars/model/model.h"
 #include "avatars/stepping/stepping.h"
+#include "avatars/yielding/yielding.h"
 
 namespace throng {
 
@@ -45,6 +46,11 @@ class Gait {
   /// the gait's bounds hold that, too. Nothing happens to a model without a head that turns.
   void look(float look_rad, std::span<float> row) const;
 
+  /// How far the hips are to the left of the root, metres at scale 1.
+  float trunk_aside_m(const WalkPosture& posture) const;
+  /// What giving way needs to know of this body; null for one that cannot.
+  const Outline* outline() const { return outline_.get(); }
+
   /// Writes a box each that holds every part in the posture that postures() gives for the same
   /// phase, speed and scale; looked up, not computed. No allocation.
   void bounds(std::span<const float> phases, std::span<const float> speeds_mps,
@@ -59,8 +65,13 @@ class Gait {
   static void postures(std::span<const Gait* const> gaits, std::span<const WalkPosture> all,
                        std::span<const uint32_t> some, std::span<float> rows,
                        SimdTarget target = SimdTarget::kBest);
+  /// Of a body with legs.
+  FootTrack track_at(float speed_mps, float scale) const;
+  const SwingShares& swing() const { return swing_; }
   /// A box that holds every part.
   RootBox box_of(const WalkRoom& room, float scale) const;
+  /// The other way round; nothing in z.
+  WalkRoom room_of(const RootBox& box, float scale) const;
   /// What walk() keeps bodies in, metres unscaled: at first this gait's own sphere and cylinder.
   /// All gaits of a model that walk together share one that holds those of each.
   void share_room(float centre_z_m, float radius_m, float upright_radius_m);
@@ -80,11 +91,14 @@ class Gait {
   struct Table;
   int column_count_ = 0;
   int look_column_ = -1;
+  int aside_column_ = -1;
   float min_look_rad_ = 0, max_look_rad_ = 0;  ///< the joint's limits
   Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
   float sphere_radius_m_ = 0;
   float upright_radius_m_ = 0;
   std::unique_ptr<Table> table_;
+  SwingShares swing_{};
+  std::unique_ptr<const Outline> outline_;
 };
 
 }  // namespace throng

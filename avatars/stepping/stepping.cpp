@@ -224,6 +224,18 @@ bool Stepping::settle(WalkChunk& chunk, size_t lane) const {
   return true;
 }
 
+FootTrack Stepping::track_at(float speed_mps, float scale) const {
+  const SteppingTables& t = *tables_;
+  const float root_speed = std::min(std::sqrt(std::max(speed_mps, 0.0f) / (scale * t.leg_length_m)),
+                                    t.highest_root_speed);
+  const float at = root_speed * t.cells_per_root_speed;
+  const int32_t row = std::min(static_cast<int32_t>(at), t.speeds - 2);
+  const float v = at - static_cast<float>(row);
+  const float *slow = table() + t.track(row), *fast = table() + t.track(row + 1);
+  const auto blend = [&](size_t i) { return slow[i] + v * (fast[i] - slow[i]); };
+  return {blend(0), blend(1), {blend(2), blend(3)}, std::max(blend(4), t.shortest_stride_m)};
+}
+
 void Stepping::put(const WalkPosture& posture, float* row) const {
   for (size_t side = 0; side < 2; ++side)
     for (size_t i = 0; i < 5; ++i)
@@ -275,6 +287,7 @@ void WalkChunk::fill_up() {
                            &scales, &present, &stretch, &shift_m, &breath, &gait_mps, &phases})
     fill(*numbers);
   for (Numbers& numbers : feet) fill(numbers);
+  for (Numbers& numbers : landing) fill(numbers);
   std::fill(tables.begin() + static_cast<ptrdiff_t>(count),
             tables.begin() + static_cast<ptrdiff_t>(end), tables[count - 1]);
 }

@@ -38,6 +38,19 @@ struct alignas(64) WalkPosture {
   };
 };
 
+/// Where a gait has the feet at a speed, root frame, metres at scale 1.
+struct FootTrack {
+  float stance;  ///< share of the cycle that a foot is on the ground
+  float shift_m;
+  std::array<float, 2> side_m;  ///< right, left
+  float stride_m;
+  /// Of a foot in stance, by its own phase.
+  float x_at(float own_phase) const { return stride_m * (0.5f * stance - own_phase) + shift_m; }
+};
+
+/// How far a swinging foot has come from behind the body to before it, by share of the swing.
+using SwingShares = std::array<float, 17>;
+
 /// The room that a body takes, seen from above; see Stepping::box_of().
 struct WalkRoom {
   float x = 0, y = 0;  ///< low and high in grains
@@ -64,6 +77,9 @@ struct WalkChunk {
   alignas(64) Numbers scales;
   alignas(64) Numbers present;  ///< 0: nothing changes, 1: walks
   alignas(64) Numbers stretch;  ///< so much longer than the gait's own strides theirs are
+  /// So far from where it would is the right foot to land (x, y), and the left; root frame,
+  /// scale 1.
+  alignas(64) Numbers landing[4];
   /// What QuietStanding adds; it comes out as far as the gait's speed and the legs leave room.
   alignas(64) Numbers shift_m = {};
   alignas(64) Numbers breath = {};
@@ -123,6 +139,8 @@ class Stepping {
   /// stands as the gait has it. Returns the lanes that have no legs even so: they have to take the
   /// gait's.
   uint64_t walk(WalkChunk& chunk, SimdTarget target) const;
+
+  FootTrack track_at(float speed_mps, float scale) const;
 
   /// Puts the legs into a posture row that the gait gave.
   void put(const WalkPosture& posture, float* row) const;

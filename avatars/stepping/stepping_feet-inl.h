@@ -203,11 +203,16 @@ THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F v) {
 
 /// Moves the feet on with the root and returns the next phase.
 THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& before,
-                         const Track& after, F stretch, F phase, Feet& feet) {
+                         const Track& after, F stretch, const F (&landing)[4], F phase,
+                         Feet& feet) {
   const F stride_m = max_of(after.stride, t.shortest_stride_m) * m.scale * stretch;
   const F rate = rate_of(t, m, stride_m, phase, before, feet);
   const F next = wrapped(phase + rate * m.step_s);
-  const Landing goal = landing_of(m, rate, after);
+  Landing goal = landing_of(m, rate, after);
+  for (size_t side = 0; side < 2; ++side) {
+    goal.x[side] = goal.x[side] + landing[2 * side];
+    goal.y[side] = goal.y[side] + landing[2 * side + 1];
+  }
   const F forward = m.forward * m.per_scale, left = m.left * m.per_scale;
   const F per_swing = inverse_of(1.0f - after.stance);
   const F lifting = max_of(1.0f - after.stride * t.per_leg_length, 0.0f);
@@ -311,7 +316,10 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
   const Speeds speeds = speeds_around(t, c.tables.data() + i, root_speed);
   const Track track = track_of(t, speeds, root_speed);
   const Track track_before = track_of(t, speeds, root_speed_of(t, before, motion.per_scale));
-  const F next = step_feet(t, motion, track_before, track, load(c.stretch + i), phase, feet);
+  const F landing[4] = {load(c.landing[0] + i), load(c.landing[1] + i), load(c.landing[2] + i),
+                        load(c.landing[3] + i)};
+  const F next =
+      step_feet(t, motion, track_before, track, load(c.stretch + i), landing, phase, feet);
   const auto settled = [&](F value, F when_fresh, F when_away) {
     return select(present, select(fresh, when_fresh, value), when_away);
   };

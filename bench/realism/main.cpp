@@ -34,10 +34,12 @@ realism contacts FILE... [--against FILE...]
 realism joints [FILE...]
     speeds of joints, arm swing, turns of those who stand; without FILE of plain walking at 0.5 to 1.9 m/s
 
-FILE: a scene, the name of a bundled one, a recording. Options of all: --threads N, --seconds S (of each FILE).
+FILE: a scene, the name of a bundled one, a recording. Options of all: --threads N, --seconds S (of each FILE),
+--yielding on|off (bodies give way to others, or walk as if alone).
 )";
 
-constexpr std::array kOptions = {"--log", "--seconds", "--seed", "--threads", "--worst"};
+constexpr std::array kOptions = {"--log",     "--seconds", "--seed",
+                                 "--threads", "--worst",   "--yielding"};
 
 struct Arguments {
   std::vector<std::string> words;
@@ -77,6 +79,14 @@ uint64_t whole(const std::string& where, const std::string& text) {
 uint64_t option(const Arguments& arguments, const std::string& name, uint64_t otherwise) {
   const auto found = arguments.options.find(name);
   return found == arguments.options.end() ? otherwise : whole(name, found->second);
+}
+
+bool is_off(const Arguments& arguments, const std::string& name) {
+  const auto found = arguments.options.find(name);
+  if (found == arguments.options.end() || found->second == "on") return false;
+  if (found->second != "off")
+    throw InputError(name, "on or off", fmt::format("'{}'", found->second));
+  return true;
 }
 
 int threads_of(const Arguments& arguments) {
@@ -193,6 +203,7 @@ int encounter(const Arguments& arguments) {
 
 int realism(int argc, char** argv) {
   const Arguments arguments = arguments_of(argc, argv);
+  bodies_yield = !is_off(arguments, "--yielding");
   const std::string command = arguments.words.empty() ? "" : arguments.words.front();
   if (command == "encounters") return encounters(arguments);
   if (command == "encounter") return encounter(arguments);

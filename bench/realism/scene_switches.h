@@ -6,6 +6,12 @@
 
 namespace throng::realism {
 
-inline void set_switches(Scene& scene) { scene.exact = true; }
+/// --yielding off: bodies walk as if they were alone.
+inline bool bodies_yield = true;
+
+inline void set_switches(Scene& scene) {
+  scene.exact = true;
+  if (!bodies_yield) scene.yielding = false;
+}
 
 }  // namespace throng::realism

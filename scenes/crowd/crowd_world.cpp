@@ -66,7 +66,7 @@ void CrowdWorld::update(const Posing& posing, BodyStates& bodies, std::span<floa
     const uint32_t end = block.first + block.count;
     if (!scene_.planted_feet) {
       for (uint32_t id = block.first; id < end; ++id)
-        if (move_root(id, bodies.roots[id], speeds_mps[id]).is_present)
+        if (move_root(id, bodies, speeds_mps[id]).is_present)
           glide_on(posing, speeds_mps[id], crowd_.walked_m()[id], id, bodies);
       return;
     }
@@ -74,7 +74,7 @@ void CrowdWorld::update(const Posing& posing, BodyStates& bodies, std::span<floa
       const size_t count = std::min<size_t>(WalkChunk::kRoom, end - first);
       for (size_t i = 0; i < count; ++i) {
         const uint32_t id = first + static_cast<uint32_t>(i);
-        walk[i] = move_root(id, bodies.roots[id], speeds_mps[id]);
+        walk[i] = move_root(id, bodies, speeds_mps[id]);
       }
       walk_on(posing, {walk.data(), count}, scene_.step_s, first, simd_, bodies);
     }
@@ -82,14 +82,18 @@ void CrowdWorld::update(const Posing& posing, BodyStates& bodies, std::span<floa
 }
 
 /// The root to where steering has the person.
-WalkNow CrowdWorld::move_root(uint32_t id, RootPose& root, float& speed_mps) const {
+WalkNow CrowdWorld::move_root(uint32_t id, BodyStates& bodies, float& speed_mps) const {
+  RootPose& root = bodies.roots[id];
   const Eigen::Vector2d &position = crowd_.positions_m()[id], &heading = crowd_.headings()[id],
                         &velocity = crowd_.velocities_mps()[id];
   // Whoever has left keeps the last place and posture.
   const bool is_present = crowd_.journeys().is_present(id);
-  const WalkNow walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
+  WalkNow walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
+  if (!bodies.yields.empty()) walk.stretch = bodies.yields[id].stretch;
   root.position_m = {position.x(), position.y(), rises_m_[id - led_]};
   root.world_from_root = turned_to(heading);
+  if (!bodies.yields.empty())
+    root.world_from_root = root.world_from_root * turned_by(bodies.yields[id].hips_rad);
   if (is_present) speed_mps = static_cast<float>(velocity.norm());
   return walk;
 }

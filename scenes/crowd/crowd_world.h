@@ -50,7 +50,7 @@ class CrowdWorld final : public World {
  private:
   bool is_driven(const Person& person) const { return !scene_.groups[person.group].driven.empty(); }
   void note_driven();
-  WalkNow move_root(uint32_t id, RootPose& root, float& speed_mps) const;
+  WalkNow move_root(uint32_t id, BodyStates& bodies, float& speed_mps) const;
 
   const Scene& scene_;
   Workers& workers_;

@@ -213,8 +213,10 @@ WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& p
   const float gait_mps = was_present ? bodies.gait_mps[id] : std::max(now.ahead_mps, 0.0f);
   const float nominal = std::max(now.ahead_mps, 0.0f) * static_cast<float>(scene_.step_s) /
                         posing.gait_of(id).stride_length_m(gait_mps, scale);
-  const float stretch = was_present ? stretch_to(now.phase, phase, nominal, scene_.step_s) : 1;
-  const SinCos turn = sin_cos(static_cast<double>(now.heading_rad));
+  float stretch = was_present ? stretch_to(now.phase, phase, nominal, scene_.step_s) : 1;
+  if (std::isnan(now.phase) && !bodies.yields.empty()) stretch = bodies.yields[id].stretch;
+  const float hips_rad = bodies.yields.empty() ? 0 : bodies.yields[id].hips_rad;
+  const SinCos turn = sin_cos(static_cast<double>(now.heading_rad + hips_rad));
   Eigen::Vector2d at = now.position_m;
   if (tracks_heads()) {
     const float next = was_present ? phase + nominal / stretch : phase;

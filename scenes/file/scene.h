@@ -131,7 +131,7 @@ struct Scene {
   VolumeKind part_volume = VolumeKind::kOrdop26;
   bool exact = false;
   bool planted_feet = true;  ///< feet stay where they are put on curves, too
-  bool yielding = true;      ///< bodies give way to others; those who stand breathe and sway
+  bool yielding = true;      ///< bodies give way to what is near; who stands breathes and sways
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies
 };

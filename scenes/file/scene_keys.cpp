@@ -244,11 +244,12 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
             add_value(hash, scene.recorded->recorded_frames);
           });
   recording.is_default = [](const Scene& scene) { return !scene.recorded; };
-  return {recording,
-          flag("yielding",
-               "bodies give way to each other, and those who stand breathe and sway; needs "
-               "`planted_feet`",
-               &Scene::yielding)};
+  return {
+      recording,
+      flag("yielding",
+           "bodies give way to those near them and to walls, and those who stand breathe and sway; "
+           "needs `planted_feet` ([realism.md](realism.md))",
+           &Scene::yielding)};
 }
 
 }  // namespace

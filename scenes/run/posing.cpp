@@ -49,18 +49,23 @@ void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offse
   row_offsets_ = offsets;
 }
 
-void Posing::postures(uint32_t first, uint32_t count, std::span<float> rows) const {
-  const Kind& kind = kinds_[states_.types[first]];
+void Posing::rows(std::span<const uint32_t> bodies, std::span<float> rows) const {
+  assert(bodies.size() <= kMaxBatch);
+  const Kind& kind = kinds_[states_.types[bodies.front()]];
   const auto columns = static_cast<size_t>(kind.gaits.plain().column_count());
-  std::array<uint32_t, kMaxBatch> some;
   std::array<const float*, kMaxBatch> found;
+  kind.provider->rows(bodies, rows, {found.data(), bodies.size()});
+  for (size_t i = 0; i < bodies.size(); ++i)
+    if (float* to = rows.data() + i * columns; found[i] != to) std::copy_n(found[i], columns, to);
+}
+
+void Posing::postures(uint32_t first, uint32_t count, std::span<float> rows) const {
+  const auto columns = static_cast<size_t>(column_count(states_.types[first]));
+  std::array<uint32_t, kMaxBatch> some;
   for (uint32_t done = 0; done < count; done += kMaxBatch) {
     const size_t batch = std::min<size_t>(kMaxBatch, count - done);
     std::iota(some.begin(), some.begin() + static_cast<ptrdiff_t>(batch), first + done);
-    const std::span<float> own = rows.subspan(done * columns, batch * columns);
-    kind.provider->rows({some.data(), batch}, own, {found.data(), batch});
-    for (size_t i = 0; i < batch; ++i)
-      if (float* to = own.data() + i * columns; found[i] != to) std::copy_n(found[i], columns, to);
+    this->rows({some.data(), batch}, rows.subspan(done * columns, batch * columns));
   }
 }
 

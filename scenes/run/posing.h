@@ -32,6 +32,9 @@ class Posing : public PoseSource {
   const Gait& gait_of(uint32_t body) const {
     return kinds_[states_.types[body]].gaits.of(states_, body);
   }
+  size_t model_count() const { return kinds_.size(); }
+  /// Of a model's bodies, as far as giving way is concerned; null: they do not.
+  const Outline* outline_of(size_t model) const { return kinds_[model].gaits.plain().outline(); }
   /// Every posture row of a model has so many floats.
   int column_count(size_t model) const { return kinds_[model].gaits.plain().column_count(); }
   /// Around every posture of every style of a model's walkers.
@@ -41,6 +44,8 @@ class Posing : public PoseSource {
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
   void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override;
 
+  /// Posture rows of some avatars of one model, at most kMaxBatch.
+  void rows(std::span<const uint32_t> bodies, std::span<float> rows) const;
   /// Posture rows of consecutive avatars of one model.
   void postures(uint32_t first, uint32_t count, std::span<float> rows) const;
 

@@ -42,6 +42,9 @@ class WalkingPostures : public PostureProvider {
     write({own.data(), bodies.size()}, bodies, room.first(bodies.size() * columns));
     for (size_t i = 0; i < bodies.size() && !states_.looks_rad.empty(); ++i)
       own[i]->look(states_.looks_rad[bodies[i]], room.subspan(i * columns, columns));
+    for (size_t i = 0; i < bodies.size() && !states_.yields.empty(); ++i)
+      if (const Outline* outline = own[i]->outline())
+        put_yield(outline->columns, states_.yields[bodies[i]], room.subspan(i * columns, columns));
   }
 
  protected:

@@ -35,6 +35,7 @@ struct BodyStates {
   std::array<std::vector<float>, WalkChunk::kFeetNumbers> feet;
   std::vector<WalkPosture> postures;
   std::vector<float> room_x, room_y;
+  std::vector<Yield> yields;   ///< empty: nobody gives way
   std::vector<float> stood_s;  ///< see stood_after()
   /// What quiet_standing() needs; without a seed nobody breathes.
   std::optional<uint64_t> standing_seed;

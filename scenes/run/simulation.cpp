@@ -18,6 +18,7 @@
 #include "scenes/run/posing.h"
 #include "scenes/run/run_identity.h"
 #include "scenes/run/walk.h"
+#include "scenes/run/yielding_stage.h"
 
 namespace throng {
 namespace {
@@ -113,6 +114,7 @@ struct Simulation::State {
   std::vector<BodyBlock> blocks;
   std::vector<float> postures;
   std::vector<size_t> posture_offsets;
+  std::unique_ptr<YieldingStage> yielding;  ///< null: nobody gives way
   std::unique_ptr<Culler> culler;
   RunInfo info;
   Frame frame;
@@ -138,6 +140,11 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   cut_blocks();
   world->prepare(posing, bodies);
   world->lead(driven);
+  if (scene.yielding && scene.planted_feet) {
+    bodies.yields.resize(avatars);
+    yielding = std::make_unique<YieldingStage>(scene, posing, bodies, avatars, options.culler.simd,
+                                               workers);
+  }
   culler = std::make_unique<Culler>(types(), options.culler, workers);
 }
 
@@ -169,6 +176,7 @@ void Simulation::State::archive(Archive& a) {
     if (!(phase >= 0 && phase <= 1)) a.refuse("a phase from 0 to 1", "another");
   world->archive(a);
   driven.archive(a);
+  if (yielding) yielding->archive(a, bodies);
   culler->archive(a);
 }
 
@@ -278,8 +286,11 @@ const Frame& Simulation::step() {
   s.bodies.now_s = static_cast<double>(s.frames) * s.scene.step_s;
   s.world->update(s.posing, s.bodies, s.speeds_mps);
   s.driven.place(s.bodies.roots);
+  const auto before_yielding = Clock::now();
+  if (s.yielding) s.yielding->step(s.world->present(), s.bodies);
+  s.times[Stage::kYielding] = nanoseconds_since(before_yielding);
   if (s.options.postures) s.update_postures();
-  const double postures_ns = nanoseconds_since(before_gait);
+  const double postures_ns = nanoseconds_since(before_gait) - s.times[Stage::kYielding];
   if (s.options.culling) {
     const BodiesView there = s.there.view(s.bodies, s.world->present());
     s.posing.use_bodies(s.there.chosen());

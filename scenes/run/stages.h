@@ -20,11 +20,13 @@ enum class Stage : uint8_t {
   kPartCull,
   kExact,
   kEvents,
-  kPublish
+  kPublish,
+  kYielding
 };
-inline constexpr size_t kStageCount = 8;
+inline constexpr size_t kStageCount = 9;
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "steering", "gait", "kinematics", "avatar_cull", "part_cull", "exact", "events", "publish"};
+    "steering", "gait",   "kinematics", "avatar_cull", "part_cull",
+    "exact",    "events", "publish",    "yielding"};
 
 /// Wall-clock times of one frame, nanoseconds.
 struct FrameTimes {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "avatars/stepping/standing.h"
+#include "base/elementary.h"
 
 namespace throng {
 
@@ -17,6 +18,11 @@ Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
   const double w = cosine > 0 ? larger : smaller;
   const double z = std::copysign(cosine > 0 ? smaller : larger, heading.y());
   return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
+}
+
+Eigen::Quaternionf turned_by(float angle_rad) {
+  const FloatSinCos half = float_sin_cos(0.5f * angle_rad);
+  return Eigen::Quaternionf(half.cos, 0, 0, half.sin);
 }
 
 namespace {
@@ -58,6 +64,8 @@ void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step
     chunk.gaits[i] = &posing.gait_of(first + static_cast<uint32_t>(i));
     chunk.present[i] = avatars[i].is_present ? 1 : 0;
     chunk.stretch[i] = avatars[i].stretch;
+    for (size_t n = 0; n < 4; ++n)
+      chunk.landing[n][i] = bodies.yields.empty() ? 0 : bodies.yields[first + i].landing_m[n];
   }
   const auto bring = [&](const std::vector<float>& from, WalkChunk::Numbers& to) {
     std::copy_n(from.data() + first, chunk.count, to);

@@ -14,6 +14,9 @@ namespace throng {
 /// and the same on every machine.
 Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading);
 
+/// About z by an angle of less than half a turn to either side.
+Eigen::Quaternionf turned_by(float angle_rad);
+
 /// What walk_on() asks of an avatar besides its root.
 struct WalkNow {
   RootPose before;            ///< its root in the frame before

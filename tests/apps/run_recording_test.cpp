@@ -17,7 +17,7 @@ using testing::HasSubstr;
 std::string table(const std::string& header) {
   std::string text = header + "\n";
   for (int i = 0; i < 50; ++i) {
-    text += fmt::format("3;{:.2f};{:.3f};0.5\n", 0.1 * i, 0.12 * i);
+    text += fmt::format("3;{:.2f};{:.3f};0.25\n", 0.1 * i, 0.12 * i);
     text += fmt::format("8;{:.2f};{:.3f};0\n", 0.1 * i, 6 - 0.12 * i);
   }
   return text;
@@ -40,7 +40,7 @@ TEST(RunRecording, OfATableWithColumnsOfItsOwnNeedsTheirNames) {
   EXPECT_EQ(json["recording"]["frames"], 50);
   EXPECT_EQ(json["recording"]["fps"], 10.0);
   EXPECT_EQ(json["frames"], 49 * 6 + 1) << "six steps from one to the next, up to the last";
-  EXPECT_GT(json["events"]["begin"], 0) << "shoulders meet at half a metre";
+  EXPECT_GT(json["events"]["begin"], 0) << "nobody is so narrow";
   EXPECT_EQ(shell("throng check walk.lcmlog", folder).exit_code, 0);
   // What was written is a recording again, and so is the log.
   for (const char* again : {"walk.sqlite", "walk.lcmlog"})

@@ -58,7 +58,7 @@ TEST(Run, SameEventsWithoutSimdAndWithAnyPairSearch) {
 
 TEST(Run, SeedVolumeAndExactChangeTheRunAndItsName) {
   const ScratchFolder folder;
-  const std::string base = "plaza --seconds 0.2 --avatars 200 --log off";
+  const std::string base = "plaza --seconds 2 --avatars 200 --log off";
   const Json first = run_json(base, folder);
   for (const char* option : {" --seed 99", " --part-volume sphere", " --exact"}) {
     const Json other = run_json(base + option, folder);

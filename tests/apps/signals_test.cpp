@@ -37,7 +37,7 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
   for (int round = 0; round < kRounds; ++round) {
     const ScratchFolder folder;
     // Half of them while it loads and opens, which takes half a second or, on a busy machine, more.
-    const double latest_s = round % 2 == 0 ? 0.5 : 2;
+    const double latest_s = round % 2 == 0 ? 0.5 : 3;
     const double after_s = latest_s * static_cast<double>(random() % 1000) / 1000;
     const auto& signal = signals[round % 3];
     SCOPED_TRACE("SIG" + std::string(signal.name) + " after " + std::to_string(after_s) + " s");

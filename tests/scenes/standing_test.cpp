@@ -215,9 +215,9 @@ TEST(StandingPeople, StandTheSameForAnyThreadsAndSimdTarget) {
 TEST(StandingPeople, NoContactOfPeopleWhoShiftTheirWeightIsMissed) {
   Scene scene = load_scene("evacuation");
   Group& group = scene.groups[0];
-  group.count = 60;
+  group.count = 110;
   group.spawn = {{-4, 4}, {0.5, 7.5}};
-  group.radius_m = 0.12;
+  group.radius_m = 0.08;
   group.delay_s = {100, 0, 100, 100};
   Simulation simulation(scene, {.threads = 2});
   const Model& model = *simulation.info().models.front();

@@ -247,7 +247,7 @@ TEST(Stress, APressedCrowdWalksOnAndEndsItsPairs) {
   SimulationOptions options;
   options.threads = 2;
   Simulation simulation(std::move(scene), options);
-  for (int i = 0; i < 120; ++i)
+  for (int i = 0; i < 240; ++i)
     for (const RootPose& root : simulation.step().roots)
       ASSERT_TRUE(root.position_m.allFinite()) << "frame " << i;
   const RunEnd end = simulation.finish();

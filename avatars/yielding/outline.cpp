@@ -1,0 +1,185 @@
+#include "avatars/yielding/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/elementary.h"
+
+namespace throng {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+// An arm that hangs straight, a little before the hip and as near to it as it gets.
+constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr std::array<double, YieldColumns::kArmJoints> kDrawn_rad = {0, -3 * kDegree, 3 * kDegree,
+                                                                     0};
+constexpr int kPhaseStride = 8;
+constexpr float kMostLook_rad = 0.5f;  // Gait::kMostLook_rad
+
+std::optional<YieldColumns> columns_of(const PosableModel& model) {
+  const auto column = [&model](const std::string& joint) {
+    const int index = model.joint_of(joint);
+    return index < 0 ? -1 : model.column_of_joint(index);
+  };
+  const auto limits = [&model](int c) {
+    return model.model().kinematics.columns()[static_cast<size_t>(c)];
+  };
+  YieldColumns columns;
+  columns.trunk = column("thorax_yaw");
+  if (columns.trunk < 0) return {};
+  columns.least_trunk_rad = limits(columns.trunk).lower;
+  columns.most_trunk_rad = limits(columns.trunk).upper;
+  if (const int look = model.look_joint(); look >= 0) {
+    columns.head = model.column_of_joint(look);
+    columns.least_head_rad = limits(columns.head).lower;
+    columns.most_head_rad = limits(columns.head).upper;
+    // The head looks where it looked, within what looks are bounded for.
+    columns.least_trunk_rad =
+        std::max(columns.least_trunk_rad, -columns.most_head_rad - kMostLook_rad);
+    columns.most_trunk_rad =
+        std::min(columns.most_trunk_rad, kMostLook_rad - columns.least_head_rad);
+  }
+  for (size_t side = 0; side < 2; ++side) {
+    const std::string name = side == 0 ? "right_" : "left_";
+    size_t i = 0;
+    for (const char* joint :
+         {"shoulder_flexion", "shoulder_abduction", "elbow_flexion", "wrist_flexion"}) {
+      const int c = column(name + joint);
+      if (c < 0) return {};
+      columns.arms[side][i] = c;
+      columns.drawn_rad[side][i] = static_cast<float>(model.clamped(c, kDrawn_rad[i]));
+      ++i;
+    }
+  }
+  return columns;
+}
+
+/// Vertices that are farthest in some direction: they stand for a part.
+std::vector<Vector3d> outermost(const Part& part) {
+  std::vector<Vector3d> points;
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        const Eigen::Vector3f way(static_cast<float>(x), static_cast<float>(y),
+                                  static_cast<float>(z));
+        const Eigen::Vector3f* most = nullptr;
+        for (const Eigen::Vector3f& vertex : part.mesh.vertices)
+          if (most == nullptr || vertex.dot(way) > most->dot(way)) most = &vertex;
+        if (most != nullptr) points.push_back(most->cast<double>());
+      }
+  return points;
+}
+
+enum class Region { kElse, kTrunk, kRightArm, kLeftArm };
+
+/// Which links hang from which.
+std::vector<Region> regions_of(const PosableModel& model, const YieldColumns& columns) {
+  const Robot& robot = model.model().robot;
+  std::vector<Region> regions(robot.links.size(), Region::kElse);
+  for (size_t j = 0; j < robot.joints.size(); ++j) {  // parents first
+    const Joint& joint = robot.joints[j];
+    Region& region = regions[static_cast<size_t>(joint.child_link)];
+    const int column = model.column_of_joint(static_cast<int>(j));
+    region = regions[static_cast<size_t>(joint.parent_link)];
+    if (column < 0) continue;
+    if (column == columns.trunk) region = Region::kTrunk;
+    if (column == columns.arms[0][0]) region = Region::kRightArm;
+    if (column == columns.arms[1][0]) region = Region::kLeftArm;
+  }
+  return regions;
+}
+
+struct Shape {
+  Region region;
+  size_t link;
+  std::vector<Vector3d> points;
+};
+
+}  // namespace
+
+void Reaches::add(double x, double y) {
+  static const std::array<SinCos, kDirections> ways = [] {
+    std::array<SinCos, kDirections> all;
+    for (size_t i = 0; i < all.size(); ++i)
+      all[i] = sin_cos(static_cast<double>(i) * (2 * 3.14159265358979323846 / kDirections));
+    return all;
+  }();
+  for (size_t i = 0; i < ways.size(); ++i)
+    reach_m_[i] = std::max(reach_m_[i], static_cast<float>(ways[i].cos * x + ways[i].sin * y));
+}
+
+void Reaches::close() {
+  constexpr float kGrain = 1.0f / 8192;
+  for (int i = 0; i < kDirections; ++i) reach_m_[i] = std::nearbyint(reach_m_[i] / kGrain) * kGrain;
+  for (int i = 0; i < kMore; ++i) reach_m_[kDirections + i] = reach_m_[i];
+}
+
+const std::array<Reaches, 2>& Outline::swung_at(float speed_mps, float scale) const {
+  const float root = std::sqrt(std::max(speed_mps, 0.0f) / (leg_length_m * scale));
+  const auto speed = static_cast<size_t>(root * per_root_speed + 0.5f);
+  return swung[std::min(speed, swung.size() - 1)];
+}
+
+std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitTable& table,
+                                          float cells_per_root_speed, float leg_length_m) {
+  const std::optional<YieldColumns> columns = columns_of(model);
+  if (!columns) return nullptr;
+  auto outline = std::make_unique<Outline>();
+  outline->columns = *columns;
+  outline->per_root_speed = cells_per_root_speed;
+  outline->leg_length_m = leg_length_m;
+  const int trunk = model.joint_of("thorax_yaw");
+  const auto trunk_link =
+      static_cast<size_t>(model.model().robot.joints[static_cast<size_t>(trunk)].child_link);
+  const std::vector<Region> regions = regions_of(model, *columns);
+  std::vector<Shape> shapes;
+  for (const Part& part : model.model().parts)
+    shapes.push_back(
+        {regions[static_cast<size_t>(part.link)], static_cast<size_t>(part.link), outermost(part)});
+
+  std::vector<Isometry3d> links;
+  const auto visit = [&](const std::vector<double>& posture, const auto& add) {
+    model.pose(posture, links);
+    const Isometry3d trunk_from_root = links[trunk_link].inverse();
+    for (const Shape& shape : shapes) {
+      const Isometry3d pose = trunk_from_root * links[shape.link];
+      for (const Vector3d& point : shape.points) add(shape.region, Vector3d(pose * point));
+    }
+  };
+  const auto arm = [](Region region) { return region == Region::kLeftArm ? 1 : 0; };
+  const auto is_arm = [](Region region) {
+    return region == Region::kLeftArm || region == Region::kRightArm;
+  };
+  std::vector<double> drawn = model.rest();
+  for (size_t side = 0; side < 2; ++side)
+    for (size_t i = 0; i < YieldColumns::kArmJoints; ++i)
+      drawn[static_cast<size_t>(columns->arms[side][i])] =
+          static_cast<double>(columns->drawn_rad[side][i]);
+  visit(drawn, [&](Region region, const Vector3d& p) {
+    if (region == Region::kTrunk || is_arm(region)) outline->upper.add(p.x(), p.y());
+    if (is_arm(region)) outline->drawn[static_cast<size_t>(arm(region))].add(p.x(), p.y());
+  });
+  const auto row = [&table](int speed, int phase) {
+    const float* from = table.row(speed, phase);
+    return std::vector<double>(from, from + table.columns);
+  };
+  outline->swung.resize(static_cast<size_t>(table.speeds));
+  for (int speed = 0; speed < table.speeds; ++speed) {
+    std::array<Reaches, 2>& swung = outline->swung[static_cast<size_t>(speed)];
+    for (int phase = 0; phase < table.phases; phase += kPhaseStride)
+      visit(row(speed, phase), [&](Region region, const Vector3d& p) {
+        if (is_arm(region)) swung[static_cast<size_t>(arm(region))].add(p.x(), p.y());
+      });
+    for (Reaches& side : swung) side.close();
+  }
+  for (Reaches* reaches : {&outline->upper, &outline->drawn[0], &outline->drawn[1]})
+    reaches->close();
+  return outline;
+}
+
+}  // namespace throng

@@ -1,0 +1,66 @@
+// Outline: how far a body reaches in each direction, seen from above.
+// One rule: distances are from the axis that the trunk turns about, at scale 1; they decide how
+// a body gives way and bound nothing (see upper_room.h for that).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "avatars/gait/gait_pose.h"
+#include "avatars/gait/gait_table.h"
+
+namespace throng {
+
+/// The columns of a posture row that giving way moves; the right arm, then the left.
+struct YieldColumns {
+  static constexpr size_t kArmJoints = 4;  ///< shoulder flexion and abduction, elbow, wrist
+  int trunk = -1;
+  int head = -1;  ///< or none
+  std::array<std::array<int, kArmJoints>, 2> arms{};
+  /// Where these stand when an arm is drawn in as far as it goes.
+  std::array<std::array<float, kArmJoints>, 2> drawn_rad{};
+  float least_trunk_rad = 0, most_trunk_rad = 0, least_head_rad = 0, most_head_rad = 0;
+};
+
+/// How far something reaches, by direction: 0 is ahead, counter-clockwise.
+class Reaches {
+ public:
+  static constexpr int kDirections = 48;
+  static constexpr float kPerRadian = kDirections / 6.2831853f;
+  /// So many more than there are: runs of directions need not wrap.
+  static constexpr int kMore = 24;
+
+  void add(double x, double y);
+  /// Once everything has been added.
+  void close();
+  /// A direction counts from 0 to kDirections, once around.
+  float at(float direction) const {
+    const auto i = static_cast<int>(direction);
+    const float share = direction - static_cast<float>(i);
+    return reach_m_[i] + share * (reach_m_[i + 1] - reach_m_[i]);
+  }
+  const float* from(int direction) const { return reach_m_ + direction; }
+
+ private:
+  float reach_m_[kDirections + kMore] = {};
+};
+
+/// Of one style of walking.
+struct Outline {
+  YieldColumns columns;
+  Reaches upper;                              ///< trunk and head with both arms drawn in
+  std::array<Reaches, 2> drawn;               ///< an arm
+  std::vector<std::array<Reaches, 2>> swung;  ///< an arm over a cycle, by speed
+  float per_root_speed = 0;  ///< speeds of `swung` for one of the relative speed's square root
+  float leg_length_m = 1;
+
+  const std::array<Reaches, 2>& swung_at(float speed_mps, float scale) const;
+};
+
+/// Nothing for a model without the adult's joints of trunk and arms.
+std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitTable& table,
+                                          float cells_per_root_speed, float leg_length_m);
+
+}  // namespace throng

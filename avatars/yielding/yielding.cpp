@@ -1,0 +1,265 @@
+#include "avatars/yielding/yielding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/elementary.h"
+
+namespace throng {
+namespace {
+
+// The trunk's turns that are compared: as many to either side, a direction of Reaches apart.
+constexpr int kTurnsAside = 9;
+constexpr int kTurns = 2 * kTurnsAside + 1;
+constexpr float kTurn_rad = 1 / Reaches::kPerRadian;
+// Bodies sway and lean: they stay clear of their border by so much.
+constexpr float kMargin_m = 0.03f;
+// What is needed so soon is needed now; what is needed later than kYieldAhead_s is not yet.
+constexpr float kSoon_s = 0.45f;
+// Half a metre of turned trunk is worth a tenth of a millimetre of room squared ...
+constexpr float kEffort = 1e-4f;
+// ... and turning the other way round is worth five centimetres.
+constexpr float kTurnBack = 2.5e-3f;
+constexpr float kTurned_rad = 0.1f;
+// Room once made is kept for a while: others sway. What is given up a second, with somebody near
+// and without.
+constexpr float kReleaseNear_rps = 0.3f, kRelease_rps = 1.2f;
+constexpr float kReleaseAhead_s = 1.0f / 9;  // as eased_towards() has it
+constexpr float kReleaseNear_ps = 0.8f, kRelease_ps = 2.5f;
+
+float angle_of(float y, float x) {
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float longer = std::max(std::max(ax, ay), 1e-6f);
+  const float t = std::min(ax, ay) / longer, s = t * t;
+  float angle = -0.01172120f * s + 0.05265332f;
+  angle = angle * s + -0.11643287f;
+  angle = angle * s + 0.19354346f;
+  angle = angle * s + -0.33262347f;
+  angle = (angle * s + 0.99997726f) * t;
+  if (ay > ax) angle = 1.57079633f - angle;
+  if (x < 0) angle = 3.14159265f - angle;
+  return y < 0 ? -angle : angle;
+}
+
+/// In turns of Reaches, from 0 to less than twice around.
+float direction_of(float angle_rad) {
+  constexpr float kAround = Reaches::kDirections;
+  const float direction = angle_rad * Reaches::kPerRadian;
+  return direction - kAround * std::floor(direction / kAround);
+}
+
+/// So much room in a direction, of which so much counts.
+struct Border {
+  float direction;
+  float trunk_room_m, arm_room_m;  ///< at scale 1
+  float weight;
+};
+
+/// How far a body reaches in a direction now.
+struct Reach {
+  float trunk_m, whole_m;
+};
+Reach reach_of(const Yielder& body, float angle_rad) {
+  const float direction = direction_of(angle_rad - body.motion.turn_rad);
+  const float trunk_m = body.outline->upper.at(direction);
+  float whole_m = trunk_m;
+  for (size_t side = 0; side < 2; ++side) {
+    const float swung_m = (*body.swung)[side].at(direction);
+    const float drawn_m = body.outline->drawn[side].at(direction);
+    whole_m = std::max(whole_m, swung_m + body.motion.arms[side] * (drawn_m - swung_m));
+  }
+  return {body.scale * trunk_m, body.scale * whole_m};
+}
+
+/// What a body with its arms drawn in lacks, by turn of the trunk.
+struct TurnCosts {
+  std::array<float, kTurns> cost{};
+
+  void add(const Reaches& upper, const Border& border) {
+    // Seen by a trunk that is turned to the left, what is near lies farther to the right.
+    float from = border.direction - kTurnsAside;
+    if (from < 0) from += Reaches::kDirections;
+    const auto whole = static_cast<int>(from);
+    const float share = from - static_cast<float>(whole);
+    const float* reach = upper.from(whole);
+    for (int i = 0; i < kTurns; ++i) {
+      const float reach_m = reach[i] + share * (reach[i + 1] - reach[i]);
+      const float lack_m = std::max(reach_m + kMargin_m - border.trunk_room_m, 0.0f);
+      cost[static_cast<size_t>(kTurns - 1 - i)] += border.weight * lack_m * lack_m;
+    }
+  }
+
+  float best_turn(const YieldColumns& columns, float now_rad) {
+    int best = kTurnsAside;
+    for (int i = 0; i < kTurns; ++i) {
+      const float turn = static_cast<float>(i - kTurnsAside) * kTurn_rad;
+      cost[static_cast<size_t>(i)] += kEffort * turn * turn;
+      if (std::abs(now_rad) > kTurned_rad && turn * now_rad < 0)
+        cost[static_cast<size_t>(i)] += kTurnBack;
+    }
+    for (int i = 0; i < kTurns; ++i)
+      if (cost[static_cast<size_t>(i)] < cost[static_cast<size_t>(best)]) best = i;
+    // Between its neighbours where the parabola through the three is lowest.
+    float turn = static_cast<float>(best - kTurnsAside);
+    if (best > 0 && best < kTurns - 1) {
+      const float before = cost[static_cast<size_t>(best - 1)],
+                  here = cost[static_cast<size_t>(best)],
+                  after = cost[static_cast<size_t>(best + 1)];
+      const float bend = before - 2 * here + after;
+      if (bend > 0) turn += std::clamp(0.5f * (before - after) / bend, -0.5f, 0.5f);
+    }
+    constexpr float kWaist = 1 / (1 - kHipsShare);
+    constexpr float kGaitTurn_rad = 0.1f;  // the waist turns by so much in walking
+    return std::clamp(turn * kTurn_rad, kWaist * (columns.least_trunk_rad + kGaitTurn_rad),
+                      kWaist * (columns.most_trunk_rad - kGaitTurn_rad));
+  }
+};
+
+constexpr size_t kMostBorders = 64;
+
+struct Borders {
+  std::array<Border, kMostBorders> all;
+  size_t count = 0;
+  void add(const Border& border) {
+    if (count < kMostBorders) all[count++] = border;
+  }
+};
+
+float weight_at(float ahead_s) {
+  return std::clamp((kYieldAhead_s - ahead_s) / (kYieldAhead_s - kSoon_s), 0.0f, 1.0f);
+}
+
+/// The border towards somebody as both will stand in a while: in the middle of what would be
+/// between them as they are now.
+void add_border(const Yielder& own, const NearBody& near, float ahead_s, Borders& borders) {
+  const float weight = weight_at(ahead_s);
+  if (weight <= 0) return;
+  const float x = near.x_m + ahead_s * near.vx_mps, y = near.y_m + ahead_s * near.vy_mps;
+  const float apart_m = std::sqrt(x * x + y * y);
+  if (apart_m > kYieldReach_m) return;
+  const float angle = angle_of(y, x);
+  Border border{direction_of(angle), 0, 0, weight};
+  if (near.yielder == nullptr) {
+    border.trunk_room_m = border.arm_room_m = (apart_m - near.radius_m) / own.scale;
+  } else {
+    const Reach mine = reach_of(own, angle);
+    const Reach other = reach_of(*near.yielder, angle - near.heading_rad + 3.14159265f);
+    border.trunk_room_m = 0.5f * (apart_m + mine.trunk_m - other.trunk_m) / own.scale;
+    border.arm_room_m = 0.5f * (apart_m + mine.whole_m - other.whole_m) / own.scale;
+  }
+  borders.add(border);
+}
+
+void add_borders(const Yielder& own, const NearBody& near, Borders& borders) {
+  const float square = near.vx_mps * near.vx_mps + near.vy_mps * near.vy_mps;
+  const float nearest_s =
+      std::clamp(-(near.x_m * near.vx_mps + near.y_m * near.vy_mps) / std::max(square, 1e-4f), 0.0f,
+                 kYieldAhead_s);
+  const float x = near.x_m + nearest_s * near.vx_mps, y = near.y_m + nearest_s * near.vy_mps;
+  if (x * x + y * y > kYieldReach_m * kYieldReach_m) return;
+  add_border(own, near, 0, borders);
+  if (nearest_s < 0.05f) return;
+  add_border(own, near, nearest_s, borders);
+  add_border(own, near, 0.5f * nearest_s, borders);
+}
+
+/// As it is now and as it will be soon.
+void add_wall(const Yielder& own, const NearWall& wall, Borders& borders) {
+  const float direction = direction_of(angle_of(wall.y, wall.x));
+  for (const float ahead_s : {0.0f, kSoon_s}) {
+    const float room_m = (wall.distance_m - ahead_s * wall.approach_mps) / own.scale;
+    borders.add({direction, room_m, room_m, 1});
+  }
+}
+
+/// How far an arm has to be drawn in to swing within all borders.
+float wanted_draw(const Yielder& own, size_t side, float turn_rad,
+                  std::span<const Border> borders) {
+  constexpr float kWorthIt_m = 0.01f;  // elsewhere it makes no difference
+  float wanted = 0;
+  for (const Border& border : borders) {
+    const float direction = direction_of(border.direction / Reaches::kPerRadian - turn_rad);
+    const float swung_m = (*own.swung)[side].at(direction);
+    const float won_m = swung_m - own.outline->drawn[side].at(direction);
+    const float lack_m = swung_m + kMargin_m - border.arm_room_m;
+    if (lack_m <= 0 || won_m < kWorthIt_m) continue;
+    wanted = std::max(wanted, border.weight * std::min(lack_m / won_m, 1.0f));
+  }
+  return wanted;
+}
+
+float eased_towards(float wanted, float most_speed, float most_acceleration, float step_s,
+                    float& value, float& speed) {
+  // As fast as one can be and still stop there; near it slower, so that it is reached smoothly.
+  constexpr float kPerSecond = 9;
+  const float left = wanted - value, size = std::abs(left);
+  const float fastest =
+      std::min({most_speed, std::sqrt(1.4f * most_acceleration * size), kPerSecond * size});
+  const float change = std::copysign(fastest, left) - speed;
+  const float most_change = most_acceleration * step_s;
+  speed += std::clamp(change, -most_change, most_change);
+  value += speed * step_s;
+  return value;
+}
+
+/// What is wanted, but no more than `most` nearer to nothing than now.
+float held(float wanted, float now, float most) {
+  if (std::abs(now) <= most) return wanted;
+  return now > 0 ? std::max(wanted, now - most) : std::min(wanted, now + most);
+}
+
+}  // namespace
+
+YieldMotion wanted_yield(const Yielder& own, std::span<const NearBody> near,
+                         std::span<const NearWall> walls) {
+  Borders borders;
+  for (const NearBody& body : near) add_borders(own, body, borders);
+  for (const NearWall& wall : walls) add_wall(own, wall, borders);
+  YieldMotion wanted;
+  wanted.is_near = borders.count > 0;
+  if (!wanted.is_near) return wanted;
+  const std::span<const Border> all(borders.all.data(), borders.count);
+  TurnCosts costs;
+  for (const Border& border : all) costs.add(own.outline->upper, border);
+  wanted.turn_rad = costs.best_turn(own.outline->columns, own.motion.turn_rad);
+  for (size_t side = 0; side < 2; ++side)
+    wanted.arms[side] = wanted_draw(own, side, wanted.turn_rad, all);
+  return wanted;
+}
+
+void follow(const YieldMotion& wanted, float step_s, YieldMotion& motion) {
+  const YieldLimits& limits = kYieldLimits;
+  const float turn_release = (wanted.is_near ? kReleaseNear_rps : kRelease_rps) * kReleaseAhead_s;
+  const float arm_release = (wanted.is_near ? kReleaseNear_ps : kRelease_ps) * kReleaseAhead_s;
+  const bool turns_back = wanted.turn_rad * motion.turn_rad < 0;
+  const float turn_rad =
+      turns_back ? wanted.turn_rad : held(wanted.turn_rad, motion.turn_rad, turn_release);
+  eased_towards(turn_rad, limits.trunk_rps, limits.trunk_rps2, step_s, motion.turn_rad,
+                motion.turn_rps);
+  for (size_t side = 0; side < 2; ++side) {
+    float& arm = motion.arms[side];
+    eased_towards(held(wanted.arms[side], arm, arm_release), limits.arm_ps, limits.arm_ps2, step_s,
+                  arm, motion.arms_ps[side]);
+    if (arm >= 0 && arm <= 1) continue;
+    arm = std::clamp(arm, 0.0f, 1.0f);
+    motion.arms_ps[side] = 0;
+  }
+}
+
+void put_yield(const YieldColumns& columns, const Yield& yield, std::span<float> row) {
+  if (yield.is_none()) return;
+  float& trunk = row[static_cast<size_t>(columns.trunk)];
+  const float before = trunk;
+  trunk = std::clamp(trunk + yield.trunk_rad, columns.least_trunk_rad, columns.most_trunk_rad);
+  if (columns.head >= 0) {
+    float& head = row[static_cast<size_t>(columns.head)];
+    head = std::clamp(head - (trunk - before), columns.least_head_rad, columns.most_head_rad);
+  }
+  for (size_t side = 0; side < 2; ++side)
+    for (size_t i = 0; i < YieldColumns::kArmJoints; ++i) {
+      float& angle = row[static_cast<size_t>(columns.arms[side][i])];
+      angle += yield.arms[side] * (columns.drawn_rad[side][i] - angle);
+    }
+}
+
+}  // namespace throng

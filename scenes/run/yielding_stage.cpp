@@ -1,0 +1,385 @@
+#include "scenes/run/yielding_stage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "base/elementary.h"
+
+namespace throng {
+namespace {
+
+constexpr double kSearch_s = 0.1;
+constexpr double kDecision_s = 0.05;
+// Two who walk towards each other at 1.5 m/s each until they are looked up again and as far ahead
+// as bodies look.
+constexpr float kSearch_m = 2.4f;
+constexpr float kWallReach_m = 0.9f;
+enum : uint8_t { kAway, kFresh, kThere };
+// Velocities are means over about so long: roots of recorded people tremble.
+constexpr float kMean_s = 0.3f, kRhythmMean_s = 0.1f;
+// The place where a foot is to land changes no faster.
+constexpr float kLanding_mps = 2.5f;
+// Strides get longer or shorter no faster.
+constexpr float kStretch_ps = 3;
+// What is wanted of steps and strides is decided so often.
+constexpr double kLanding_s = 0.05, kRhythm_s = 0.2;
+// Nobody goes so far in a step: a jump.
+constexpr double kJump_m = 1;
+
+/// Something outside moves it.
+bool is_held(const BodyStates& bodies, uint32_t id) {
+  return !bodies.held_rows.empty() && bodies.held_rows[id] != nullptr;
+}
+
+int64_t steps_in(double time_s, const Scene& scene) {
+  return std::max<int64_t>(1, std::llround(time_s / scene.step_s));
+}
+
+}  // namespace
+
+YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const BodyStates& bodies,
+                             size_t avatars, SimdTarget simd, Workers& workers)
+    : posing_(posing),
+      workers_(workers),
+      step_s_(static_cast<float>(scene.step_s)),
+      steps_a_search_(steps_in(kSearch_s, scene)),
+      steps_a_decision_(steps_in(kDecision_s, scene)),
+      steps_a_landing_(steps_in(kLanding_s, scene)),
+      steps_a_rhythm_(steps_in(kRhythm_s, scene)),
+      walkable_(scene),
+      grid_(scene.ground, avatars, simd),
+      blocks_(blocks_of({bodies.types.data(), avatars})),
+      seen_(avatars),
+      last_m_(avatars, Eigen::Vector2d::Zero()),
+      was_there_(avatars),
+      yielders_(avatars),
+      motions_(avatars),
+      wanted_(avatars),
+      footings_(avatars),
+      around_(avatars),
+      found_(avatars * NeighbourGrid::kMost),
+      counts_(avatars) {
+  middle_m_ = grid_.middle_m();
+  size_t most_columns = 0, most_parts = 0;
+  for (size_t model = 0; model < posing.model_count(); ++model) {
+    const Outline* outline = posing.outline_of(model);
+    rooms_.emplace_back();
+    if (outline == nullptr) continue;
+    rooms_.back().emplace(posing.model(model), outline->columns);
+    most_columns = std::max(most_columns, static_cast<size_t>(posing.column_count(model)));
+    most_parts = std::max(most_parts, static_cast<size_t>(posing.model(model).part_count()));
+  }
+  scratch_.resize(static_cast<size_t>(workers.threads()));
+  for (Scratch& scratch : scratch_) {
+    scratch.rows.resize(kBatch * most_columns);
+    scratch.poses.resize(kBatch * most_parts);
+  }
+}
+
+void YieldingStage::archive(Archive& a, BodyStates& bodies) {
+  a(steps_, was_there_);
+  const auto motion = [&a](YieldMotion& m) {
+    a(m.turn_rad, m.turn_rps, m.arms[0], m.arms[1], m.arms_ps[0], m.arms_ps[1], m.is_near);
+  };
+  const auto numbers = [&a](auto& values) {
+    for (auto& value : values) a(value);
+  };
+  for (size_t i = 0; i < seen_.size(); ++i) {
+    Seen& seen = seen_[i];
+    a(last_m_[i], seen.vx_mps, seen.vy_mps, seen.phase, seen.cycles_ps);
+    motion(motions_[i]);
+    motion(wanted_[i]);
+    a(footings_[i].stretch);
+    numbers(footings_[i].landing_m);
+    Around& around = around_[i];
+    a(around.people_count, around.wall_count);
+    numbers(around.people);
+    for (Wall& wall : around.walls) a(wall.x, wall.y, wall.offset_m);
+    Yield& yield = bodies.yields[i];
+    a(yield.trunk_rad, yield.hips_rad, yield.arms[0], yield.arms[1], yield.stretch);
+    numbers(yield.landing_m);
+  }
+  check_read(a, bodies);
+}
+
+void YieldingStage::check_read(Archive& a, const BodyStates& bodies) const {
+  constexpr float kMost = 1000;  // of any number here, in whatever unit
+  for (const uint8_t state : was_there_)
+    if (state > kThere) a.refuse("a person who is away, fresh or there", std::to_string(state));
+  for (size_t i = 0; i < seen_.size(); ++i) {
+    const Around& around = around_[i];
+    if (around.people_count > NeighbourGrid::kMost || around.wall_count > kMostWalls)
+      a.refuse("few near a person", std::to_string(around.people_count));
+    for (const uint32_t other : around.near())
+      if (other >= seen_.size()) a.refuse("an avatar near a person", std::to_string(other));
+    const Yield& yield = bodies.yields[i];
+    const YieldMotion &m = motions_[i], &w = wanted_[i];
+    const auto is_sound = [](float value) { return std::abs(value) < kMost; };
+    for (const float value :
+         {seen_[i].vx_mps, seen_[i].vy_mps, seen_[i].phase, seen_[i].cycles_ps, m.turn_rad,
+          m.turn_rps, m.arms_ps[0], m.arms_ps[1], w.turn_rad, yield.trunk_rad, yield.hips_rad})
+      if (!is_sound(value)) a.refuse("how a body gives way", std::to_string(value));
+    for (const float share :
+         {m.arms[0], m.arms[1], w.arms[0], w.arms[1], yield.arms[0], yield.arms[1]})
+      if (!(share >= 0 && share <= 1)) a.refuse("a share of an arm", std::to_string(share));
+    for (const float stretch : {footings_[i].stretch, yield.stretch})
+      if (!(stretch > 0.1f && stretch < 10))
+        a.refuse("a length of strides", std::to_string(stretch));
+    for (size_t n = 0; n < 4; ++n)
+      if (!(std::abs(footings_[i].landing_m[n]) < 1 && std::abs(yield.landing_m[n]) < 1))
+        a.refuse("a foot near its landing place", std::to_string(yield.landing_m[n]) + " m");
+  }
+}
+
+void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) {
+  const float share = step_s_ / (step_s_ + kMean_s);
+  const float rhythm_share = step_s_ / (step_s_ + kRhythmMean_s);
+  for (uint32_t id = first; id < end; ++id) {
+    const RootPose& root = bodies.roots[id];
+    const float w = root.world_from_root.w(), z = root.world_from_root.z();
+    const float cos = w * w - z * z, sin = 2 * w * z;
+    const float aside_m =
+        bodies.scales[id] * posing_.gait_of(id).trunk_aside_m(bodies.postures[id]);
+    const Eigen::Vector2d at = root.position_m.head<2>();
+    const Eigen::Vector2d way = at - last_m_[id];
+    last_m_[id] = at;
+    Seen& seen = seen_[id];
+    // The trunk's place, which sways; its way is the root's, which does not.
+    seen.x_m = static_cast<float>(at.x() - middle_m_.x()) - aside_m * sin;
+    seen.y_m = static_cast<float>(at.y() - middle_m_.y()) + aside_m * cos;
+    seen.heading_rad =
+        static_cast<float>(2 * arc_tan2(static_cast<double>(z), static_cast<double>(w))) -
+        bodies.yields[id].hips_rad;
+    const FloatSinCos way_turn = float_sin_cos(seen.heading_rad);
+    seen.cos = way_turn.cos;
+    seen.sin = way_turn.sin;
+    seen.landing_m = bodies.yields[id].landing_m;
+    const float phase = bodies.phases[id];
+    const float cycles = phase - seen.phase;
+    seen.phase = phase;
+    Yielder& yielder = yielders_[id];
+    yielder.outline = is_held(bodies, id) ? nullptr : posing_.gait_of(id).outline();
+    yielder.scale = bodies.scales[id];
+    yielder.motion = motions_[id];
+    if (yielder.outline != nullptr)
+      yielder.swung = &yielder.outline->swung_at(bodies.gait_mps[id], yielder.scale);
+    if (was_there_[id] == kAway || way.squaredNorm() > kJump_m * kJump_m) {
+      seen.vx_mps = seen.vy_mps = seen.cycles_ps = 0;
+      was_there_[id] = kFresh;
+      continue;
+    }
+    seen.cycles_ps += rhythm_share * ((cycles - std::floor(cycles)) / step_s_ - seen.cycles_ps);
+    seen.vx_mps += share * (static_cast<float>(way.x()) / step_s_ - seen.vx_mps);
+    seen.vy_mps += share * (static_cast<float>(way.y()) / step_s_ - seen.vy_mps);
+  }
+}
+
+void YieldingStage::search(std::span<const uint8_t> present, const BodyStates& bodies) {
+  grid_.rebuild({last_m_.data(), last_m_.size()}, present);
+  const std::span<const uint32_t> order = grid_.order();
+  constexpr size_t kBlock = 256;
+  const auto blocks = static_cast<int>((order.size() + kBlock - 1) / kBlock);
+  workers_.for_blocks(blocks, [&](int block, int) {
+    const size_t begin = static_cast<size_t>(block) * kBlock;
+    const size_t end = std::min(begin + kBlock, order.size());
+    grid_.nearest(begin, end, kSearch_m, found_.data(), counts_.data());
+    for (size_t slot = begin; slot < end; ++slot) {
+      Around& around = around_[order[slot]];
+      around.people_count = counts_[slot];
+      for (size_t i = 0; i < counts_[slot]; ++i)
+        around.people[i] = order[found_[NeighbourGrid::kMost * slot + i]];
+      find_walls(bodies.roots[order[slot]].position_m.head<2>(), around);
+    }
+  });
+}
+
+void YieldingStage::find_walls(const Eigen::Vector2d& position_m, Around& around) const {
+  around.wall_count = 0;
+  for (const uint32_t footprint : walkable_.near(position_m)) {
+    const Walkable::Nearest nearest = walkable_.nearest(footprint, position_m);
+    if (nearest.distance_m > static_cast<double>(kWallReach_m)) continue;
+    if (around.wall_count == kMostWalls) return;
+    const double offset_m = nearest.normal.dot(position_m - middle_m_) - nearest.distance_m;
+    around.walls[around.wall_count++] = {static_cast<float>(nearest.normal.x()),
+                                         static_cast<float>(nearest.normal.y()),
+                                         static_cast<float>(offset_m)};
+  }
+}
+
+YieldMotion YieldingStage::wanted_of(uint32_t id, const BodyStates& bodies) const {
+  const Seen& own = seen_[id];
+  std::array<NearBody, NeighbourGrid::kMost> near;
+  std::array<NearWall, kMostWalls> walls;
+  size_t count = 0;
+  for (const uint32_t other : around_[id].near()) {
+    const Seen& seen = seen_[other];
+    const float dx = seen.x_m - own.x_m, dy = seen.y_m - own.y_m;
+    const float vx = seen.vx_mps - own.vx_mps, vy = seen.vy_mps - own.vy_mps;
+    const bool yields = yielders_[other].outline != nullptr;
+    near[count++] = {
+        own.cos * dx + own.sin * dy,
+        own.cos * dy - own.sin * dx,
+        own.cos * vx + own.sin * vy,
+        own.cos * vy - own.sin * vx,
+        seen.heading_rad - own.heading_rad,
+        yields ? &yielders_[other] : nullptr,
+        yields ? 0
+               : bodies.scales[other] * posing_.model(bodies.types[other]).footprint_radius_m()};
+  }
+  const Around& around = around_[id];
+  for (size_t i = 0; i < around.wall_count; ++i) {
+    const Wall& wall = around.walls[i];
+    walls[i] = {-(own.cos * wall.x + own.sin * wall.y), -(own.cos * wall.y - own.sin * wall.x),
+                wall.x * own.x_m + wall.y * own.y_m - wall.offset_m,
+                -(wall.x * own.vx_mps + wall.y * own.vy_mps)};
+  }
+  return wanted_yield(yielders_[id], {near.data(), count}, {walls.data(), around.wall_count});
+}
+
+void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
+  YieldMotion& motion = motions_[id];
+  const bool is_fresh = was_there_[id] == kFresh;
+  was_there_[id] = kThere;
+  if (is_fresh || (steps_ + id) % steps_a_decision_ == 0) wanted_[id] = wanted_of(id, bodies);
+  // A person who has just come in has seen the others before.
+  if (is_fresh)
+    motion = wanted_[id];
+  else
+    follow(wanted_[id], step_s_, motion);
+  Yield& yield = bodies.yields[id];
+  yield.trunk_rad = motion.turn_rad - yield.hips_rad;
+  yield.hips_rad = kHipsShare * motion.turn_rad;
+  yield.arms = motion.arms;
+}
+
+Steps YieldingStage::steps_of(uint32_t id, const BodyStates& bodies) const {
+  const Seen& seen = seen_[id];
+  const RootPose& root = bodies.roots[id];
+  const float w = root.world_from_root.w(), z = root.world_from_root.z();
+  Steps steps;
+  const Eigen::Vector2d at = root.position_m.head<2>() - middle_m_;
+  steps.root_m = at.cast<float>();
+  steps.velocity_mps = {seen.vx_mps, seen.vy_mps};
+  steps.ahead = {w * w - z * z, 2 * w * z};
+  steps.scale = bodies.scales[id];
+  steps.phase = bodies.phases[id];
+  const Gait& gait = posing_.gait_of(id);
+  steps.swing = &gait.swing();
+  steps.track = gait.track_at(bodies.gait_mps[id], steps.scale);
+  steps.cycles_ps = seen.cycles_ps;
+  steps.later_ps = steps.cycles_ps;
+  steps.later_s = 0;
+  steps.shift_m = {bodies.feet[0][id], bodies.feet[1][id], bodies.feet[3][id], bodies.feet[4][id]};
+  steps.landing_m = seen.landing_m;
+  return steps;
+}
+
+size_t YieldingStage::steps_near(uint32_t id, const BodyStates& bodies, NearSteps& near) const {
+  constexpr float kReach_m = 1.6f;
+  size_t count = 0;
+  for (const uint32_t other : around_[id].near()) {
+    const float dx = seen_[other].x_m - seen_[id].x_m, dy = seen_[other].y_m - seen_[id].y_m;
+    if (dx * dx + dy * dy > kReach_m * kReach_m) continue;
+    if (is_held(bodies, other) || !posing_.gait_of(other).has_legs()) continue;
+    near[count++] = steps_of(other, bodies);
+  }
+  return count;
+}
+
+void YieldingStage::place_feet(uint32_t id, BodyStates& bodies) {
+  Footing& wanted = footings_[id];
+  const int64_t turn = steps_ + id;  // not everybody's at once
+  const bool steps_now = turn % steps_a_landing_ == 0, strides_now = turn % steps_a_rhythm_ == 0;
+  if (steps_now || strides_now) {
+    NearSteps near;
+    const size_t count = steps_near(id, bodies, near);
+    if (count == 0) {
+      wanted = {};
+    } else {
+      const Steps own = steps_of(id, bodies);
+      if (strides_now)
+        wanted.stretch = stretch_for(own, {near.data(), count}, bodies.yields[id].stretch);
+      for (size_t side = 0; steps_now && side < 2; ++side) {
+        const Eigen::Vector2f shift_m = landing_shift_m(own, side, {near.data(), count});
+        wanted.landing_m[2 * side] = shift_m.x();
+        wanted.landing_m[2 * side + 1] = shift_m.y();
+      }
+    }
+  }
+  const auto approach = [&](float to, float most_ps, float& now) {
+    now += std::clamp(to - now, -most_ps * step_s_, most_ps * step_s_);
+  };
+  Yield& yield = bodies.yields[id];
+  approach(wanted.stretch, kStretch_ps, yield.stretch);
+  for (size_t i = 0; i < 4; ++i) approach(wanted.landing_m[i], kLanding_mps, yield.landing_m[i]);
+}
+
+/// The room that stepping knows holds the body as its gait has it; this adds the body as it has
+/// given way. Who would leave the room of all postures does not give way.
+void YieldingStage::make_room(std::span<const uint32_t> ids, int worker, BodyStates& bodies) {
+  const uint16_t type = bodies.types[ids.front()];
+  const Model& model = posing_.model(type);
+  const UpperRoom& room = *rooms_[type];
+  const RootSphere all = posing_.sphere(type);
+  const auto parts = static_cast<size_t>(model.part_count());
+  const auto columns = static_cast<size_t>(model.kinematics.column_count());
+  Scratch& scratch = scratch_[static_cast<size_t>(worker)];
+  const std::span<float> rows(scratch.rows.data(), ids.size() * columns);
+  const std::span<PartPose> poses(scratch.poses.data(), ids.size() * parts);
+  const std::array<RootFrame, kBatch> frames{};
+  posing_.rows(ids, rows);
+  forward_kinematics(model.kinematics, rows, {frames.data(), ids.size()}, poses);
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const uint32_t id = ids[i];
+    const std::span<const PartPose> body = poses.subspan(i * parts, parts);
+    if (!room.is_within(body, all.centre_m.z(), all.radius_m, all.upright_radius_m)) {
+      bodies.yields[id].trunk_rad = 0;
+      bodies.yields[id].arms = {};
+      continue;
+    }
+    const Gait& gait = posing_.gait_of(id);
+    RootBox box = gait.box_of({bodies.room_x[id], bodies.room_y[id]}, 1);
+    const RootBox upper = room.box(body);
+    for (int axis = 0; axis < 2; ++axis) {
+      box.min_m[axis] = std::min(box.min_m[axis], upper.min_m[axis]);
+      box.max_m[axis] = std::max(box.max_m[axis], upper.max_m[axis]);
+    }
+    const WalkRoom held = gait.room_of(box, 1);
+    bodies.room_x[id] = held.x;
+    bodies.room_y[id] = held.y;
+  }
+}
+
+void YieldingStage::step(std::span<const uint8_t> present, BodyStates& bodies) {
+  workers_.for_blocks(static_cast<int>(blocks_.size()), [&](int index, int) {
+    const BodyBlock& block = blocks_[static_cast<size_t>(index)];
+    see(bodies, block.first, block.first + block.count);
+  });
+  for (size_t id = 0; !present.empty() && id < was_there_.size(); ++id)
+    if (present[id] == 0) was_there_[id] = kAway;
+  const bool has_fresh =
+      std::find(was_there_.begin(), was_there_.end(), kFresh) != was_there_.end();
+  if (steps_++ % steps_a_search_ == 0 || has_fresh) search(present, bodies);
+  workers_.for_blocks(static_cast<int>(blocks_.size()), [&](int index, int worker) {
+    const BodyBlock& block = blocks_[static_cast<size_t>(index)];
+    if (!rooms_[bodies.types[block.first]]) return;
+    std::array<uint32_t, kBatch> turned;
+    size_t count = 0;
+    for (uint32_t id = block.first; id < block.first + block.count; ++id) {
+      if (was_there_[id] == kAway) bodies.yields[id] = {};
+      if (was_there_[id] == kAway || is_held(bodies, id)) continue;
+      give_way(id, bodies);
+      place_feet(id, bodies);
+      if (bodies.yields[id].is_none()) continue;
+      turned[count++] = id;
+      if (count < kBatch) continue;
+      make_room(turned, worker, bodies);
+      count = 0;
+    }
+    if (count > 0) make_room({turned.data(), count}, worker, bodies);
+  });
+}
+
+}  // namespace throng
