@@ -121,7 +121,7 @@ void Reaches::close() {
 
 const std::array<Reaches, 2>& Outline::swung_at(float speed_mps, float scale) const {
   const float root = std::sqrt(std::max(speed_mps, 0.0f) / (leg_length_m * scale));
-  const auto speed = static_cast<size_t>(root * per_root_speed + 0.5f);
+  const auto speed = static_cast<size_t>(std::lround(root * per_root_speed));
   return swung[std::min(speed, swung.size() - 1)];
 }
 

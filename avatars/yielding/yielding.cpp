@@ -102,9 +102,8 @@ struct TurnCosts {
     // Between its neighbours where the parabola through the three is lowest.
     float turn = static_cast<float>(best - kTurnsAside);
     if (best > 0 && best < kTurns - 1) {
-      const float before = cost[static_cast<size_t>(best - 1)],
-                  here = cost[static_cast<size_t>(best)],
-                  after = cost[static_cast<size_t>(best + 1)];
+      const auto middle = static_cast<size_t>(best);
+      const float before = cost[middle - 1], here = cost[middle], after = cost[middle + 1];
       const float bend = before - 2 * here + after;
       if (bend > 0) turn += std::clamp(0.5f * (before - after) / bend, -0.5f, 0.5f);
     }

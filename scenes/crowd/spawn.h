@@ -17,7 +17,7 @@
 namespace throng {
 
 /// One person at the start of a run.
-struct Person {
+struct Person {  // NOLINT(clang-analyzer-optin.performance.Padding): by meaning
   uint32_t group = 0;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d heading = Eigen::Vector2d::UnitX();  ///< unit

@@ -51,7 +51,8 @@ float drawn(uint64_t seed, uint32_t index, double low, double high) {
 }
 
 TEST(Footing, WhoIsAloneWalksAsEver) {
-  for (float phase = 0; phase < 1; phase += 0.05f) {
+  for (int step = 0; step < 20; ++step) {
+    const float phase = 0.05f * static_cast<float>(step);
     const Steps own = walks({0, 0}, phase);
     EXPECT_EQ(stretch_for(own, {}, 1), 1);
     for (size_t side = 0; side < 2; ++side)
@@ -90,8 +91,8 @@ TEST(LegPath, AFootOnTheGroundStaysThereUntilItLifts) {
   const Steps now = walks({0, 0}, 0.05f);
   const LegPath path(now, 0, 2);
   const float lifts_s = (now.track.stance - 0.05f) / now.cycles_ps;
-  for (float share = 0; share < 1; share += 0.1f)
-    EXPECT_EQ(path.at(share * lifts_s).foot_m, path.at(0).foot_m);
+  for (int tenth = 0; tenth < 10; ++tenth)
+    EXPECT_EQ(path.at(0.1f * static_cast<float>(tenth) * lifts_s).foot_m, path.at(0).foot_m);
   EXPECT_TRUE(path.at(lifts_s).stays);
 }
 

@@ -77,7 +77,8 @@ TEST(Yielding, WhoGoesAwayIsNotGivenWayTo) {
 }
 
 TEST(Yielding, TwoAbreastTurnUntilTheyFit) {
-  for (float apart_m = 0.6f; apart_m > 0.37f; apart_m -= 0.02f) {
+  for (int step = 0; step < 12; ++step) {
+    const float apart_m = 0.6f - 0.02f * static_cast<float>(step);
     Yielder right = walker(), left = walker();
     settle(right, left, apart_m);
     EXPECT_LT(reach_m(right, 0.5f * kHalfTurn) + reach_m(left, -0.5f * kHalfTurn), apart_m);

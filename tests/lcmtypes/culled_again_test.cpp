@@ -14,6 +14,7 @@ struct Case {
   uint64_t seed;
   int avatars = 80;
 };
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.avatars << " in " << c.scene << ", seed " << c.seed;
 }

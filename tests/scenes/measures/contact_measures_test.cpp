@@ -37,7 +37,7 @@ struct ThreePeople {
     run.scale_of_avatar = {1, 1, 1};
     roots.resize(3);
     for (size_t id = 0; id < 3; ++id) roots[id].position_m = {5.0 * static_cast<double>(id), 0, 0};
-    rows.assign(static_cast<size_t>(3 * adult()->kinematics.column_count()), 0);
+    rows.assign(3 * static_cast<size_t>(adult()->kinematics.column_count()), 0);
     for (size_t id = 0; id <= 3; ++id)
       offsets.push_back(id * static_cast<size_t>(adult()->kinematics.column_count()));
   }
