@@ -40,6 +40,21 @@ struct FloatSinCosConstants {
                                     2.476180816302076e-05f, -2.6075662162838853e-07f};
 };
 
+/// In [-pi, pi], off by less than 4e-6; 0 for the origin.
+inline float float_arc_tan2(float y, float x) {
+  const float ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
+  const float longer = ax > ay ? ax : ay, shorter = ax > ay ? ay : ax;
+  const float t = longer > 0 ? shorter / longer : 0, s = t * t;
+  float angle = -0.01172120f * s + 0.05265332f;
+  angle = angle * s + -0.11643287f;
+  angle = angle * s + 0.19354346f;
+  angle = angle * s + -0.33262347f;
+  angle = (angle * s + 0.99997726f) * t;
+  if (ay > ax) angle = 1.57079633f - angle;
+  if (x < 0) angle = 3.14159265f - angle;
+  return y < 0 ? -angle : angle;
+}
+
 /// Off by less than 2e-7 for |angle_rad| <= 100; finite and useless far beyond 10^4. The function
 /// of that name in base/simd/lanes-inl.h does the same to each lane, operation for operation.
 inline FloatSinCos float_sin_cos(float angle_rad) {

@@ -1,5 +1,6 @@
 #include "avatars/gait/gait.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -30,8 +31,9 @@ constexpr float kShortestStride = 0.03f;
 // differ between processors, do not reach a result.
 constexpr double kNodeGrain = 1.0 / (1 << 18);
 
-/// How far the right foot has come in the root frame, by share of its swing.
-SwingShares swing_of(const std::vector<WalkerPose>& cycle, double stance) {
+/// How far the right foot has come in the root frame, by share of its swing: the least squares of
+/// some points of it.
+SwingCurve swing_of(const std::vector<WalkerPose>& cycle, double stance) {
   const auto phases = static_cast<double>(cycle.size());
   const auto x_at = [&](double phase) {
     const auto before = static_cast<size_t>(phase * phases) % cycle.size();
@@ -39,15 +41,22 @@ SwingShares swing_of(const std::vector<WalkerPose>& cycle, double stance) {
     const auto x = [&](size_t i) { return cycle[i % cycle.size()].feet[0].ground_m.x(); };
     return x(before) + share * (x(before + 1) - x(before));
   };
-  SwingShares shares{};
+  constexpr int kPoints = 15;
   const double from = x_at(stance), to = x_at(0);
-  for (size_t i = 0; i < shares.size(); ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(shares.size() - 1);
-    const double x = i + 1 == shares.size() ? to : x_at(stance + share * (1 - stance));
-    shares[i] =
-        static_cast<float>(std::nearbyint((x - from) / (to - from) / kNodeGrain) * kNodeGrain);
+  Eigen::Matrix<double, kPoints, 4> powers;
+  Eigen::Matrix<double, kPoints, 1> bulges;
+  for (int i = 0; i < kPoints; ++i) {
+    const double u = (i + 1.0) / (kPoints + 1), both = u * (1 - u);
+    powers.row(i) << both, both * u, both * u * u, both * u * u * u;
+    bulges[i] = (x_at(stance + u * (1 - stance)) - from) / (to - from) - u;
   }
-  return shares;
+  const Eigen::Vector4d fit =
+      (powers.transpose() * powers).ldlt().solve(powers.transpose() * bulges);
+  SwingCurve swing{};
+  for (int i = 0; i < 4; ++i)
+    swing.bulge[static_cast<size_t>(i)] =
+        static_cast<float>(std::nearbyint(fit[i] / kNodeGrain) * kNodeGrain);
+  return swing;
 }
 
 }  // namespace

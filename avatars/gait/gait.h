@@ -67,7 +67,7 @@ class Gait {
                        SimdTarget target = SimdTarget::kBest);
   /// Of a body with legs.
   FootTrack track_at(float speed_mps, float scale) const;
-  const SwingShares& swing() const { return swing_; }
+  const SwingCurve& swing() const { return swing_; }
   /// A box that holds every part.
   RootBox box_of(const WalkRoom& room, float scale) const;
   /// The other way round; nothing in z.
@@ -97,7 +97,7 @@ class Gait {
   float sphere_radius_m_ = 0;
   float upright_radius_m_ = 0;
   std::unique_ptr<Table> table_;
-  SwingShares swing_{};
+  SwingCurve swing_{};
   std::unique_ptr<const Outline> outline_;
 };
 

@@ -49,7 +49,12 @@ struct FootTrack {
 };
 
 /// How far a swinging foot has come from behind the body to before it, by share of the swing.
-using SwingShares = std::array<float, 17>;
+struct SwingCurve {
+  std::array<float, 4> bulge;  ///< the powers of what it is ahead of a straight line
+  float at(float u) const {
+    return u + u * (1 - u) * (bulge[0] + u * (bulge[1] + u * (bulge[2] + u * bulge[3])));
+  }
+};
 
 /// The room that a body takes, seen from above; see Stepping::box_of().
 struct WalkRoom {

@@ -337,9 +337,9 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
   const Place at = place_of(t, speeds, phase_now, root_speed);
   store_step(track, at, c, i);
   limit_standing(t, clamped(track.standing, 0.0f, 1.0f), c, i);
-  int32_t nodes[kPeople];
+  int32_t nodes[kAtOnce];
   store_whole(at.node, nodes);
-  for (size_t lane = 0; lane < kPeople; ++lane) {
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
     const float* node = c.tables[i + lane] + t.node(nodes[lane]);
     for (const float* row : {node, node + t.next_speed_node()}) {
       __builtin_prefetch(row);

@@ -259,7 +259,7 @@ THRONG_LANES Speeds speeds_around(const SteppingTables& t, const float* const* t
                                   F root_speed) {
   Speeds s;
   s.row = whole_of(root_speed * t.cells_per_root_speed, t.speeds - 2);
-  int32_t cell[kPeople];
+  int32_t cell[kAtOnce];
   store_whole(s.row, cell);
   for (size_t quad = 0; quad < 8; quad += 4) {
     F slow[4], fast[4];
@@ -306,7 +306,7 @@ THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
 THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, const Feet& feet,
                        const Standing& standing, const Place& at, const Track& track,
                        F (&posture)[16], F (&room)[2]) {
-  int32_t nodes[kPeople], cells[kPeople];
+  int32_t nodes[kAtOnce], cells[kAtOnce];
   store_whole(at.node, nodes);
   store_whole(at.cell, cells);
   F node[SteppingTables::kNodeFloats];

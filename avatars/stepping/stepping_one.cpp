@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "avatars/stepping/lanes_one.h"
 #include "avatars/stepping/stepping_kernels.h"
 #include "avatars/stepping/stepping_tables.h"
 #include "base/elementary.h"
+#include "base/simd/one_lane.h"
 
 namespace throng {
 namespace one_lane {

@@ -12,7 +12,7 @@
 #define HWY_TARGET_INCLUDE "avatars/stepping/stepping_simd.cpp"
 #include <hwy/foreach_target.h>
 
-#include "avatars/stepping/lanes_many-inl.h"
+#include "base/simd/register_pairs-inl.h"
 
 #undef THRONG_LANES
 #define THRONG_LANES HWY_INLINE
@@ -31,10 +31,10 @@ namespace {
 }  // namespace register_pairs
 
 void walk_all(const SteppingTables& tables, WalkChunk& chunk) {
-  using register_pairs::kPeople;
-  for (size_t first = 0; first < chunk.count; first += kPeople)
+  using register_pairs::kAtOnce;
+  for (size_t first = 0; first < chunk.count; first += kAtOnce)
     register_pairs::walk_feet(tables, chunk, first);
-  for (size_t first = 0; first < chunk.count; first += kPeople)
+  for (size_t first = 0; first < chunk.count; first += kAtOnce)
     register_pairs::walk_legs(tables, chunk, first);
 }
 

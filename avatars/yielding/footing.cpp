@@ -5,15 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "avatars/yielding/many_legs.h"
+
 namespace throng {
 namespace {
 
 using Eigen::Vector2f;
 
-// A foot, seen from above, as what is near a line along it; from below the ankle (adult at scale
-// 1).
-constexpr float kHeel_m = -0.01f, kToe_m = 0.165f, kHalfWidth_m = 0.05f;
-constexpr float kShin_m = 0.055f;
 // Feet stay so far apart, and shins.
 constexpr float kClear_m = 0.07f;
 // A step is changed by so much at most: in length, and to the side.
@@ -24,12 +22,14 @@ constexpr float kMostAside_m = 0.1f,
 constexpr float kEffort = 0.003f;
 // Shares of the cycle before a foot lands; others' legs that are farther off then do not matter.
 constexpr std::array<float, 7> kMomentsBefore = {0.3f, 0.22f, 0.15f, 0.07f, 0, -0.07f, -0.14f};
-constexpr float kFarOff_m = 0.7f;
+constexpr size_t kMoments = kMomentsBefore.size(), kLanding = 4;
+static_assert(kMomentsBefore[kLanding] == 0);
+constexpr float kFarOff_m = 0.6f;
 // A foot gets a new place until so shortly before it lands.
 constexpr float kWindow_s = 0.9f;
 // The rhythm of steps is chosen so far ahead, for those whose roots come so near, and by the time
 // in which legs can meet.
-constexpr float kRhythmAhead_s = 2.4f, kRhythmReach_m = 0.8f, kLegsReach_m = 1.1f;
+constexpr float kRhythmAhead_s = 2.4f, kRhythmReach_m = 0.8f, kLegsReach_m = 1.0f;
 // Ways and rhythms are not foreseen so exactly: legs get more room in the choice.
 constexpr float kRhythmClear_m = 0.22f;
 // Until legs can meet, and for so long at least, steps are shortened or lengthened to get in time;
@@ -47,71 +47,22 @@ constexpr int kTimes = 10;
 constexpr int kMostAround = 3;
 constexpr float kAround_m = 1.1f;
 // What meets later than this is left to a later choice.
-constexpr float kSoonEnough_s = 1.6f;
+constexpr float kSoonEnough_s = 1.2f;
 // Whoever hardly walks has no rhythm.
-constexpr float kSlowest_hz = 0.1f, kSlowest_mps = 0.3f;
+constexpr float kSlowest_mps = 0.3f;
 
 Vector2f left_of(const Vector2f& v) { return {-v.y(), v.x()}; }
 
-/// Between the lines along two feet, from the first to the second, if they point the same way or
-/// the opposite one, nearly.
-float between_feet2(const Vector2f& a, const Vector2f& a_ahead, float a_scale, const Vector2f& b,
-                    const Vector2f& b_ahead, float b_scale) {
-  float least = std::numeric_limits<float>::infinity();
-  for (const float along : {kHeel_m, 0.5f * (kHeel_m + kToe_m), kToe_m}) {
-    const Vector2f point = a + a_scale * along * a_ahead;
-    const float at = std::clamp(b_ahead.dot(point - b), b_scale * kHeel_m, b_scale * kToe_m);
-    least = std::min(least, (point - (b + at * b_ahead)).squaredNorm());
-  }
-  return least;
-}
+LegOwner owner_of(const Steps& steps) { return {steps.ahead, steps.scale}; }
 
-float lack(float distance2, float reach) {
-  return distance2 < reach * reach ? reach - std::sqrt(distance2) : 0;
-}
-
-/// How much too near legs are to each other: squares.
-float too_near(const Steps& own, const LegPlace& mine, const Vector2f& moved, const Steps& other,
-               const LegPlace& there, float clear_m) {
-  // Of legs whose feet are so far apart nothing meets.
-  constexpr float kFar_m = 0.8f;
-  if ((there.foot_m - mine.foot_m - moved).squaredNorm() > kFar_m * kFar_m) return 0;
-  const float scales = own.scale + other.scale;
-  const float feet = lack(between_feet2(mine.foot_m + moved, own.ahead, own.scale, there.foot_m,
-                                        other.ahead, other.scale),
-                          kHalfWidth_m * scales + clear_m);
-  const float reach = kShin_m * scales + clear_m;
-  const float shins = lack((there.shin_m - mine.shin_m - 0.75f * moved).squaredNorm(), reach);
-  const float knees = lack((there.knee_m - mine.knee_m - 0.5f * moved).squaredNorm(), reach);
-  return feet * feet + shins * shins + knees * knees;
-}
-
-/// Another's leg in the way.
-struct Obstruction {
-  LegPlace place;
-  const Steps* owner;
-  const struct Moment* moment;
-};
-constexpr size_t kMostObstructions = 64;
-
-/// A foot on its way.
-struct Moment {
-  float ahead_s;
-  LegPlace place;
-};
-constexpr size_t kMoments = kMomentsBefore.size();
-
-/// Somebody whose legs could meet one's own, and when.
-struct Companion {
-  const Steps* steps;
-  float from_s, per_s;  ///< kTimes of these from then on
-  std::array<std::array<LegPlace, 2>, kTimes> legs;
-
+/// When somebody's legs could meet one's own: kTimes of these from then on.
+struct Meeting {
+  float from_s, per_s;
   float time_s(size_t k) const { return from_s + (static_cast<float>(k) + 0.5f) * per_s; }
 };
 
-/// Whether they come near; sets all but the legs.
-bool comes_near(const Steps& own, const Steps& other, Companion& companion) {
+/// Whether they come near, and then when.
+bool comes_near(const Steps& own, const Steps& other, Meeting& meeting) {
   const Vector2f way = other.root_m - own.root_m, closing = other.velocity_mps - own.velocity_mps;
   const float speed2 = std::max(closing.squaredNorm(), 1e-4f);
   const float middle_s = -way.dot(closing) / speed2;
@@ -119,160 +70,216 @@ bool comes_near(const Steps& own, const Steps& other, Companion& companion) {
   if ((way + nearest_s * closing).squaredNorm() > kRhythmReach_m * kRhythmReach_m) return false;
   const float least2 = (way + middle_s * closing).squaredNorm();
   const float half_s = std::sqrt(std::max(kLegsReach_m * kLegsReach_m - least2, 0.0f) / speed2);
-  companion.steps = &other;
-  companion.from_s = std::clamp(middle_s - half_s, 0.0f, kRhythmAhead_s);
-  companion.per_s =
-      (std::clamp(middle_s + half_s, 0.0f, kRhythmAhead_s) - companion.from_s) / kTimes;
+  meeting.from_s = std::clamp(middle_s - half_s, 0.0f, kRhythmAhead_s);
+  meeting.per_s = (std::clamp(middle_s + half_s, 0.0f, kRhythmAhead_s) - meeting.from_s) / kTimes;
   return true;
 }
 
 class RhythmChoice {
  public:
-  RhythmChoice(const Steps& own, std::span<const Steps> near, float now)
-      : own_(own),
+  RhythmChoice(const Steps& own, std::span<const Steps> near, float now, SimdTarget target)
+      : legs_{LegNow(own, 0), LegNow(own, 1)},
         now_(now),
         natural_ps_(own.velocity_mps.dot(own.ahead) / (own.track.stride_m * own.scale)) {
-    own_.landing_m = {};
     float from_s = kRhythmAhead_s;
     for (const Steps& other : near) {
-      if (count_ == companions_.size()) break;
-      Companion& companion = companions_[count_];
-      if (!comes_near(own, other, companion) || companion.from_s > kSoonEnough_s) continue;
-      from_s = std::min(from_s, companion.from_s);
-      const std::array<LegPath, 2> paths = {LegPath(other, 0, kRhythmAhead_s),
-                                            LegPath(other, 1, kRhythmAhead_s)};
-      for (size_t k = 0; k < kTimes; ++k)
-        for (size_t side = 0; side < 2; ++side)
-          companion.legs[k][side] = paths[side].at(companion.time_s(k));
-      ++count_;
+      Meeting meeting;
+      if (companions_ == kMostCompanions) break;
+      if (!comes_near(own, other, meeting) || meeting.from_s > kSoonEnough_s) continue;
+      from_s = std::min(from_s, meeting.from_s);
+      their_ps_[companions_++] = other.cycles_ps;
+      add_times(other.seen_by(own), meeting, target);
     }
-    own_.later_s = std::max(from_s, kLeastLead_s);
+    rhythms_.lead_s = std::max(from_s, kLeastLead_s);
   }
 
-  /// Every other stretch first, then those beside the best.
-  float best() {
+  float best(SimdTarget target) {
     if (count_ == 0) return 1;
-    try_out(now_, now_);
-    for (int i = kFewest; i <= kMost; i += 2) {
-      const float stretch = 1 + kStretchStep * static_cast<float>(i);
-      try_out(stretch, 1);
-      for (size_t k = 0; k < count_; ++k) {
-        const float theirs_ps = companions_[k].steps->cycles_ps;
-        if (theirs_ps > kSlowest_hz)
-          try_out(stretch, std::clamp(natural_ps_ / theirs_ps, kLeastStretch, kMostStretch));
-      }
-    }
-    const float coarse = best_, later = later_;
-    for (const float side : {-kStretchStep, kStretchStep})
-      try_out(std::clamp(coarse + side, kLeastStretch, kMostStretch), later);
-    return best_;
+    std::array<float, kPlaces> stretches;
+    set_rhythms(stretches);
+    add_nearness_in(rhythms_, legs_, {times_.data(), count_}, kRhythmClear_m, target, costs_);
+    const float* least = std::min_element(costs_, costs_ + kPlaces);
+    return stretches[static_cast<size_t>(least - costs_)];
   }
 
  private:
-  /// Strides stretched by so much, and later by another.
-  void try_out(float stretch, float later) {
-    own_.cycles_ps = natural_ps_ / stretch;
-    own_.later_ps = natural_ps_ / later;
-    const auto square = [](float x) { return x * x; };
-    float cost = kRhythmEffort * (square(stretch - 1) + square(later - 1)) +
-                 kRhythmChange * square(stretch - now_);
-    if (cost >= least_) return;
-    const std::array<LegPath, 2> paths = {LegPath(own_, 0, kRhythmAhead_s),
-                                          LegPath(own_, 1, kRhythmAhead_s)};
-    for (size_t i = 0; i < count_; ++i) {
-      const Companion& companion = companions_[i];
-      for (size_t k = 0; k < kTimes && cost < least_; ++k)
-        for (const LegPath& path : paths) {
-          const LegPlace mine = path.at(companion.time_s(k));
-          for (const LegPlace& theirs : companion.legs[k])
-            cost +=
-                kNearness * companion.per_s *
-                too_near(own_, mine, Vector2f::Zero(), *companion.steps, theirs, kRhythmClear_m);
-        }
+  static constexpr size_t kMostCompanions = 2;
+
+  void add_times(const Steps& other, const Meeting& meeting, SimdTarget target) {
+    alignas(64) PlaceNumbers ahead_s;
+    for (size_t k = 0; k < kPlaces; ++k) ahead_s[k] = meeting.time_s(k);
+    std::array<ForeseenLeg, 2> foreseen;
+    for (size_t side = 0; side < 2; ++side)
+      foresee(LegNow(other, side), ahead_s, kTimes, target, foreseen[side]);
+    const LegOwner owner = owner_of(other);
+    for (size_t k = 0; k < kTimes; ++k) {
+      LegsThen& then = times_[count_];
+      then.ahead_s = ahead_s[k];
+      then.weight = kNearness * meeting.per_s;
+      then.count = 0;
+      for (const ForeseenLeg& leg : foreseen) {
+        const LegPlace place = leg.places.at(k);
+        const Vector2f from_root = place.foot_m - ahead_s[k] * legs_[0].velocity_mps;
+        if (from_root.squaredNorm() < kLegsReach_m * kLegsReach_m)
+          then.legs[then.count++] = {place, owner};
+      }
+      count_ += then.count > 0;
     }
-    if (cost >= least_) return;
-    least_ = cost;
-    best_ = stretch;
-    later_ = later;
   }
 
-  Steps own_;
+  /// Every stretch as now and in steps, and after it each rhythm that keeps step with somebody, the
+  /// gait's own, or the same on and on.
+  void set_rhythms(std::array<float, kPlaces>& stretches) {
+    std::array<float, 4> laters = {1, 1, 1, 0};
+    for (size_t k = 0; k < companions_; ++k)
+      if (their_ps_[k] > kSlowestSteps_hz)
+        laters[k + 1] = std::clamp(natural_ps_ / their_ps_[k], kLeastStretch, kMostStretch);
+    for (size_t i = 0; i < kPlaces; ++i) {
+      const size_t step = i / laters.size();
+      const float stretch =
+          step == 0 ? now_ : 1 + kStretchStep * (static_cast<float>(step) + (kFewest - 1));
+      const float later = i % laters.size() == 3 ? stretch : laters[i % laters.size()];
+      stretches[i] = stretch;
+      rhythms_.soon_ps[i] = natural_ps_ / stretch;
+      rhythms_.later_ps[i] = natural_ps_ / later;
+      const auto square = [](float x) { return x * x; };
+      costs_[i] = kRhythmEffort * (square(stretch - 1) + square(later - 1)) +
+                  kRhythmChange * square(stretch - now_);
+    }
+  }
+
+  std::array<LegNow, 2> legs_;
   float now_;
   float natural_ps_;  ///< with the gait's own strides
-  std::array<Companion, 2> companions_;
+  std::array<float, kMostCompanions> their_ps_;
+  size_t companions_ = 0;
+  std::array<LegsThen, kMostCompanions * kTimes> times_;
+  size_t count_ = 0;  ///< of times_
+  Rhythms rhythms_;
+  alignas(64) PlaceNumbers costs_;
+};
+static_assert((kMost - kFewest + 2) * 4 == kPlaces);
+
+/// How far the next landing could be moved: along and to the side, root frame at scale 1.
+struct LandingShifts {
+  alignas(64) PlaceNumbers along = {}, aside = {};
+  size_t count = 1;  ///< the first is none; of the rest up to kCount, too
+
+  explicit LandingShifts(const FootTrack& track, size_t side) {
+    // Feet do not cross.
+    const float inwards = kInwards * std::abs(track.side_m[side]);
+    const float right = side == 0 ? -kMostAside_m : -inwards,
+                left = side == 0 ? inwards : kMostAside_m;
+    for (int i = kShortest; i <= kLongest; ++i)
+      for (const float y : {0.0f, 0.5f * right, right, 0.5f * left, left}) {
+        along[count] = kStep_m * static_cast<float>(i);
+        aside[count++] = y;
+      }
+  }
+};
+static_assert((kLongest - kShortest + 1) * 5 + 1 <= kPlaces);
+
+/// Where a leg is at some time if its next landing is moved.
+LegPlaces moved_places(const ForeseenLeg& leg, size_t time, const Steps& own,
+                       const LandingShifts& shifts) {
+  const LegPlace place = leg.places.at(time);
+  const Vector2f ahead = own.scale * leg.share[time] * own.ahead, left = left_of(ahead);
+  LegPlaces places;
+  for (size_t i = 0; i < kPlaces; ++i) {
+    const float x = shifts.along[i] * ahead.x() + shifts.aside[i] * left.x();
+    const float y = shifts.along[i] * ahead.y() + shifts.aside[i] * left.y();
+    places.foot_x[i] = place.foot_m.x() + x, places.foot_y[i] = place.foot_m.y() + y;
+    places.shin_x[i] = place.shin_m.x() + 0.75f * x,
+    places.shin_y[i] = place.shin_m.y() + 0.75f * y;
+    places.knee_x[i] = place.knee_m.x() + 0.5f * x, places.knee_y[i] = place.knee_m.y() + 0.5f * y;
+  }
+  return places;
+}
+
+/// A foot that comes down, and others' legs on the ground meanwhile.
+class FootComingDown {
+ public:
+  FootComingDown(const Steps& own, const LegNow& leg, SimdTarget target) : target_(target) {
+    for (size_t i = 0; i < kPlaces; ++i) {
+      const float before = kMomentsBefore[std::min(i, kMoments - 1)];
+      ahead_s_[i] = std::max(leg.lands_s() - before / own.cycles_ps, 0.0f);
+    }
+    foresee(leg, ahead_s_, kMoments, target, leg_);
+  }
+
+  void add(std::span<const Steps> near) {
+    // Of somebody so far from where the foot lands no leg is in its way.
+    constexpr float kFar_m = 1.2f;
+    const Vector2f landing_m = leg_.places.at(kLanding).foot_m;
+    for (const Steps& other : near) {
+      const Vector2f then = other.root_m + ahead_s_[kLanding] * other.velocity_mps;
+      if ((then - landing_m).squaredNorm() > kFar_m * kFar_m) continue;
+      for (size_t side = 0; side < 2 && count_ < kMostLegs; ++side) {
+        owners_[count_] = owner_of(other);
+        foresee(LegNow(other, side), ahead_s_, kMoments, target_, others_[count_++]);
+      }
+    }
+  }
+
+  /// What the legs lack if the landing is moved.
+  void add_costs(const Steps& own, const LandingShifts& shifts, PlaceNumbers& costs) const {
+    for (size_t time = 0; time < kMoments; ++time) {
+      std::array<OtherLeg, kMostLegs> legs;
+      size_t found = 0;
+      const Vector2f foot_m = leg_.places.at(time).foot_m;
+      for (size_t i = 0; i < count_; ++i) {
+        const LegPlace there = others_[i].places.at(time);
+        if (others_[i].stays[time] > 0 &&
+            (there.foot_m - foot_m).squaredNorm() < kFarOff_m * kFarOff_m)
+          legs[found++] = {there, owners_[i]};
+      }
+      if (found > 0)
+        add_nearness(moved_places(leg_, time, own, shifts), owner_of(own), {legs.data(), found},
+                     kClear_m, target_, costs);
+    }
+  }
+
+ private:
+  static constexpr size_t kMostLegs = 20;
+  SimdTarget target_;
+  alignas(64) PlaceNumbers ahead_s_;
+  ForeseenLeg leg_;
+  std::array<ForeseenLeg, kMostLegs> others_;
+  std::array<LegOwner, kMostLegs> owners_;
   size_t count_ = 0;
-  float best_ = 1, later_ = 1;
-  float least_ = std::numeric_limits<float>::infinity();
 };
 
 }  // namespace
 
-float stretch_for(const Steps& own, std::span<const Steps> near, float now) {
-  if (own.cycles_ps < kSlowest_hz || own.velocity_mps.dot(own.ahead) < kSlowest_mps) return 1;
+float stretch_for(const Steps& own, std::span<const Steps> near, float now, SimdTarget target) {
+  if (own.cycles_ps < kSlowestSteps_hz || own.velocity_mps.dot(own.ahead) < kSlowest_mps) return 1;
   const auto around = std::count_if(near.begin(), near.end(), [&own](const Steps& other) {
     return (other.root_m - own.root_m).squaredNorm() < kAround_m * kAround_m;
   });
   if (around > kMostAround) return 1;
-  return RhythmChoice(own, near, now).best();
+  return RhythmChoice(own, near, now, target).best(target);
 }
 
-Vector2f landing_shift_m(const Steps& own, size_t side, std::span<const Steps> near) {
+Vector2f landing_shift_m(const Steps& own, size_t side, std::span<const Steps> near,
+                         SimdTarget target) {
   Steps unshifted = own;
   unshifted.landing_m = {};
-  const LegPath path(unshifted, side, 2 * kWindow_s);
-  const float lands_s = path.lands_s();
+  const LegNow leg(unshifted, side);
+  const float lands_s = leg.lands_s();
   if (lands_s < 0 || lands_s > kWindow_s) return Vector2f::Zero();
-  // From the last part of the swing on.
-  std::array<Moment, kMoments> moments;
-  for (size_t i = 0; i < kMoments; ++i) {
-    const float before = kMomentsBefore[i];
-    Moment& moment = moments[i];
-    moment.ahead_s = std::max(lands_s - before / own.cycles_ps, 0.0f);
-    moment.place = path.at(moment.ahead_s);
+  FootComingDown foot(own, leg, target);
+  foot.add(near);
+  const LandingShifts shifts(own.track, side);
+  alignas(64) PlaceNumbers costs = {};
+  foot.add_costs(own, shifts, costs);
+  if (costs[0] == 0) return Vector2f::Zero();
+  size_t best = 0;
+  for (size_t i = 0; i < shifts.count; ++i) {
+    const float along = shifts.along[i], aside = shifts.aside[i];
+    costs[i] += kEffort * (along * along + 2 * aside * aside);
+    if (costs[i] < costs[best]) best = i;
   }
-  std::array<Obstruction, kMostObstructions> all;
-  size_t count = 0;
-  const Vector2f landing_m = path.at(lands_s).foot_m;
-  bool is_free = true;
-  for (const Steps& other : near) {
-    // Of somebody so far from where the foot lands no leg is in its way.
-    constexpr float kFar_m = 1.2f;
-    const Vector2f then = other.root_m + lands_s * other.velocity_mps;
-    if ((then - landing_m).squaredNorm() > kFar_m * kFar_m) continue;
-    for (size_t foot = 0; foot < 2; ++foot) {
-      const LegPath leg(other, foot, 2 * kWindow_s);
-      for (const Moment& moment : moments) {
-        const LegPlace there = leg.at(moment.ahead_s);
-        if (!there.stays || count == kMostObstructions) continue;
-        if ((there.foot_m - moment.place.foot_m).squaredNorm() > kFarOff_m * kFarOff_m) continue;
-        all[count++] = {there, &other, &moment};
-        is_free =
-            is_free && too_near(own, moment.place, Vector2f::Zero(), other, there, kClear_m) == 0;
-      }
-    }
-  }
-  if (is_free) return Vector2f::Zero();
-  // Feet do not cross.
-  const float inwards = kInwards * std::abs(own.track.side_m[side]);
-  const float right = side == 0 ? -kMostAside_m : -inwards,
-              left = side == 0 ? inwards : kMostAside_m;
-  Vector2f best = Vector2f::Zero();
-  float least = std::numeric_limits<float>::infinity();
-  for (int i = kShortest; i <= kLongest; ++i)
-    for (const float aside : {0.0f, 0.5f * right, right, 0.5f * left, left}) {
-      const float along = kStep_m * static_cast<float>(i);
-      const Vector2f shift = own.scale * (along * own.ahead + aside * left_of(own.ahead));
-      float cost = kEffort * (along * along + 2 * aside * aside);
-      for (size_t k = 0; k < count && cost < least; ++k) {
-        const Moment& moment = *all[k].moment;
-        cost += too_near(own, moment.place, moment.place.share * shift, *all[k].owner, all[k].place,
-                         kClear_m);
-      }
-      if (cost >= least) continue;
-      least = cost;
-      best = {along, aside};
-    }
-  return best;
+  return {shifts.along[best], shifts.aside[best]};
 }
 
 }  // namespace throng

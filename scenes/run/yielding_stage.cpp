@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-constexpr double kSearch_s = 0.1;
+constexpr double kSearch_s = 0.2;
 constexpr double kDecision_s = 0.05;
 // Two who walk towards each other at 1.5 m/s each until they are looked up again and as far ahead
 // as bodies look.
@@ -24,7 +24,7 @@ constexpr float kLanding_mps = 2.5f;
 // Strides get longer or shorter no faster.
 constexpr float kStretch_ps = 3;
 // What is wanted of steps and strides is decided so often.
-constexpr double kLanding_s = 0.05, kRhythm_s = 0.2;
+constexpr double kLanding_s = 0.1, kRhythm_s = 0.2;
 // Nobody goes so far in a step: a jump.
 constexpr double kJump_m = 1;
 
@@ -43,6 +43,7 @@ YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const Bod
                              size_t avatars, SimdTarget simd, Workers& workers)
     : posing_(posing),
       workers_(workers),
+      simd_(resolved(simd)),
       step_s_(static_cast<float>(scene.step_s)),
       steps_a_search_(steps_in(kSearch_s, scene)),
       steps_a_decision_(steps_in(kDecision_s, scene)),
@@ -149,9 +150,7 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
     // The trunk's place, which sways; its way is the root's, which does not.
     seen.x_m = static_cast<float>(at.x() - middle_m_.x()) - aside_m * sin;
     seen.y_m = static_cast<float>(at.y() - middle_m_.y()) + aside_m * cos;
-    seen.heading_rad =
-        static_cast<float>(2 * arc_tan2(static_cast<double>(z), static_cast<double>(w))) -
-        bodies.yields[id].hips_rad;
+    seen.heading_rad = 2 * float_arc_tan2(z, w) - bodies.yields[id].hips_rad;
     const FloatSinCos way_turn = float_sin_cos(seen.heading_rad);
     seen.cos = way_turn.cos;
     seen.sin = way_turn.sin;
@@ -269,8 +268,6 @@ Steps YieldingStage::steps_of(uint32_t id, const BodyStates& bodies) const {
   steps.swing = &gait.swing();
   steps.track = gait.track_at(bodies.gait_mps[id], steps.scale);
   steps.cycles_ps = seen.cycles_ps;
-  steps.later_ps = steps.cycles_ps;
-  steps.later_s = 0;
   steps.shift_m = {bodies.feet[0][id], bodies.feet[1][id], bodies.feet[3][id], bodies.feet[4][id]};
   steps.landing_m = seen.landing_m;
   return steps;
@@ -300,9 +297,9 @@ void YieldingStage::place_feet(uint32_t id, BodyStates& bodies) {
     } else {
       const Steps own = steps_of(id, bodies);
       if (strides_now)
-        wanted.stretch = stretch_for(own, {near.data(), count}, bodies.yields[id].stretch);
+        wanted.stretch = stretch_for(own, {near.data(), count}, bodies.yields[id].stretch, simd_);
       for (size_t side = 0; steps_now && side < 2; ++side) {
-        const Eigen::Vector2f shift_m = landing_shift_m(own, side, {near.data(), count});
+        const Eigen::Vector2f shift_m = landing_shift_m(own, side, {near.data(), count}, simd_);
         wanted.landing_m[2 * side] = shift_m.x();
         wanted.landing_m[2 * side + 1] = shift_m.y();
       }

@@ -84,6 +84,7 @@ class YieldingStage {
 
   const Posing& posing_;
   Workers& workers_;
+  SimdTarget simd_;
   std::vector<std::optional<UpperRoom>> rooms_;  ///< by model; none: its bodies do not give way
   std::vector<Scratch> scratch_;
   float step_s_;

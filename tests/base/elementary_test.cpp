@@ -119,5 +119,17 @@ TEST(FloatSinCos, KeepsTheSymmetriesToTheBit) {
   }
 }
 
+TEST(FloatArcTan2, IsTheAngleOfAPointToFourMillionths) {
+  for (int i = 0; i < 100'000; ++i) {
+    const double angle = -std::numbers::pi + i * (2 * std::numbers::pi / 100'000);
+    for (const double far : {1e-3, 1.0, 1e3}) {
+      const auto y = static_cast<float>(far * std::sin(angle)),
+                 x = static_cast<float>(far * std::cos(angle));
+      ASSERT_NEAR(float_arc_tan2(y, x), std::atan2(y, x), 4e-6) << angle;
+    }
+  }
+  EXPECT_EQ(float_arc_tan2(0, 0), 0.0f);
+}
+
 }  // namespace
 }  // namespace throng

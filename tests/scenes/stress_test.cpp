@@ -116,9 +116,10 @@ TEST(Stress, EightPeopleASquareMetreMissNothing) {
   for (int i = 0; i < kSide * kSide; ++i) {
     const auto id = static_cast<uint64_t>(i);
     const double pitch_m = 1 / std::sqrt(8.0);
+    const int column = i % kSide, row = i / kSide;
     people.place(static_cast<uint32_t>(i),
-                 {pitch_m * (i % kSide) + uniform(id, 0, -0.05, 0.05),
-                  pitch_m * static_cast<double>(i / kSide) + uniform(id, 0, -0.05, 0.05, 1), 0},
+                 {pitch_m * column + uniform(id, 0, -0.05, 0.05),
+                  pitch_m * row + uniform(id, 0, -0.05, 0.05, 1), 0},
                  uniform(id, 0, -3.1, 3.1, 2));
   }
   Workers workers(2);
@@ -192,8 +193,10 @@ TEST(Stress, PeopleWhoComeAndGoEveryFrameEndTheirPairs) {
 TEST(Stress, OneAtAThousandMetresASecondAmongAHundredThousand) {
   constexpr uint32_t kPeople = 100'000;
   StandIns people;
-  for (uint32_t id = 0; id + 1 < kPeople; ++id)
-    people.place(id, {2.0 * (id % 400), 2.0 * static_cast<double>(id / 400), 0}, 0);
+  for (uint32_t id = 0; id + 1 < kPeople; ++id) {
+    const uint32_t column = id % 400, row = id / 400;
+    people.place(id, {2.0 * column, 2.0 * row, 0}, 0);
+  }
   people.place(kPeople - 1, Eigen::Vector3d::Zero(), 0);
   Workers workers(2);
   Culler culler({people.type()}, {}, workers);

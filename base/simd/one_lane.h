@@ -1,6 +1,6 @@
-// One person as one lane: what stepping_feet-inl.h and stepping_legs-inl.h are compiled over for
-// the scalar reference. One rule: every function does what the vector version in lanes_many-inl.h
-// does to each lane.
+// One lane at a time: what a kernel that is written over lanes is compiled over for its scalar
+// reference. One rule: every function does what the vector version in register_pairs-inl.h does to
+// each lane.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace throng::one_lane {
 
-inline constexpr size_t kPeople = 1;
+inline constexpr size_t kAtOnce = 1;
 
 struct F {
   float v = 0;

@@ -1,10 +1,10 @@
-// People as the lanes of two vector registers, with Highway, compiled once a target.
-// Included by stepping_simd.cpp only.
-#if defined(THRONG_AVATARS_LANES_MANY_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef THRONG_AVATARS_LANES_MANY_INL_H_
-#undef THRONG_AVATARS_LANES_MANY_INL_H_
+// The lanes of two vector registers, with Highway, compiled once a target: what a kernel that is
+// written over lanes is compiled over.
+#if defined(THRONG_BASE_SIMD_REGISTER_PAIRS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef THRONG_BASE_SIMD_REGISTER_PAIRS_INL_H_
+#undef THRONG_BASE_SIMD_REGISTER_PAIRS_INL_H_
 #else
-#define THRONG_AVATARS_LANES_MANY_INL_H_
+#define THRONG_BASE_SIMD_REGISTER_PAIRS_INL_H_
 #endif
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 #include "base/simd/lanes-inl.h"
 
-#if THRONG_HAS_LANES  // the reference is lanes_one.h
+#if THRONG_HAS_LANES  // the reference is one_lane.h
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE::register_pairs {
 
-/// Two registers at a time: a walker is one long chain of sums and products, each waiting for the
-/// one before, and two chains take hardly longer than one.
-inline constexpr size_t kPeople = 2 * kLanes;
+/// Two registers at a time: such a kernel is one long chain of sums and products, each waiting for
+/// the one before, and two chains take hardly longer than one.
+inline constexpr size_t kAtOnce = 2 * kLanes;
 
 struct F {
   V a, b;
@@ -82,11 +82,11 @@ HWY_INLINE void store_rows(const F (&in)[4], const Row& row) {
 /// on by v. Rows are blended as they lie, then transposed.
 template <size_t kFloats, typename Row>
 HWY_INLINE void blend_rows(const Row& first, size_t step, F u, F v, F (&out)[kFloats]) {
-  alignas(64) float us[kPeople], vs[kPeople], rows[kPeople * kFloats];
+  alignas(64) float us[kAtOnce], vs[kAtOnce], rows[kAtOnce * kFloats];
   store(u, us);
   store(v, vs);
   const hn::CappedTag<float, 4> quad;
-  for (size_t lane = 0; lane < kPeople; ++lane) {
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
     const float* from = first(lane);
     float* to = rows + lane * kFloats;
     size_t i = 0;

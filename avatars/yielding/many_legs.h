@@ -1,0 +1,80 @@
+// One leg at many times, or at many places where it could be, and how near it comes there to those
+// of others: what footing chooses by.
+// One rule: every SIMD target gives the same bits.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "avatars/yielding/footfall.h"
+#include "base/simd.h"
+
+namespace throng {
+
+/// A number for each of the places that are compared at once.
+inline constexpr size_t kPlaces = 32;
+using PlaceNumbers = float[kPlaces];
+
+/// Places of a leg, seen from above, in metres: structure of arrays.
+struct LegPlaces {
+  alignas(64) PlaceNumbers foot_x, foot_y, shin_x, shin_y, knee_x, knee_y;
+
+  LegPlace at(size_t i) const {
+    return {{foot_x[i], foot_y[i]}, {shin_x[i], shin_y[i]}, {knee_x[i], knee_y[i]}};
+  }
+};
+
+/// Where a leg will be.
+struct ForeseenLeg {
+  LegPlaces places;
+  /// 1: on the ground, or has hardly left it; 0: in the air.
+  alignas(64) PlaceNumbers stays;
+  /// Of a change to where it lands next: the share that it has followed by then.
+  alignas(64) PlaceNumbers share;
+};
+
+/// At the first `count` of the times, and any beyond, as the Steps of the leg have places.
+void foresee(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count, SimdTarget target,
+             ForeseenLeg& foreseen);
+
+/// Whose a leg is, as far as that matters here.
+struct LegOwner {
+  Eigen::Vector2f ahead;  ///< unit: the way its feet point
+  float scale;
+};
+
+/// A leg of somebody else.
+struct OtherLeg {
+  LegPlace place;
+  LegOwner owner;
+};
+
+/// Adds to the cost of each place the squares of what feet, shins and knees lack to be `clear_m`
+/// apart from each of the others, square metres.
+void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const OtherLeg> others,
+                  float clear_m, SimdTarget target, PlaceNumbers& costs);
+
+/// Rhythms that somebody could walk in: cycles a second until some time, and from then on. All
+/// above 0.
+struct Rhythms {
+  alignas(64) PlaceNumbers soon_ps, later_ps;
+  float lead_s;
+};
+
+/// Legs of somebody else at some time, in the frame of LegNow.
+struct LegsThen {
+  float ahead_s;
+  float weight;
+  std::array<OtherLeg, 2> legs;
+  size_t count;  ///< of the legs
+};
+
+/// Adds to the cost of each rhythm how near one's own legs come to those of others, as
+/// add_nearness() has it, times the weights.
+void add_nearness_in(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
+                     std::span<const LegsThen> others, float clear_m, SimdTarget target,
+                     PlaceNumbers& costs);
+
+}  // namespace throng

@@ -1,0 +1,73 @@
+// Two registers of places or rhythms at a time: many_legs-inl.h over vector registers.
+#include <cstddef>
+
+#include "avatars/yielding/many_legs_kernel.h"
+#include "base/simd/dispatch.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "avatars/yielding/many_legs_simd.cpp"
+#include <hwy/foreach_target.h>
+
+#include "base/simd/register_pairs-inl.h"
+
+#undef THRONG_LANES
+#define THRONG_LANES HWY_INLINE
+
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE {
+#if THRONG_HAS_LANES
+namespace register_pairs {
+namespace {
+
+#include "avatars/yielding/many_legs-inl.h"
+
+static_assert(kPlaces % kAtOnce == 0);
+
+}  // namespace
+}  // namespace register_pairs
+
+void foresee_wide(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
+                  ForeseenLeg& foreseen) {
+  for (size_t i = 0; i < count; i += register_pairs::kAtOnce)
+    register_pairs::foresee_at(i, leg, ahead_s, foreseen);
+}
+
+void add_nearness_wide(const LegPlaces& places, const LegOwner& own,
+                       std::span<const OtherLeg> others, float clear_m, PlaceNumbers& costs) {
+  for (size_t i = 0; i < kPlaces; i += register_pairs::kAtOnce)
+    register_pairs::add_nearness_at(i, places, own, others, clear_m, costs);
+}
+
+void add_nearness_in_wide(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
+                          std::span<const LegsThen> others, float clear_m, PlaceNumbers& costs) {
+  for (size_t i = 0; i < kPlaces; i += register_pairs::kAtOnce)
+    register_pairs::add_nearness_in_at(i, rhythms, own, others, clear_m, costs);
+}
+
+#endif
+}  // namespace throng::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace throng {
+
+void foresee(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count, SimdTarget target,
+             ForeseenLeg& foreseen) {
+  THRONG_CHOOSE(target, foresee_wide, foresee_one_by_one)(leg, ahead_s, count, foreseen);
+}
+
+void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const OtherLeg> others,
+                  float clear_m, SimdTarget target, PlaceNumbers& costs) {
+  THRONG_CHOOSE(target, add_nearness_wide, add_nearness_one_by_one)
+  (places, own, others, clear_m, costs);
+}
+
+void add_nearness_in(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
+                     std::span<const LegsThen> others, float clear_m, SimdTarget target,
+                     PlaceNumbers& costs) {
+  THRONG_CHOOSE(target, add_nearness_in_wide, add_nearness_in_one_by_one)
+  (rhythms, own, others, clear_m, costs);
+}
+
+}  // namespace throng
+#endif
