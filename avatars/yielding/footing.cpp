@@ -196,10 +196,11 @@ LegPlaces moved_places(const ForeseenLeg& leg, size_t time, const Steps& own,
   return places;
 }
 
-/// A foot that comes down, and others' legs on the ground meanwhile.
+/// A foot that comes down, and others' legs on the ground near it meanwhile.
 class FootComingDown {
  public:
-  FootComingDown(const Steps& own, const LegNow& leg, SimdTarget target) : target_(target) {
+  FootComingDown(const Steps& own, size_t side, const LegNow& leg, SimdTarget target)
+      : own_(own), side_(side), target_(target) {
     for (size_t i = 0; i < kPlaces; ++i) {
       const float before = kMomentsBefore[std::min(i, kMoments - 1)];
       ahead_s_[i] = std::max(leg.lands_s() - before / own.cycles_ps, 0.0f);
@@ -207,46 +208,55 @@ class FootComingDown {
     foresee(leg, ahead_s_, kMoments, target, leg_);
   }
 
-  void add(std::span<const Steps> near) {
+  void add(const Steps& other) {
     // Of somebody so far from where the foot lands no leg is in its way.
     constexpr float kFar_m = 1.2f;
-    const Vector2f landing_m = leg_.places.at(kLanding).foot_m;
-    for (const Steps& other : near) {
-      const Vector2f then = other.root_m + ahead_s_[kLanding] * other.velocity_mps;
-      if ((then - landing_m).squaredNorm() > kFar_m * kFar_m) continue;
-      for (size_t side = 0; side < 2 && count_ < kMostLegs; ++side) {
-        owners_[count_] = owner_of(other);
-        foresee(LegNow(other, side), ahead_s_, kMoments, target_, others_[count_++]);
-      }
+    const Vector2f then = other.root_m + ahead_s_[kLanding] * other.velocity_mps;
+    if ((then - leg_.places.at(kLanding).foot_m).squaredNorm() > kFar_m * kFar_m) return;
+    ForeseenLeg there;
+    for (size_t side = 0; side < 2; ++side) {
+      foresee(LegNow(other, side), ahead_s_, kMoments, target_, there);
+      for (size_t time = 0; time < kMoments; ++time)
+        if (there.stays[time] > 0) add({there.places.at(time), owner_of(other)}, time);
     }
   }
 
-  /// What the legs lack if the landing is moved.
-  void add_costs(const Steps& own, const LandingShifts& shifts, PlaceNumbers& costs) const {
-    for (size_t time = 0; time < kMoments; ++time) {
-      std::array<OtherLeg, kMostLegs> legs;
-      size_t found = 0;
-      const Vector2f foot_m = leg_.places.at(time).foot_m;
-      for (size_t i = 0; i < count_; ++i) {
-        const LegPlace there = others_[i].places.at(time);
-        if (others_[i].stays[time] > 0 &&
-            (there.foot_m - foot_m).squaredNorm() < kFarOff_m * kFarOff_m)
-          legs[found++] = {there, owners_[i]};
-      }
-      if (found > 0)
-        add_nearness(moved_places(leg_, time, own, shifts), owner_of(own), {legs.data(), found},
-                     kClear_m, target_, costs);
+  bool is_free() const { return is_free_; }
+
+  Vector2f best_shift_m() const {
+    const LandingShifts shifts(own_.track, side_);
+    alignas(64) PlaceNumbers costs = {};
+    for (size_t time = 0; time < kMoments; ++time)
+      if (counts_[time] > 0)
+        add_nearness(moved_places(leg_, time, own_, shifts), owner_of(own_),
+                     {legs_[time].data(), counts_[time]}, kClear_m, target_, costs);
+    size_t best = 0;
+    for (size_t i = 0; i < shifts.count; ++i) {
+      const float along = shifts.along[i], aside = shifts.aside[i];
+      costs[i] += kEffort * (along * along + 2 * aside * aside);
+      if (costs[i] < costs[best]) best = i;
     }
+    return {shifts.along[best], shifts.aside[best]};
   }
 
  private:
-  static constexpr size_t kMostLegs = 20;
+  void add(const OtherLeg& leg, size_t time) {
+    const LegPlace mine = leg_.places.at(time);
+    if ((leg.place.foot_m - mine.foot_m).squaredNorm() > kFarOff_m * kFarOff_m) return;
+    if (counts_[time] == kMostLegs) return;
+    legs_[time][counts_[time]++] = leg;
+    is_free_ = is_free_ && nearness(mine, owner_of(own_), leg, kClear_m) == 0;
+  }
+
+  static constexpr size_t kMostLegs = 12;
+  const Steps& own_;
+  size_t side_;
   SimdTarget target_;
   alignas(64) PlaceNumbers ahead_s_;
   ForeseenLeg leg_;
-  std::array<ForeseenLeg, kMostLegs> others_;
-  std::array<LegOwner, kMostLegs> owners_;
-  size_t count_ = 0;
+  std::array<std::array<OtherLeg, kMostLegs>, kMoments> legs_;
+  std::array<size_t, kMoments> counts_{};
+  bool is_free_ = true;
 };
 
 }  // namespace
@@ -267,19 +277,9 @@ Vector2f landing_shift_m(const Steps& own, size_t side, std::span<const Steps> n
   const LegNow leg(unshifted, side);
   const float lands_s = leg.lands_s();
   if (lands_s < 0 || lands_s > kWindow_s) return Vector2f::Zero();
-  FootComingDown foot(own, leg, target);
-  foot.add(near);
-  const LandingShifts shifts(own.track, side);
-  alignas(64) PlaceNumbers costs = {};
-  foot.add_costs(own, shifts, costs);
-  if (costs[0] == 0) return Vector2f::Zero();
-  size_t best = 0;
-  for (size_t i = 0; i < shifts.count; ++i) {
-    const float along = shifts.along[i], aside = shifts.aside[i];
-    costs[i] += kEffort * (along * along + 2 * aside * aside);
-    if (costs[i] < costs[best]) best = i;
-  }
-  return {shifts.along[best], shifts.aside[best]};
+  FootComingDown foot(own, side, leg, target);
+  for (const Steps& other : near) foot.add(other);
+  return foot.is_free() ? Vector2f::Zero() : foot.best_shift_m();
 }
 
 }  // namespace throng

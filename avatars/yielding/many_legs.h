@@ -56,6 +56,9 @@ struct OtherLeg {
 void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const OtherLeg> others,
                   float clear_m, SimdTarget target, PlaceNumbers& costs);
 
+/// The same of one place.
+float nearness(const LegPlace& place, const LegOwner& own, const OtherLeg& other, float clear_m);
+
 /// Rhythms that somebody could walk in: cycles a second until some time, and from then on. All
 /// above 0.
 struct Rhythms {

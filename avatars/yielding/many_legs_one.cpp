@@ -11,6 +11,13 @@ namespace {
 }  // namespace
 }  // namespace one_lane
 
+float nearness(const LegPlace& place, const LegOwner& own, const OtherLeg& other, float clear_m) {
+  const one_lane::Leg leg = {{place.foot_m.x(), place.foot_m.y()},
+                             {place.shin_m.x(), place.shin_m.y()},
+                             {place.knee_m.x(), place.knee_m.y()}};
+  return one_lane::nearness_of(leg, own, other, clear_m).v;
+}
+
 void foresee_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
                         ForeseenLeg& foreseen) {
   for (size_t i = 0; i < count; ++i) one_lane::foresee_at(i, leg, ahead_s, foreseen);
