@@ -15,9 +15,9 @@ using Eigen::Vector2f;
 // Feet stay so far apart, and shins.
 constexpr float kClear_m = 0.07f;
 // A step is changed by so much at most: in length, and to the side.
-constexpr float kStep_m = 0.05f;
+constexpr float kStep_m = 0.03f;
 constexpr int kShortest = -3, kLongest = 2;  // of them
-constexpr float kMostAside_m = 0.1f,
+constexpr float kMostAside_m = 0.14f,
                 kInwards = 0.9f;  // the latter of the foot's distance from the middle
 constexpr float kEffort = 0.003f;
 // Shares of the cycle before a foot lands; others' legs that are farther off then do not matter.
