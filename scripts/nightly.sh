@@ -36,6 +36,11 @@ generator() { # PROGRAM COUNT: a test program that makes its input up
   bash scripts/build.sh release throng "$1" && "build/release/$1" "$2"
 }
 
+no_miss() { # SEED: of parts alone, and of people who walk, stand and give way
+  bash scripts/build.sh release no_miss no_miss_people && echo "seed $1" &&
+    build/release/no_miss 10000000 "$1" && build/release/no_miss_people 10000000 "$1"
+}
+
 outside() {
   local what
   for what in culling scenes; do
@@ -48,7 +53,7 @@ run_step() {
   seed=$(date +%Y%m%d)
   case $1 in
     docs) bash scripts/docs.sh --nightly ;;
-    no_miss) bash scripts/build.sh release no_miss && echo "seed $seed" && build/release/no_miss 10000000 "$seed" ;;
+    no_miss) no_miss "$seed" ;;
     determinism) bash scripts/determinism.sh release clang checked debug ;;
     meshes) generator mutated_meshes 5000 ;;
     scenes) generator mutated_scenes 10000 ;;

@@ -6,10 +6,10 @@
 #include <cstdio>
 
 #include "avatars/gait/gait.h"
-#include "culling/exact/triangle_bvh.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 #include "tests/scenes/crowd_world.h"
+#include "tests/scenes/near_people.h"
 
 namespace throng {
 namespace {
@@ -220,44 +220,13 @@ TEST(StandingPeople, NoContactOfPeopleWhoShiftTheirWeightIsMissed) {
   group.radius_m = 0.08;
   group.delay_s = {100, 0, 100, 100};
   Simulation simulation(scene, {.threads = 2});
-  const Model& model = *simulation.info().models.front();
-  std::vector<TriangleBvh> surfaces;
-  for (const Part& part : model.parts)
-    surfaces.emplace_back(part.mesh.vertices, part.mesh.triangles);
-  const size_t parts = surfaces.size();
-  const std::vector<float>& scales = simulation.bodies().scales;
-  int touching = 0, missed = 0;
+  test::NearPeople people(simulation);
   for (int i = 0; i < 1200; ++i) {
     const Frame& frame = simulation.step();
-    if (i % 60 != 59) continue;
-    const auto people = static_cast<uint32_t>(frame.roots.size());
-    std::vector<PartPose> poses(people * parts);
-    for (uint32_t id = 0; id < people; ++id) {
-      const RootFrame root{frame.roots[id].world_from_root, scales[id]};
-      const size_t begin = frame.posture_offsets[id], end = frame.posture_offsets[id + 1];
-      forward_kinematics(model.kinematics, frame.postures.subspan(begin, end - begin), {&root, 1},
-                         std::span(poses).subspan(id * parts, parts));
-    }
-    ExactCounters counters;
-    for (uint32_t a = 0; a < people; ++a)
-      for (uint32_t b = a + 1; b < people; ++b) {
-        const Eigen::Vector3f a_to_b =
-            (frame.roots[b].position_m - frame.roots[a].position_m).cast<float>();
-        if (a_to_b.norm() > 1.2f) continue;
-        for (uint32_t pa = 0; pa < parts; ++pa)
-          for (uint32_t pb = 0; pb < parts; ++pb) {
-            if (!solids_touch(surfaces[pa], poses[a * parts + pa], scales[a], surfaces[pb],
-                              poses[b * parts + pb], scales[b], a_to_b, counters))
-              continue;
-            ++touching;
-            missed +=
-                !std::binary_search(frame.pairs.begin(), frame.pairs.end(), PairKey(a, b, pa, pb));
-          }
-      }
+    if (i % 60 == 59) people.check(frame);
   }
-  std::printf("%d contacts by triangles, %d missed\n", touching, missed);
-  EXPECT_GT(touching, 500);
-  EXPECT_EQ(missed, 0);
+  EXPECT_GT(people.touching, 500u);
+  EXPECT_EQ(people.missed, 0u) << people.first_miss;
 }
 
 }  // namespace
