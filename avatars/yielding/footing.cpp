@@ -210,7 +210,7 @@ class FootComingDown {
 
   void add(const Steps& other) {
     // Of somebody so far from where the foot lands no leg is in its way.
-    constexpr float kFar_m = 1.2f;
+    constexpr float kFar_m = 0.95f;
     const Vector2f then = other.root_m + ahead_s_[kLanding] * other.velocity_mps;
     if ((then - leg_.places.at(kLanding).foot_m).squaredNorm() > kFar_m * kFar_m) return;
     ForeseenLeg there;
