@@ -204,7 +204,7 @@ double Leg::reach_m(double knee_flexion_rad) const {
   return length_of(in_plane, sideways_);
 }
 
-double Leg::roll_m(double pitch_rad) const {
+Leg::Rolled Leg::rolled(double pitch_rad) const {
   // Without sliding, the contact moves along the sole as far as along the ground; the ankle is
   // where the turned foot puts it over that contact. sole_ measures arc so that roll_m(0) is 0.
   double lowest = std::numeric_limits<double>::infinity(), ankle_x = 0;
@@ -214,7 +214,7 @@ double Leg::roll_m(double pitch_rad) const {
     lowest = p.y();
     ankle_x = point.arc - p.x();
   }
-  return ankle_x;
+  return {ankle_x, -lowest};
 }
 
 // Columns: forward along the heading, the knee's axis, and up in the plane that the leg bends in.

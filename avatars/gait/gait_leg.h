@@ -59,7 +59,14 @@ class Leg {
 
   /// How far the ankle moves forward when a flat foot rolls on the ground, without sliding, to
   /// `pitch_rad`.
-  double roll_m(double pitch_rad) const;
+  double roll_m(double pitch_rad) const { return rolled(pitch_rad).ahead_m; }
+
+  /// An ankle over a foot that has rolled, in a leg that does not lean.
+  struct Rolled {
+    double ahead_m;   ///< as roll_m() has it
+    double height_m;  ///< above the ground
+  };
+  Rolled rolled(double pitch_rad) const;
 
   /// Up, in the plane that the leg bends in to reach `target`.
   Eigen::Vector3d up_along_leg(const Eigen::Vector3d& hip_m, const FootTarget& target) const {

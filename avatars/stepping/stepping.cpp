@@ -135,7 +135,18 @@ void Stepping::read_leg(const Walker& walker, const PosableModel& model, size_t 
   leg.straightest_cos = beyond(least);
   leg.most_bent_cos = beyond(most - 1e-4);
   const double longest = walker.leg(side).reach_m(least);
+  leg.longest_m = grained(longest);
   leg.longest_m2 = grained(longest * longest);
+  for (int i = 0; i < LegNumbers::kRolls; ++i) {
+    const auto rolled_at = [&](int node) {
+      return walker.leg(side).rolled(static_cast<double>(LegNumbers::kLowestPitch_rad) +
+                                     node / static_cast<double>(LegNumbers::kRollsPerRadian));
+    };
+    const Leg::Rolled here = rolled_at(i), next = rolled_at(i + 1);
+    leg.rolls[static_cast<size_t>(i)] = {grained(here.ahead_m), grained(here.height_m),
+                                         grained(next.ahead_m) - grained(here.ahead_m),
+                                         grained(next.height_m) - grained(here.height_m)};
+  }
   leg.sole_half_width_m = grained(shape.sole_half_width_m);
   const Eigen::Vector3d cross = shape.hip_axes[0].cross(shape.hip_axes[2]);
   leg.axis1 = signed_axis(shape.hip_axes[0]);

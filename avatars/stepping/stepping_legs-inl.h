@@ -134,6 +134,64 @@ THRONG_LANES F sink_of(const LegNumbers& leg, const Reach& r) {
   return 0.0f - r.ankle.z - sqrt_of(max_of(leg.longest_m2 - aside, 0.0f));
 }
 
+/// A foot as the gait has it: where it touches the ground, the ankle's height over that, its pitch.
+struct Stand {
+  Point ground;
+  F height, pitch;
+};
+
+struct Rolled {
+  F ahead, height;
+};
+
+THRONG_LANES Rolled rolled(const LegNumbers& leg, F pitch) {
+  const F at = max_of((pitch - LegNumbers::kLowestPitch_rad) * LegNumbers::kRollsPerRadian, 0.0f);
+  const F node = min_of(floor_of(at), static_cast<float>(LegNumbers::kRolls - 1));
+  int32_t nodes[kAtOnce];
+  store_whole(node, nodes);
+  F roll[4];
+  load_rows([&](size_t lane) { return &leg.rolls[static_cast<size_t>(nodes[lane])].ahead_m; },
+            roll);
+  const F share = at - node;
+  return {roll[0] + share * roll[2], roll[1] + share * roll[3]};
+}
+
+// A foot behind the body rolls on over its toes by so much before the pelvis has to sink.
+inline constexpr float kMostRaise_rad = 0.4f;
+// Some centimetres of reach for each radian; the secant that follows makes it exact, nearly.
+inline constexpr float kRaisePerMetre_rad = 6;
+
+/// Raises the heel of a foot that is too far behind, without sliding, until the leg is long enough.
+THRONG_LANES void raise_heel(const LegNumbers& leg, F forward_x, F forward_y, Stand& stand,
+                             Reach& r) {
+  const auto too_long = [&leg](const Reach& reach) {
+    return sqrt_of(dot(reach.ankle, reach.ankle)) - leg.longest_m;
+  };
+  const F lacks = too_long(r);
+  const M behind = (lacks > 0.0f) & (r.along < 0.0f);
+  if (!any(behind)) return;
+  const Rolled before = rolled(leg, stand.pitch);
+  const auto raised = [&](F raise) {
+    const Rolled after = rolled(leg, stand.pitch - raise);
+    const F ahead = after.ahead - before.ahead;
+    Stand to = stand;
+    to.ground.x = stand.ground.x + ahead * forward_x;
+    to.ground.y = stand.ground.y + ahead * forward_y;
+    to.height = stand.height + (after.height - before.height);
+    to.pitch = stand.pitch - raise;
+    return to;
+  };
+  const F first = select(behind, min_of(lacks * kRaisePerMetre_rad, kMostRaise_rad), 0.0f);
+  const Stand tried = raised(first);
+  Reach reach = r;
+  reach_for(leg, tried.ground, tried.height, forward_x, forward_y, reach);
+  const F won = max_of(lacks - too_long(reach), 1e-4f);
+  const F raise =
+      select(behind, min_of(max_of(first * lacks * inverse_of(won), 0.0f), kMostRaise_rad), 0.0f);
+  stand = raised(raise);
+  reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
+}
+
 /// Seen from above.
 struct Bounds {
   F low_x, low_y, high_x, high_y;
@@ -314,7 +372,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
              at.u, at.v, node);
   const Turn pelvis = turn_of(node[10], node[11], node[12]);
   const Point middle = {node[13], node[14] + standing.shift, node[15]};
-  Point grounds[2];
+  Stand stands[2];
   F forward_x[2], forward_y[2];
   Reach reach[2];
   F drop = 0.0f;
@@ -328,18 +386,21 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
     forward_y[side] = sin * track.toes_out_cos + cos * toes_sin;
     reach[side].hip = middle + pelvis * leg.hip_m;
     // A foot turns about where it landed, not about where it has rolled to.
-    grounds[side] = {foot[0] + feet.x[side] + foot[3] * forward_x[side],
-                     track.side[side] + feet.y[side] + foot[3] * forward_y[side],
-                     foot[1] + feet.lift[side]};
-    reach_for(leg, grounds[side], foot[2], forward_x[side], forward_y[side], reach[side]);
+    stands[side] = {
+        {foot[0] + feet.x[side] + foot[3] * forward_x[side],
+         track.side[side] + feet.y[side] + foot[3] * forward_y[side], foot[1] + feet.lift[side]},
+        foot[2],
+        foot[4]};
+    reach_for(leg, stands[side].ground, foot[2], forward_x[side], forward_y[side], reach[side]);
+    raise_heel(leg, forward_x[side], forward_y[side], stands[side], reach[side]);
     drop = max_of(drop, sink_of(leg, reach[side]));
   }
   drop = min_of(drop, t.max_drop_m);
   if (any(drop > 0.0f))
     for (size_t side = 0; side < 2; ++side) {
       reach[side].hip.z = reach[side].hip.z - drop;
-      reach_for(t.legs[side], grounds[side], node[5 * side + 2], forward_x[side], forward_y[side],
-                reach[side]);
+      reach_for(t.legs[side], stands[side].ground, stands[side].height, forward_x[side],
+                forward_y[side], reach[side]);
     }
   F rest[4];
   load_rows([&](size_t lane) { return tables[lane] + t.box(cells[lane]); }, rest);
@@ -350,7 +411,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
   F out_of_reach = 0.0f;
   for (size_t side = 0; side < 2; ++side) {
     const M allowed =
-        bend(t, t.legs[side], reach[side], pelvis, node[5 * side + 4], posture + 5 * side, bounds);
+        bend(t, t.legs[side], reach[side], pelvis, stands[side].pitch, posture + 5 * side, bounds);
     out_of_reach = out_of_reach + select(allowed, 0.0f, static_cast<float>(side + 1));
   }
   posture[WalkPosture::kDrop] = drop;

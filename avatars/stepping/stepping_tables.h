@@ -27,7 +27,15 @@ struct LegNumbers {
   /// beyond that.
   float straight_rad = 0, straight_sin = 0, straight_cos = 1;
   float straightest_cos = 1, most_bent_cos = -1;
-  float longest_m2 = 1;  ///< square of the hip's farthest ankle
+  float longest_m = 1, longest_m2 = 1;  ///< of the hip's farthest ankle, and its square
+  /// How a foot rolls over its toes, by pitch from the lowest on: how far ahead the ankle is, how
+  /// high, and how much more each of these at the next node.
+  static constexpr int kRolls = 128;
+  static constexpr float kLowestPitch_rad = -1.6f, kRollsPerRadian = 64;
+  struct Roll {
+    float ahead_m, height_m, more_ahead_m, more_height_m;
+  };
+  std::array<Roll, kRolls> rolls{};
   float sole_half_width_m = 0;
   SignedAxis axis1, axis3, axis13;  ///< of the hip; the last is 1 x 3
   float hand = 1, knee_sign = 1, ankle_sign = 1;

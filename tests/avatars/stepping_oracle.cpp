@@ -238,7 +238,7 @@ bool SteppingOracle::is_at_a_turning_point(const OracleState& before, const Orac
 }
 
 SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, size_t side,
-                                            double drop_m) const {
+                                            double drop_m, double raise_rad) const {
   const double root = root_speed(s.gait_mps, scale);
   const int cell = cell_of(root);
   const Track track = track_at(root, cell);
@@ -265,6 +265,9 @@ SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, 
       target.pitch_rad += share * foot.target.pitch_rad;
       natural_lean = std::max(natural_lean, lean_of(leg.up_along_leg(foot.hip_m, foot.target)));
     }
+  // Over its toes it rolls on.
+  roll += leg.roll_m(target.pitch_rad - raise_rad) - leg.roll_m(target.pitch_rad);
+  target.pitch_rad -= raise_rad;
   const OracleFoot& foot = s.feet[side];
   target.heading_rad = (side == 0 ? -1 : 1) * track.toes_out_rad + foot.turn_rad;
   hip.z() -= drop_m;
@@ -276,12 +279,16 @@ SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, 
   const Vector3d at = ground + over;
   const bool is_flat = std::abs(target.pitch_rad) < 0.01;
   const double width_m = 2 * leg.shape().sole_half_width_m;
-  return {.at_m = at,
-          .up = over.normalized(),
-          .too_high_m = is_flat ? kSoleEdge_m : width_m * lean_of(over),
-          .too_low_m = is_flat ? 0 : width_m * natural_lean,
-          .heading_rad = target.heading_rad,
-          .from_hip_m = (at - hip).norm()};
+  return {
+      .at_m = at,
+      .up = over.normalized(),
+      .too_high_m = is_flat ? kSoleEdge_m : width_m * lean_of(over),
+      .too_low_m = is_flat ? 0 : width_m * natural_lean,
+      .heading_rad = target.heading_rad,
+      .pitch_rad = target.pitch_rad,
+      .from_hip_m = (at - hip).norm(),
+      .is_behind =
+          Rotation2Dd(-target.heading_rad).toRotationMatrix().row(0).dot((at - hip).head<2>()) < 0};
 }
 
 }  // namespace throng::test

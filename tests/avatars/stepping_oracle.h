@@ -56,10 +56,13 @@ class SteppingOracle {
     /// rolls over heel or toes lies anywhere between the edges: by as much its height may change
     /// either way.
     double too_high_m = 0, too_low_m = 0;
-    double heading_rad = 0;
+    double heading_rad = 0, pitch_rad = 0;  ///< of the foot
     double from_hip_m = 0;
+    bool is_behind = false;  ///< the hip
   };
-  Ankle ankle(const OracleState& state, double scale, size_t side, double drop_m) const;
+  /// `raise_rad`: the heel is higher than the gait has it.
+  Ankle ankle(const OracleState& state, double scale, size_t side, double drop_m,
+              double raise_rad = 0) const;
   double longest_m(size_t side) const {
     return walker_->leg(side).reach_m(Walker::kStraightestKnee_rad);
   }

@@ -122,6 +122,24 @@ class Walkers {
 };
 
 /// The largest of what was found, and where.
+constexpr double kMostRaise_rad = 0.4;
+
+/// Of a foot that is turned so from the zero posture: toes up positive.
+double pitch_of(const Eigen::Matrix3d& turn) {
+  const Eigen::Vector3d left = turn.col(1);
+  const Eigen::Vector3d forward = left.cross(Eigen::Vector3d::UnitZ()).normalized();
+  return std::atan2(turn.col(0).dot(forward.cross(left)), turn.col(0).dot(forward));
+}
+
+/// Whether the ankle points its foot as far down as it goes.
+bool is_at_limit(const Walking& w, std::span<const float> row, size_t side) {
+  const auto& kinematics = w.model->kinematics;
+  const auto column = static_cast<size_t>(
+      kinematics.column_of(side == 0 ? "right_ankle_flexion" : "left_ankle_flexion"));
+  const JointColumn& limits = kinematics.columns()[column];
+  return row[column] < limits.lower + 1e-4f || row[column] > limits.upper - 1e-4f;
+}
+
 struct Worst {
   double value = 0;
   uint64_t seed = 0, frame = 0;
@@ -207,7 +225,7 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
   const std::array<size_t, 2> parts = {w.right_foot, w.left_foot};
   const std::vector<PartPose> zero = w.poses(std::vector<float>(row.size()));
   Worst aside, above, below, heading;
-  int lowered = 0, too_far = 0, flat = 0;
+  int lowered = 0, too_far = 0, flat = 0, raised = 0, tilted = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Walkers walkers(seed, w.gait);
     const WalkChunk& chunk = walkers.chunk();
@@ -223,22 +241,35 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
         const auto drop_m = static_cast<double>(chunk.postures[i].numbers[WalkPosture::kDrop]);
         lowered += drop_m > 0;
         for (size_t side = 0; side < 2; ++side) {
+          const auto scale = static_cast<double>(chunk.scales[i]);
+          const Eigen::Isometry3d foot = to_isometry(poses[parts[side]]);
+          const Eigen::Matrix3d turn =
+              foot.linear() * to_isometry(zero[parts[side]]).linear().transpose();
+          const SteppingOracle::Ankle natural = oracle_.ankle(state, scale, side, 0);
+          // A heel is raised where the leg would be too short, and no farther.
+          double raise_rad = natural.pitch_rad - pitch_of(turn);
+          if (std::abs(raise_rad) < 1e-4) raise_rad = 0;
+          const bool may_rise =
+              natural.is_behind && natural.from_hip_m > oracle_.longest_m(side) - 1e-3;
+          if (raise_rad != 0 && (!may_rise || is_at_limit(w, row, side))) {  // that tilts the foot
+            ++tilted;
+            continue;
+          }
+          raised += raise_rad > 0;
+          EXPECT_LE(raise_rad, kMostRaise_rad + 1e-4);
           const SteppingOracle::Ankle expected =
-              oracle_.ankle(state, static_cast<double>(chunk.scales[i]), side, drop_m);
+              oracle_.ankle(state, scale, side, drop_m, raise_rad);
           if (expected.from_hip_m > oracle_.longest_m(side) + 1e-3) {
             ++too_far;
             continue;
           }
-          const Eigen::Isometry3d foot = to_isometry(poses[parts[side]]);
           const Eigen::Vector3d off_m = foot.translation() - expected.at_m;
           const double higher_m = off_m.dot(expected.up);
           aside.take((off_m - higher_m * expected.up).norm(), seed, frame, i);
           above.take(higher_m - expected.too_high_m, seed, frame, i);
           below.take(-higher_m - expected.too_low_m, seed, frame, i);
           flat += expected.too_low_m == 0;
-          const Eigen::Vector3d left = foot.linear() *
-                                       to_isometry(zero[parts[side]]).linear().transpose() *
-                                       Eigen::Vector3d::UnitY();
+          const Eigen::Vector3d left = turn * Eigen::Vector3d::UnitY();
           heading.take(std::abs(std::remainder(
                            std::atan2(-left.x(), left.y()) - expected.heading_rad, 6.283185307)),
                        seed, frame, i);
@@ -252,6 +283,8 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
   heading.expect_below(kHeadingBound_rad, "heading of a foot, rad");
   EXPECT_GT(flat, 1000) << "hardly any foot stood flat";
   EXPECT_GT(lowered, 0) << "no pelvis ever sank";
+  EXPECT_GT(raised, 100) << "hardly any heel was raised";
+  EXPECT_GT(aside.compared, 10 * tilted);
   EXPECT_GT(aside.compared, 10 * too_far);
 }
 
