@@ -18,7 +18,6 @@ using Eigen::Vector3d;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr std::array<double, YieldColumns::kArmJoints> kDrawn_rad = {0, -3 * kDegree, 3 * kDegree,
                                                                      0};
-constexpr int kPhaseStride = 8;
 constexpr float kMostLook_rad = 0.5f;  // Gait::kMostLook_rad
 
 std::optional<YieldColumns> columns_of(const PosableModel& model) {
@@ -75,7 +74,8 @@ std::vector<Vector3d> outermost(const Part& part) {
   return points;
 }
 
-enum class Region { kElse, kTrunk, kRightArm, kLeftArm };
+/// Arms are those below the elbow.
+enum class Region { kElse, kTrunk, kUpperArm, kRightArm, kLeftArm, kRightThigh, kLeftThigh };
 
 /// Which links hang from which.
 std::vector<Region> regions_of(const PosableModel& model, const YieldColumns& columns) {
@@ -87,9 +87,19 @@ std::vector<Region> regions_of(const PosableModel& model, const YieldColumns& co
     const int column = model.column_of_joint(static_cast<int>(j));
     region = regions[static_cast<size_t>(joint.parent_link)];
     if (column < 0) continue;
+    for (const bool is_left : {false, true}) {
+      const std::string side = is_left ? "left_" : "right_";
+      if (joint.name == side + "hip_flexion")
+        region = is_left ? Region::kLeftThigh : Region::kRightThigh;
+      if (joint.name == side + "knee_flexion") region = Region::kElse;
+    }
     if (column == columns.trunk) region = Region::kTrunk;
-    if (column == columns.arms[0][0]) region = Region::kRightArm;
-    if (column == columns.arms[1][0]) region = Region::kLeftArm;
+    constexpr size_t kElbow = 2;
+    for (size_t side = 0; side < 2; ++side) {
+      if (column == columns.arms[side][0]) region = Region::kUpperArm;
+      if (column == columns.arms[side][kElbow])
+        region = side == 0 ? Region::kRightArm : Region::kLeftArm;
+    }
   }
   return regions;
 }
@@ -119,10 +129,38 @@ void Reaches::close() {
   for (int i = 0; i < kMore; ++i) reach_m_[kDirections + i] = reach_m_[i];
 }
 
-const std::array<Reaches, 2>& Outline::swung_at(float speed_mps, float scale) const {
+void Octagon::add(double x, double y) {
+  constexpr double kDiagonal = 0.70710678118654752;
+  const double along = kDiagonal * (x + y), across = kDiagonal * (y - x);
+  const std::array<double, 8> reaches = {x, along, y, across, -x, -along, -y, -across};
+  for (size_t i = 0; i < reaches.size(); ++i)
+    reaches_m[i] = std::max(reaches_m[i], static_cast<float>(reaches[i]));
+}
+
+void Octagon::add(const Octagon& other) {
+  for (size_t i = 0; i < reaches_m.size(); ++i)
+    reaches_m[i] = std::max(reaches_m[i], other.reaches_m[i]);
+}
+
+void Limbs::add(const Limbs& other) {
+  for (size_t side = 0; side < 2; ++side) {
+    arms[side].add(other.arms[side]);
+    thighs[side].add(other.thighs[side]);
+  }
+}
+
+Swings::Swings(const std::array<Limbs, kPhases>& boxes) : boxes_(boxes) {
+  for (size_t phase = 0; phase < kPhases; ++phase) {
+    boxes_[phase].add(boxes[(phase + 1) % kPhases]);
+    boxes_[phase].add(boxes[(phase + kPhases - 1) % kPhases]);
+    ever_.add(boxes[phase]);
+  }
+}
+
+const Swings& Outline::swung_at(float speed_mps, float scale) const {
   const float root = std::sqrt(std::max(speed_mps, 0.0f) / (leg_length_m * scale));
   const auto speed = static_cast<size_t>(std::lround(root * per_root_speed));
-  return swung[std::min(speed, swung.size() - 1)];
+  return swings[std::min(speed, swings.size() - 1)];
 }
 
 std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitTable& table,
@@ -142,43 +180,52 @@ std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitT
     shapes.push_back(
         {regions[static_cast<size_t>(part.link)], static_cast<size_t>(part.link), outermost(part)});
 
+  // The model's points in the axes of `along`, from the axis that the trunk turns about.
   std::vector<Isometry3d> links;
-  const auto visit = [&](const std::vector<double>& posture, const auto& add) {
+  const auto visit = [&](const std::vector<double>& posture, const auto& along, const auto& add) {
     model.pose(posture, links);
-    const Isometry3d trunk_from_root = links[trunk_link].inverse();
+    const Isometry3d from_root = along(links[trunk_link]).inverse();
     for (const Shape& shape : shapes) {
-      const Isometry3d pose = trunk_from_root * links[shape.link];
+      const Isometry3d pose = from_root * links[shape.link];
       for (const Vector3d& point : shape.points) add(shape.region, Vector3d(pose * point));
     }
   };
-  const auto arm = [](Region region) { return region == Region::kLeftArm ? 1 : 0; };
-  const auto is_arm = [](Region region) {
-    return region == Region::kLeftArm || region == Region::kRightArm;
+  const auto trunk_axes = [](const Isometry3d& trunk_pose) { return trunk_pose; };
+  const auto way_axes = [](const Isometry3d& trunk_pose) {
+    return Isometry3d(Eigen::Translation3d(trunk_pose.translation()));
+  };
+  const auto boxes_of = [&](const std::vector<double>& posture, const auto& along) {
+    Limbs boxes;
+    visit(posture, along, [&](Region region, const Vector3d& p) {
+      if (region == Region::kRightArm) boxes.arms[0].add(p.x(), p.y());
+      if (region == Region::kLeftArm) boxes.arms[1].add(p.x(), p.y());
+      if (region == Region::kRightThigh) boxes.thighs[0].add(p.x(), p.y());
+      if (region == Region::kLeftThigh) boxes.thighs[1].add(p.x(), p.y());
+    });
+    return boxes;
   };
   std::vector<double> drawn = model.rest();
   for (size_t side = 0; side < 2; ++side)
     for (size_t i = 0; i < YieldColumns::kArmJoints; ++i)
       drawn[static_cast<size_t>(columns->arms[side][i])] =
           static_cast<double>(columns->drawn_rad[side][i]);
-  visit(drawn, [&](Region region, const Vector3d& p) {
-    if (region == Region::kTrunk || is_arm(region)) outline->upper.add(p.x(), p.y());
-    if (is_arm(region)) outline->drawn[static_cast<size_t>(arm(region))].add(p.x(), p.y());
+  visit(drawn, trunk_axes, [&](Region region, const Vector3d& p) {
+    if (region != Region::kElse && region != Region::kRightThigh && region != Region::kLeftThigh)
+      outline->upper.add(p.x(), p.y());
   });
+  outline->upper.close();
+  outline->drawn = boxes_of(drawn, trunk_axes).arms;
   const auto row = [&table](int speed, int phase) {
     const float* from = table.row(speed, phase);
     return std::vector<double>(from, from + table.columns);
   };
-  outline->swung.resize(static_cast<size_t>(table.speeds));
   for (int speed = 0; speed < table.speeds; ++speed) {
-    std::array<Reaches, 2>& swung = outline->swung[static_cast<size_t>(speed)];
-    for (int phase = 0; phase < table.phases; phase += kPhaseStride)
-      visit(row(speed, phase), [&](Region region, const Vector3d& p) {
-        if (is_arm(region)) swung[static_cast<size_t>(arm(region))].add(p.x(), p.y());
-      });
-    for (Reaches& side : swung) side.close();
+    std::array<Limbs, Swings::kPhases> boxes;
+    for (int phase = 0; phase < Swings::kPhases; ++phase)
+      boxes[static_cast<size_t>(phase)] =
+          boxes_of(row(speed, phase * table.phases / Swings::kPhases), way_axes);
+    outline->swings.emplace_back(boxes);
   }
-  for (Reaches* reaches : {&outline->upper, &outline->drawn[0], &outline->drawn[1]})
-    reaches->close();
   return outline;
 }
 

@@ -3,7 +3,9 @@
 // a body gives way and bound nothing (see upper_room.h for that).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -16,6 +18,7 @@ namespace throng {
 /// The columns of a posture row that giving way moves; the right arm, then the left.
 struct YieldColumns {
   static constexpr size_t kArmJoints = 4;  ///< shoulder flexion and abduction, elbow, wrist
+  static constexpr size_t kAbduction = 1;
   int trunk = -1;
   int head = -1;  ///< or none
   std::array<std::array<int, kArmJoints>, 2> arms{};
@@ -47,16 +50,62 @@ class Reaches {
   float reach_m_[kDirections + kMore] = {};
 };
 
+/// How far an arm below its elbow, or a thigh, reaches in eight directions, seen from above: ahead
+/// first, counter-clockwise.
+struct Octagon {
+  std::array<float, 8> reaches_m;
+
+  Octagon() { reaches_m.fill(-1e9f); }
+  void add(double x, double y);
+  void add(const Octagon& other);
+  float across_m(float y) const { return reaches_m[y > 0 ? 2 : 6]; }
+  /// In the direction of a unit vector.
+  float reach_m(float x, float y) const {
+    const float ahead = std::abs(x), aside = std::abs(y);
+    const size_t oblique = x > 0 ? (y > 0 ? 1 : 7) : (y > 0 ? 3 : 5);
+    constexpr float kDiagonal = 1.41421356f;
+    const float nearest_m = ahead > aside ? reaches_m[x > 0 ? 0 : 4] : across_m(y);
+    return std::abs(ahead - aside) * nearest_m +
+           kDiagonal * std::min(ahead, aside) * reaches_m[oblique];
+  }
+};
+
+/// Right and left.
+struct Limbs {
+  std::array<Octagon, 2> arms, thighs;
+
+  void add(const Limbs& other);
+};
+
+/// How limbs swing at one speed.
+class Swings {
+ public:
+  static constexpr int kPhases = 16;
+
+  explicit Swings(const std::array<Limbs, kPhases>& boxes);
+  /// Within a sixteenth of a cycle; phases may lie beyond one.
+  const Limbs& at(float phase) const {
+    const int nearest = static_cast<int>(phase * kPhases + 0.5f);
+    return boxes_[static_cast<unsigned>(nearest) % kPhases];
+  }
+  /// Over a cycle.
+  const Limbs& ever() const { return ever_; }
+
+ private:
+  std::array<Limbs, kPhases> boxes_;
+  Limbs ever_;
+};
+
 /// Of one style of walking.
 struct Outline {
   YieldColumns columns;
-  Reaches upper;                              ///< trunk and head with both arms drawn in
-  std::array<Reaches, 2> drawn;               ///< an arm
-  std::vector<std::array<Reaches, 2>> swung;  ///< an arm over a cycle, by speed
-  float per_root_speed = 0;  ///< speeds of `swung` for one of the relative speed's square root
+  Reaches upper;                 ///< trunk and head with both arms drawn in
+  std::array<Octagon, 2> drawn;  ///< the same arms, right and left
+  std::vector<Swings> swings;    ///< by speed
+  float per_root_speed = 0;      ///< speeds of `swings` for one of the relative speed's square root
   float leg_length_m = 1;
 
-  const std::array<Reaches, 2>& swung_at(float speed_mps, float scale) const;
+  const Swings& swung_at(float speed_mps, float scale) const;
 };
 
 /// Nothing for a model without the adult's joints of trunk and arms.

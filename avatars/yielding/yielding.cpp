@@ -7,13 +7,13 @@
 
 namespace throng {
 namespace {
-
 // The trunk's turns that are compared: as many to either side, a direction of Reaches apart.
 constexpr int kTurnsAside = 9;
 constexpr int kTurns = 2 * kTurnsAside + 1;
 constexpr float kTurn_rad = 1 / Reaches::kPerRadian;
-// Bodies sway and lean: they stay clear of their border by so much.
-constexpr float kMargin_m = 0.03f;
+// Bodies sway and lean: they stay clear of their border by so much; arms, which are where they will
+// be within a sixteenth of a cycle, by more.
+constexpr float kMargin_m = 0.03f, kArmMargin_m = 0.05f;
 // What is needed so soon is needed now; what is needed later than kYieldAhead_s is not yet.
 constexpr float kSoon_s = 0.45f;
 // Half a metre of turned trunk is worth a tenth of a millimetre of room squared ...
@@ -25,7 +25,8 @@ constexpr float kTurned_rad = 0.1f;
 // and without.
 constexpr float kReleaseNear_rps = 0.3f, kRelease_rps = 1.2f;
 constexpr float kReleaseAhead_s = 1.0f / 9;  // as eased_towards() has it
-constexpr float kReleaseNear_ps = 0.8f, kRelease_ps = 2.5f;
+// An arm stays drawn in by so much of what its swing would lack at the worst time of a cycle.
+constexpr float kHeld = 0.7f;
 
 float angle_of(float y, float x) {
   const float ax = std::abs(x), ay = std::abs(y);
@@ -50,25 +51,51 @@ float direction_of(float angle_rad) {
 
 /// So much room in a direction, of which so much counts.
 struct Border {
+  float x, y;  ///< the direction
   float direction;
   float trunk_room_m, arm_room_m;  ///< at scale 1
   float weight;
+  const std::array<Octagon, 2>* arms;  ///< as they will swing then
+  bool is_now;
 };
 
-/// How far a body reaches in a direction now.
-struct Reach {
-  float trunk_m, whole_m;
-};
-Reach reach_of(const Yielder& body, float angle_rad) {
-  const float direction = direction_of(angle_rad - body.motion.turn_rad);
-  const float trunk_m = body.outline->upper.at(direction);
-  float whole_m = trunk_m;
-  for (size_t side = 0; side < 2; ++side) {
-    const float swung_m = (*body.swung)[side].at(direction);
-    const float drawn_m = body.outline->drawn[side].at(direction);
-    whole_m = std::max(whole_m, swung_m + body.motion.arms[side] * (drawn_m - swung_m));
+const Limbs& limbs_at(const Yielder& body, const Rhythm& rhythm, float ahead_s) {
+  return body.swung->at(rhythm.phase + ahead_s * rhythm.cycles_ps);
+}
+
+/// How far an arm reaches in a direction, and what drawing it in wins.
+struct ArmReach {
+  float swung_m, tucking_m, stilling_m;
+
+  ArmReach(const Octagon& swung, const Octagon& drawn, float x, float y)
+      : swung_m(swung.reach_m(x, y)) {
+    const float won_m = swung_m - drawn.reach_m(x, y);
+    tucking_m = std::abs(y) * (swung.across_m(y) - drawn.across_m(y));
+    stilling_m = won_m - tucking_m;
   }
-  return {body.scale * trunk_m, body.scale * whole_m};
+  float at_m(const DrawnArm& drawn) const {
+    return swung_m - drawn.tucked * tucking_m - drawn.stilled * stilling_m;
+  }
+};
+
+/// How far a body reaches in a direction: trunk and drawn-in arms, thighs as well, and all as it
+/// is now.
+struct Reach {
+  float trunk_m, firm_m, whole_m;
+};
+Reach reach_of(const Yielder& body, const Limbs& limbs, float x, float y, float angle_rad) {
+  const float turn_rad = body.motion.turn_rad;
+  const float trunk_m = body.outline->upper.at(direction_of(angle_rad - turn_rad));
+  const FloatSinCos turn = float_sin_cos(turn_rad);
+  const float ahead = turn.cos * x + turn.sin * y, left = turn.cos * y - turn.sin * x;
+  float firm_m = trunk_m;
+  for (const Octagon& thigh : limbs.thighs) firm_m = std::max(firm_m, thigh.reach_m(x, y));
+  float whole_m = firm_m;
+  for (size_t side = 0; side < 2; ++side) {
+    const ArmReach arm(limbs.arms[side], body.outline->drawn[side], ahead, left);
+    whole_m = std::max(whole_m, arm.at_m(DrawnArm(body.motion.arms[side])));
+  }
+  return {body.scale * trunk_m, body.scale * firm_m, body.scale * whole_m};
 }
 
 /// What a body with its arms drawn in lacks, by turn of the trunk.
@@ -130,59 +157,85 @@ float weight_at(float ahead_s) {
 
 /// The border towards somebody as both will stand in a while: in the middle of what would be
 /// between them as they are now.
-void add_border(const Yielder& own, const NearBody& near, float ahead_s, Borders& borders) {
+void add_border(const Yielder& own, const Rhythm& rhythm, const NearBody& near, float ahead_s,
+                Borders& borders) {
   const float weight = weight_at(ahead_s);
   if (weight <= 0) return;
-  const float x = near.x_m + ahead_s * near.vx_mps, y = near.y_m + ahead_s * near.vy_mps;
-  const float apart_m = std::sqrt(x * x + y * y);
-  if (apart_m > kYieldReach_m) return;
+  float x = near.x_m + ahead_s * near.vx_mps, y = near.y_m + ahead_s * near.vy_mps;
+  const float square = x * x + y * y;
+  if (square > kYieldReach_m * kYieldReach_m) return;
+  const float apart_m = std::sqrt(square), per_apart = 1 / std::max(apart_m, 1e-6f);
+  x *= per_apart;
+  y *= per_apart;
   const float angle = angle_of(y, x);
-  Border border{direction_of(angle), 0, 0, weight};
+  const Limbs& limbs = limbs_at(own, rhythm, ahead_s);
+  Border border{x, y, direction_of(angle), 0, 0, weight, &limbs.arms, ahead_s == 0};
   if (near.yielder == nullptr) {
     border.trunk_room_m = border.arm_room_m = (apart_m - near.radius_m) / own.scale;
   } else {
-    const Reach mine = reach_of(own, angle);
-    const Reach other = reach_of(*near.yielder, angle - near.heading_rad + 3.14159265f);
+    const Reach mine = reach_of(own, limbs, x, y, angle);
+    const float cos = near.heading_cos, sin = near.heading_sin;
+    const Reach other =
+        reach_of(*near.yielder, limbs_at(*near.yielder, near.rhythm, ahead_s), -(cos * x + sin * y),
+                 sin * x - cos * y, angle - near.heading_rad + 3.14159265f);
     border.trunk_room_m = 0.5f * (apart_m + mine.trunk_m - other.trunk_m) / own.scale;
-    border.arm_room_m = 0.5f * (apart_m + mine.whole_m - other.whole_m) / own.scale;
+    // What cannot be drawn in is given way to by the other's arm alone.
+    border.arm_room_m =
+        std::min(0.5f * (apart_m + mine.whole_m - other.whole_m), apart_m - other.firm_m) /
+        own.scale;
   }
   borders.add(border);
 }
 
-void add_borders(const Yielder& own, const NearBody& near, Borders& borders) {
+void add_borders(const Yielder& own, const Rhythm& rhythm, const NearBody& near, Borders& borders) {
   const float square = near.vx_mps * near.vx_mps + near.vy_mps * near.vy_mps;
   const float nearest_s =
       std::clamp(-(near.x_m * near.vx_mps + near.y_m * near.vy_mps) / std::max(square, 1e-4f), 0.0f,
                  kYieldAhead_s);
   const float x = near.x_m + nearest_s * near.vx_mps, y = near.y_m + nearest_s * near.vy_mps;
   if (x * x + y * y > kYieldReach_m * kYieldReach_m) return;
-  add_border(own, near, 0, borders);
+  add_border(own, rhythm, near, 0, borders);
   if (nearest_s < 0.05f) return;
-  add_border(own, near, nearest_s, borders);
-  add_border(own, near, 0.5f * nearest_s, borders);
+  add_border(own, rhythm, near, nearest_s, borders);
+  add_border(own, rhythm, near, 0.5f * nearest_s, borders);
 }
 
 /// As it is now and as it will be soon.
-void add_wall(const Yielder& own, const NearWall& wall, Borders& borders) {
+void add_wall(const Yielder& own, const Rhythm& rhythm, const NearWall& wall, Borders& borders) {
   const float direction = direction_of(angle_of(wall.y, wall.x));
   for (const float ahead_s : {0.0f, kSoon_s}) {
     const float room_m = (wall.distance_m - ahead_s * wall.approach_mps) / own.scale;
-    borders.add({direction, room_m, room_m, 1});
+    borders.add({wall.x, wall.y, direction, room_m, room_m, 1, &limbs_at(own, rhythm, ahead_s).arms,
+                 ahead_s == 0});
   }
 }
 
-/// How far an arm has to be drawn in to swing within all borders.
-float wanted_draw(const Yielder& own, size_t side, float turn_rad,
-                  std::span<const Border> borders) {
+/// How far an arm has to be drawn in to stay within a border.
+float draw_for(const ArmReach& arm, float room_m) {
   constexpr float kWorthIt_m = 0.01f;  // elsewhere it makes no difference
+  const float lack_m = arm.swung_m + kArmMargin_m - room_m;
+  if (lack_m <= 0) return 0;
+  if (lack_m > arm.tucking_m && arm.stilling_m > kWorthIt_m)
+    return DrawnArm::share_of(std::clamp((lack_m - arm.tucking_m) / arm.stilling_m, 0.0f, 1.0f));
+  return DrawnArm::kTucked * std::min(lack_m / std::max(arm.tucking_m, 1e-4f), 1.0f);
+}
+
+/// How far an arm has to be drawn in to swing within all borders.
+float wanted_draw(const Yielder& own, size_t side, const FloatSinCos& turn,
+                  std::span<const Border> borders) {
+  const Octagon &drawn = own.outline->drawn[side], &ever = own.swung->ever().arms[side];
+  const float now = own.motion.arms[side];
   float wanted = 0;
   for (const Border& border : borders) {
-    const float direction = direction_of(border.direction / Reaches::kPerRadian - turn_rad);
-    const float swung_m = (*own.swung)[side].at(direction);
-    const float won_m = swung_m - own.outline->drawn[side].at(direction);
-    const float lack_m = swung_m + kMargin_m - border.arm_room_m;
-    if (lack_m <= 0 || won_m < kWorthIt_m) continue;
-    wanted = std::max(wanted, border.weight * std::min(lack_m / won_m, 1.0f));
+    const float ahead = turn.cos * border.x + turn.sin * border.y;
+    const float left = turn.cos * border.y - turn.sin * border.x;
+    const float room_m = border.arm_room_m;
+    const float draw = draw_for({(*border.arms)[side], drawn, ahead, left}, room_m);
+    wanted = std::max(wanted, border.weight * draw);
+    // Not let out only to be drawn in again by the same swing.
+    if (border.is_now && now > wanted)
+      wanted =
+          std::max(wanted, std::min(now, kHeld * draw_for({ever, drawn, ahead, left}, room_m)));
   }
   return wanted;
 }
@@ -209,11 +262,24 @@ float held(float wanted, float now, float most) {
 
 }  // namespace
 
-YieldMotion wanted_yield(const Yielder& own, std::span<const NearBody> near,
+DrawnArm::DrawnArm(float share) {
+  tucked = std::min(share / kTucked, 1.0f);
+  const float u = std::max(share - kTucked, 0.0f) / (1 - kTucked);
+  stilled = u * u * (2 - u);  // begins at rest
+}
+
+float DrawnArm::share_of(float stilled) {
+  // The cubic's root: a guess not far above it, and Newton's step.
+  float u = std::sqrt(stilled / (2 - std::sqrt(stilled)));
+  if (u > 0) u -= (u * u * (2 - u) - stilled) / (u * (4 - 3 * u));
+  return kTucked + (1 - kTucked) * u;
+}
+
+YieldMotion wanted_yield(const Yielder& own, const Rhythm& rhythm, std::span<const NearBody> near,
                          std::span<const NearWall> walls) {
   Borders borders;
-  for (const NearBody& body : near) add_borders(own, body, borders);
-  for (const NearWall& wall : walls) add_wall(own, wall, borders);
+  for (const NearBody& body : near) add_borders(own, rhythm, body, borders);
+  for (const NearWall& wall : walls) add_wall(own, rhythm, wall, borders);
   YieldMotion wanted;
   wanted.is_near = borders.count > 0;
   if (!wanted.is_near) return wanted;
@@ -221,15 +287,14 @@ YieldMotion wanted_yield(const Yielder& own, std::span<const NearBody> near,
   TurnCosts costs;
   for (const Border& border : all) costs.add(own.outline->upper, border);
   wanted.turn_rad = costs.best_turn(own.outline->columns, own.motion.turn_rad);
-  for (size_t side = 0; side < 2; ++side)
-    wanted.arms[side] = wanted_draw(own, side, wanted.turn_rad, all);
+  const FloatSinCos turn = float_sin_cos(wanted.turn_rad);
+  for (size_t side = 0; side < 2; ++side) wanted.arms[side] = wanted_draw(own, side, turn, all);
   return wanted;
 }
 
 void follow(const YieldMotion& wanted, float step_s, YieldMotion& motion) {
   const YieldLimits& limits = kYieldLimits;
   const float turn_release = (wanted.is_near ? kReleaseNear_rps : kRelease_rps) * kReleaseAhead_s;
-  const float arm_release = (wanted.is_near ? kReleaseNear_ps : kRelease_ps) * kReleaseAhead_s;
   const bool turns_back = wanted.turn_rad * motion.turn_rad < 0;
   const float turn_rad =
       turns_back ? wanted.turn_rad : held(wanted.turn_rad, motion.turn_rad, turn_release);
@@ -237,8 +302,8 @@ void follow(const YieldMotion& wanted, float step_s, YieldMotion& motion) {
                 motion.turn_rps);
   for (size_t side = 0; side < 2; ++side) {
     float& arm = motion.arms[side];
-    eased_towards(held(wanted.arms[side], arm, arm_release), limits.arm_ps, limits.arm_ps2, step_s,
-                  arm, motion.arms_ps[side]);
+    eased_towards(wanted.arms[side], limits.arm_ps, limits.arm_ps2, step_s, arm,
+                  motion.arms_ps[side]);
     if (arm >= 0 && arm <= 1) continue;
     arm = std::clamp(arm, 0.0f, 1.0f);
     motion.arms_ps[side] = 0;
@@ -249,16 +314,23 @@ void put_yield(const YieldColumns& columns, const Yield& yield, std::span<float>
   if (yield.is_none()) return;
   float& trunk = row[static_cast<size_t>(columns.trunk)];
   const float before = trunk;
-  trunk = std::clamp(trunk + yield.trunk_rad, columns.least_trunk_rad, columns.most_trunk_rad);
+  // The nearer to the joint's limit, the less of the gait's own turning: nothing is cut off.
+  const float most_rad = yield.trunk_rad > 0 ? columns.most_trunk_rad : -columns.least_trunk_rad;
+  const float turned = std::min(std::abs(yield.trunk_rad) / most_rad, 1.0f);
+  trunk = std::clamp(yield.trunk_rad + (1 - turned * turned) * before, columns.least_trunk_rad,
+                     columns.most_trunk_rad);
   if (columns.head >= 0) {
     float& head = row[static_cast<size_t>(columns.head)];
     head = std::clamp(head - (trunk - before), columns.least_head_rad, columns.most_head_rad);
   }
-  for (size_t side = 0; side < 2; ++side)
+  for (size_t side = 0; side < 2; ++side) {
+    const DrawnArm drawn(yield.arms[side]);
     for (size_t i = 0; i < YieldColumns::kArmJoints; ++i) {
       float& angle = row[static_cast<size_t>(columns.arms[side][i])];
-      angle += yield.arms[side] * (columns.drawn_rad[side][i] - angle);
+      const float share = i == YieldColumns::kAbduction ? drawn.tucked : drawn.stilled;
+      angle += share * (columns.drawn_rad[side][i] - angle);
     }
+  }
 }
 
 }  // namespace throng

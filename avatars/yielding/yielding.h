@@ -27,6 +27,18 @@ struct Yield {
   bool is_none() const { return trunk_rad == 0 && arms[0] == 0 && arms[1] == 0; }
 };
 
+/// An arm that is drawn in comes nearer to the body first, and goes on swinging; then it hangs
+/// still.
+struct DrawnArm {
+  float tucked = 0;  ///< share of the way to the body
+  float stilled = 0;
+
+  explicit DrawnArm(float share);
+  /// The least share at which the arm is this still.
+  static float share_of(float stilled);
+  static constexpr float kTucked = 0.25f;  ///< so much of being drawn in tucks the arm
+};
+
 /// How far it does, and how fast that changes.
 struct YieldMotion {
   float turn_rad = 0, turn_rps = 0;  ///< of the trunk, from the way
@@ -40,18 +52,25 @@ inline constexpr float kHipsShare = 0.25f;
 /// A body that makes room, as it is now.
 struct Yielder {
   const Outline* outline = nullptr;
-  const std::array<Reaches, 2>* swung = nullptr;  ///< of the outline, at the speed it walks at
+  const Swings* swung = nullptr;  ///< of the outline, at the speed it walks at
   float scale = 1;
   YieldMotion motion{};
+};
+
+/// Where in its cycle somebody is, and how many cycles pass a second.
+struct Rhythm {
+  float phase = 0, cycles_ps = 0;
 };
 
 /// Something near, as a body sees it: metres and radians, x is the way of that body.
 struct NearBody {
   float x_m, y_m;
-  float vx_mps, vy_mps;    ///< relative to the body that looks
-  float heading_rad;       ///< of its way, relative, too
+  float vx_mps, vy_mps;  ///< relative to the body that looks
+  float heading_rad;     ///< of its way, relative, too
+  float heading_cos, heading_sin;
   const Yielder* yielder;  ///< null: it does not give way and is a disc
   float radius_m;          ///< of the disc
+  Rhythm rhythm;
 };
 
 /// A wall in the direction (x, y), seen likewise.
@@ -67,7 +86,7 @@ inline constexpr float kYieldReach_m = 0.95f;
 inline constexpr float kYieldAhead_s = 0.9f;
 
 /// How far a body should give way; speeds are 0.
-YieldMotion wanted_yield(const Yielder& own, std::span<const NearBody> near,
+YieldMotion wanted_yield(const Yielder& own, const Rhythm& rhythm, std::span<const NearBody> near,
                          std::span<const NearWall> walls);
 
 /// A step towards it, within the speeds and accelerations of yield_limits.

@@ -223,9 +223,11 @@ YieldMotion YieldingStage::wanted_of(uint32_t id, const BodyStates& bodies) cons
         own.cos * vx + own.sin * vy,
         own.cos * vy - own.sin * vx,
         seen.heading_rad - own.heading_rad,
+        own.cos * seen.cos + own.sin * seen.sin,
+        own.cos * seen.sin - own.sin * seen.cos,
         yields ? &yielders_[other] : nullptr,
-        yields ? 0
-               : bodies.scales[other] * posing_.model(bodies.types[other]).footprint_radius_m()};
+        yields ? 0 : bodies.scales[other] * posing_.model(bodies.types[other]).footprint_radius_m(),
+        {seen.phase, seen.cycles_ps}};
   }
   const Around& around = around_[id];
   for (size_t i = 0; i < around.wall_count; ++i) {
@@ -234,7 +236,8 @@ YieldMotion YieldingStage::wanted_of(uint32_t id, const BodyStates& bodies) cons
                 wall.x * own.x_m + wall.y * own.y_m - wall.offset_m,
                 -(wall.x * own.vx_mps + wall.y * own.vy_mps)};
   }
-  return wanted_yield(yielders_[id], {near.data(), count}, {walls.data(), around.wall_count});
+  return wanted_yield(yielders_[id], {own.phase, own.cycles_ps}, {near.data(), count},
+                      {walls.data(), around.wall_count});
 }
 
 void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
