@@ -127,6 +127,7 @@ void Reaches::close() {
   constexpr float kGrain = 1.0f / 8192;
   for (int i = 0; i < kDirections; ++i) reach_m_[i] = std::nearbyint(reach_m_[i] / kGrain) * kGrain;
   for (int i = 0; i < kMore; ++i) reach_m_[kDirections + i] = reach_m_[i];
+  most_m_ = *std::max_element(reach_m_, reach_m_ + kDirections);
 }
 
 void Octagon::add(double x, double y) {

@@ -45,9 +45,12 @@ class Reaches {
     return reach_m_[i] + share * (reach_m_[i + 1] - reach_m_[i]);
   }
   const float* from(int direction) const { return reach_m_ + direction; }
+  /// In any direction.
+  float most_m() const { return most_m_; }
 
  private:
   float reach_m_[kDirections + kMore] = {};
+  float most_m_ = 0;
 };
 
 /// How far an arm below its elbow, or a thigh, reaches in eight directions, seen from above: ahead

@@ -59,10 +59,6 @@ struct Border {
   bool is_now;
 };
 
-const Limbs& limbs_at(const Yielder& body, const Rhythm& rhythm, float ahead_s) {
-  return body.swung->at(rhythm.phase + ahead_s * rhythm.cycles_ps);
-}
-
 /// How far an arm reaches in a direction, and what drawing it in wins.
 struct ArmReach {
   float swung_m, tucking_m, stilling_m;
@@ -78,42 +74,64 @@ struct ArmReach {
   }
 };
 
+/// A body as it stands now.
+struct Stance {
+  const Yielder& body;
+  Rhythm rhythm;
+  FloatSinCos turn;
+  std::array<DrawnArm, 2> arms;
+
+  Stance(const Yielder& body_in, const Rhythm& rhythm_in)
+      : body(body_in),
+        rhythm(rhythm_in),
+        turn(float_sin_cos(body.motion.turn_rad)),
+        arms{DrawnArm(body.motion.arms[0]), DrawnArm(body.motion.arms[1])} {}
+
+  const Limbs& limbs_in(float ahead_s) const {
+    return body.swung->at(rhythm.phase + ahead_s * rhythm.cycles_ps);
+  }
+};
+
 /// How far a body reaches in a direction: trunk and drawn-in arms, thighs as well, and all as it
 /// is now.
 struct Reach {
   float trunk_m, firm_m, whole_m;
 };
-Reach reach_of(const Yielder& body, const Limbs& limbs, float x, float y, float angle_rad) {
-  const float turn_rad = body.motion.turn_rad;
-  const float trunk_m = body.outline->upper.at(direction_of(angle_rad - turn_rad));
-  const FloatSinCos turn = float_sin_cos(turn_rad);
+Reach reach_of(const Stance& stance, const Limbs& limbs, float x, float y, float angle_rad) {
+  const Yielder& body = stance.body;
+  const FloatSinCos& turn = stance.turn;
+  const float trunk_m = body.outline->upper.at(direction_of(angle_rad - body.motion.turn_rad));
   const float ahead = turn.cos * x + turn.sin * y, left = turn.cos * y - turn.sin * x;
   float firm_m = trunk_m;
   for (const Octagon& thigh : limbs.thighs) firm_m = std::max(firm_m, thigh.reach_m(x, y));
   float whole_m = firm_m;
   for (size_t side = 0; side < 2; ++side) {
     const ArmReach arm(limbs.arms[side], body.outline->drawn[side], ahead, left);
-    whole_m = std::max(whole_m, arm.at_m(DrawnArm(body.motion.arms[side])));
+    whole_m = std::max(whole_m, arm.at_m(stance.arms[side]));
   }
   return {body.scale * trunk_m, body.scale * firm_m, body.scale * whole_m};
 }
 
 /// What a body with its arms drawn in lacks, by turn of the trunk.
 struct TurnCosts {
-  std::array<float, kTurns> cost{};
+  std::array<float, kTurns> cost{};  // from the farthest to the right
 
   void add(const Reaches& upper, const Border& border) {
+    if (border.trunk_room_m >= upper.most_m() + kMargin_m) return;
     // Seen by a trunk that is turned to the left, what is near lies farther to the right.
     float from = border.direction - kTurnsAside;
     if (from < 0) from += Reaches::kDirections;
     const auto whole = static_cast<int>(from);
     const float share = from - static_cast<float>(whole);
     const float* reach = upper.from(whole);
-    for (int i = 0; i < kTurns; ++i) {
+    const float room_m = border.trunk_room_m - kMargin_m, weight = border.weight;
+    std::array<float, kTurns> lacks;  // first all, then turned round: whole vectors at a time
+    for (size_t i = 0; i < kTurns; ++i) {
       const float reach_m = reach[i] + share * (reach[i + 1] - reach[i]);
-      const float lack_m = std::max(reach_m + kMargin_m - border.trunk_room_m, 0.0f);
-      cost[static_cast<size_t>(kTurns - 1 - i)] += border.weight * lack_m * lack_m;
+      const float lack_m = std::max(reach_m - room_m, 0.0f);
+      lacks[i] = weight * lack_m * lack_m;
     }
+    for (size_t i = 0; i < kTurns; ++i) cost[i] += lacks[kTurns - 1 - i];
   }
 
   float best_turn(const YieldColumns& columns, float now_rad) {
@@ -157,56 +175,55 @@ float weight_at(float ahead_s) {
 
 /// The border towards somebody as both will stand in a while: in the middle of what would be
 /// between them as they are now.
-void add_border(const Yielder& own, const Rhythm& rhythm, const NearBody& near, float ahead_s,
+void add_border(const Stance& own, const NearBody& near, const Stance& other, float ahead_s,
                 Borders& borders) {
   const float weight = weight_at(ahead_s);
-  if (weight <= 0) return;
   float x = near.x_m + ahead_s * near.vx_mps, y = near.y_m + ahead_s * near.vy_mps;
   const float square = x * x + y * y;
-  if (square > kYieldReach_m * kYieldReach_m) return;
+  if (weight <= 0 || square > kYieldReach_m * kYieldReach_m) return;
   const float apart_m = std::sqrt(square), per_apart = 1 / std::max(apart_m, 1e-6f);
   x *= per_apart;
   y *= per_apart;
-  const float angle = angle_of(y, x);
-  const Limbs& limbs = limbs_at(own, rhythm, ahead_s);
+  const float angle = angle_of(y, x), per_scale = 1 / own.body.scale;
+  const Limbs& limbs = own.limbs_in(ahead_s);
   Border border{x, y, direction_of(angle), 0, 0, weight, &limbs.arms, ahead_s == 0};
   if (near.yielder == nullptr) {
-    border.trunk_room_m = border.arm_room_m = (apart_m - near.radius_m) / own.scale;
+    border.trunk_room_m = border.arm_room_m = (apart_m - near.radius_m) * per_scale;
   } else {
     const Reach mine = reach_of(own, limbs, x, y, angle);
     const float cos = near.heading_cos, sin = near.heading_sin;
-    const Reach other =
-        reach_of(*near.yielder, limbs_at(*near.yielder, near.rhythm, ahead_s), -(cos * x + sin * y),
-                 sin * x - cos * y, angle - near.heading_rad + 3.14159265f);
-    border.trunk_room_m = 0.5f * (apart_m + mine.trunk_m - other.trunk_m) / own.scale;
+    const Reach theirs = reach_of(other, other.limbs_in(ahead_s), -(cos * x + sin * y),
+                                  sin * x - cos * y, angle - near.heading_rad + 3.14159265f);
+    border.trunk_room_m = 0.5f * (apart_m + mine.trunk_m - theirs.trunk_m) * per_scale;
     // What cannot be drawn in is given way to by the other's arm alone.
     border.arm_room_m =
-        std::min(0.5f * (apart_m + mine.whole_m - other.whole_m), apart_m - other.firm_m) /
-        own.scale;
+        std::min(0.5f * (apart_m + mine.whole_m - theirs.whole_m), apart_m - theirs.firm_m) *
+        per_scale;
   }
   borders.add(border);
 }
 
-void add_borders(const Yielder& own, const Rhythm& rhythm, const NearBody& near, Borders& borders) {
+void add_borders(const Stance& own, const NearBody& near, Borders& borders) {
   const float square = near.vx_mps * near.vx_mps + near.vy_mps * near.vy_mps;
   const float nearest_s =
       std::clamp(-(near.x_m * near.vx_mps + near.y_m * near.vy_mps) / std::max(square, 1e-4f), 0.0f,
                  kYieldAhead_s);
   const float x = near.x_m + nearest_s * near.vx_mps, y = near.y_m + nearest_s * near.vy_mps;
   if (x * x + y * y > kYieldReach_m * kYieldReach_m) return;
-  add_border(own, rhythm, near, 0, borders);
+  const Stance other(near.yielder != nullptr ? *near.yielder : own.body, near.rhythm);
+  add_border(own, near, other, 0, borders);
   if (nearest_s < 0.05f) return;
-  add_border(own, rhythm, near, nearest_s, borders);
-  add_border(own, rhythm, near, 0.5f * nearest_s, borders);
+  add_border(own, near, other, nearest_s, borders);
+  add_border(own, near, other, 0.5f * nearest_s, borders);
 }
 
 /// As it is now and as it will be soon.
-void add_wall(const Yielder& own, const Rhythm& rhythm, const NearWall& wall, Borders& borders) {
+void add_wall(const Stance& own, const NearWall& wall, Borders& borders) {
   const float direction = direction_of(angle_of(wall.y, wall.x));
   for (const float ahead_s : {0.0f, kSoon_s}) {
-    const float room_m = (wall.distance_m - ahead_s * wall.approach_mps) / own.scale;
-    borders.add({wall.x, wall.y, direction, room_m, room_m, 1, &limbs_at(own, rhythm, ahead_s).arms,
-                 ahead_s == 0});
+    const float room_m = (wall.distance_m - ahead_s * wall.approach_mps) / own.body.scale;
+    borders.add(
+        {wall.x, wall.y, direction, room_m, room_m, 1, &own.limbs_in(ahead_s).arms, ahead_s == 0});
   }
 }
 
@@ -277,10 +294,12 @@ float DrawnArm::share_of(float stilled) {
 
 YieldMotion wanted_yield(const Yielder& own, const Rhythm& rhythm, std::span<const NearBody> near,
                          std::span<const NearWall> walls) {
-  Borders borders;
-  for (const NearBody& body : near) add_borders(own, rhythm, body, borders);
-  for (const NearWall& wall : walls) add_wall(own, rhythm, wall, borders);
   YieldMotion wanted;
+  if (near.empty() && walls.empty()) return wanted;
+  const Stance stance(own, rhythm);
+  Borders borders;
+  for (const NearBody& body : near) add_borders(stance, body, borders);
+  for (const NearWall& wall : walls) add_wall(stance, wall, borders);
   wanted.is_near = borders.count > 0;
   if (!wanted.is_near) return wanted;
   const std::span<const Border> all(borders.all.data(), borders.count);

@@ -85,6 +85,16 @@ inline constexpr float kYieldReach_m = 0.95f;
 /// How far ahead in time bodies look.
 inline constexpr float kYieldAhead_s = 0.9f;
 
+/// Whether what is there and goes so, relative to a body, may have to be given way to.
+inline bool comes_near(float x_m, float y_m, float vx_mps, float vy_mps) {
+  constexpr float kReach_m = 1.001f * kYieldReach_m;  // it is decided in the body's own axes
+  const float square = x_m * x_m + y_m * y_m, along = -(x_m * vx_mps + y_m * vy_mps);
+  if (square <= kReach_m * kReach_m) return true;
+  // Its way's nearest point; further than kYieldAhead_s ahead it is farther yet.
+  const float speed_square = vx_mps * vx_mps + vy_mps * vy_mps;
+  return along > 0 && square * speed_square - along * along <= kReach_m * kReach_m * speed_square;
+}
+
 /// How far a body should give way; speeds are 0.
 YieldMotion wanted_yield(const Yielder& own, const Rhythm& rhythm, std::span<const NearBody> near,
                          std::span<const NearWall> walls);

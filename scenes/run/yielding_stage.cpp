@@ -216,6 +216,7 @@ YieldMotion YieldingStage::wanted_of(uint32_t id, const BodyStates& bodies) cons
     const Seen& seen = seen_[other];
     const float dx = seen.x_m - own.x_m, dy = seen.y_m - own.y_m;
     const float vx = seen.vx_mps - own.vx_mps, vy = seen.vy_mps - own.vy_mps;
+    if (!comes_near(dx, dy, vx, vy)) continue;
     const bool yields = yielders_[other].outline != nullptr;
     near[count++] = {
         own.cos * dx + own.sin * dy,
