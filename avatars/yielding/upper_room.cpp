@@ -91,10 +91,19 @@ UpperRoom::Extent UpperRoom::extent_of(const Shape& shape, const PartPose& pose)
   return extent;
 }
 
-RootBox UpperRoom::box(std::span<const PartPose> poses) const {
+std::optional<RootBox> UpperRoom::box_within(std::span<const PartPose> poses, float sphere_z_m,
+                                             float sphere_m, float cylinder_m) const {
   RootBox box;
   for (const Shape& shape : shapes_) {
     const Extent extent = extent_of(shape, poses[shape.part]);
+    const auto farthest = [&](int axis, float from) {
+      const float most = std::max(from - extent.low_m[axis], extent.high_m[axis] - from);
+      return most * most;
+    };
+    const float across = farthest(0, 0) + farthest(1, 0);
+    if (!(across <= cylinder_m * cylinder_m &&
+          across + farthest(2, sphere_z_m) <= sphere_m * sphere_m))
+      return {};
     const bool is_first = &shape == shapes_.data();
     for (int axis = 0; axis < 3; ++axis) {
       box.min_m[axis] =
@@ -104,20 +113,6 @@ RootBox UpperRoom::box(std::span<const PartPose> poses) const {
     }
   }
   return box;
-}
-
-bool UpperRoom::is_within(std::span<const PartPose> poses, float sphere_z_m, float sphere_m,
-                          float cylinder_m) const {
-  return std::all_of(shapes_.begin(), shapes_.end(), [&](const Shape& shape) {
-    const Extent extent = extent_of(shape, poses[shape.part]);
-    const auto farthest = [&](int axis, float from) {
-      const float most = std::max(from - extent.low_m[axis], extent.high_m[axis] - from);
-      return most * most;
-    };
-    const float across = farthest(0, 0) + farthest(1, 0);
-    return across <= cylinder_m * cylinder_m &&
-           across + farthest(2, sphere_z_m) <= sphere_m * sphere_m;
-  });
 }
 
 }  // namespace throng

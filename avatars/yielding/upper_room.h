@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,11 +19,10 @@ class UpperRoom {
   UpperRoom(const Model& model, const YieldColumns& columns);
 
   /// A box around the upper body in x, y and z; `poses` of all parts of the model, root frame,
-  /// scale 1.
-  RootBox box(std::span<const PartPose> poses) const;
-  /// Whether a sphere on the root's z axis and an upright cylinder around it hold all of it.
-  bool is_within(std::span<const PartPose> poses, float sphere_z_m, float sphere_m,
-                 float cylinder_m) const;
+  /// scale 1. Nothing if a sphere on the root's z axis and an upright cylinder around it do not
+  /// hold all of it.
+  std::optional<RootBox> box_within(std::span<const PartPose> poses, float sphere_z_m,
+                                    float sphere_m, float cylinder_m) const;
 
  private:
   /// A part's box in its link's frame, and an ellipse across it that holds the part, too.

@@ -45,8 +45,10 @@ float angle_of(float y, float x) {
 /// In turns of Reaches, from 0 to less than twice around.
 float direction_of(float angle_rad) {
   constexpr float kAround = Reaches::kDirections;
+  constexpr int kTurnsBack = 8;  // of any angle here: what is cut to a whole number is above 0
   const float direction = angle_rad * Reaches::kPerRadian;
-  return direction - kAround * std::floor(direction / kAround);
+  const int around = static_cast<int>(direction * (1 / kAround) + kTurnsBack) - kTurnsBack;
+  return std::max(direction - kAround * static_cast<float>(around), 0.0f);
 }
 
 /// So much room in a direction, of which so much counts.

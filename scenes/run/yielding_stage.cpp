@@ -335,17 +335,18 @@ void YieldingStage::make_room(std::span<const uint32_t> ids, int worker, BodySta
   for (size_t i = 0; i < ids.size(); ++i) {
     const uint32_t id = ids[i];
     const std::span<const PartPose> body = poses.subspan(i * parts, parts);
-    if (!room.is_within(body, all.centre_m.z(), all.radius_m, all.upright_radius_m)) {
+    const std::optional<RootBox> upper =
+        room.box_within(body, all.centre_m.z(), all.radius_m, all.upright_radius_m);
+    if (!upper) {
       bodies.yields[id].trunk_rad = 0;
       bodies.yields[id].arms = {};
       continue;
     }
     const Gait& gait = posing_.gait_of(id);
     RootBox box = gait.box_of({bodies.room_x[id], bodies.room_y[id]}, 1);
-    const RootBox upper = room.box(body);
     for (int axis = 0; axis < 2; ++axis) {
-      box.min_m[axis] = std::min(box.min_m[axis], upper.min_m[axis]);
-      box.max_m[axis] = std::max(box.max_m[axis], upper.max_m[axis]);
+      box.min_m[axis] = std::min(box.min_m[axis], upper->min_m[axis]);
+      box.max_m[axis] = std::max(box.max_m[axis], upper->max_m[axis]);
     }
     const WalkRoom held = gait.room_of(box, 1);
     bodies.room_x[id] = held.x;
