@@ -25,6 +25,11 @@ std::string signalled(const std::string& command, double after_s, const std::str
          "\nwait $run";
 }
 
+/// For two minutes at most.
+const std::string kUntilItWrites =
+    "tries=0; until [ -s run.lcmlog ] || [ $tries = 1200 ]; do sleep 0.1; tries=$((tries+1)); "
+    "done; ";
+
 TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
   const unsigned seed = 20261122;
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -36,15 +41,17 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
   int logs = 0;
   for (int round = 0; round < kRounds; ++round) {
     const ScratchFolder folder;
-    // Half of them while it loads and opens, which takes half a second or, on a busy machine, more.
-    const double latest_s = round % 2 == 0 ? 0.5 : 3;
-    const double after_s = latest_s * static_cast<double>(random() % 1000) / 1000;
+    // Half of them while it loads and opens, half while it writes: how long loading takes depends
+    // on how busy the machine is.
+    const bool has_begun = round % 2 == 1;
+    const double after_s = 0.5 * static_cast<double>(random() % 1000) / 1000;
     const auto& signal = signals[round % 3];
     SCOPED_TRACE("SIG" + std::string(signal.name) + " after " + std::to_string(after_s) + " s");
-    const Outcome outcome =
-        shell(signalled("throng run plaza --avatars 300 --seconds 3600 --lcm off --log run.lcmlog",
-                        after_s, std::string("kill -") + signal.name + " $run"),
-              folder);
+    const Outcome outcome = shell(
+        signalled(
+            "throng run plaza --avatars 300 --seconds 3600 --lcm off --log run.lcmlog", after_s,
+            (has_begun ? kUntilItWrites : "") + std::string("kill -") + signal.name + " $run"),
+        folder);
     EXPECT_EQ(outcome.exit_code, signal.exit_code) << outcome.err;
     if (!std::filesystem::exists(folder / "run.lcmlog")) continue;
     ++logs;
@@ -52,7 +59,7 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
     EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
     EXPECT_THAT(check.out, HasSubstr("run.lcmlog: sound\n"));
   }
-  EXPECT_GT(logs, kRounds / 8) << "most runs were not stopped while they ran";
+  EXPECT_GE(logs, kRounds / 2) << "runs were not stopped while they ran";
 }
 
 TEST(Signals, TwiceInOneBreathIsOneWish) {
