@@ -104,7 +104,7 @@ THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F p
     finishing = select(swings, finishing_rate, finishing);
     const F x = feet.x[side], y = feet.y[side], turned = feet.turn[side];
     // More and more as stance goes on, so that the rate does not jump.
-    const F late = clamped(2.0f * own - 0.5f * track.stance, 0.0f, track.stance);
+    const F late = clamped(3.0f * own - 0.6f * track.stance, 0.0f, track.stance);
     behind = max_of(behind, select(swings, 0.0f, 0.0f - x * late * inverse_of(track.stance)));
     // What it comes to before the foot can be lifted. One that has landed turned into the curve is
     // where it should be.

@@ -107,7 +107,7 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
       finishing = 0.9 * std::max(1 - speed / 0.2, 0.0);
       continue;
     }
-    const double late = std::clamp(2 * (own / before.stance - 0.25), 0.0, 1.0);
+    const double late = std::clamp(3 * (own / before.stance - 0.2), 0.0, 1.0);
     behind_m = std::max(behind_m, -late * foot.shift_m.x());
     if (foot.turn_rad * turn <= 0)
       turn_need = std::max(
