@@ -22,9 +22,10 @@ Crowd::Crowd(std::shared_ptr<const Model> model, const CrowdShape& shape)
           index);
     };
     const double heading = draw(Purpose::kSpawnHeading, 0, 2 * std::numbers::pi);
+    const int column = i % side, row = i / side;
     RootPose root;
-    root.position_m = {(i % side + draw(Purpose::kSpawnPosition, -0.25, 0.25, 0)) * spacing_m,
-                       (i / side + draw(Purpose::kSpawnPosition, -0.25, 0.25, 1)) * spacing_m, 0};
+    root.position_m = {(column + draw(Purpose::kSpawnPosition, -0.25, 0.25, 0)) * spacing_m,
+                       (row + draw(Purpose::kSpawnPosition, -0.25, 0.25, 1)) * spacing_m, 0};
     root.world_from_root = Eigen::AngleAxisf(static_cast<float>(heading), Eigen::Vector3f::UnitZ());
     ids_.push_back(static_cast<uint32_t>(i));
     types_.push_back(0);

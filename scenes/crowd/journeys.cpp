@@ -136,7 +136,7 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
   if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
   const Stop& to = stop(id);
   if (!to.contains(position_m)) {
-    const Eigen::Vector2d way = to.field->direction(position_m);
+    Eigen::Vector2d way = to.field->direction(position_m);
     if (way.squaredNorm() > 0) return way;
   }
   const Eigen::Vector2d way = targets_m_[id] - position_m;

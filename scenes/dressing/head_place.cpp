@@ -78,7 +78,8 @@ Eigen::Vector2f HeadPlace::offset_m(float phase, float speed_mps, float scale) c
   if (nodes_m_.empty()) return Eigen::Vector2f::Zero();
   const auto [s, v] = cell_of(speed_mps / (scale * kSpeedCell_mps), kSpeeds - 1);
   const auto [p, u] = cell_of(phase * kPhases, kPhases);
-  const Eigen::Vector2f* low = &nodes_m_[static_cast<size_t>(s * (kPhases + 1) + p)];
+  const int node = s * (kPhases + 1) + p;
+  const Eigen::Vector2f* low = &nodes_m_[static_cast<size_t>(node)];
   const Eigen::Vector2f* high = low + kPhases + 1;
   return scale *
          ((1 - v) * ((1 - u) * low[0] + u * low[1]) + v * ((1 - u) * high[0] + u * high[1]));

@@ -84,7 +84,7 @@ void CrowdMeasures::State::sample(const RunInfo& run, const Frame& frame) {
   depths.find(run, frame, [&](PairKey pair, double depth_m) { contacts.add_depth(pair, depth_m); });
 }
 
-CrowdMeasures::CrowdMeasures(MeasureOptions options) : options_(options) {}
+CrowdMeasures::CrowdMeasures(const MeasureOptions& options) : options_(options) {}
 CrowdMeasures::~CrowdMeasures() = default;
 
 void CrowdMeasures::begin(const RunInfo& run) { state_ = std::make_unique<State>(run, options_); }

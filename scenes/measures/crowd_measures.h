@@ -20,7 +20,7 @@ struct MeasureOptions {
 
 class CrowdMeasures final : public Sink {
  public:
-  explicit CrowdMeasures(MeasureOptions options = {});
+  explicit CrowdMeasures(const MeasureOptions& options = {});
   ~CrowdMeasures() override;
 
   SinkNeeds needs() const override { return {.postures = true}; }

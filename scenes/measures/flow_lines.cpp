@@ -35,12 +35,24 @@ double walkable_length_m(const Walkable& walkable, const Passage& line) {
   return length_m(line) * inside / steps;
 }
 
+/// Middles of cells side by side from one end to the other.
+std::vector<double> middles_m(double from_m, double to_m, double cell_m) {
+  std::vector<double> middles;
+  double at_m = from_m + 0.5 * cell_m;
+  while (at_m < to_m) {
+    middles.push_back(at_m);
+    at_m += cell_m;
+  }
+  return middles;
+}
+
 std::vector<FlowLines::Line> narrow_places(const Walkable& walkable) {
   const Rectangle& ground = walkable.ground();
   const double step_m = std::max(kStep_m, std::sqrt(ground.area_m2() / kMostPoints));
   std::vector<Gap> gaps;
-  for (double y = ground.min_m.y() + 0.5 * step_m; y < ground.max_m.y(); y += step_m)
-    for (double x = ground.min_m.x() + 0.5 * step_m; x < ground.max_m.x(); x += step_m) {
+  const std::vector<double> xs = middles_m(ground.min_m.x(), ground.max_m.x(), step_m);
+  for (const double y : middles_m(ground.min_m.y(), ground.max_m.y(), step_m))
+    for (const double x : xs) {
       const Eigen::Vector2d point(x, y);
       if (walkable.clearance_m(point) <= 0) continue;
       const Gap gap = walkable.gap_at(point, Walkable::kReach_m);
@@ -121,12 +133,13 @@ void FlowLines::take(const RecentCrowd& crowd) {
 const FlowLines::Line& FlowLines::used() const {
   uint64_t busiest = 0;
   for (const Line& line : lines_) busiest = std::max(busiest, line.passed());
-  const Line* best = nullptr;
-  for (const Line& line : lines_) {
-    if (kUsedShare * line.passed() < busiest) continue;
-    const double narrower_m = best == nullptr ? 1 : best->width_m - line.width_m;
+  const auto is_used = [&](const Line& line) { return kUsedShare * line.passed() >= busiest; };
+  auto best = std::find_if(lines_.begin(), lines_.end(), is_used);  // the busiest is
+  for (auto line = best; line != lines_.end(); ++line) {
+    if (!is_used(*line)) continue;
+    const double narrower_m = best->width_m - line->width_m;
     // Of places as wide the busier one.
-    if (narrower_m > 0.05 || (narrower_m > -0.05 && line.passed() > best->passed())) best = &line;
+    if (narrower_m > 0.05 || (narrower_m > -0.05 && line->passed() > best->passed())) best = line;
   }
   return *best;
 }

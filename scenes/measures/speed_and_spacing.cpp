@@ -78,14 +78,14 @@ void SpeedAndSpacing::add_spacing(const Moment& moment, size_t person,
   const auto level = static_cast<size_t>(
       std::upper_bound(kSpacingBounds_per_m2.begin(), kSpacingBounds_per_m2.end(), density_per_m2) -
       kSpacingBounds_per_m2.begin());
-  static const double kAheadOf = cosine(30), kBesideOf = cosine(60);
+  static const double ahead_of = cosine(30), beside_of = cosine(60);
   const Eigen::Vector2d ahead = velocity_mps.normalized();
   for (const auto& [squared, other] : near_) {
     const double distance_m = std::sqrt(squared);
     if (distance_m > kSpacingReach_m || distance_m == 0) continue;
     const double along = ahead.dot(moment.heads_m[other] - moment.heads_m[person]) / distance_m;
-    if (along >= kAheadOf) spacing_m_[level * kSides + kAhead].add(distance_m);
-    if (std::abs(along) <= kBesideOf) spacing_m_[level * kSides + kBeside].add(distance_m);
+    if (along >= ahead_of) spacing_m_[level * kSides + kAhead].add(distance_m);
+    if (std::abs(along) <= beside_of) spacing_m_[level * kSides + kBeside].add(distance_m);
   }
 }
 

@@ -93,8 +93,8 @@ Spread spread_of(std::vector<float>& values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const auto at = [&](double part) {
-    return static_cast<double>(
-        values[static_cast<size_t>(part * static_cast<double>(values.size() - 1) + 0.5)]);
+    const double last = static_cast<double>(values.size() - 1);
+    return static_cast<double>(values[static_cast<size_t>(std::lround(part * last))]);
   };
   return {at(0.05), at(0.5), at(0.95)};
 }

@@ -226,8 +226,9 @@ double FlowGrid::margin_m(double cell_m) { return std::max(kBodyMargin_m, 0.71 *
 
 Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
   const auto columns = static_cast<size_t>(columns_);
-  return origin_m_ + cell_m_ * Eigen::Vector2d(static_cast<double>(cell % columns) + 0.5,
-                                               static_cast<double>(cell / columns) + 0.5);
+  const size_t column = cell % columns, row = cell / columns;
+  return origin_m_ + cell_m_ * Eigen::Vector2d(static_cast<double>(column) + 0.5,
+                                               static_cast<double>(row) + 0.5);
 }
 
 size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {

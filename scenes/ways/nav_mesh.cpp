@@ -304,14 +304,15 @@ Path NavMesh::path(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const
                                                     nearest, nullptr)))
       std::copy_n(nearest, 3, end);
   }
-  std::vector<float> corners(3 * kMaxCorners);
+  std::vector<float> corners(size_t{3} * kMaxCorners);
   int corner_count = 0;
   if (dtStatusFailed(s.query->findStraightPath(start, end, polygons.data(), count, corners.data(),
                                                nullptr, nullptr, &corner_count, kMaxCorners))) {
     path.arrives = false;
     return path;
   }
-  for (int i = 0; i < corner_count; ++i) path.corners_m.push_back(s.world(corners.data() + 3 * i));
+  for (int i = 0; i < corner_count; ++i)
+    path.corners_m.push_back(s.world(&corners[3 * static_cast<size_t>(i)]));
   return path;
 }
 

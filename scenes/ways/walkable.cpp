@@ -89,8 +89,10 @@ void Walkable::build_cells() {
   const auto for_each_cell = [&](auto&& visit) {
     for_each_range([&](uint32_t f, int left, int right, int low, int high) {
       for (int row = low; row <= high; ++row)
-        for (int column = left; column <= right; ++column)
-          visit(static_cast<size_t>(row * columns_ + column), f);
+        for (int column = left; column <= right; ++column) {
+          const int cell = row * columns_ + column;
+          visit(static_cast<size_t>(cell), f);
+        }
     });
   };
   cell_starts_.assign(static_cast<size_t>(columns_ * rows_) + 1, 0);
@@ -104,8 +106,9 @@ void Walkable::build_cells() {
 
 std::span<const uint32_t> Walkable::near(const Eigen::Vector2d& point) const {
   const Eigen::Vector2d offset = point - ground_.min_m;
+  const int row = cell_of(offset.y(), rows_), column = cell_of(offset.x(), columns_);
   const auto cell =
-      static_cast<size_t>(cell_of(offset.y(), rows_) * columns_ + cell_of(offset.x(), columns_));
+      static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
   return {cell_footprints_.data() + cell_starts_[cell],
           cell_footprints_.data() + cell_starts_[cell + 1]};
 }
