@@ -28,9 +28,9 @@ constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
 constexpr size_t kInstanceAt = 8 + 2 * 8, kSeqAt = 8 + 4 * 8;
 
 constexpr int kRunBytes = static_cast<int>(kMaxMessageBytes - kHeaderBytes) - 12;
-constexpr size_t kStatesFixed = kHeaderBytes + 5 * 4;
+constexpr size_t kStatesFixed = kHeaderBytes + 5 * sizeof(int32_t);
 constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte of who is absent
-constexpr size_t kPartsFixed = kHeaderBytes + 4 * 4;
+constexpr size_t kPartsFixed = kHeaderBytes + 4 * sizeof(int32_t);
 constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
 constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 12;
 constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
@@ -297,8 +297,9 @@ void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
     const int count = std::min(slots, chunks - first);
     workers_->for_blocks(count, [&](int i, int) {
       StatesSlot& slot = states_[static_cast<size_t>(i)];
-      fill_states(run, frame, state_chunks_[static_cast<size_t>(first + i)], slot.message);
-      number(slot.message, first + i, chunks);
+      const int chunk = first + i;
+      fill_states(run, frame, state_chunks_[static_cast<size_t>(chunk)], slot.message);
+      number(slot.message, chunk, chunks);
       const std::span<uint8_t> bytes = encoded(slot.message, slot.bytes);
       slot.size = bytes.size();
       for (size_t t = 0; t < states_to_.size(); ++t) {

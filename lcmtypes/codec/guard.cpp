@@ -78,16 +78,19 @@ void walk(Cursor& c, const touching_t*) {
   c.array(c.count(11), 11);
 }
 
-void walk(Cursor& c, const counters_t*) { c.skip(kMessageHeaderBytes + (5 * 4 + 5 + 9) * 8); }
+void walk(Cursor& c, const counters_t*) {
+  c.skip(kMessageHeaderBytes + (5 * 4 + 5 + 9) * sizeof(int64_t));
+}
 
 void walk(Cursor& c, const stages_t*) {
   c.skip(kMessageHeaderBytes);
-  c.array(c.count(5 * 8), 5 * 8);
+  constexpr size_t stage_bytes = 5 * sizeof(double);
+  c.array(c.count(stage_bytes), stage_bytes);
   c.array(c.count(8), 8);
 }
 
 void walk(Cursor& c, const end_t*) {
-  c.skip(kMessageHeaderBytes + 4 * 8);
+  c.skip(kMessageHeaderBytes + 4 * sizeof(int64_t));
   const size_t channels = c.count(5 + 8 + 8);
   for (size_t i = 0; i < channels && c.ok(); ++i) c.string();
   c.array(channels, 8 + 8);

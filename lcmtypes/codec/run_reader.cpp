@@ -100,7 +100,7 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
 }
 
 std::string RunReader::use(counters_t& counters, Update& update) {
-  counters_ = std::move(counters);
+  counters_ = counters;
   update = Update::kCounters;
   return "";
 }

@@ -26,9 +26,7 @@ class Judge {
       const LogReader::Status status = log_.next(event);
       if (status == LogReader::Status::kEvent) {
         take(event);
-      } else if (status == LogReader::Status::kEnd) {
-        break;
-      } else if (!skip_damage(status)) {
+      } else if (status == LogReader::Status::kEnd || !skip_damage(status)) {
         break;
       }
     }

@@ -84,7 +84,7 @@ void require_on_ground(const std::string& where, const std::string& what, const 
 
 Rectangle read_area(const std::string& file, const YamlNode& node, const std::string& what,
                     const Rectangle& ground) {
-  const Rectangle area = read_rectangle(file, node, what);
+  Rectangle area = read_rectangle(file, node, what);
   require_on_ground(at_line(file, node.line), what, area, ground);
   return area;
 }
@@ -141,7 +141,7 @@ fs::path existing_file(const Reading& reading, const Fields& fields, const YamlN
                        const std::string& expected) {
   if (node.scalar.empty()) throw InputError(fields.where(node), expected, "no name");
   std::error_code error;
-  const fs::path path = fs::absolute(reading.folder / node.scalar, error).lexically_normal();
+  fs::path path = fs::absolute(reading.folder / node.scalar, error).lexically_normal();
   if (!fs::is_regular_file(path, error))
     throw InputError(fields.where(node), expected,
                      fmt::format("'{}', and no {} file at {}", node.scalar,

@@ -181,7 +181,7 @@ std::string whole_label(const MeasureRow& row) {
 
 /// The bars of a measure that has no figure of its own kind.
 std::vector<std::pair<std::string, Bars>> bars_of(const std::string& id) {
-  const auto what = [](std::string wanted) {
+  const auto what = [](const std::string& wanted) {
     return [wanted](const MeasureRow& row) { return row.what == wanted; };
   };
   const auto is_ranged = [](const MeasureRow& row) { return row.from.has_value(); };

@@ -84,9 +84,11 @@ std::string rows_of(const std::vector<Point>& points) {
 
 std::string curve() {
   std::string text;
-  for (double density = 0.1; density < 5.4; density += 0.1)
+  for (int tenths = 1; tenths <= 54; ++tenths) {
+    const double density = tenths / 10.0;
     text += fmt::format("{:.2f} {:.4f} {:.4f}\n", density, weidmann_mps(density),
                         density * weidmann_mps(density));
+  }
   return text;
 }
 

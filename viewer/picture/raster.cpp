@@ -17,6 +17,7 @@ constexpr float kNear_m = 0.05F;
 constexpr float kGridLine_m = 0.02F;
 /// Gamma 2: a square root away from linear light, near enough to sRGB for flat colours.
 uint8_t to_byte(float linear) {
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative, and a picture asks often
   return static_cast<uint8_t>(std::sqrt(std::clamp(linear, 0.0F, 1.0F)) * 255.0F + 0.5F);
 }
 
