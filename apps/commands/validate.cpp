@@ -23,35 +23,42 @@ namespace {
 constexpr const char* kFooter = R"(
 The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md has them with
 figures. Exit code 1 if any fails. Ctrl-C ends it with the verdicts that are there.
+With --reality instead: how the crowd, with nothing set for a test, stands beside recorded people.
 
 Examples:
   throng validate
   throng validate --only rimea_4 --out out/validation
-  throng validate --json validation.json)";
+  throng validate --json validation.json
+  throng validate --reality --only doors --out out/doors)";
 
 struct ValidateOptions {
   std::string out;
   std::string json;
   std::vector<std::string> only;
+  bool reality = false;
   std::string steering{name_of(SteeringKind::kOrca)};
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 };
 
 std::vector<std::string> test_ids() {
   std::vector<std::string> ids;
-  for (const validation::Test& test : validation::all_tests())
-    ids.insert(ids.end(), test.ids.begin(), test.ids.end());
+  for (const auto* tests : {&validation::all_tests(), &validation::reality_tests()})
+    for (const validation::Test& test : *tests)
+      ids.insert(ids.end(), test.ids.begin(), test.ids.end());
   return ids;
 }
 
 std::vector<ValidationRun> chosen(const ValidateOptions& options) {
   std::vector<ValidationRun> runs;
-  for (const validation::Test& test : validation::all_tests()) {
-    const bool wanted =
-        options.only.empty() || std::any_of(options.only.begin(), options.only.end(),
-                                            [&](const std::string& id) { return test.has(id); });
-    if (wanted) runs.push_back({&test, {}, 0});
-  }
+  const auto named = [&](const validation::Test& test) {
+    return std::any_of(options.only.begin(), options.only.end(),
+                       [&](const std::string& id) { return test.has(id); });
+  };
+  for (const bool reality : {false, true})
+    for (const validation::Test& test :
+         reality ? validation::reality_tests() : validation::all_tests())
+      if (options.only.empty() ? reality == options.reality : named(test))
+        runs.push_back({&test, {}, 0});
   return runs;
 }
 
@@ -122,10 +129,12 @@ Command add_validate_command(CommandLine& parent) {
   app->add_option("--out", options->out, "A folder for report.md and its figures")
       ->type_name("DIR");
   app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
-  app->add_option("--only", options->only, "These tests only: rimea_4, imo_8, ...")
+  app->add_option("--only", options->only, "These tests only: rimea_4, imo_8, doors, ...")
       ->transform([](std::string& id) { id = validation::normal_id(id); })
       ->check(name_option(test_ids()))
       ->type_name("ID");
+  app->add_flag("--reality", options->reality,
+                "Measure beside recorded people instead of the standards' tests");
   app->add_option(
          "--steering", options->steering,
          fmt::format("The model that steers: {} [{}]", steering_choices(), options->steering))

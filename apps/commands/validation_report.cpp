@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/output/text_file.h"
@@ -15,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using validation::Outcome;
+using validation::Reading;
 using validation::Test;
 
 constexpr const char* kWallsId = "walls";
@@ -39,6 +41,35 @@ std::string anchor(const Test& test) {
   return text;
 }
 
+std::string number(double value) { return std::isnan(value) ? "" : fmt::format("{:.4g}", value); }
+
+/// A row a number, if the test has any.
+std::string readings_table(const std::vector<Reading>& readings) {
+  if (readings.empty()) return "";
+  std::string text =
+      "| where | what | simulated | recorded | from | to | |\n|---|---|---|---|---|---|---|\n";
+  for (const Reading& each : readings)
+    append(text, "| {} | {}{} | {} | {} | {} | {} | {} |\n", each.at, each.what,
+           each.unit.empty() ? "" : ", " + each.unit, number(each.ours), number(each.theirs),
+           number(each.low), number(each.high),
+           each.met ? (*each.met ? "met" : "**not met**") : "not judged");
+  return text + "\n";
+}
+
+Json readings_json(const std::vector<Reading>& readings) {
+  Json out = Json::array();
+  for (const Reading& each : readings)
+    out.push_back({{"at", each.at},
+                   {"what", each.what},
+                   {"unit", each.unit},
+                   {"simulated", each.ours},
+                   {"recorded", each.theirs},
+                   {"from", each.low},
+                   {"to", each.high},
+                   {"met", each.met ? Json(*each.met) : Json()}});
+  return out;
+}
+
 std::string section(const ValidationRun& run) {
   const Test& test = *run.test;
   std::string text = fmt::format("## {}\n\n{}\n\n", test.titles.front(), anchor(test));
@@ -51,6 +82,7 @@ std::string section(const ValidationRun& run) {
   text +=
       fmt::format("- Set-up: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n",
                   test.setup, test.criterion, run.outcome.measured, verdict(run.outcome.passed));
+  text += readings_table(run.outcome.readings);
   for (const Figure& figure : run.outcome.figures)
     text += fmt::format("![{}]({}.svg)\n\n*{}* {}\n\n", figure.title, figure.id, figure.title,
                         figure.caption);
@@ -85,7 +117,7 @@ std::string verdict_table(const std::vector<ValidationRun>& runs) {
 std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early) {
   Json tests = Json::array();
   for (const ValidationRun& run : runs)
-    for (size_t i = 0; i < run.test->ids.size(); ++i)
+    for (size_t i = 0; i < run.test->ids.size(); ++i) {
       tests.push_back({{"id", run.test->ids[i]},
                        {"title", run.test->titles[i]},
                        {"verdict", verdict(run.outcome.passed)},
@@ -96,6 +128,9 @@ std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped
                        {"unplaced", run.outcome.unplaced},
                        {"deepest_overlap_m", run.outcome.deepest_overlap_m},
                        {"wall_s", run.wall_s}});
+      if (!run.outcome.readings.empty())
+        tests.back()["readings"] = readings_json(run.outcome.readings);
+    }
   if (!runs.empty())
     tests.push_back({{"id", kWallsId},
                      {"title", kWallsTitle},

@@ -25,7 +25,8 @@ ValidationCount count_of(const std::vector<ValidationRun>& runs);
 
 /// A line a test, and one for the walls.
 std::string verdict_table(const std::vector<ValidationRun>& runs);
-/// {throng, stopped_early, tests: [{id title verdict measured criterion ...}], passed, failed}
+/// {throng, stopped_early, tests: [{id title verdict measured criterion ... readings}], passed,
+/// failed}
 std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early);
 
 /// Writes report.md and an SVG a figure into a folder that is there. Throws EnvironmentError.

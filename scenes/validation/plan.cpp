@@ -47,12 +47,16 @@ Plan::Plan(const std::string& name, const Rectangle& ground, const SteeringRule&
 
 void Plan::wall(double min_x, double min_y, double max_x, double max_y) {
   Obstacle obstacle;
-  obstacle.name = fmt::format("wall {}", walls.size() + 1);
   obstacle.size_m = {max_x - min_x, max_y - min_y, kWallHeight_m};
   obstacle.centre_m = {0.5 * (min_x + max_x), 0.5 * (min_y + max_y), 0.5 * kWallHeight_m};
   obstacle.mesh = box_mesh(obstacle.size_m);
-  scene.obstacles.push_back(std::move(obstacle));
+  solid(std::move(obstacle));
   walls.push_back({{min_x, min_y}, {max_x, max_y}});
+}
+
+void Plan::solid(Obstacle obstacle) {
+  obstacle.name = fmt::format("wall {}", scene.obstacles.size() + 1);
+  scene.obstacles.push_back(std::move(obstacle));
 }
 
 void Plan::wall_along_x(double from_x, double to_x, double y, std::vector<double> middles,

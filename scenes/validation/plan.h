@@ -22,6 +22,9 @@ struct Plan {
   void wall_along_y(double from_y, double to_y, double x, std::vector<double> middles,
                     double door_m);
 
+  /// A wall of another shape, which Trial does not check moves against.
+  void solid(Obstacle obstacle);
+
   /// People who walk from an area to the nearest of others and leave there.
   Group& people(int count, const Rectangle& from, const std::vector<Rectangle>& to);
 

@@ -31,6 +31,17 @@ const std::vector<Test>& all_tests() {
   return tests;
 }
 
+const std::vector<Test>& reality_tests() {
+  static const std::vector<Test> tests = [] {
+    std::vector<Test> all;
+    for (const auto& part :
+         {recorded_door_tests(), recorded_speed_tests(), passing_tests(), spreading_tests()})
+      all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }();
+  return tests;
+}
+
 std::string normal_id(const std::string& id) {
   std::string out;
   for (const char c : id)

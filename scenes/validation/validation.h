@@ -1,10 +1,12 @@
 // The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414 that a crowd must pass
-// before anybody believes it.
-// One rule: a test measures and judges by the standard's own criterion; what fails is reported as
-// failed.
+// before anybody believes it, and how it stands beside recorded people.
+// One rule: a test measures and judges by the standard's own criterion, or by the recording's; what
+// fails is reported as failed.
 #pragma once
 
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,19 @@
 
 namespace throng::validation {
 
+/// A number measured, beside what recorded people did.
+struct Reading {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::string at;    ///< "0.5 m"
+  std::string what;  ///< "flow"
+  std::string unit;  ///< "1/s"; "" for shares and counts
+  double ours = kNone;
+  double theirs = kNone;
+  double low = kNone;  ///< what is accepted, or the band that is reported
+  double high = kNone;
+  std::optional<bool> met{};  ///< none: not judged
+};
+
 struct Outcome {
   bool passed = false;
   std::string measured;  ///< in a sentence, with units
@@ -20,6 +35,7 @@ struct Outcome {
   int unplaced = 0;              ///< people whom the test asks for and who found no room
   double deepest_overlap_m = 0;  ///< of two steering discs
   std::vector<Figure> figures;
+  std::vector<Reading> readings;
 };
 
 /// One experiment; standards that share it share its outcome.
@@ -36,14 +52,21 @@ struct Test {
 /// Runs a test with a steering model. It fails if somebody found no room.
 Outcome carry_out(const Test& test, SteeringKind model);
 
-/// All tests, in the order of the report.
+/// The standards' tests, in the order of the report.
 const std::vector<Test>& all_tests();
+
+/// How the crowd stands beside recorded people, with nothing set for a test.
+const std::vector<Test>& reality_tests();
 
 // By subject; each in a file of its own.
 std::vector<Test> walking_tests();
 std::vector<Test> density_tests();
 std::vector<Test> door_tests();
 std::vector<Test> counterflow_tests();
+std::vector<Test> recorded_door_tests();
+std::vector<Test> recorded_speed_tests();
+std::vector<Test> passing_tests();
+std::vector<Test> spreading_tests();
 
 /// "RiMEA 6", "rimea-6" and "rimea_6" are the same.
 std::string normal_id(const std::string& id);

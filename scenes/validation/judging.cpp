@@ -1,0 +1,223 @@
+#include "scenes/validation/judging.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace throng::validation {
+namespace {
+
+constexpr double kMostOff = 0.15;
+constexpr double kLeastInBand = 0.7;
+constexpr double kLeastBins = 0.5;
+
+const RecordedDoor& door_of(double width_m) {
+  for (const RecordedDoor& door : recorded_doors())
+    if (std::abs(door.width_m - width_m) < 1e-9) return door;
+  throw std::out_of_range(fmt::format("no recorded door of {} m", width_m));
+}
+
+std::vector<double> shares_of(std::span<const double> lanes) {
+  const double sum = std::accumulate(lanes.begin(), lanes.end(), 0.0);
+  std::vector<double> out(lanes.begin(), lanes.end());
+  for (double& share : out) share = sum > 0 ? share / sum : 0;
+  return out;
+}
+
+std::string lane_name(size_t lane) {
+  return fmt::format("{:.1f} to {:.1f} m", 0.5 * static_cast<double>(lane),
+                     0.5 * static_cast<double>(lane + 1));
+}
+
+}  // namespace
+
+Judgement judge_doors(std::span<const DoorFlow> flows) {
+  Judgement out;
+  int near = 0, falls = 0, blocked = 0;
+  double before_per_s = 0;
+  for (const DoorFlow& flow : flows) {
+    const double theirs = door_of(flow.width_m).mean_per_s();
+    const double low = (1 - kMostOff) * theirs, high = (1 + kMostOff) * theirs;
+    const bool is_near = flow.flow_per_s >= low && flow.flow_per_s <= high;
+    const bool rises = flow.flow_per_s >= before_per_s;
+    const bool all_through = flow.through == flow.people;
+    near += is_near;
+    falls += !rises;
+    blocked += !all_through;
+    before_per_s = flow.flow_per_s;
+    const std::string at = fmt::format("{:.1f} m", flow.width_m);
+    out.readings.push_back(
+        {at, "flow", "1/s", flow.flow_per_s, theirs, low, high, is_near && rises});
+    const double people = flow.people;
+    out.readings.push_back({at, "people through", "", static_cast<double>(flow.through),
+                            Reading::kNone, people, people, all_through});
+  }
+  const auto count = static_cast<int>(flows.size());
+  out.passed = count > 0 && near == count && falls == 0 && blocked == 0;
+  out.summary = fmt::format(
+      "{} of {} widths within 15 % of the experiments' mean; the flow falls {} times from a width "
+      "to the next; not everybody comes through at {} widths",
+      near, count, falls, blocked);
+  return out;
+}
+
+Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed> samples) {
+  Judgement out;
+  int measured = 0, inside = 0;
+  double off_mps = 0;
+  for (const RecordedBin& bin : curve.bins) {
+    double sum = 0;
+    size_t count = 0;
+    for (const DensitySpeed& sample : samples) {
+      if (sample.density < bin.from || sample.density >= bin.from + kRecordedBin) continue;
+      sum += sample.speed_mps;
+      ++count;
+    }
+    Reading reading{fmt::format("{:g} to {:g} {}", bin.from, bin.from + kRecordedBin, curve.unit),
+                    "mean speed",
+                    "m/s",
+                    Reading::kNone,
+                    bin.mean_mps,
+                    bin.low_mps,
+                    bin.high_mps,
+                    {}};
+    if (count >= kLeastSamples) {
+      const double mean = sum / static_cast<double>(count);
+      reading.ours = mean;
+      reading.met = mean >= bin.low_mps && mean <= bin.high_mps;
+      ++measured;
+      inside += *reading.met;
+      off_mps += std::abs(mean - bin.mean_mps);
+    }
+    out.readings.push_back(std::move(reading));
+  }
+  const auto bins = static_cast<double>(curve.bins.size());
+  const double off = measured > 0 ? off_mps / measured / curve.free_speed_mps : Reading::kNone;
+  const double share = measured > 0 ? static_cast<double>(inside) / measured : 0;
+  const bool enough = measured >= kLeastBins * bins;
+  out.readings.push_back(
+      {"all bins", "mean error, of free speed", "", off, 0, 0, kMostOff, off <= kMostOff});
+  out.readings.push_back(
+      {"all bins", "share in the band", "", share, 1, kLeastInBand, 1, share >= kLeastInBand});
+  out.readings.push_back({"all bins", "bins with 20 samples", "", static_cast<double>(measured),
+                          bins, kLeastBins * bins, bins, enough});
+  out.passed = enough && off <= kMostOff && share >= kLeastInBand;
+  out.summary = fmt::format(
+      "means {:.0f} % of the free speed off on average, {} of {} bins inside the band ({:.0f} %); "
+      "{} of the recording's {} bins reached",
+      100 * off, inside, measured, 100 * share, measured, curve.bins.size());
+  return out;
+}
+
+Judgement judge_fullest_lane(std::span<const double> lanes, double most_share) {
+  Judgement out;
+  const std::vector<double> shares = shares_of(lanes);
+  const auto fullest = std::max_element(shares.begin(), shares.end());
+  for (size_t i = 0; i < shares.size(); ++i)
+    out.readings.push_back({lane_name(i), "share of person-seconds", "", shares[i], Reading::kNone,
+                            Reading::kNone, most_share, shares[i] <= most_share});
+  out.passed = fullest != shares.end() && *fullest > 0 && *fullest <= most_share;
+  out.summary =
+      fmt::format("the fullest lane holds {:.0f} % of the person-seconds, {} m from the inner wall",
+                  fullest == shares.end() ? 0 : 100 * *fullest,
+                  0.5 * static_cast<double>(fullest - shares.begin()));
+  return out;
+}
+
+Judgement judge_used_lanes(std::span<const double> lanes, int least_lanes, double least_share) {
+  Judgement out;
+  int used = 0;
+  std::string list;
+  const std::vector<double> shares = shares_of(lanes);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    used += shares[i] >= least_share;
+    list += fmt::format("{}{:.0f}", i == 0 ? "" : " ", 100 * shares[i]);
+    out.readings.push_back({lane_name(i),
+                            "share of person-seconds",
+                            "",
+                            shares[i],
+                            Reading::kNone,
+                            least_share,
+                            1,
+                            {}});
+  }
+  out.passed = used >= least_lanes;
+  out.readings.push_back({"all lanes", "lanes with enough", "", static_cast<double>(used),
+                          Reading::kNone, static_cast<double>(least_lanes), Reading::kNone,
+                          out.passed});
+  out.summary = fmt::format("{} lanes with {:.0f} % or more; from the inside: {} %", used,
+                            100 * least_share, list);
+  return out;
+}
+
+Judgement judge_overtaking(std::span<const Overtaking> starts) {
+  constexpr double kLeast = 0.95, kMostLost = 0.1;
+  Judgement out;
+  int past = 0, good = 0;
+  double lost = 0;
+  for (const Overtaking& start : starts) {
+    past += start.passed;
+    good += start.passed && start.lost_share <= kMostLost;
+    lost += start.lost_share;
+  }
+  const auto count = static_cast<double>(starts.size());
+  const double share = starts.empty() ? 0 : good / count;
+  out.passed = share >= kLeast;
+  out.readings = {
+      {"all starts", "pass and lose at most 10 %", "", share, Reading::kNone, kLeast, 1,
+       out.passed},
+      {"all starts", "pass", "", starts.empty() ? 0 : past / count, Reading::kNone, kLeast, 1, {}},
+      {"all starts",
+       "mean share of time lost",
+       "",
+       starts.empty() ? 0 : lost / count,
+       Reading::kNone,
+       Reading::kNone,
+       kMostLost,
+       {}}};
+  out.summary = fmt::format(
+      "{} of {} pass, {} of them losing at most 10 % of their time; {:.0f} % is lost on average",
+      past, starts.size(), good, starts.empty() ? 0 : 100 * lost / count);
+  return out;
+}
+
+Judgement judge_two_way(std::span<const double> flows_per_m_s) {
+  constexpr double kLeast = 1.0, kGridlock = 0.1;
+  Judgement out;
+  for (size_t i = 0; i < flows_per_m_s.size(); ++i)
+    out.readings.push_back({fmt::format("minute {}", i + 1), "flow both ways", "1/(m s)",
+                            flows_per_m_s[i], Reading::kNone, kGridlock, Reading::kNone,
+                            flows_per_m_s[i] >= kGridlock});
+  const double mean = flows_per_m_s.empty()
+                          ? 0
+                          : std::accumulate(flows_per_m_s.begin(), flows_per_m_s.end(), 0.0) /
+                                static_cast<double>(flows_per_m_s.size());
+  const auto least = std::min_element(flows_per_m_s.begin(), flows_per_m_s.end());
+  out.readings.push_back({"all minutes", "flow both ways", "1/(m s)", mean, Reading::kNone, kLeast,
+                          Reading::kNone, mean >= kLeast});
+  out.passed = mean >= kLeast && *least >= kGridlock;
+  out.summary =
+      fmt::format("{:.2f} people/(m s) both ways together over {} min, {:.2f} in the worst minute",
+                  mean, flows_per_m_s.size(), flows_per_m_s.empty() ? 0 : *least);
+  return out;
+}
+
+Judgement judge_far_exit(int near, int far, int people) {
+  constexpr double kLeast = 1.0 / 3;
+  Judgement out;
+  const double share = near + far > 0 ? static_cast<double>(far) / (near + far) : 0;
+  const bool all_out = near + far == people;
+  out.passed = share >= kLeast && all_out;
+  out.readings = {
+      {"far exit", "share", "", share, Reading::kNone, kLeast, Reading::kNone, share >= kLeast},
+      {"both exits", "people", "", static_cast<double>(near + far), Reading::kNone,
+       static_cast<double>(people), static_cast<double>(people), all_out}};
+  out.summary = fmt::format("{} of {} by the far exit ({:.0f} %), {} by the near one", far, people,
+                            100 * share, near);
+  return out;
+}
+
+}  // namespace throng::validation

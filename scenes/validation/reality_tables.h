@@ -1,0 +1,43 @@
+// What recorded people did: speed against density in six set-ups, flow through doors by width.
+// One rule: every number is of a published recording, and each table names it; nothing of ours is
+// in it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace throng::validation {
+
+/// Speeds over the densities from `from` on, one bin wide.
+struct RecordedBin {
+  double from = 0;
+  double mean_mps = 0;
+  double low_mps = 0;   ///< a tenth is slower
+  double high_mps = 0;  ///< a tenth is faster
+};
+
+struct RecordedCurve {
+  std::string id;
+  std::string source;
+  std::string unit;           ///< of densities: "per m2", "per m"
+  double free_speed_mps = 0;  ///< of its people, on average
+  std::vector<RecordedBin> bins;
+
+  /// Standard deviation of free speeds: what the 10 and 90 % of the emptiest bin are apart, as of a
+  /// normal distribution.
+  double free_deviation_mps() const;
+};
+inline constexpr double kRecordedBin = 0.25;
+
+/// `single_file`, `ug`, `uo`, `eo`, `ko`, `bot`; throws std::out_of_range for others.
+const RecordedCurve& recorded_curve(const std::string& id);
+
+struct RecordedDoor {
+  double width_m = 0;
+  std::vector<double> flows_per_s;  ///< one an experiment
+  double mean_per_s() const;
+};
+const std::vector<RecordedDoor>& recorded_doors();
+extern const char* const kRecordedDoorsSource;
+
+}  // namespace throng::validation
