@@ -181,8 +181,8 @@ std::vector<Goal> Oval::goals(bool clockwise) const {
   return out;
 }
 
-/// As many rows as leave most room. Two rows too near for people abreast have the same number each,
-/// one beside the gaps of the other; rows farther apart have as many as their length takes.
+/// As many rows as leave most room. Two rows too near for people abreast take turns; rows farther
+/// apart have as many as their length takes.
 std::vector<Eigen::Vector2d> Oval::places(int people) const {
   const double usable_m = width_m - 2 * disc_radius_m(kHeight_m) - kClear_m;
   const double inner_share = (middle_m() - 0.5 * usable_m) / middle_m();
@@ -200,16 +200,20 @@ std::vector<Eigen::Vector2d> Oval::places(int people) const {
     rows = tried;
   }
   std::vector<Eigen::Vector2d> out;
+  if (rows > 1 && usable_m / (rows - 1) <= kApart_m) {
+    for (int i = 0; i < people; ++i)
+      out.push_back(at(i * length_m() / people, (i % 2 - 0.5) * usable_m));
+    return out;
+  }
   for (int row = 0; row < rows; ++row) {
     const double aside = rows > 1 ? usable_m * (static_cast<double>(row) / (rows - 1) - 0.5) : 0;
-    const bool dense = rows > 1 && usable_m / (rows - 1) <= kApart_m;
-    const Oval line = {straight_m, middle_m() + (dense ? 0 : aside), 0};
+    const Oval line = {straight_m, middle_m() + aside, 0};
     // Rows lie evenly about the middle line, so that their lengths add up to this.
     const double share = line.length_m() / (rows * length_m());
     const int left = people - static_cast<int>(out.size());
     const int count = row + 1 == rows ? left : static_cast<int>(std::lround(share * people));
     for (int i = 0; i < count; ++i)
-      out.push_back(line.at((i + 0.5 * (row % 2)) * line.length_m() / count, dense ? aside : 0));
+      out.push_back(line.at((i + 0.5 * (row % 2)) * line.length_m() / count, 0));
   }
   return out;
 }

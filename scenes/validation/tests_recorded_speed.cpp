@@ -19,7 +19,7 @@ Figure figure_of(const RecordedCurve& curve, const std::vector<Reading>& reading
                         curve.bins[i].high_mps);
     if (readings[i].met) ours += fmt::format("{} {:.4f}\n", middle, readings[i].ours);
   }
-  const size_t every = std::max<size_t>(1, samples.size() / 1000);
+  const size_t every = std::max<size_t>(1, samples.size() / 400);
   for (size_t i = 0; i < samples.size(); i += every)
     cloud += fmt::format("{:.3f} {:.3f}\n", samples[i].density, samples[i].speed_mps);
   // A block without a line is an error to gnuplot.

@@ -163,7 +163,11 @@ TEST(Reality, EveryTestIsNamedOnceAndHasASource) {
 
 TEST(SetUps, OfSpeedAgainstDensityPlaceEverybody) {
   for (const char* id : kSetUps)
-    for (const int index : {0, recorded_runs(id) - 1}) {
+    // Where people go round, how many find a place depends on their number.
+    for (int index = 0; index < recorded_runs(id); ++index) {
+      const bool is_last = index + 1 == recorded_runs(id);
+      if (index > 0 && !is_last && id != std::string("ug") && id != std::string("single_file"))
+        continue;
       const RecordedRun run = recorded_run(id, index, kModel, 1);
       const Trial trial(run.plan);
       EXPECT_EQ(trial.unplaced(), 0) << id << ", run " << index;
