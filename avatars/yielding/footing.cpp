@@ -15,8 +15,8 @@ using Eigen::Vector2f;
 // Feet stay so far apart, and shins.
 constexpr float kClear_m = 0.07f;
 // A step is shortened by so much at a time, and moved to the side by so much at most.
-constexpr float kStep_m = 0.03f;
-constexpr int kShortest = -3;  // of them; never longer
+constexpr float kStep_m = 0.05f;
+constexpr int kShortest = -5;  // of them; never longer
 constexpr float kMostAside_m = 0.14f,
                 kInwards = 0.9f;  // the latter of the foot's distance from the middle
 constexpr float kEffort = 0.003f;
@@ -171,13 +171,13 @@ struct LandingShifts {
     const float right = side == 0 ? -kMostAside_m : -inwards,
                 left = side == 0 ? inwards : kMostAside_m;
     for (int i = kShortest; i <= 0; ++i)
-      for (const float y : {0.0f, right / 3, 2 * right / 3, right, left / 3, 2 * left / 3, left}) {
+      for (const float y : {0.0f, 0.5f * right, right, 0.5f * left, left}) {
         along[count] = kStep_m * static_cast<float>(i);
         aside[count++] = y;
       }
   }
 };
-static_assert((1 - kShortest) * 7 + 1 <= kPlaces);
+static_assert((1 - kShortest) * 5 + 1 <= kPlaces);
 
 /// Where a leg is at some time if its next landing is moved.
 LegPlaces moved_places(const ForeseenLeg& leg, size_t time, const Steps& own,
