@@ -98,12 +98,12 @@ Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed>
   const double off = measured > 0 ? off_mps / measured / curve.free_speed_mps : Reading::kNone;
   const double share = measured > 0 ? static_cast<double>(inside) / measured : 0;
   const bool enough = measured >= kLeastBins * bins;
-  out.readings.push_back(
-      {"all bins", "mean error, of free speed", "", off, 0, 0, kMostOff, off <= kMostOff});
-  out.readings.push_back(
-      {"all bins", "share in the band", "", share, 1, kLeastInBand, 1, share >= kLeastInBand});
+  out.readings.push_back({"all bins", "mean error, of free speed", "", off, Reading::kNone, 0,
+                          kMostOff, off <= kMostOff});
+  out.readings.push_back({"all bins", "share in the band", "", share, Reading::kNone, kLeastInBand,
+                          1, share >= kLeastInBand});
   out.readings.push_back({"all bins", "bins with 20 samples", "", static_cast<double>(measured),
-                          bins, kLeastBins * bins, bins, enough});
+                          Reading::kNone, kLeastBins * bins, bins, enough});
   out.passed = enough && off <= kMostOff && share >= kLeastInBand;
   out.summary = fmt::format(
       "means {:.0f} % of the free speed off on average, {} of {} bins inside the band ({:.0f} %); "

@@ -25,9 +25,10 @@ constexpr double kTwoWayEntrances_m[] = {0.5, 0.8, 1.2, 1.6, 2.0, 2.5};
 constexpr double kEmptying_s = 300;  ///< the longest that people who come through are watched
 constexpr double kFirst_s = 10;      ///< after the first one got there
 constexpr int kPeople = 200;
+constexpr int kJammed = 400;  ///< where an exit dams people up, who have to last
 
 constexpr double kWall_m = Plan::kWall_m;
-/// Of the place where people wait, 1.7 per m2, and of the entrances to them.
+/// Of the place where people wait: 1.7 per m2.
 constexpr double kDepth_m = 12;
 constexpr double kHalf_m = 5;
 
@@ -48,12 +49,14 @@ RecordedRun round_run(const std::string& id, const Oval& oval, int people,
 }
 
 /// A place to wait behind an entrance at x, to its left or (sign -1) to its right: both rectangles.
-std::vector<Rectangle> place_to_wait(double x, double middle_y, double entrance_m, double sign) {
+std::vector<Rectangle> place_to_wait(double x, double middle_y, double entrance_m, double sign,
+                                     int people = kPeople) {
+  const double depth_m = kDepth_m * people / kPeople;
   const auto between = [&](double from, double to, double half_m) -> Rectangle {
     return {{std::min(x - sign * from, x - sign * to), middle_y - half_m},
             {std::max(x - sign * from, x - sign * to), middle_y + half_m}};
   };
-  return {between(kWall_m, kWall_m + kDepth_m, kHalf_m), between(0, kWall_m, 0.5 * entrance_m)};
+  return {between(kWall_m, kWall_m + depth_m, kHalf_m), between(0, kWall_m, 0.5 * entrance_m)};
 }
 
 void add(std::vector<Rectangle>& open, const std::vector<Rectangle>& more) {
@@ -63,14 +66,15 @@ void add(std::vector<Rectangle>& open, const std::vector<Rectangle>& more) {
 /// Corridor 3 m wide from x = 0 to 8, a room of 4 m before it.
 RecordedRun one_way_run(double entrance_m, double exit_m, const SteeringRule& steering,
                         uint64_t seed) {
-  const std::vector<Rectangle> wait = place_to_wait(-4, 0, entrance_m, 1);
+  const int people = exit_m < 3 ? kJammed : kPeople;
+  const std::vector<Rectangle> wait = place_to_wait(-4, 0, entrance_m, 1, people);
   std::vector<Rectangle> open = {{{-4, -2.5}, {0, 2.5}},
                                  {{0, -1.5}, {8, 1.5}},
                                  {{8, -0.5 * exit_m}, {8 + kWall_m, 0.5 * exit_m}},
                                  {{8 + kWall_m, -2.5}, {13, 2.5}}};
   add(open, wait);
   RecordedRun run{carved("uo", open, steering, seed), {}, {wait.front()}, {}, kEmptying_s};
-  run.plan.people(kPeople, wait.front(), {{{12, -2.5}, {13, 2.5}}}).speed_mps = free_speed("uo");
+  run.plan.people(people, wait.front(), {{{12, -2.5}, {13, 2.5}}}).speed_mps = free_speed("uo");
   run.areas = {{{2.5, -1.5}, {5.5, 1.5}}};
   return run;
 }

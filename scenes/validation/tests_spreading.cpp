@@ -36,8 +36,9 @@ Figure figure_of(const std::string& id, const std::string& title,
   return {id, title, "",
           "$data << EOD\n" + data +
               fmt::format("EOD\nset grid ytics\nunset key\nset style fill solid 0.85\nset boxwidth "
-                          "0.45\nset yrange [0:*]\nset xlabel 'from the inner wall, m'\nset ylabel "
-                          "'%% of the person-seconds'\nplot $data with boxes linecolor rgb '{}'\n",
+                          "0.45\nset xrange [0:*]\nset yrange [0:*]\nset xlabel 'from the inner "
+                          "wall, m'\nset ylabel "
+                          "'% of the person-seconds'\nplot $data with boxes linecolor rgb '{}'\n",
                           kFigureColours[0])};
 }
 

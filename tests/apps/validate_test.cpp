@@ -32,6 +32,21 @@ TEST(Validate, GivesAVerdictForEveryStandardThatSharesATest) {
   EXPECT_THAT(read_file(folder / "report/rimea_6.svg"), HasSubstr("</svg>"));
 }
 
+TEST(Validate, WhatIsHeldAgainstRecordedPeopleComesWithEveryNumber) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell("throng validate --reality --only corner --json v.json --out report", folder);
+  const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
+  ASSERT_EQ(json["tests"].size(), 2u) << "and the walls";
+  const auto& test = json["tests"][0];
+  EXPECT_EQ(outcome.exit_code, test["verdict"] == "pass" ? 0 : 1) << outcome.err;
+  ASSERT_EQ(test["readings"].size(), 9u) << "eight lanes, and how many are used";
+  for (const char* key : {"at", "what", "unit", "simulated", "recorded", "from", "to", "met"})
+    EXPECT_TRUE(test["readings"][0].contains(key)) << key;
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("| 0.0 to 0.5 m |"));
+  EXPECT_THAT(read_file(folder / "report/corner.svg"), HasSubstr("</svg>"));
+}
+
 TEST(Validate, UnknownTestsAreBadInput) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng validate --only rimea_13", folder);
