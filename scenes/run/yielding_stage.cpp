@@ -25,6 +25,8 @@ constexpr float kLanding_mps = 2.5f;
 constexpr float kStretch_ps = 3;
 // What is wanted of steps and strides is decided so often.
 constexpr double kLanding_s = 0.1, kRhythm_s = 0.2;
+// Hips turn no faster; of those who stand and turn on the spot besides, slower: feet step along.
+constexpr float kHips_rps = 0.65f, kStandingHips_rps = 0.18f, kSlow_mps = 0.3f;
 // Nobody goes so far in a step: a jump.
 constexpr double kJump_m = 1;
 
@@ -253,7 +255,10 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
     follow(wanted_[id], step_s_, motion);
   Yield& yield = bodies.yields[id];
   yield.trunk_rad = motion.turn_rad - yield.hips_rad;
-  yield.hips_rad = kHipsShare * motion.turn_rad;
+  const Seen& seen = seen_[id];
+  const bool stands = seen.vx_mps * seen.vx_mps + seen.vy_mps * seen.vy_mps < kSlow_mps * kSlow_mps;
+  const float most_rad = (stands ? kStandingHips_rps : kHips_rps) * step_s_;
+  yield.hips_rad += std::clamp(kHipsShare * motion.turn_rad - yield.hips_rad, -most_rad, most_rad);
   yield.arms = motion.arms;
 }
 
