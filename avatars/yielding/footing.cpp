@@ -42,7 +42,7 @@ constexpr float kLeastStretch = 0.73f, kMostStretch = 1.2f;
 // What a second with legs too near by a metre weighs, squared, against a stride of another length
 // squared.
 constexpr float kNearness = 300, kRhythmEffort = 0.3f, kRhythmChange = 0.2f;
-constexpr int kTimes = 10;
+constexpr size_t kTimes = 10;
 // Among more than so many people, so near, nobody keeps step with all of them.
 constexpr int kMostAround = 3;
 constexpr float kAround_m = 1.1f;
@@ -249,13 +249,13 @@ class FootComingDown {
   }
 
   static constexpr size_t kMostLegs = 12;
-  const Steps& own_;
-  size_t side_;
-  SimdTarget target_;
   alignas(64) PlaceNumbers ahead_s_;
   ForeseenLeg leg_;
   std::array<std::array<OtherLeg, kMostLegs>, kMoments> legs_;
   std::array<size_t, kMoments> counts_{};
+  const Steps& own_;
+  size_t side_;
+  SimdTarget target_;
   bool is_free_ = true;
 };
 

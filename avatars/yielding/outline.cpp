@@ -160,8 +160,8 @@ Swings::Swings(const std::array<Limbs, kPhases>& boxes) : boxes_(boxes) {
 
 const Swings& Outline::swung_at(float speed_mps, float scale) const {
   const float root = std::sqrt(std::max(speed_mps, 0.0f) / (leg_length_m * scale));
-  const auto speed = static_cast<size_t>(root * per_root_speed + 0.5f);
-  return swings[std::min(speed, swings.size() - 1)];
+  const float after_half = root * per_root_speed + 0.5f;
+  return swings[std::min(static_cast<size_t>(after_half), swings.size() - 1)];
 }
 
 std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitTable& table,

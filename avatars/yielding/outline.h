@@ -88,8 +88,8 @@ class Swings {
   explicit Swings(const std::array<Limbs, kPhases>& boxes);
   /// Within a sixteenth of a cycle; phases may lie beyond one.
   const Limbs& at(float phase) const {
-    const int nearest = static_cast<int>(phase * kPhases + 0.5f);
-    return boxes_[static_cast<unsigned>(nearest) % kPhases];
+    const float after_half = phase * kPhases + 0.5f;  // rounds faster than lround()
+    return boxes_[static_cast<unsigned>(static_cast<int>(after_half)) % kPhases];
   }
   /// Over a cycle.
   const Limbs& ever() const { return ever_; }
