@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   m.schema = 2;
   m.count = 1;
   m.avatar = {std::atoi(argv[2])};
-  for (; m.seq < 50 * std::atoi(argv[3]); ++m.seq) {
+  for (; m.seq < int64_t{50} * std::atoi(argv[3]); ++m.seq) {
     const double angle = static_cast<double>(m.seq) / 50 / 3;
     m.x_m = {3 * std::cos(angle)};
     m.y_m = {3 * std::sin(angle)};

@@ -68,7 +68,7 @@ std::vector<std::string> known_engines() {
 }
 
 std::vector<std::string> engines_of(const std::string& list) {
-  const std::vector<std::string> known = known_engines();
+  std::vector<std::string> known = known_engines();
   if (list == "all") return known;
   if (list == "none") return {};
   std::vector<std::string> chosen;

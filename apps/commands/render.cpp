@@ -56,7 +56,7 @@ void require_drawable(const RenderCommand& command) {
 }
 
 int render_frames(const RenderCommand& command) {
-  RecordedFrame(command.log, command.frames[1]);  // throws if the log does not reach so far
+  static_cast<void>(RecordedFrame(command.log, command.frames[1]));  // throws if there is none
   RecordedFrame frame(command.log, command.frames[0]);
   const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
   const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);

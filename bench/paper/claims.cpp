@@ -109,7 +109,7 @@ void add_winners(std::span<const Scale> scales, const char* name, bool with_grid
       if (!with_grid && each.strategy == Strategy::kTwoPassGrid) continue;
       if (best == nullptr || measure(each) < measure(*best)) best = &each;
     }
-    if (best->name() == last) continue;
+    if (best == nullptr || best->name() == last) continue;
     last = best->name();
     winners.push_back({name, scale.objects, last});
   }
