@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 Outcome run(const std::string& options, const ScratchFolder& folder) {
-  const Outcome outcome = shell("throng run " + options + " --lcm off --json run.json", folder);
+  Outcome outcome = shell("throng run " + options + " --lcm off --json run.json", folder);
   EXPECT_EQ(outcome.exit_code, 0) << options << ": " << outcome.err;
   return outcome;
 }

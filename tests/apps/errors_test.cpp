@@ -19,6 +19,7 @@ struct Mistake {
   int exit_code = 2;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.line; }
 
 class Mistakes : public testing::TestWithParam<Mistake> {};

@@ -29,6 +29,7 @@ struct TriText {
   std::string text;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const TriText& tri, std::ostream* out) { *out << tri.name; }
 
 class GoodTri : public testing::TestWithParam<TriText> {};

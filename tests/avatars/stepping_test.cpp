@@ -62,8 +62,11 @@ class Path {
   }
   /// Nobody turns or goes sideways at once: the pace comes within a second.
   void ease_into(const Pace& pace) {
-    for (float share = 0; share < 1; share += chunk_.step_s)
+    const auto steps = static_cast<int>(std::lround(1 / chunk_.step_s));
+    for (int i = 0; i < steps; ++i) {
+      const float share = static_cast<float>(i) * chunk_.step_s;
       step({pace.forward_mps, share * pace.left_mps, share * pace.turn_radps});
+    }
   }
 
   /// How far a foot's contact moved on the ground in each stance.

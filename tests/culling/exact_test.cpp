@@ -339,7 +339,7 @@ Contact contact_by_brute_force(const Solid& a, const PartPose& pose_a, float sca
 TEST(Solids, AgreeWithAllPairsOfTriangles) {
   Draw draw(kSeed, 5);
   int touching = 0, contained = 0;
-  const int kCasesTried = 800;
+  constexpr int kCasesTried = 800;
   for (int i = 0; i < kCasesTried; ++i) {
     const Solid a = bumpy_ellipsoid(draw, 6, 7, {0.3, 0.1, 0.2}, 0.2);
     const Solid b = bumpy_ellipsoid(draw, 5, 6, {0.1, 0.2, 0.1}, 0.2);

@@ -20,7 +20,7 @@ double smallest_radius(const std::vector<Eigen::Vector3f>& points) {
   std::vector<Eigen::Vector3d> p;
   for (const Eigen::Vector3f& point : points) p.push_back(point.cast<double>());
   double best = p.size() == 1 ? 0 : 1e30;
-  const auto consider = [&](std::vector<size_t> chosen) {
+  const auto consider = [&](const std::vector<size_t>& chosen) {
     const Eigen::Index n = static_cast<Eigen::Index>(chosen.size()) - 1;
     Eigen::MatrixXd edges(3, n);
     for (Eigen::Index i = 0; i < n; ++i)

@@ -139,7 +139,8 @@ class Couples : public PoseSource {
   Couples(Family family, const std::vector<Kind>& kinds, Draw& draw) : kinds_(kinds) {
     for (int couple = 0; couple < kCouples; ++couple) {
       const double far = family != Family::kFar ? 0 : draw.integer(0, 1) == 0 ? 1e4 : 1e5;
-      const Vector3d home(far + kSpacing_m * (couple % 16), -far + kSpacing_m * (couple / 16), 0);
+      const int column = couple % 16, row = couple / 16;
+      const Vector3d home(far + kSpacing_m * column, -far + kSpacing_m * row, 0);
       const bool is_nested = family == Family::kNested || family == Family::kMixed;
       const bool is_lattice = family == Family::kTouching;
       add(draw, home, is_nested ? 0 : draw.integer(0, 1), is_lattice);

@@ -48,6 +48,7 @@ struct Defect {
   const char* complaint;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Defect& defect, std::ostream* out) { *out << defect.name; }
 
 class Defects : public testing::TestWithParam<Defect> {};

@@ -34,34 +34,34 @@ class Mutator {
   }
 
   void edit(std::string& text) {
-    static const std::vector<std::string> kPieces = {"nan",
-                                                     "inf",
-                                                     "-1",
-                                                     "0",
-                                                     "1e308",
-                                                     "1e-320",
-                                                     "\"",
-                                                     "'",
-                                                     "<",
-                                                     ">",
-                                                     "/>",
-                                                     "</link>",
-                                                     "<link name=\"a\"/>",
-                                                     "<link>",
-                                                     "&",
-                                                     "&#x0;",
-                                                     "&amp;",
-                                                     "<!--",
-                                                     "-->",
-                                                     "<![CDATA[",
-                                                     "<?",
-                                                     std::string(1, '\0'),
-                                                     "\xff\xfe",
-                                                     "type=\"floating\"",
-                                                     "<mimic joint=\"motor\"/>",
-                                                     "<parent link=\"palm\"/>",
-                                                     ",",
-                                                     " "};
+    static const std::vector<std::string> pieces = {"nan",
+                                                    "inf",
+                                                    "-1",
+                                                    "0",
+                                                    "1e308",
+                                                    "1e-320",
+                                                    "\"",
+                                                    "'",
+                                                    "<",
+                                                    ">",
+                                                    "/>",
+                                                    "</link>",
+                                                    "<link name=\"a\"/>",
+                                                    "<link>",
+                                                    "&",
+                                                    "&#x0;",
+                                                    "&amp;",
+                                                    "<!--",
+                                                    "-->",
+                                                    "<![CDATA[",
+                                                    "<?",
+                                                    std::string(1, '\0'),
+                                                    "\xff\xfe",
+                                                    "type=\"floating\"",
+                                                    "<mimic joint=\"motor\"/>",
+                                                    "<parent link=\"palm\"/>",
+                                                    ",",
+                                                    " "};
     const size_t at = below(text.size() + 1);
     const size_t length = below(1 + std::min<size_t>(text.size() - at, 1 + below(80)));
     switch (below(6)) {
@@ -69,10 +69,10 @@ class Mutator {
         text.erase(at, length);
         break;
       case 1:
-        text.insert(at, kPieces[below(kPieces.size())]);
+        text.insert(at, pieces[below(pieces.size())]);
         break;
       case 2:
-        text.replace(at, length, kPieces[below(kPieces.size())]);
+        text.replace(at, length, pieces[below(pieces.size())]);
         break;
       case 3:
         if (at < text.size()) text[at] = static_cast<char>(below(256));

@@ -75,10 +75,10 @@ TEST(UrdfIdle, APlateAndANegativeSizeAreStillRefused) {
 }
 
 TEST(UrdfIdle, IncompleteInertiaIsSkippedAndListed) {
-  const char* const kMass = "<mass value='2'/>";
+  const char* const mass = "<mass value='2'/>";
   for (const std::string& inertia :
-       {std::string(kMass), fmt::format("{}<inertia ixx='1' iyy='1'/>", kMass),
-        fmt::format("{}<inertia/>", kMass), std::string(""),
+       {std::string(mass), fmt::format("{}<inertia ixx='1' iyy='1'/>", mass),
+        fmt::format("{}<inertia/>", mass), std::string(""),
         std::string("<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>")}) {
     const Robot read = parse(robot("<inertial>" + inertia + "</inertial>"));
     EXPECT_THAT(read.notes, Contains(HasSubstr("<inertial> of link 'foot', line 3: skipped")))

@@ -21,7 +21,7 @@ inline Obstacle box(double x, double y, double length_m, double width_m, double 
   return obstacle;
 }
 
-inline Group group(int count, const Rectangle& spawn, std::vector<Rectangle> goals) {
+inline Group group(int count, const Rectangle& spawn, const std::vector<Rectangle>& goals) {
   Group out;
   out.count = count;
   out.spawn = spawn;

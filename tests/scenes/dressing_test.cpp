@@ -52,11 +52,13 @@ std::vector<Sample> wandering(uint64_t seed, double step_s, size_t count) {
 
 class Dressing : public testing::Test {
  protected:
+  // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
   static void SetUpTestSuite() {
     model_ = load_model(adult_urdf());
     gait_ = std::make_unique<Gait>(*model_);
     head_ = std::make_unique<HeadPlace>(*model_, *gait_);
   }
+  // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
   static void TearDownTestSuite() {
     head_.reset();
     gait_.reset();

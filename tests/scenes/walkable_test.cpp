@@ -96,9 +96,9 @@ TEST(FlowField, DistanceIsTheStraightLineWhereNothingIsInTheWay) {
   const Walkable walkable(scene);
   const FlowGrid grid(walkable);
   const FlowField field(grid, {{15, 4}, {16, 6}});
-  for (double x = 0.6; x < 14; x += 0.7)
-    for (double y = 0.6; y < 9.5; y += 0.7) {
-      const Eigen::Vector2d point(x, y);
+  for (int column = 0; column < 20; ++column)
+    for (int row = 0; row < 13; ++row) {
+      const Eigen::Vector2d point(0.6 + 0.7 * column, 0.6 + 0.7 * row);
       const Eigen::Vector2d on =
           point.cwiseMax(Eigen::Vector2d(15, 4)).cwiseMin(Eigen::Vector2d(16, 6));
       // The upwind scheme is of first order: a cell, and some per cent.

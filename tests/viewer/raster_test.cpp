@@ -24,7 +24,8 @@ Image seen(std::span<const RenderItem> items, int size) {
 }
 
 std::array<int, 3> pixel(const Image& image, int x, int y) {
-  const auto at = static_cast<size_t>(3 * (y * image.width + x));
+  const int place = y * image.width + x;
+  const size_t at = 3 * static_cast<size_t>(place);
   return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 

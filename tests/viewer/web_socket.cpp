@@ -72,7 +72,7 @@ std::string TestSocket::read_head() {
   size_t end;
   while ((end = buffer_.find("\r\n\r\n")) == std::string::npos)
     if (!fill()) return "";
-  const std::string head = buffer_.substr(0, end + 4);
+  std::string head = buffer_.substr(0, end + 4);
   buffer_.erase(0, end + 4);
   return head;
 }

@@ -55,7 +55,7 @@ double area_by_asking(const Scene& scene, const Points& people, size_t person) {
       if ((other - at).norm() < distance_m) return false;
     return true;
   };
-  std::vector<char> seen(static_cast<size_t>(columns * rows), 0);
+  std::vector<char> seen(static_cast<size_t>(columns) * static_cast<size_t>(rows), 0);
   std::queue<std::pair<int, int>> open;
   open.emplace(static_cast<int>(people[person].x() / kStep_m),
                static_cast<int>(people[person].y() / kStep_m));
@@ -64,7 +64,8 @@ double area_by_asking(const Scene& scene, const Points& people, size_t person) {
     const auto [column, row] = open.front();
     open.pop();
     if (column < 0 || column >= columns || row < 0 || row >= rows) continue;
-    char& known = seen[static_cast<size_t>(row * columns + column)];
+    const int square = row * columns + column;
+    char& known = seen[static_cast<size_t>(square)];
     if (known != 0) continue;
     known = 1;
     if (!is_hers(column, row)) continue;

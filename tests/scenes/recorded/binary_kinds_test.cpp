@@ -159,7 +159,8 @@ TEST(WalkableWkt, ContainsWhatItsPolygonsDo) {
   const WalkableArea area(polygons);
   int inside = 0;
   for (int i = 0; i < 40'000; ++i) {
-    const Eigen::Vector2d p(-9 + 0.09013 * (i % 200), -9 + 0.09017 * (i / 200));
+    const int column = i % 200, row = i / 200;
+    const Eigen::Vector2d p(-9 + 0.09013 * column, -9 + 0.09017 * row);
     inside += area.contains(p);
     // On an edge both are right.
     if (area.contains(p) != lies_in(polygons, p)) {

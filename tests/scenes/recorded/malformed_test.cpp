@@ -18,6 +18,7 @@ struct Malformed {
   RecordingOptions options{};
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Malformed& malformed, std::ostream* out) { *out << malformed.name; }
 
 class MalformedText : public RecordingTest, public testing::WithParamInterface<Malformed> {};
