@@ -28,9 +28,8 @@ constexpr int kTwoWayMinutes = 10;
 Outcome overtaking(SteeringKind model) {
   Outcome outcome;
   std::vector<Overtaking> starts;
-  for (int run = 0; run < kStarts / kLanes; ++run) {
-    const std::vector<Overtaking> more =
-        overtake(kLanes, model, static_cast<uint64_t>(run + 1), outcome);
+  for (uint64_t seed = 1; seed <= kStarts / kLanes; ++seed) {
+    const std::vector<Overtaking> more = overtake(kLanes, model, seed, outcome);
     starts.insert(starts.end(), more.begin(), more.end());
   }
   Judgement judgement = judge_overtaking(starts);

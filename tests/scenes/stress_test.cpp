@@ -247,6 +247,7 @@ TEST(Stress, APressedCrowdWalksOnAndEndsItsPairs) {
   Scene scene = load_scene("corridor");
   std::vector<std::string> notes;
   scale_to(scene, 400, notes);
+  scene.yielding = false;  // so that many touch
   SimulationOptions options;
   options.threads = 2;
   Simulation simulation(std::move(scene), options);
