@@ -25,7 +25,7 @@ constexpr std::array<float, 7> kMomentsBefore = {0.3f, 0.22f, 0.15f, 0.07f, 0, -
 constexpr size_t kMoments = kMomentsBefore.size(), kLanding = 4;
 static_assert(kMomentsBefore[kLanding] == 0);
 constexpr float kFarOff_m = 0.6f;
-// A foot gets a new place until so shortly before it lands.
+// A foot gets a new place from so long before it lands.
 constexpr float kWindow_s = 0.9f;
 // The rhythm of steps is chosen so far ahead, for those whose roots come so near, and by the time
 // in which legs can meet.
@@ -163,7 +163,7 @@ static_assert((kMost - kFewest + 2) * 4 == kPlaces);
 /// How far the next landing could be moved: along and to the side, root frame at scale 1.
 struct LandingShifts {
   alignas(64) PlaceNumbers along = {}, aside = {};
-  size_t count = 1;  ///< the first is none; of the rest up to kCount, too
+  size_t count = 1;  ///< the first is none, and so are those beyond
 
   explicit LandingShifts(const FootTrack& track, size_t side) {
     // Feet do not cross.

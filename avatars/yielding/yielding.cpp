@@ -28,20 +28,6 @@ constexpr float kReleaseAhead_s = 1.0f / 9;  // as eased_towards() has it
 // An arm stays drawn in by so much of what its swing would lack at the worst time of a cycle.
 constexpr float kHeld = 0.7f;
 
-float angle_of(float y, float x) {
-  const float ax = std::abs(x), ay = std::abs(y);
-  const float longer = std::max(std::max(ax, ay), 1e-6f);
-  const float t = std::min(ax, ay) / longer, s = t * t;
-  float angle = -0.01172120f * s + 0.05265332f;
-  angle = angle * s + -0.11643287f;
-  angle = angle * s + 0.19354346f;
-  angle = angle * s + -0.33262347f;
-  angle = (angle * s + 0.99997726f) * t;
-  if (ay > ax) angle = 1.57079633f - angle;
-  if (x < 0) angle = 3.14159265f - angle;
-  return y < 0 ? -angle : angle;
-}
-
 /// In turns of Reaches, from 0 to less than twice around.
 float direction_of(float angle_rad) {
   constexpr float kAround = Reaches::kDirections;
@@ -186,7 +172,7 @@ void add_border(const Stance& own, const NearBody& near, const Stance& other, fl
   const float apart_m = std::sqrt(square), per_apart = 1 / std::max(apart_m, 1e-6f);
   x *= per_apart;
   y *= per_apart;
-  const float angle = angle_of(y, x), per_scale = 1 / own.body.scale;
+  const float angle = float_arc_tan2(y, x), per_scale = 1 / own.body.scale;
   const Limbs& limbs = own.limbs_in(ahead_s);
   Border border{x, y, direction_of(angle), 0, 0, weight, &limbs.arms, ahead_s == 0};
   if (near.yielder == nullptr) {
@@ -221,7 +207,7 @@ void add_borders(const Stance& own, const NearBody& near, Borders& borders) {
 
 /// As it is now and as it will be soon.
 void add_wall(const Stance& own, const NearWall& wall, Borders& borders) {
-  const float direction = direction_of(angle_of(wall.y, wall.x));
+  const float direction = direction_of(float_arc_tan2(wall.y, wall.x));
   for (const float ahead_s : {0.0f, kSoon_s}) {
     const float room_m = (wall.distance_m - ahead_s * wall.approach_mps) / own.body.scale;
     borders.add(

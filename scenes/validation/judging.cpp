@@ -220,4 +220,11 @@ Judgement judge_far_exit(int near, int far, int people) {
   return out;
 }
 
+Outcome judged(Outcome outcome, Judgement judgement) {
+  outcome.passed = judgement.passed;
+  outcome.measured = judgement.summary;
+  outcome.readings = std::move(judgement.readings);
+  return outcome;
+}
+
 }  // namespace throng::validation

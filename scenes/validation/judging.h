@@ -18,6 +18,8 @@ struct Judgement {
   std::string summary;
   std::vector<Reading> readings;
 };
+/// The outcome of a test with its verdict.
+Outcome judged(Outcome outcome, Judgement judgement);
 
 /// Of a door: people who came through, of so many, and how many a second.
 struct DoorFlow {

@@ -32,20 +32,13 @@ Outcome overtaking(SteeringKind model) {
     const std::vector<Overtaking> more = overtake(kLanes, model, seed, outcome);
     starts.insert(starts.end(), more.begin(), more.end());
   }
-  Judgement judgement = judge_overtaking(starts);
-  outcome.passed = judgement.passed;
-  outcome.measured = judgement.summary;
-  outcome.readings = std::move(judgement.readings);
-  return outcome;
+  return judged(std::move(outcome), judge_overtaking(starts));
 }
 
 Outcome two_way(SteeringKind model) {
   Outcome outcome;
-  Judgement judgement = judge_two_way(walk_two_ways(kTwoWayMinutes, model, 1, outcome));
-  outcome.passed = judgement.passed;
-  outcome.measured = judgement.summary;
-  outcome.readings = std::move(judgement.readings);
-  return outcome;
+  const std::vector<double> flows = walk_two_ways(kTwoWayMinutes, model, 1, outcome);
+  return judged(std::move(outcome), judge_two_way(flows));
 }
 
 }  // namespace

@@ -41,12 +41,8 @@ Outcome doors(SteeringKind model) {
   std::vector<DoorFlow> flows;
   for (const RecordedDoor& door : recorded_doors())
     flows.push_back(pass_a_door(door.width_m, kPeople, model, 1, outcome));
-  Judgement judgement = judge_doors(flows);
-  outcome.passed = judgement.passed;
-  outcome.measured = judgement.summary;
-  outcome.readings = std::move(judgement.readings);
   outcome.figures = {figure_of(flows)};
-  return outcome;
+  return judged(std::move(outcome), judge_doors(flows));
 }
 
 }  // namespace

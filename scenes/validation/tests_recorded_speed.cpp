@@ -48,11 +48,8 @@ Outcome speed_against_density(const std::string& id, const std::string& title, S
   }
   const RecordedCurve& curve = recorded_curve(id);
   Judgement judgement = judge_speeds(curve, samples);
-  outcome.passed = judgement.passed;
-  outcome.measured = judgement.summary;
   outcome.figures = {figure_of(curve, judgement.readings, title, samples)};
-  outcome.readings = std::move(judgement.readings);
-  return outcome;
+  return judged(std::move(outcome), std::move(judgement));
 }
 
 struct Described {

@@ -42,13 +42,6 @@ Figure figure_of(const std::string& id, const std::string& title,
                           kFigureColours[0])};
 }
 
-Outcome judged(Outcome outcome, Judgement judgement) {
-  outcome.passed = judgement.passed;
-  outcome.measured = judgement.summary;
-  outcome.readings = std::move(judgement.readings);
-  return outcome;
-}
-
 Outcome ring(SteeringKind model) {
   Outcome outcome;
   Trial trial(ring_plan(model, 1));
