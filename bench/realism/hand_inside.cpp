@@ -5,6 +5,7 @@
 
 #include "culling/distance/hull_depth.h"
 #include "scenes/measures/part_group.h"
+#include "scenes/run/frame_poses.h"
 
 namespace throng::realism {
 
@@ -45,12 +46,8 @@ double HandInside::thickness_m(const RunInfo& run, PairKey pair) const {
 HandInside::Placed HandInside::placed(const RunInfo& run, const Frame& frame, uint32_t avatar,
                                       uint32_t part, const Eigen::Vector3d& origin_m) {
   const Model& model = *run.models[run.model_of_avatar[avatar]];
-  const size_t row = frame.posture_offsets[avatar];
-  const RootFrame root{frame.roots[avatar].world_from_root, run.scale_of_avatar[avatar]};
   poses_.resize(model.parts.size());
-  forward_kinematics(model.kinematics,
-                     frame.postures.subspan(row, frame.posture_offsets[avatar + 1] - row),
-                     {&root, 1}, poses_);
+  part_poses(run, frame, avatar, poses_);
   Eigen::Isometry3d world_from_part = to_isometry(poses_[part]);
   world_from_part.pretranslate(frame.roots[avatar].position_m - origin_m);
   return {&solid(run, avatar, part), world_from_part,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scenes/run/frame_poses.h"
+
 namespace throng {
 namespace {
 
@@ -19,13 +21,9 @@ ContactDepths::ContactDepths(const RunInfo& run) : first_pose_(run.model_of_avat
 const PartPose* ContactDepths::poses_of(const RunInfo& run, const Frame& frame, uint32_t avatar) {
   if (first_pose_[avatar] == kNone) {
     const Model& model = *run.models[run.model_of_avatar[avatar]];
-    const size_t row = frame.posture_offsets[avatar];
-    const RootFrame root{frame.roots[avatar].world_from_root, run.scale_of_avatar[avatar]};
     first_pose_[avatar] = poses_.size();
     poses_.resize(poses_.size() + model.parts.size());
-    forward_kinematics(model.kinematics,
-                       frame.postures.subspan(row, frame.posture_offsets[avatar + 1] - row),
-                       {&root, 1}, std::span(poses_).subspan(first_pose_[avatar]));
+    part_poses(run, frame, avatar, std::span(poses_).subspan(first_pose_[avatar]));
   }
   return poses_.data() + first_pose_[avatar];
 }

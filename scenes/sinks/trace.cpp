@@ -10,6 +10,7 @@
 #include "base/errors.h"
 #include "base/hasher.h"
 #include "culling/event_hash.h"
+#include "scenes/run/frame_poses.h"
 
 namespace throng {
 namespace {
@@ -86,12 +87,8 @@ uint64_t TraceSink::hash_of_poses(const RunInfo& run, const Frame& frame) {
   Hasher hash;
   for (size_t avatar = 0; avatar < frame.roots.size(); ++avatar) {
     const Model& model = *run.models[run.model_of_avatar[avatar]];
-    const size_t first = frame.posture_offsets[avatar];
-    const RootFrame root{frame.roots[avatar].world_from_root, run.scale_of_avatar[avatar]};
     poses_.resize(model.parts.size());
-    forward_kinematics(model.kinematics,
-                       frame.postures.subspan(first, frame.posture_offsets[avatar + 1] - first),
-                       {&root, 1}, poses_);
+    part_poses(run, frame, avatar, poses_);
     for (const PartPose& pose : poses_)
       for (const auto& row : pose.rows)
         for (const float value : row) add(hash, value);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "culling/exact/triangle_test.h"
+#include "scenes/run/frame_poses.h"
 #include "scenes/run/postures.h"
 
 namespace throng::test {
@@ -35,10 +36,7 @@ void NearPeople::place(const Frame& frame, uint32_t id) {
   Avatar& avatar = avatars_[id];
   avatar.poses.resize(model.parts.size());
   avatar.boxes.clear();
-  const RootFrame root{frame.roots[id].world_from_root, scale};
-  const size_t begin = frame.posture_offsets[id], end = frame.posture_offsets[id + 1];
-  forward_kinematics(model.kinematics, frame.postures.subspan(begin, end - begin), {&root, 1},
-                     avatar.poses);
+  part_poses(run_.info(), frame, id, avatar.poses);
   constexpr float kMost = std::numeric_limits<float>::max();
   const Box none = {Eigen::Vector3f::Constant(kMost), Eigen::Vector3f::Constant(-kMost)};
   avatar.all = none;
