@@ -112,6 +112,10 @@ class Crowd {
   void limit_forward(size_t slot);
   void relax_discs();
   bool is_settled(size_t slot) const;
+  /// Discs whose centres are nearer are pushed apart.
+  float apart_m(size_t slot, size_t other) const {
+    return model_->core() * (slots_.radius_m[slot] + slots_.radius_m[other]);
+  }
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
   void move(size_t slot);

@@ -56,11 +56,11 @@ double Crowd::find_close(size_t begin, size_t end) {
       if (square > reach_m * reach_m) break;  // they come nearest first
       const float ex = slots_.expected_x_m[other] - slots_.expected_x_m[slot];
       const float ey = slots_.expected_y_m[other] - slots_.expected_y_m[slot];
-      const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
-      const float apart_m = radius_m + margin_m;
+      const float radius_m = apart_m(slot, other);
+      const float close_m = radius_m + margin_m;
       if (square < radius_m * radius_m)
         deepest_m = std::max(deepest_m, radius_m - std::sqrt(square));
-      if (ex * ex + ey * ey < apart_m * apart_m) std::swap(near[close++], near[k]);
+      if (ex * ex + ey * ey < close_m * close_m) std::swap(near[close++], near[k]);
     }
     slots_.close_counts[slot] = static_cast<uint8_t>(close);
     slots_.touched[slot] = close > 0 ? kMoved : 0;  // the first sweep looks at all of them
@@ -116,7 +116,7 @@ double Crowd::relax_disc(size_t slot) {
   for (size_t k = 0; k < slots_.close_counts[slot]; ++k) {
     const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
     const float dx = x - slots_.expected_x_m[other], dy = y - slots_.expected_y_m[other];
-    const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
+    const float radius_m = apart_m(slot, other);
     const float square = dx * dx + dy * dy;
     if (square >= radius_m * radius_m) continue;
     const float distance_m = std::sqrt(square);

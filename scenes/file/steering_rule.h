@@ -11,8 +11,9 @@ namespace throng {
 
 /// One row each in the table of steering.cpp, in the same order.
 enum class SteeringKind {
-  kOrca,   ///< optimal reciprocal collision avoidance (van den Berg et al. 2011)
-  kSpeed,  ///< collision-free speed (Tordeux, Chraibi & Seyfried 2016)
+  kOrca,       ///< optimal reciprocal collision avoidance (van den Berg et al. 2011)
+  kSpeed,      ///< collision-free speed (Tordeux, Chraibi & Seyfried 2016)
+  kHeuristic,  ///< behavioural heuristics (after Moussaid, Helbing & Theraulaz 2011)
 };
 
 std::vector<SteeringKind> all_steering_kinds();

@@ -111,9 +111,10 @@ TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
   const ScratchFolder folder;
   auto [out, json] = bench_told("--steering --avatars 1000 --frames 2", folder);
   EXPECT_THAT(out, HasSubstr("It did not run here"));
-  ASSERT_EQ(json["steering"].size(), 2u);
+  ASSERT_EQ(json["steering"].size(), 3u);
   EXPECT_EQ(json["steering"][0]["model"], "orca");
   EXPECT_EQ(json["steering"][1]["model"], "speed");
+  EXPECT_EQ(json["steering"][2]["model"], "heuristic");
   for (const auto& row : json["steering"]) {
     EXPECT_EQ(row["people"], 1000);
     EXPECT_GT(row["ms"].get<double>(), 0);

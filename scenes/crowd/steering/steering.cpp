@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "scenes/crowd/steering/collision_free_speed.h"
+#include "scenes/crowd/steering/heuristic.h"
 #include "scenes/crowd/steering/orca.h"
 
 namespace throng {
@@ -12,17 +13,19 @@ namespace {
 /// A model that is one function for each target.
 class FunctionModel : public SteeringModel {
  public:
-  FunctionModel(SteeringFunction function, bool keeps_gap)
-      : function_(function), keeps_gap_(keeps_gap) {}
+  FunctionModel(SteeringFunction function, bool keeps_gap, float core = 1)
+      : function_(function), keeps_gap_(keeps_gap), core_(core) {}
   void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
               float* next_y_mps) const override {
     function_(people, begin, end, next_x_mps, next_y_mps);
   }
   bool keeps_gap() const override { return keeps_gap_; }
+  float core() const override { return core_; }
 
  private:
   SteeringFunction function_;
   bool keeps_gap_;
+  float core_;
 };
 
 std::unique_ptr<const SteeringModel> make_orca(SimdTarget target) {
@@ -31,6 +34,10 @@ std::unique_ptr<const SteeringModel> make_orca(SimdTarget target) {
 
 std::unique_ptr<const SteeringModel> make_speed(SimdTarget) {
   return std::make_unique<FunctionModel>(decide_collision_free_speed, true);
+}
+
+std::unique_ptr<const SteeringModel> make_heuristic(SimdTarget) {
+  return std::make_unique<FunctionModel>(decide_heuristic, true, kHeuristicCore);
 }
 
 /// All that anything else knows of a model.
@@ -43,6 +50,7 @@ struct Entry {
 constexpr Entry kModels[] = {
     {SteeringKind::kOrca, "orca", make_orca},
     {SteeringKind::kSpeed, "speed", make_speed},
+    {SteeringKind::kHeuristic, "heuristic", make_heuristic},
 };
 
 constexpr bool is_in_order() {

@@ -22,6 +22,9 @@ struct SteeringView {
   const float* radius_m = nullptr;
   const float* wanted_x_mps = nullptr;
   const float* wanted_y_mps = nullptr;
+  const float* way_x = nullptr;  ///< where to: a unit vector, or zero
+  const float* way_y = nullptr;
+  const double* free_speed_mps = nullptr;
   const float* max_speed_mps = nullptr;
   const float* horizon_s = nullptr;      ///< no collision for so long
   const float* urge = nullptr;           ///< 0 to 1: others make way for who has more of it
@@ -50,6 +53,9 @@ class SteeringModel {
   /// True if the model itself keeps a gap in time behind others of the same way; otherwise wishes
   /// are limited to one before it decides.
   virtual bool keeps_gap() const = 0;
+  /// Discs that overlap by more than this share of their radii leaves room for are pushed apart: 1
+  /// for people who keep all of them clear.
+  virtual float core() const = 0;
 };
 
 std::unique_ptr<const SteeringModel> make_steering_model(SteeringKind kind, SimdTarget target);

@@ -1,0 +1,19 @@
+// Behavioural heuristics: people look along the ways they could go, take the one that brings them
+// farthest before somebody is in it, and walk on it as fast as the room ahead allows (after
+// Moussaid, Helbing & Theraulaz, PNAS 108, 2011; speed by headway after Tordeux, Chraibi &
+// Seyfried, Traffic and Granular Flow '15, 2016).
+// One rule: one set of constants for every scene, fitted to recorded people: see
+// docs/validation.md.
+#pragma once
+
+#include "scenes/crowd/steering/steering.h"
+
+namespace throng {
+
+/// Bodies turn and give way: centres come nearer to each other than discs allow.
+inline constexpr float kHeuristicCore = 0.65f;
+
+void decide_heuristic(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
+                      float* next_y_mps);
+
+}  // namespace throng

@@ -1,0 +1,267 @@
+// What people do who look for the way that brings them farthest: laws of one decision, and what a
+// crowd of such people does where others do not.
+#include "scenes/crowd/steering/heuristic.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "base/elementary.h"
+#include "base/random.h"
+#include "scenes/validation/recorded_situations.h"
+
+namespace throng {
+namespace {
+
+constexpr float kFree_mps = 1.34f;
+constexpr float kPeriod_s = 0.1f;
+
+struct Someone {
+  Eigen::Vector2f at_m, velocity_mps, wanted_mps;
+};
+struct Wall {
+  Eigen::Vector2f away;
+  float clearance_m;
+};
+
+/// A decision of the first of some people; walls are the first one's.
+struct Moment {
+  std::vector<Someone> people;
+  std::vector<Wall> walls;
+
+  std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1) const {
+    const size_t count = people.size();
+    std::vector<float> x, y, vx, vy, wx, wy, way_x, way_y;
+    for (const Someone& each : people) {
+      x.push_back(each.at_m.x());
+      y.push_back(each.at_m.y());
+      vx.push_back(each.velocity_mps.x());
+      vy.push_back(each.velocity_mps.y());
+      wx.push_back(each.wanted_mps.x());
+      wy.push_back(each.wanted_mps.y());
+      const float length = each.wanted_mps.norm();
+      way_x.push_back(length > 0 ? each.wanted_mps.x() / length : 0);
+      way_y.push_back(length > 0 ? each.wanted_mps.y() / length : 0);
+    }
+    const std::vector<float> radii(count, 0.22f), most(count, 1.2f * kFree_mps);
+    const std::vector<double> free(count, static_cast<double>(kFree_mps));
+    std::vector<uint32_t> near(NeighbourGrid::kMost * count), starts(count + 1);
+    std::vector<uint8_t> counts(count);
+    for (uint32_t i = 0; i < count; ++i) {
+      std::vector<uint32_t> others(count);
+      std::iota(others.begin(), others.end(), 0);
+      others.erase(others.begin() + i);
+      std::stable_sort(others.begin(), others.end(), [&](uint32_t a, uint32_t b) {
+        return (people[a].at_m - people[i].at_m).squaredNorm() <
+               (people[b].at_m - people[i].at_m).squaredNorm();
+      });
+      others.resize(std::min(others.size(), NeighbourGrid::kMost));
+      std::copy(others.begin(), others.end(), near.begin() + NeighbourGrid::kMost * i);
+      counts[i] = static_cast<uint8_t>(others.size());
+      starts[i + 1] = static_cast<uint32_t>(walls.size());
+    }
+    std::vector<float> wall_x, wall_y, clearances;
+    for (const Wall& wall : walls) {
+      wall_x.push_back(wall.away.x());
+      wall_y.push_back(wall.away.y());
+      clearances.push_back(wall.clearance_m);
+    }
+    SteeringView view;
+    view.x_m = x.data();
+    view.y_m = y.data();
+    view.vx_mps = vx.data();
+    view.vy_mps = vy.data();
+    view.radius_m = radii.data();
+    view.wanted_x_mps = wx.data();
+    view.wanted_y_mps = wy.data();
+    view.way_x = way_x.data();
+    view.way_y = way_y.data();
+    view.free_speed_mps = free.data();
+    view.max_speed_mps = most.data();
+    view.neighbours = near.data();
+    view.neighbour_counts = counts.data();
+    view.wall_x = wall_x.data();
+    view.wall_y = wall_y.data();
+    view.wall_clearance_m = clearances.data();
+    view.wall_starts = starts.data();
+    view.period_s = kPeriod_s;
+    std::vector<float> next_x(count), next_y(count);
+    decide_heuristic(view, begin, end, next_x.data(), next_y.data());
+    std::vector<Eigen::Vector2f> out;
+    for (size_t i = begin; i < end; ++i) out.emplace_back(next_x[i], next_y[i]);
+    return out;
+  }
+};
+
+float uniform(uint64_t seed, uint64_t id, double low, double high) {
+  return static_cast<float>(random_uniform({seed, id, 0, Purpose::kBoxWorld}, low, high));
+}
+
+Eigen::Vector2f polar(float length, float angle_rad) {
+  const FloatSinCos turn = float_sin_cos(angle_rad);
+  return {length * turn.cos, length * turn.sin};
+}
+
+Moment random_moment(uint64_t seed) {
+  Moment moment;
+  const auto count = static_cast<size_t>(uniform(seed, 0, 1, 25));
+  const double half_m = static_cast<double>(uniform(seed, 1, 0.4, 5));
+  for (uint64_t i = 0; i < count; ++i) {
+    const uint64_t id = 10 + 8 * i;
+    Someone each;
+    each.at_m = {uniform(seed, id, -half_m, half_m), uniform(seed, id + 1, -half_m, half_m)};
+    each.velocity_mps = polar(uniform(seed, id + 2, 0, 1.5), uniform(seed, id + 3, -3.14, 3.14));
+    each.wanted_mps = polar(uniform(seed, id + 4, 0, 1) < 0.2f ? 0 : kFree_mps,
+                            uniform(seed, id + 5, -3.14, 3.14));
+    // Some stand in one place.
+    if (i > 0 && uniform(seed, id + 6, 0, 1) < 0.05f) each.at_m = moment.people.back().at_m;
+    moment.people.push_back(each);
+  }
+  const auto walls = static_cast<size_t>(uniform(seed, 2, 0, 4));
+  for (uint64_t i = 0; i < walls; ++i)
+    moment.walls.push_back(
+        {polar(1, uniform(seed, 500 + i, -3.14, 3.14)), uniform(seed, 600 + i, -0.1, 1)});
+  return moment;
+}
+
+TEST(Heuristic, SomebodyAloneWalksOnAtTheFreeSpeed) {
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    const Eigen::Vector2f wanted = polar(kFree_mps, uniform(seed, 0, -3.14, 3.14));
+    const Moment moment{{{{0, 0}, wanted, wanted}}, {}};
+    EXPECT_LE((moment.decide().front() - wanted).norm(), 1e-5f) << "seed " << seed;
+  }
+}
+
+TEST(Heuristic, SomebodyWhoWantsNowhereAndIsAloneStaysOrStops) {
+  const Moment stands{{{{0, 0}, {0, 0}, {0, 0}}}, {}};
+  EXPECT_EQ(stands.decide().front().norm(), 0);
+  Eigen::Vector2f velocity(1, 0);
+  for (int i = 0; i < 30; ++i) velocity = Moment{{{{0, 0}, velocity, {0, 0}}}, {}}.decide().front();
+  EXPECT_LE(velocity.norm(), 1e-3f);
+}
+
+TEST(Heuristic, NoVelocityIsTooFastTooSuddenOrInAWall) {
+  for (uint64_t seed = 1; seed <= 3000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const Moment moment = random_moment(seed);
+    const Eigen::Vector2f v = moment.decide().front();
+    ASSERT_TRUE(v.allFinite());
+    EXPECT_LE(v.norm(), 1.2f * kFree_mps + 1e-4f);
+    constexpr float kMost_mps2 = 4;
+    if (moment.walls.empty() && moment.people.front().velocity_mps.norm() <= 1.2f * kFree_mps) {
+      EXPECT_LE((v - moment.people.front().velocity_mps).norm(), kMost_mps2 * kPeriod_s + 1e-4f);
+    }
+    // Shoulders turn at a wall: three tenths of the radius.
+    const SteeringView defaults;
+    for (const Wall& wall : moment.walls)
+      EXPECT_GE(v.dot(wall.away),
+                -std::max(0.0f, wall.clearance_m + 0.3f * 0.22f) / defaults.wall_horizon_s - 1e-4f);
+  }
+}
+
+TEST(Heuristic, AChoiceDoesNotDependOnWhoElseIsInTheBlock) {
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    Moment moment = random_moment(seed);
+    moment.walls.clear();
+    const size_t count = moment.people.size();
+    const std::vector<Eigen::Vector2f> all = moment.decide(0, count);
+    for (size_t i = 0; i < count; ++i)
+      EXPECT_EQ(moment.decide(i, i + 1).front(), all[i]) << "seed " << seed << ", person " << i;
+  }
+}
+
+TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
+  for (uint64_t seed = 1; seed <= 500; ++seed) {
+    const Moment moment = random_moment(seed);
+    // By a quarter, which loses no bit.
+    const auto turned = [](const Eigen::Vector2f& v) { return Eigen::Vector2f(-v.y(), v.x()); };
+    Moment quarter = moment;
+    for (Someone& each : quarter.people)
+      each = {turned(each.at_m), turned(each.velocity_mps), turned(each.wanted_mps)};
+    for (Wall& wall : quarter.walls) wall.away = turned(wall.away);
+    bool one_place = false;  // two in one place part along x
+    for (size_t i = 1; i < moment.people.size(); ++i)
+      one_place = one_place || moment.people[i].at_m == moment.people[0].at_m;
+    if (one_place) continue;
+    EXPECT_LE((quarter.decide().front() - turned(moment.decide().front())).norm(), 1e-3f)
+        << "seed " << seed;
+  }
+}
+
+TEST(Heuristic, BehindSomebodyWhoStandsInANarrowWayPeopleStop) {
+  // Walls to both sides, half a metre apart, leave no way past.
+  Eigen::Vector2f at(0, 0), velocity(kFree_mps, 0);
+  const Eigen::Vector2f other(5, 0);
+  for (int i = 0; i < 100; ++i) {
+    const Moment moment{{{at, velocity, {kFree_mps, 0}}, {other, {0, 0}, {0, 0}}},
+                        {{{0, 1}, 0.03f + at.y()}, {{0, -1}, 0.03f - at.y()}}};
+    velocity = moment.decide().front();
+    at += kPeriod_s * velocity;
+  }
+  EXPECT_LE(velocity.norm(), 0.05f);
+  EXPECT_GT(other.x() - at.x(), 0.3f) << "walked into the other";
+  EXPECT_LT(other.x() - at.x(), 0.9f) << "stopped far away";
+}
+
+/// Two who walk from where they are to where the other one was.
+float nearest_m(float lateral_m) {
+  std::vector<Someone> two = {{{0, 0}, {kFree_mps, 0}, {kFree_mps, 0}},
+                              {{10, lateral_m}, {-kFree_mps, 0}, {-kFree_mps, 0}}};
+  float least = 1e9f;
+  for (int i = 0; i < 100; ++i) {
+    const std::vector<Eigen::Vector2f> next = Moment{two, {}}.decide(0, 2);
+    for (size_t k = 0; k < 2; ++k) {
+      two[k].velocity_mps = next[k];
+      two[k].at_m += kPeriod_s * next[k];
+    }
+    least = std::min(least, (two[0].at_m - two[1].at_m).norm());
+  }
+  EXPECT_GT(two[0].at_m.x(), two[1].at_m.x()) << "they never passed, lateral " << lateral_m;
+  return least;
+}
+
+TEST(Heuristic, TwoHeadOnPassAsRecordedPeopleDo) {
+  // Recorded people are 0.4 m abreast when they pass, 1 in 100 nearer.
+  for (int i = -10; i <= 10; ++i)
+    EXPECT_GE(nearest_m(0.06f * static_cast<float>(i)), 0.4f) << "lateral " << 6 * i << " cm";
+}
+
+}  // namespace
+
+namespace validation {
+namespace {
+
+TEST(HeuristicCrowd, FastPeopleOvertakeSlowOnes) {
+  for (uint64_t seed = 11; seed <= 12; ++seed) {
+    Outcome outcome;
+    EXPECT_TRUE(judge_overtaking(overtake(20, SteeringKind::kHeuristic, seed, outcome)).passed)
+        << "seed " << seed;
+  }
+}
+
+TEST(HeuristicCrowd, TwoWaysInOneCorridorFormLanesAndFlow) {
+  Outcome outcome;
+  const std::vector<double> flows = walk_two_ways(2, SteeringKind::kHeuristic, 3, outcome);
+  for (const double flow : flows) EXPECT_GE(flow, 0.8) << "seed 3";
+  EXPECT_EQ(outcome.wall_crossings, 0);
+}
+
+TEST(HeuristicCrowd, AWiderDoorLetsMorePeopleThrough) {
+  Outcome outcome;
+  double before = 0;
+  for (const double width_m : {0.6, 1.2, 2.2}) {
+    const DoorFlow flow = pass_a_door(width_m, 90, SteeringKind::kHeuristic, 2, outcome);
+    EXPECT_GT(flow.flow_per_s, 1.3 * before) << width_m << " m, seed 2";
+    EXPECT_EQ(flow.through, 90) << width_m << " m, seed 2";
+    before = flow.flow_per_s;
+  }
+  EXPECT_EQ(outcome.wall_crossings, 0);
+}
+
+}  // namespace
+}  // namespace validation
+}  // namespace throng
