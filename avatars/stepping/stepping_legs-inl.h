@@ -11,50 +11,7 @@ struct Standing {
   F shift, breath;
 };
 
-THRONG_LANES F inverse_of(F a) { return 1.0f / a; }
 THRONG_LANES F inverse_sqrt_of(F a) { return 1.0f / sqrt_of(a); }
-
-/// float_sin_cos() for |angle| up to a quarter turn.
-THRONG_LANES void sin_cos_of(F angle, F& sin, F& cos) {
-  using K = FloatSinCosConstants;
-  const F z = angle * angle;
-  const F s = ((K::kSin[3] * z + K::kSin[2]) * z + K::kSin[1]) * z + K::kSin[0];
-  const F c = (((K::kCos[4] * z + K::kCos[3]) * z + K::kCos[2]) * z + K::kCos[1]) * z + K::kCos[0];
-  sin = angle + (angle * z) * s;
-  cos = 1.0f + z * c;
-}
-
-/// A direction whose angle is asked for.
-struct Way {
-  F y, x;
-};
-
-/// The angles of some (x, y), each off by less than 2e-6; 0 for (0, 0). None is longer than 1 or
-/// much shorter, so that one division does for all. Minimax for the arc tangent on [0, 1].
-template <size_t kCount>
-THRONG_LANES void angles_of(const Way (&ways)[kCount], F (&angles)[kCount]) {
-  F longer[kCount], product[kCount];
-  for (size_t i = 0; i < kCount; ++i) {
-    longer[i] = max_of(max_of(abs_of(ways[i].x), abs_of(ways[i].y)), 1e-5f);
-    product[i] = i == 0 ? longer[0] : product[i - 1] * longer[i];
-  }
-  F rest = inverse_of(product[kCount - 1]);  // of those not done yet
-  for (size_t i = kCount; i-- > 0;) {
-    const F inverse = i == 0 ? rest : rest * product[i - 1];
-    rest = rest * longer[i];
-    const F ax = abs_of(ways[i].x), ay = abs_of(ways[i].y);
-    const F t = min_of(ax, ay) * inverse;
-    const F s = t * t;
-    F angle = -0.01172120f * s + 0.05265332f;
-    angle = angle * s + -0.11643287f;
-    angle = angle * s + 0.19354346f;
-    angle = angle * s + -0.33262347f;
-    angle = (angle * s + 0.99997726f) * t;
-    angle = select(ay > ax, 1.57079633f - angle, angle);
-    angle = select(ways[i].x < 0.0f, 3.14159265f - angle, angle);
-    angles[i] = select(ways[i].y < 0.0f, 0.0f - angle, angle);
-  }
-}
 
 /// The direction with this sine, clamped to [-1, 1], and a cosine of at least 0.
 THRONG_LANES Way way_of_sine(F sine) {

@@ -13,8 +13,11 @@ namespace one_lane {
 namespace {
 
 #define THRONG_LANES inline
+// Each shares what the ones before it can do.
+#include "base/simd/angles-inl.h"
+//
 #include "avatars/stepping/stepping_legs-inl.h"
-// Feet after legs: they share what lanes can do.
+//
 #include "avatars/stepping/stepping_feet-inl.h"
 
 }  // namespace

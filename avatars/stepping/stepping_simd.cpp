@@ -23,8 +23,11 @@ namespace throng::HWY_NAMESPACE {
 namespace register_pairs {
 namespace {
 
+// Each shares what the ones before it can do.
+#include "base/simd/angles-inl.h"
+//
 #include "avatars/stepping/stepping_legs-inl.h"
-// Feet after legs: they share what lanes can do.
+//
 #include "avatars/stepping/stepping_feet-inl.h"
 
 }  // namespace

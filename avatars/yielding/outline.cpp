@@ -150,7 +150,8 @@ void Limbs::add(const Limbs& other) {
   }
 }
 
-Swings::Swings(const std::array<Limbs, kPhases>& boxes) : boxes_(boxes) {
+Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes)
+    : outline_(&outline), boxes_(boxes) {
   for (size_t phase = 0; phase < kPhases; ++phase) {
     boxes_[phase].add(boxes[(phase + 1) % kPhases]);
     boxes_[phase].add(boxes[(phase + kPhases - 1) % kPhases]);
@@ -225,7 +226,7 @@ std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitT
     for (int phase = 0; phase < Swings::kPhases; ++phase)
       boxes[static_cast<size_t>(phase)] =
           boxes_of(row(speed, phase * table.phases / Swings::kPhases), way_axes);
-    outline->swings.emplace_back(boxes);
+    outline->swings.emplace_back(*outline, boxes);
   }
   return outline;
 }

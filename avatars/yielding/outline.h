@@ -33,7 +33,7 @@ class Reaches {
   static constexpr int kDirections = 48;
   static constexpr float kPerRadian = kDirections / 6.2831853f;
   /// So many more than there are: runs of directions need not wrap.
-  static constexpr int kMore = 24;
+  static constexpr int kMore = 36;
 
   void add(double x, double y);
   /// Once everything has been added.
@@ -54,23 +54,13 @@ class Reaches {
 };
 
 /// How far an arm below its elbow, or a thigh, reaches in eight directions, seen from above: ahead
-/// first, counter-clockwise.
+/// first, counter-clockwise. In between, as far as the corner of its two neighbours.
 struct Octagon {
   std::array<float, 8> reaches_m;
 
   Octagon() { reaches_m.fill(-1e9f); }
   void add(double x, double y);
   void add(const Octagon& other);
-  float across_m(float y) const { return reaches_m[y > 0 ? 2 : 6]; }
-  /// In the direction of a unit vector.
-  float reach_m(float x, float y) const {
-    const float ahead = std::abs(x), aside = std::abs(y);
-    const size_t oblique = x > 0 ? (y > 0 ? 1 : 7) : (y > 0 ? 3 : 5);
-    constexpr float kDiagonal = 1.41421356f;
-    const float nearest_m = ahead > aside ? reaches_m[x > 0 ? 0 : 4] : across_m(y);
-    return std::abs(ahead - aside) * nearest_m +
-           kDiagonal * std::min(ahead, aside) * reaches_m[oblique];
-  }
 };
 
 /// Right and left.
@@ -80,21 +70,27 @@ struct Limbs {
   void add(const Limbs& other);
 };
 
+struct Outline;
+
 /// How limbs swing at one speed.
 class Swings {
  public:
   static constexpr int kPhases = 16;
 
-  explicit Swings(const std::array<Limbs, kPhases>& boxes);
-  /// Within a sixteenth of a cycle; phases may lie beyond one.
-  const Limbs& at(float phase) const {
-    const float after_half = phase * kPhases + 0.5f;  // rounds faster than lround()
-    return boxes_[static_cast<unsigned>(static_cast<int>(after_half)) % kPhases];
+  /// Keeps a pointer to the outline that it is of.
+  Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes);
+  const Outline& outline() const { return *outline_; }
+  /// Within a sixteenth of a cycle, counted in these; they may lie beyond one.
+  const Limbs& at(int sixteenth) const {
+    return boxes_[static_cast<unsigned>(sixteenth) % kPhases];
   }
+  /// The nearest of a phase from 0.
+  static int sixteenth_of(float phase) { return static_cast<int>(phase * kPhases + 0.5f); }
   /// Over a cycle.
   const Limbs& ever() const { return ever_; }
 
  private:
+  const Outline* outline_;
   std::array<Limbs, kPhases> boxes_;
   Limbs ever_;
 };

@@ -6,10 +6,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "avatars/yielding/outline.h"
+#include "base/simd.h"
 
 namespace throng {
 
@@ -49,31 +51,22 @@ struct YieldMotion {
 /// Of a turn of the trunk the hips take so much; the waist does the rest.
 inline constexpr float kHipsShare = 0.25f;
 
-/// A body that makes room, as it is now.
-struct Yielder {
-  const Outline* outline = nullptr;
-  const Swings* swung = nullptr;  ///< of the outline, at the speed it walks at
+/// A body as others see it, and as it sees itself: metres from any point and along any axes that
+/// all share.
+struct alignas(64) SeenBody {
+  float x_m = 0, y_m = 0;  ///< of the axis that the trunk turns about
+  float vx_mps = 0, vy_mps = 0;
+  float cos = 1, sin = 0, heading_rad = 0;  ///< of its way
+  float phase = 0, cycles_ps = 0;           ///< where in its cycle it is; cycles a second
+  float turn_rad = 0;                       ///< of the trunk, from the way; below a quarter turn
+  std::array<float, 2> arms{};              ///< share of being drawn in: right, left
   float scale = 1;
-  YieldMotion motion{};
+  float disc_m = 0;               ///< radius of a disc, which does not give way
+  const Swings* swung = nullptr;  ///< of its outline, at the speed it walks at; null: a disc
 };
+static_assert(sizeof(SeenBody) == 64);  // one cache line
 
-/// Where in its cycle somebody is, and how many cycles pass a second.
-struct Rhythm {
-  float phase = 0, cycles_ps = 0;
-};
-
-/// Something near, as a body sees it: metres and radians, x is the way of that body.
-struct NearBody {
-  float x_m, y_m;
-  float vx_mps, vy_mps;  ///< relative to the body that looks
-  float heading_rad;     ///< of its way, relative, too
-  float heading_cos, heading_sin;
-  const Yielder* yielder;  ///< null: it does not give way and is a disc
-  float radius_m;          ///< of the disc
-  Rhythm rhythm;
-};
-
-/// A wall in the direction (x, y), seen likewise.
+/// A wall in the direction (x, y) from a body: x is its way.
 struct NearWall {
   float x, y;
   float distance_m;  ///< of the root
@@ -85,19 +78,12 @@ inline constexpr float kYieldReach_m = 0.95f;
 /// How far ahead in time bodies look.
 inline constexpr float kYieldAhead_s = 0.9f;
 
-/// Whether what is there and goes so, relative to a body, may have to be given way to.
-inline bool comes_near(float x_m, float y_m, float vx_mps, float vy_mps) {
-  constexpr float kReach_m = 1.001f * kYieldReach_m;  // it is decided in the body's own axes
-  const float square = x_m * x_m + y_m * y_m, along = -(x_m * vx_mps + y_m * vy_mps);
-  if (square <= kReach_m * kReach_m) return true;
-  // Its way's nearest point; further than kYieldAhead_s ahead it is farther yet.
-  const float speed_square = vx_mps * vx_mps + vy_mps * vy_mps;
-  return along > 0 && square * speed_square - along * along <= kReach_m * kReach_m * speed_square;
-}
+/// Nobody looks at more people, or at more walls.
+inline constexpr size_t kMostNear = 16, kMostNearWalls = 4;
 
-/// How far a body should give way; speeds are 0.
-YieldMotion wanted_yield(const Yielder& own, const Rhythm& rhythm, std::span<const NearBody> near,
-                         std::span<const NearWall> walls);
+/// How far a body that is no disc should give way; speeds are 0.
+YieldMotion wanted_yield(const SeenBody& own, std::span<const SeenBody* const> near,
+                         std::span<const NearWall> walls, SimdTarget target);
 
 /// A step towards it, within the speeds and accelerations of yield_limits.
 void follow(const YieldMotion& wanted, float step_s, YieldMotion& motion);

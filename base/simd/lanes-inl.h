@@ -37,13 +37,14 @@ HWY_INLINE U counting_from(uint32_t first) {
 }
 
 /// Transposes the 4 x 4 matrices in each group of four lanes.
-HWY_INLINE void transpose4(const V (&in)[4], V (&out)[4]) {
-  const Lanes d;
-  const hn::RepartitionToWide<Lanes> wide;
-  const auto pair = [&](V v) { return hn::BitCast(wide, v); };
-  const V low01 = hn::InterleaveLower(d, in[0], in[1]),
+template <class W>
+HWY_INLINE void transpose4(const W (&in)[4], W (&out)[4]) {
+  const hn::DFromV<W> d;
+  const hn::RepartitionToWide<hn::DFromV<W>> wide;
+  const auto pair = [&](W v) { return hn::BitCast(wide, v); };
+  const W low01 = hn::InterleaveLower(d, in[0], in[1]),
           high01 = hn::InterleaveUpper(d, in[0], in[1]);
-  const V low23 = hn::InterleaveLower(d, in[2], in[3]),
+  const W low23 = hn::InterleaveLower(d, in[2], in[3]),
           high23 = hn::InterleaveUpper(d, in[2], in[3]);
   out[0] = hn::BitCast(d, hn::InterleaveLower(wide, pair(low01), pair(low23)));
   out[1] = hn::BitCast(d, hn::InterleaveUpper(wide, pair(low01), pair(low23)));
@@ -74,10 +75,10 @@ HWY_INLINE void store_quads(D d, hn::Vec<D> v, const Row& row, size_t first) {
 }
 
 /// Rows of four floats, one a lane: out[c] gets component c of every lane's row.
-template <typename Row>
-HWY_INLINE void load_rows(const Row& row, V (&out)[4]) {
-  V rows[4];
-  for (size_t i = 0; i < 4; ++i) rows[i] = load_quads(Lanes(), row, i);
+template <typename Row, class W>
+HWY_INLINE void load_rows(const Row& row, W (&out)[4]) {
+  W rows[4];
+  for (size_t i = 0; i < 4; ++i) rows[i] = load_quads(hn::DFromV<W>(), row, i);
   transpose4(rows, out);
 }
 template <typename Row>

@@ -55,9 +55,9 @@ YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const Bod
       grid_(scene.ground, avatars, simd),
       blocks_(blocks_of({bodies.types.data(), avatars})),
       seen_(avatars),
+      landings_m_(avatars),
       last_m_(avatars, Eigen::Vector2d::Zero()),
       was_there_(avatars),
-      yielders_(avatars),
       motions_(avatars),
       wanted_(avatars),
       footings_(avatars),
@@ -90,7 +90,7 @@ void YieldingStage::archive(Archive& a, BodyStates& bodies) {
     for (auto& value : values) a(value);
   };
   for (size_t i = 0; i < seen_.size(); ++i) {
-    Seen& seen = seen_[i];
+    SeenBody& seen = seen_[i];
     a(last_m_[i], seen.vx_mps, seen.vy_mps, seen.phase, seen.cycles_ps);
     motion(motions_[i]);
     motion(wanted_[i]);
@@ -113,7 +113,7 @@ void YieldingStage::check_read(Archive& a, const BodyStates& bodies) const {
     if (state > kThere) a.refuse("a person who is away, fresh or there", std::to_string(state));
   for (size_t i = 0; i < seen_.size(); ++i) {
     const Around& around = around_[i];
-    if (around.people_count > NeighbourGrid::kMost || around.wall_count > kMostWalls)
+    if (around.people_count > NeighbourGrid::kMost || around.wall_count > kMostNearWalls)
       a.refuse("few near a person", std::to_string(around.people_count));
     for (const uint32_t other : around.near())
       if (other >= seen_.size()) a.refuse("an avatar near a person", std::to_string(other));
@@ -148,7 +148,7 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
     const Eigen::Vector2d at = root.position_m.head<2>();
     const Eigen::Vector2d way = at - last_m_[id];
     last_m_[id] = at;
-    Seen& seen = seen_[id];
+    SeenBody& seen = seen_[id];
     // The trunk's place, which sways; its way is the root's, which does not.
     seen.x_m = static_cast<float>(at.x() - middle_m_.x()) - aside_m * sin;
     seen.y_m = static_cast<float>(at.y() - middle_m_.y()) + aside_m * cos;
@@ -156,16 +156,19 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
     const FloatSinCos way_turn = float_sin_cos(seen.heading_rad);
     seen.cos = way_turn.cos;
     seen.sin = way_turn.sin;
-    seen.landing_m = bodies.yields[id].landing_m;
+    landings_m_[id] = bodies.yields[id].landing_m;
     const float phase = bodies.phases[id];
     const float cycles = phase - seen.phase;
     seen.phase = phase;
-    Yielder& yielder = yielders_[id];
-    yielder.outline = is_held(bodies, id) ? nullptr : posing_.gait_of(id).outline();
-    yielder.scale = bodies.scales[id];
-    yielder.motion = motions_[id];
-    if (yielder.outline != nullptr)
-      yielder.swung = &yielder.outline->swung_at(bodies.gait_mps[id], yielder.scale);
+    seen.turn_rad = motions_[id].turn_rad;
+    seen.arms = motions_[id].arms;
+    seen.scale = bodies.scales[id];
+    const Outline* outline = is_held(bodies, id) ? nullptr : posing_.gait_of(id).outline();
+    seen.swung = outline == nullptr ? nullptr : &outline->swung_at(bodies.gait_mps[id], seen.scale);
+    if (outline == nullptr)
+      seen.disc_m = seen.scale * posing_.model(bodies.types[id]).footprint_radius_m();
+    else
+      seen.disc_m = 0;
     if (was_there_[id] == kAway || way.squaredNorm() > kJump_m * kJump_m) {
       seen.vx_mps = seen.vy_mps = seen.cycles_ps = 0;
       was_there_[id] = kFresh;
@@ -201,7 +204,7 @@ void YieldingStage::find_walls(const Eigen::Vector2d& position_m, Around& around
   for (const uint32_t footprint : walkable_.near(position_m)) {
     const Walkable::Nearest nearest = walkable_.nearest(footprint, position_m);
     if (nearest.distance_m > static_cast<double>(kWallReach_m)) continue;
-    if (around.wall_count == kMostWalls) return;
+    if (around.wall_count == kMostNearWalls) return;
     const double offset_m = nearest.normal.dot(position_m - middle_m_) - nearest.distance_m;
     around.walls[around.wall_count++] = {static_cast<float>(nearest.normal.x()),
                                          static_cast<float>(nearest.normal.y()),
@@ -209,45 +212,28 @@ void YieldingStage::find_walls(const Eigen::Vector2d& position_m, Around& around
   }
 }
 
-YieldMotion YieldingStage::wanted_of(uint32_t id, const BodyStates& bodies) const {
-  const Seen& own = seen_[id];
-  std::array<NearBody, NeighbourGrid::kMost> near;
-  std::array<NearWall, kMostWalls> walls;
-  size_t count = 0;
-  for (const uint32_t other : around_[id].near()) {
-    const Seen& seen = seen_[other];
-    const float dx = seen.x_m - own.x_m, dy = seen.y_m - own.y_m;
-    const float vx = seen.vx_mps - own.vx_mps, vy = seen.vy_mps - own.vy_mps;
-    if (!comes_near(dx, dy, vx, vy)) continue;
-    const bool yields = yielders_[other].outline != nullptr;
-    near[count++] = {
-        own.cos * dx + own.sin * dy,
-        own.cos * dy - own.sin * dx,
-        own.cos * vx + own.sin * vy,
-        own.cos * vy - own.sin * vx,
-        seen.heading_rad - own.heading_rad,
-        own.cos * seen.cos + own.sin * seen.sin,
-        own.cos * seen.sin - own.sin * seen.cos,
-        yields ? &yielders_[other] : nullptr,
-        yields ? 0 : bodies.scales[other] * posing_.model(bodies.types[other]).footprint_radius_m(),
-        {seen.phase, seen.cycles_ps}};
-  }
+YieldMotion YieldingStage::wanted_of(uint32_t id) const {
+  const SeenBody& own = seen_[id];
   const Around& around = around_[id];
+  static_assert(NeighbourGrid::kMost <= kMostNear);
+  std::array<const SeenBody*, NeighbourGrid::kMost> near;
+  for (size_t i = 0; i < around.people_count; ++i) near[i] = &seen_[around.people[i]];
+  std::array<NearWall, kMostNearWalls> walls;
   for (size_t i = 0; i < around.wall_count; ++i) {
     const Wall& wall = around.walls[i];
     walls[i] = {-(own.cos * wall.x + own.sin * wall.y), -(own.cos * wall.y - own.sin * wall.x),
                 wall.x * own.x_m + wall.y * own.y_m - wall.offset_m,
                 -(wall.x * own.vx_mps + wall.y * own.vy_mps)};
   }
-  return wanted_yield(yielders_[id], {own.phase, own.cycles_ps}, {near.data(), count},
-                      {walls.data(), around.wall_count});
+  return wanted_yield(own, {near.data(), around.people_count}, {walls.data(), around.wall_count},
+                      simd_);
 }
 
 void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
   YieldMotion& motion = motions_[id];
   const bool is_fresh = was_there_[id] == kFresh;
   was_there_[id] = kThere;
-  if (is_fresh || (steps_ + id) % steps_a_decision_ == 0) wanted_[id] = wanted_of(id, bodies);
+  if (is_fresh || (steps_ + id) % steps_a_decision_ == 0) wanted_[id] = wanted_of(id);
   // A person who has just come in has seen the others before.
   if (is_fresh)
     motion = wanted_[id];
@@ -255,7 +241,7 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
     follow(wanted_[id], step_s_, motion);
   Yield& yield = bodies.yields[id];
   yield.trunk_rad = motion.turn_rad - yield.hips_rad;
-  const Seen& seen = seen_[id];
+  const SeenBody& seen = seen_[id];
   const bool stands = seen.vx_mps * seen.vx_mps + seen.vy_mps * seen.vy_mps < kSlow_mps * kSlow_mps;
   const float most_rad = (stands ? kStandingHips_rps : kHips_rps) * step_s_;
   yield.hips_rad += std::clamp(kHipsShare * motion.turn_rad - yield.hips_rad, -most_rad, most_rad);
@@ -263,7 +249,7 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
 }
 
 Steps YieldingStage::steps_of(uint32_t id, const BodyStates& bodies) const {
-  const Seen& seen = seen_[id];
+  const SeenBody& seen = seen_[id];
   const RootPose& root = bodies.roots[id];
   const float w = root.world_from_root.w(), z = root.world_from_root.z();
   Steps steps;
@@ -278,7 +264,7 @@ Steps YieldingStage::steps_of(uint32_t id, const BodyStates& bodies) const {
   steps.track = gait.track_at(bodies.gait_mps[id], steps.scale);
   steps.cycles_ps = seen.cycles_ps;
   steps.shift_m = {bodies.feet[0][id], bodies.feet[1][id], bodies.feet[3][id], bodies.feet[4][id]};
-  steps.landing_m = seen.landing_m;
+  steps.landing_m = landings_m_[id];
   return steps;
 }
 

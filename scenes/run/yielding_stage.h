@@ -36,24 +36,14 @@ class YieldingStage {
   void archive(Archive& a, BodyStates& bodies);
 
  private:
-  /// Somebody as others see them.
-  struct Seen {
-    float x_m = 0, y_m = 0;  ///< from the middle of the ground
-    float vx_mps = 0, vy_mps = 0;
-    float cos = 1, sin = 0;
-    float heading_rad = 0;
-    float phase = 0, cycles_ps = 0;  ///< of the gait
-    std::array<float, 4> landing_m{};
-  };
   struct Wall {
     float x = 0, y = 0;  ///< away from it
     float offset_m = 0;  ///< of its line, from the middle of the ground
   };
-  static constexpr size_t kMostWalls = 4;
   /// Who and what is near somebody, as of the latest search.
   struct Around {
     std::array<uint32_t, NeighbourGrid::kMost> people{};  ///< the nearest first
-    std::array<Wall, kMostWalls> walls{};
+    std::array<Wall, kMostNearWalls> walls{};
     uint8_t people_count = 0, wall_count = 0;
     std::span<const uint32_t> near() const { return {people.data(), people_count}; }
   };
@@ -68,7 +58,7 @@ class YieldingStage {
   void search(std::span<const uint8_t> present, const BodyStates& bodies);
   void find_walls(const Eigen::Vector2d& position_m, Around& around) const;
   void check_read(Archive& a, const BodyStates& bodies) const;
-  YieldMotion wanted_of(uint32_t id, const BodyStates& bodies) const;
+  YieldMotion wanted_of(uint32_t id) const;
   void give_way(uint32_t id, BodyStates& bodies);
   size_t steps_near(uint32_t id, const BodyStates& bodies, NearSteps& near) const;
   void place_feet(uint32_t id, BodyStates& bodies);
@@ -94,10 +84,10 @@ class YieldingStage {
   Eigen::Vector2d middle_m_;
   NeighbourGrid grid_;
   std::vector<BodyBlock> blocks_;
-  std::vector<Seen> seen_;  ///< by avatar, as all that follows
+  std::vector<SeenBody> seen_;  ///< by avatar, as all that follows; from the middle of the ground
+  std::vector<std::array<float, 4>> landings_m_;  ///< Yield::landing_m of the frame before
   std::vector<Eigen::Vector2d> last_m_;
   std::vector<uint8_t> was_there_;
-  std::vector<Yielder> yielders_;  ///< as they were in the frame before
   std::vector<YieldMotion> motions_, wanted_;
   std::vector<Footing> footings_;  ///< wanted
   std::vector<Around> around_;

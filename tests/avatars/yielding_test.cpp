@@ -21,48 +21,85 @@ const Gait& adult() {
   return gait;
 }
 
-Yielder walker(float speed_mps = 1.3f, float scale = 1) {
-  const Outline& outline = *adult().outline();
-  return {&outline, &outline.swung_at(speed_mps, scale), scale, {}};
+/// Somebody at the middle of all.
+SeenBody walker(float speed_mps = 1.3f, float phase = 0) {
+  SeenBody body;
+  body.swung = &adult().outline()->swung_at(speed_mps, body.scale);
+  body.phase = phase;
+  return body;
 }
 
-/// Somebody at a place, who goes as whoever looks does.
-NearBody beside(float x_m, float y_m, const Yielder& yielder, float heading_rad = 0) {
-  return {x_m,      y_m, 0, 0, heading_rad, std::cos(heading_rad), std::sin(heading_rad),
-          &yielder, 0,   {}};
+/// Somebody else at a place, who goes as whoever is at the middle does.
+SeenBody beside(float x_m, float y_m, float speed_mps = 1.3f, float heading_rad = 0) {
+  SeenBody body = walker(speed_mps);
+  body.x_m = x_m;
+  body.y_m = y_m;
+  body.heading_rad = heading_rad;
+  body.cos = std::cos(heading_rad);
+  body.sin = std::sin(heading_rad);
+  return body;
 }
 
-/// Two who stay so far apart, and their arms where they are, give way until neither changes any
-/// more.
-void settle(Yielder& right, Yielder& left, float apart_m, float heading_rad = 0,
-            const Rhythm& of_right = {}, const Rhythm& of_left = {}) {
-  const float sin = std::sin(heading_rad), cos = std::cos(heading_rad);
+YieldMotion wanted(const SeenBody& own, const std::vector<SeenBody>& near,
+                   const std::vector<NearWall>& walls = {},
+                   SimdTarget target = SimdTarget::kScalar) {
+  std::vector<const SeenBody*> seen;
+  for (const SeenBody& body : near) seen.push_back(&body);
+  return wanted_yield(own, seen, walls, target);
+}
+
+void take(const YieldMotion& motion, SeenBody& body) {
+  body.turn_rad = motion.turn_rad;
+  body.arms = motion.arms;
+}
+
+/// Two who stay where they are, and their arms too, give way until neither changes any more.
+void settle(SeenBody& right, SeenBody& left) {
+  YieldMotion of_right, of_left;
   for (int i = 0; i < 600; ++i) {
-    NearBody from_right = beside(0, apart_m, left, heading_rad);
-    NearBody from_left = beside(-sin * apart_m, -cos * apart_m, right, -heading_rad);
-    from_right.rhythm = of_left;
-    from_left.rhythm = of_right;
-    const YieldMotion a = wanted_yield(right, of_right, {&from_right, 1}, {});
-    const YieldMotion b = wanted_yield(left, of_left, {&from_left, 1}, {});
-    follow(a, 1.0f / 60, right.motion);
-    follow(b, 1.0f / 60, left.motion);
+    const YieldMotion a = wanted(right, {left}), b = wanted(left, {right});
+    follow(a, 1.0f / 60, of_right);
+    follow(b, 1.0f / 60, of_left);
+    take(of_right, right);
+    take(of_left, left);
   }
 }
 
+/// In the direction of a unit vector: by the corners of the octagon nearest to it.
+float reach_m(const Octagon& octagon, float x, float y) {
+  float most = -1e9f;
+  constexpr float kDiagonal = 0.70710678f;
+  const float ways[8][2] = {{1, 0},  {kDiagonal, kDiagonal},   {0, 1},  {-kDiagonal, kDiagonal},
+                            {-1, 0}, {-kDiagonal, -kDiagonal}, {0, -1}, {kDiagonal, -kDiagonal}};
+  for (size_t i = 0; i < 8; ++i) {  // the point that two neighbouring sides share
+    const size_t j = (i + 1) % 8;
+    const float det = ways[i][0] * ways[j][1] - ways[i][1] * ways[j][0];
+    const float a = octagon.reaches_m[i], b = octagon.reaches_m[j];
+    const float corner_x = (a * ways[j][1] - b * ways[i][1]) / det,
+                corner_y = (b * ways[i][0] - a * ways[j][0]) / det;
+    // The direction lies between these two sides.
+    const float from = ways[i][0] * y - ways[i][1] * x, to = x * ways[j][1] - y * ways[j][0];
+    if (from >= -1e-6f && to >= -1e-6f) most = std::max(most, corner_x * x + corner_y * y);
+  }
+  return most;
+}
+
 /// How far a body reaches in a direction with its arms where they are.
-float reach_m(const Yielder& body, const Rhythm& rhythm, float angle_rad) {
+float reach_m(const SeenBody& body, float angle_rad) {
   constexpr float kAround = Reaches::kDirections;
-  const float angle = angle_rad - body.motion.turn_rad, direction = angle * Reaches::kPerRadian;
-  float reach = body.outline->upper.at(direction - kAround * std::floor(direction / kAround));
+  const Outline& outline = body.swung->outline();
+  const float angle = angle_rad - body.turn_rad, direction = angle * Reaches::kPerRadian;
+  float reach = outline.upper.at(direction - kAround * std::floor(direction / kAround));
   for (size_t side = 0; side < 2; ++side) {
-    const DrawnArm drawn(body.motion.arms[side]);
-    const Octagon &swung = body.swung->at(rhythm.phase).arms[side],
-                  &hangs = body.outline->drawn[side];
+    const DrawnArm drawn(body.arms[side]);
+    const Octagon &swung = body.swung->at(Swings::sixteenth_of(body.phase)).arms[side],
+                  &hangs = outline.drawn[side];
     const float x = std::cos(angle), y = std::sin(angle);
-    const float tucked_m =
-        swung.reach_m(x, y) - std::abs(y) * drawn.tucked * (swung.across_m(y) - hangs.across_m(y));
-    const float all_m = swung.reach_m(x, y) - std::abs(y) * (swung.across_m(y) - hangs.across_m(y));
-    reach = std::max(reach, tucked_m + drawn.stilled * (hangs.reach_m(x, y) - all_m));
+    const size_t across = y > 0 ? 2 : 6;
+    const float tucking_m = std::abs(y) * (swung.reaches_m[across] - hangs.reaches_m[across]);
+    const float all_m = reach_m(swung, x, y) - tucking_m;
+    const float tucked_m = reach_m(swung, x, y) - drawn.tucked * tucking_m;
+    reach = std::max(reach, tucked_m + drawn.stilled * (reach_m(hangs, x, y) - all_m));
   }
   return body.scale * reach;
 }
@@ -70,38 +107,36 @@ float reach_m(const Yielder& body, const Rhythm& rhythm, float angle_rad) {
 TEST(Yielding, TheAdultCan) { ASSERT_NE(adult().outline(), nullptr); }
 
 TEST(Yielding, WhoIsAloneOrFarFromOthersDoesNothing) {
-  const Yielder own = walker(), other = walker();
-  EXPECT_FALSE(wanted_yield(own, {}, {}, {}).is_near);
+  const SeenBody own = walker();
+  EXPECT_FALSE(wanted(own, {}).is_near);
   std::mt19937 random(1);
   std::uniform_real_distribution<float> angle(-kHalfTurn, kHalfTurn), far(kYieldReach_m + 0.01f, 9);
   for (int i = 0; i < 1000; ++i) {
     const float a = angle(random), d = far(random);
-    const NearBody near = beside(d * std::cos(a), d * std::sin(a), other, angle(random));
-    const YieldMotion wanted = wanted_yield(own, {}, {&near, 1}, {});
-    EXPECT_EQ(wanted.turn_rad, 0);
-    EXPECT_EQ(wanted.arms[0] + wanted.arms[1], 0);
+    const YieldMotion motion =
+        wanted(own, {beside(d * std::cos(a), d * std::sin(a), 1.3f, angle(random))});
+    EXPECT_EQ(motion.turn_rad, 0);
+    EXPECT_EQ(motion.arms[0] + motion.arms[1], 0);
   }
 }
 
 TEST(Yielding, WhoGoesAwayIsNotGivenWayTo) {
-  const Yielder own = walker(), other = walker();
-  NearBody near = beside(0.96f, 0, other);
+  SeenBody near = beside(0.96f, 0);
   near.vx_mps = 0.5f;
-  EXPECT_FALSE(wanted_yield(own, {}, {&near, 1}, {}).is_near);
+  EXPECT_FALSE(wanted(walker(), {near}).is_near);
   near.vx_mps = -0.5f;
-  EXPECT_TRUE(wanted_yield(own, {}, {&near, 1}, {}).is_near);
+  EXPECT_TRUE(wanted(walker(), {near}).is_near);
 }
 
 TEST(Yielding, TwoAbreastGiveWayUntilTheyFit) {
   for (int step = 0; step < 12; ++step)
     for (int i = 0; i < 16; ++i) {
       const float apart_m = 0.6f - 0.02f * static_cast<float>(step);
-      const Rhythm of_right = {static_cast<float>(i) / 16, 0}, of_left = {0.3f, 0};
-      Yielder right = walker(), left = walker();
-      settle(right, left, apart_m, 0, of_right, of_left);
-      EXPECT_LT(
-          reach_m(right, of_right, 0.5f * kHalfTurn) + reach_m(left, of_left, -0.5f * kHalfTurn),
-          apart_m + 0.01f)
+      SeenBody right = walker(1.3f, static_cast<float>(i) / 16), left = beside(0, apart_m);
+      left.phase = 0.3f;
+      settle(right, left);
+      EXPECT_LT(reach_m(right, 0.5f * kHalfTurn) + reach_m(left, -0.5f * kHalfTurn),
+                apart_m + 0.01f)
           << apart_m << " " << i;
     }
 }
@@ -109,10 +144,9 @@ TEST(Yielding, TwoAbreastGiveWayUntilTheyFit) {
 TEST(Yielding, WhoHasMoreRoomTurnsLess) {
   float before_rad = 2;
   for (const float apart_m : {0.38f, 0.42f, 0.46f, 0.5f, 0.54f, 0.62f}) {
-    Yielder right = walker(), left = walker();
-    settle(right, left, apart_m);
-    const float most_rad =
-        std::max(std::abs(right.motion.turn_rad), std::abs(left.motion.turn_rad));
+    SeenBody right = walker(), left = beside(0, apart_m);
+    settle(right, left);
+    const float most_rad = std::max(std::abs(right.turn_rad), std::abs(left.turn_rad));
     EXPECT_LE(most_rad, before_rad + 0.05f) << apart_m;
     before_rad = most_rad;
   }
@@ -120,45 +154,39 @@ TEST(Yielding, WhoHasMoreRoomTurnsLess) {
 }
 
 TEST(Yielding, OfAWallTheArmBesideItIsDrawnIn) {
-  const Yielder own = walker();
-  const NearWall wall = {0, 1, 0.3f, 0};  // to the left
-  const YieldMotion wanted = wanted_yield(own, {}, {}, {&wall, 1});
-  EXPECT_GT(wanted.arms[1], 0.1f * DrawnArm::kTucked);
-  EXPECT_EQ(wanted.arms[0], 0);
+  const YieldMotion motion = wanted(walker(), {}, {{0, 1, 0.3f, 0}});  // to the left
+  EXPECT_GT(motion.arms[1], 0.1f * DrawnArm::kTucked);
+  EXPECT_EQ(motion.arms[0], 0);
 }
 
 TEST(Yielding, AnArmThatSwingsToAndFroIsOnlyTuckedForWhatIsBeside) {
-  const Yielder own = walker(), other = walker();
   for (int i = 0; i < 16; ++i) {
-    const NearBody near = beside(0, 0.58f, other);
-    const YieldMotion wanted = wanted_yield(own, {static_cast<float>(i) / 16, 0}, {&near, 1}, {});
-    EXPECT_GT(wanted.arms[1], 0) << i;
-    EXPECT_LE(wanted.arms[1], DrawnArm::kTucked + 1e-6f) << i;
-    EXPECT_EQ(DrawnArm(wanted.arms[1]).stilled, 0) << i;
+    const YieldMotion motion = wanted(walker(1.3f, static_cast<float>(i) / 16), {beside(0, 0.58f)});
+    EXPECT_GT(motion.arms[1], 0) << i;
+    EXPECT_LE(motion.arms[1], DrawnArm::kTucked + 1e-6f) << i;
+    EXPECT_EQ(DrawnArm(motion.arms[1]).stilled, 0) << i;
   }
 }
 
 TEST(Yielding, AnArmIsDrawnInForWhatItsSwingMeetsAndOnlyThen) {
   // Somebody stands ahead to the left: the left arm is ahead at the right foot's strike, phase 0,
   // and behind half a cycle later.
-  const Yielder own = walker(1.5f), other = walker(0);
-  NearBody near = beside(0.6f, 0.3f, other);
-  EXPECT_GT(wanted_yield(own, {0, 0}, {&near, 1}, {}).arms[1], DrawnArm::kTucked);
-  EXPECT_EQ(wanted_yield(own, {0.5f, 0}, {&near, 1}, {}).arms[1], 0);
+  const SeenBody near = beside(0.6f, 0.3f, 0);
+  EXPECT_GT(wanted(walker(1.5f, 0), {near}).arms[1], DrawnArm::kTucked);
+  EXPECT_EQ(wanted(walker(1.5f, 0.5f), {near}).arms[1], 0);
   // What counts is where the arm will be when they are nearest, in 0.4 s.
-  NearBody crossing = beside(0.6f, 0.7f, other);
+  SeenBody crossing = beside(0.6f, 0.7f, 0);
   crossing.vy_mps = -1.75f;
   const float until = 0.4f * 0.9f;
-  EXPECT_GT(wanted_yield(own, {1 - until, 0.9f}, {&crossing, 1}, {}).arms[1],
-            wanted_yield(own, {0.5f - until, 0.9f}, {&crossing, 1}, {}).arms[1] + 0.2f);
+  SeenBody early = walker(1.5f, 1 - until), late = walker(1.5f, 0.5f - until);
+  early.cycles_ps = late.cycles_ps = 0.9f;
+  EXPECT_GT(wanted(early, {crossing}).arms[1], wanted(late, {crossing}).arms[1] + 0.2f);
 }
 
 TEST(Yielding, AnArmIsNotLetOutOnlyToBeDrawnInByTheSameSwing) {
-  Yielder own = walker(1.5f);
-  const Yielder other = walker(0);
-  const NearBody near = beside(0.6f, 0.3f, other);
-  own.motion.arms[1] = 0.9f;
-  EXPECT_GT(wanted_yield(own, {0.5f, 0}, {&near, 1}, {}).arms[1], 0.3f);
+  SeenBody own = walker(1.5f, 0.5f);
+  own.arms[1] = 0.9f;
+  EXPECT_GT(wanted(own, {beside(0.6f, 0.3f, 0)}).arms[1], 0.3f);
 }
 
 TEST(Yielding, TuckingAndStillingGoFromNothingToAll) {
@@ -197,18 +225,83 @@ TEST(Yielding, WhatIsNotNeededAnyMoreIsGivenBack) {
 TEST(Yielding, WhatIsWantedIsTheSameForTheMirroredScene) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> angle(-kHalfTurn, kHalfTurn), apart(0.45f, 0.9f);
-  const Yielder own = walker(), other = walker();
   for (int i = 0; i < 300; ++i) {
     const float a = angle(random), d = apart(random), heading = angle(random);
-    const NearBody near = beside(d * std::cos(a), d * std::sin(a), other, heading);
-    NearBody mirrored = beside(d * std::cos(a), -d * std::sin(a), other, -heading);
-    mirrored.rhythm.phase = 0.5f;  // the other foot's turn
-    const YieldMotion one = wanted_yield(own, {}, {&near, 1}, {});
-    const YieldMotion two = wanted_yield(own, {0.5f, 0}, {&mirrored, 1}, {});
+    const SeenBody near = beside(d * std::cos(a), d * std::sin(a), 1.3f, heading);
+    SeenBody mirrored = beside(d * std::cos(a), -d * std::sin(a), 1.3f, -heading);
+    mirrored.phase = 0.5f;  // the other foot's turn
+    const YieldMotion one = wanted(walker(), {near});
+    const YieldMotion two = wanted(walker(1.3f, 0.5f), {mirrored});
     // The two arms of the adult are mirrored to a millimetre; which way to turn may be a draw.
     EXPECT_NEAR(std::abs(one.turn_rad), std::abs(two.turn_rad), 0.15f) << i;
     EXPECT_NEAR(one.arms[0] + one.arms[1], two.arms[0] + two.arms[1], 0.35f) << i;
   }
+}
+
+TEST(Yielding, WhatIsWantedIsTheSameByEveryTargetWhicheverWayAllAreTurned) {
+  std::mt19937 random(11);
+  const auto in = [&](float low, float high) {
+    return std::uniform_real_distribution<float>(low, high)(random);
+  };
+  int near_count = 0, turned = 0, drawn = 0;
+  for (int seed = 0; seed < 2000; ++seed) {
+    const auto anybody = [&](float x_m, float y_m) {
+      SeenBody body = beside(x_m, y_m, in(0, 1.8f), in(-kHalfTurn, kHalfTurn));
+      body.vx_mps = in(-1.5f, 1.5f);
+      body.vy_mps = in(-1.5f, 1.5f);
+      body.phase = in(0, 1);
+      body.cycles_ps = in(0, 1.1f);
+      body.turn_rad = in(-1, 1);
+      body.arms = {in(-1, 1), in(0, 1)};
+      body.arms[0] = std::max(body.arms[0], 0.0f);
+      body.scale = in(0.8f, 1.1f);
+      if (in(0, 1) < 0.1f) {
+        body.disc_m = 0.2f;
+        body.swung = nullptr;
+      }
+      return body;
+    };
+    SeenBody own = anybody(in(-50, 50), in(-50, 50));
+    own.swung = walker(in(0, 1.8f)).swung;
+    own.disc_m = 0;
+    std::vector<SeenBody> near;
+    for (int i = static_cast<int>(in(0, kMostNear + 0.99f)); i > 0; --i)
+      near.push_back(anybody(own.x_m + in(-1.2f, 1.2f), own.y_m + in(-1.2f, 1.2f)));
+    std::vector<NearWall> walls;
+    for (int i = static_cast<int>(in(-3, kMostNearWalls + 0.99f)); i > 0; --i) {
+      const float way = in(-kHalfTurn, kHalfTurn);
+      walls.push_back({std::cos(way), std::sin(way), in(0.1f, 0.9f), in(-1, 1)});
+    }
+    const YieldMotion first = wanted(own, near, walls);
+    near_count += first.is_near;
+    turned += std::abs(first.turn_rad) > 0.1f;
+    drawn += first.arms[0] > 0.1f;
+    for (const SimdTarget target : simd_targets_of_this_machine()) {
+      const YieldMotion found = wanted(own, near, walls, target);
+      ASSERT_EQ(found.turn_rad, first.turn_rad) << seed;
+      ASSERT_EQ(found.arms, first.arms) << seed;
+      ASSERT_EQ(found.is_near, first.is_near) << seed;
+    }
+    if (!walls.empty()) continue;  // these are from the body
+    const float turn = in(-kHalfTurn, kHalfTurn), cos = std::cos(turn), sin = std::sin(turn);
+    const auto turn_all = [&](SeenBody& body) {
+      const SeenBody b = body;
+      body.x_m = cos * b.x_m - sin * b.y_m, body.y_m = cos * b.y_m + sin * b.x_m;
+      body.vx_mps = cos * b.vx_mps - sin * b.vy_mps, body.vy_mps = cos * b.vy_mps + sin * b.vx_mps;
+      body.heading_rad += turn;
+      body.cos = std::cos(body.heading_rad), body.sin = std::sin(body.heading_rad);
+    };
+    turn_all(own);
+    for (SeenBody& body : near) turn_all(body);
+    const YieldMotion again = wanted(own, near, walls);
+    // Which way to turn may be a draw.
+    if (std::abs(again.turn_rad - first.turn_rad) > 0.05f) continue;
+    for (size_t side = 0; side < 2; ++side)
+      ASSERT_NEAR(again.arms[side], first.arms[side], 0.2f) << seed;
+  }
+  EXPECT_GT(near_count, 1500);
+  EXPECT_GT(turned, 500);
+  EXPECT_GT(drawn, 500);
 }
 
 TEST(Yielding, FollowsWithinItsLimitsAndArrives) {
@@ -217,12 +310,12 @@ TEST(Yielding, FollowsWithinItsLimitsAndArrives) {
   for (const float step_s : {1.0f / 100, 1.0f / 60, 1.0f / 25, 1.0f / 16}) {
     YieldMotion motion;
     for (int change = 0; change < 40; ++change) {
-      YieldMotion wanted;
-      wanted.turn_rad = turn(random);
-      wanted.arms = {share(random), share(random)};
+      YieldMotion to;
+      to.turn_rad = turn(random);
+      to.arms = {share(random), share(random)};
       for (int i = 0; i < static_cast<int>(0.4f / step_s); ++i) {
         const YieldMotion before = motion;
-        follow(wanted, step_s, motion);
+        follow(to, step_s, motion);
         ASSERT_LE(std::abs(motion.turn_rps), kYieldLimits.trunk_rps * 1.0001f);
         ASSERT_LE(std::abs(motion.turn_rps - before.turn_rps),
                   kYieldLimits.trunk_rps2 * step_s * 1.0001f);
@@ -236,11 +329,11 @@ TEST(Yielding, FollowsWithinItsLimitsAndArrives) {
         }
       }
     }
-    YieldMotion wanted;
-    wanted.turn_rad = 0.8f;
-    wanted.arms = {1, 0.5f};
-    wanted.is_near = true;
-    for (int i = 0; i < static_cast<int>(4 / step_s); ++i) follow(wanted, step_s, motion);
+    YieldMotion to;
+    to.turn_rad = 0.8f;
+    to.arms = {1, 0.5f};
+    to.is_near = true;
+    for (int i = 0; i < static_cast<int>(4 / step_s); ++i) follow(to, step_s, motion);
     EXPECT_NEAR(motion.turn_rad, 0.8f, 0.02f) << step_s;
     EXPECT_NEAR(motion.arms[0], 1, 0.02f) << step_s;
   }

@@ -1,0 +1,388 @@
+// What a body wants to do about those near it, a border or a turn of the trunk a lane.
+// Included inside the namespace of the lanes F, after base/simd/angles-inl.h.
+
+// The trunk's turns that are compared: as many to either side, a direction of Reaches apart.
+inline constexpr int kTurnsAside = 9;
+inline constexpr size_t kTurns = 2 * kTurnsAside + 1;
+inline constexpr float kTurn_rad = 1 / Reaches::kPerRadian;
+// Bodies sway and lean: they stay clear of their border by so much; arms, which are where they will
+// be within a sixteenth of a cycle, by more.
+inline constexpr float kMargin_m = 0.03f, kArmMargin_m = 0.05f;
+// What is needed so soon is needed now; what is needed later than kYieldAhead_s is not yet.
+inline constexpr float kSoon_s = 0.45f;
+// Half a metre of turned trunk is worth a tenth of a millimetre of room squared ...
+inline constexpr float kEffort = 1e-4f;
+// ... and turning the other way round is worth five centimetres.
+inline constexpr float kTurnBack = 2.5e-3f;
+inline constexpr float kTurned_rad = 0.1f;
+// An arm stays drawn in by so much of what its swing would lack at the worst time of a cycle.
+inline constexpr float kHeld = 0.7f;
+
+/// So much room in a direction, of which so much counts: a number of each border, and as many more
+/// as a register has.
+inline constexpr size_t kMostBorders = 3 * kMostNear + 2 * kMostNearWalls;
+using BorderNumbers = float[kMostBorders + kAtOnce];
+struct Borders {
+  alignas(64) BorderNumbers x, y;  ///< first where the other will be, then the direction
+  alignas(64) BorderNumbers direction;
+  alignas(64) BorderNumbers trunk_room_m, arm_room_m;  ///< at scale 1
+  alignas(64) BorderNumbers weight;
+  alignas(64) BorderNumbers ahead_s;
+  const SeenBody* other[kMostBorders + kAtOnce];
+  const Limbs* own[kMostBorders + kAtOnce];  ///< as they will swing then
+  size_t count = 0, with_people = 0;
+
+  THRONG_LANES void copy(size_t from, size_t to) {
+    for (float* numbers : {x, y, direction, trunk_room_m, arm_room_m, weight, ahead_s})
+      numbers[to] = numbers[from];
+    other[to] = other[from];
+    own[to] = own[from];
+  }
+  /// Lanes beyond the last border get something that counts nothing.
+  THRONG_LANES void fill(size_t last) {
+    for (size_t i = last + 1; i % kAtOnce != 0; ++i) {
+      copy(last, i);
+      weight[i] = 0;
+    }
+  }
+};
+
+/// In turns of Reaches, from 0 to once around.
+THRONG_LANES F direction_of(F angle) {
+  constexpr float kAround = Reaches::kDirections;
+  const F direction = angle * Reaches::kPerRadian;
+  return max_of(direction - kAround * floor_of(direction * (1 / kAround)), 0.0f);
+}
+
+/// Each lane's octagon; of(lane) refers to it.
+template <typename Of>
+THRONG_LANES void load_octagons(const Of& of, F (&reaches)[8]) {
+  F four[4];
+  for (size_t part = 0; part < 2; ++part) {
+    load_rows([&](size_t lane) { return of(lane).reaches_m.data() + 4 * part; }, four);
+    for (size_t i = 0; i < 4; ++i) reaches[4 * part + i] = four[i];
+  }
+}
+THRONG_LANES void set_octagon(const Octagon& octagon, F (&reaches)[8]) {
+  for (size_t i = 0; i < 8; ++i) reaches[i] = octagon.reaches_m[i];
+}
+
+/// How far octagons reach to the side that y is on.
+THRONG_LANES F across_of(const F (&reaches)[8], F y) {
+  return select(y > 0.0f, reaches[2], reaches[6]);
+}
+/// How far they reach in the direction of a unit vector.
+THRONG_LANES F reach_in(const F (&reaches)[8], F x, F y) {
+  constexpr float kDiagonal = 1.41421356f;
+  const F ahead = abs_of(x), aside = abs_of(y);
+  const M is_ahead = x > 0.0f, is_left = y > 0.0f;
+  const F oblique = select(is_ahead, select(is_left, reaches[1], reaches[7]),
+                           select(is_left, reaches[3], reaches[5]));
+  const F nearest =
+      select(ahead > aside, select(is_ahead, reaches[0], reaches[4]), across_of(reaches, y));
+  return abs_of(ahead - aside) * nearest + kDiagonal * min_of(ahead, aside) * oblique;
+}
+
+/// DrawnArm.
+struct Drawn {
+  F tucked, stilled;
+};
+THRONG_LANES Drawn drawn_by(F share) {
+  const F u = max_of(share - DrawnArm::kTucked, 0.0f) * (1 / (1 - DrawnArm::kTucked));
+  return {min_of(share * (1 / DrawnArm::kTucked), 1.0f), u * u * (2.0f - u)};
+}
+/// The least share at which an arm is this still.
+THRONG_LANES F share_of(F stilled) {
+  // The cubic's root: a guess not far above it, and Newton's step.
+  const F guess = sqrt_of(stilled / (2.0f - sqrt_of(stilled)));
+  const F less =
+      (guess * guess * (2.0f - guess) - stilled) / (max_of(guess, 1e-12f) * (4.0f - 3.0f * guess));
+  return DrawnArm::kTucked + (1 - DrawnArm::kTucked) * (guess - less);
+}
+
+/// How far an arm reaches in a direction, and what drawing it in wins.
+struct ArmReach {
+  F swung_m, tucking_m, stilling_m;
+};
+THRONG_LANES ArmReach arm_reach(const F (&swung)[8], const F (&drawn)[8], F x, F y) {
+  const F swung_m = reach_in(swung, x, y);
+  const F tucking_m = abs_of(y) * (across_of(swung, y) - across_of(drawn, y));
+  return {swung_m, tucking_m, swung_m - reach_in(drawn, x, y) - tucking_m};
+}
+
+/// How far bodies reach in a direction: trunk and drawn-in arms, thighs as well, and all as it is
+/// now.
+struct Reach {
+  F trunk_m, firm_m, whole_m;
+};
+struct Stance {
+  F scale, turn, turn_sin, turn_cos;
+  Drawn arms[2];
+};
+THRONG_LANES Stance stance_of(F scale, F turn, F right, F left) {
+  Stance stance = {scale, turn, {}, {}, {drawn_by(right), drawn_by(left)}};
+  sin_cos_of(turn, stance.turn_sin, stance.turn_cos);
+  return stance;
+}
+/// What each lane's body is like.
+struct Shapes {
+  const Outline* outline[kAtOnce];
+  const Limbs* limbs[kAtOnce];
+};
+/// In the direction (x, y), at `angle`, from the bodies' ways.
+THRONG_LANES Reach reach_of(const Stance& stance, const Shapes& shapes, const F (&drawn)[2][8],
+                            F x, F y, F angle) {
+  alignas(64) int32_t whole[kAtOnce];
+  alignas(64) float low[kAtOnce], high[kAtOnce];
+  const F direction = direction_of(angle - stance.turn);
+  store_whole(direction, whole);
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+    const float* reach_m = shapes.outline[lane]->upper.from(whole[lane]);
+    low[lane] = reach_m[0];
+    high[lane] = reach_m[1];
+  }
+  F octagon[8];
+  const F trunk = load(low) + (direction - floor_of(direction)) * (load(high) - load(low));
+  F firm = trunk;
+  for (size_t side = 0; side < 2; ++side) {
+    load_octagons([&](size_t lane) -> const Octagon& { return shapes.limbs[lane]->thighs[side]; },
+                  octagon);
+    firm = max_of(firm, reach_in(octagon, x, y));
+  }
+  const F ahead = stance.turn_cos * x + stance.turn_sin * y,
+          left = stance.turn_cos * y - stance.turn_sin * x;
+  F all = firm;
+  for (size_t side = 0; side < 2; ++side) {
+    load_octagons([&](size_t lane) -> const Octagon& { return shapes.limbs[lane]->arms[side]; },
+                  octagon);
+    const ArmReach arm = arm_reach(octagon, drawn[side], ahead, left);
+    const Drawn& in = stance.arms[side];
+    all = max_of(all, arm.swung_m - in.tucked * arm.tucking_m - in.stilled * arm.stilling_m);
+  }
+  return {stance.scale * trunk, stance.scale * firm, stance.scale * all};
+}
+
+/// The times at which others, as they go, come within reach: now, when they will be nearest, and
+/// half-way to that.
+THRONG_LANES void find_borders(const SeenBody& own, std::span<const SeenBody* const> near,
+                               Borders& borders) {
+  constexpr float kReach2 = kYieldReach_m * kYieldReach_m;
+  for (const SeenBody* other : near) {
+    const float dx = other->x_m - own.x_m, dy = other->y_m - own.y_m;
+    const float vx = other->vx_mps - own.vx_mps, vy = other->vy_mps - own.vy_mps;
+    const float closing = -(dx * vx + dy * vy), speed2 = std::max(vx * vx + vy * vy, 1e-4f);
+    const float nearest_s = closing > 0 ? std::min(closing / speed2, kYieldAhead_s) : 0;
+    const auto add = [&](float ahead_s) {
+      const float x = dx + ahead_s * vx, y = dy + ahead_s * vy;
+      if (x * x + y * y > kReach2) return false;
+      const float left = (kYieldAhead_s - ahead_s) * (1 / (kYieldAhead_s - kSoon_s));
+      const size_t i = borders.count;
+      borders.x[i] = x;
+      borders.y[i] = y;
+      borders.ahead_s[i] = ahead_s;
+      borders.weight[i] = std::min(left, 1.0f);
+      borders.other[i] = other;
+      borders.count += left > 0;
+      return true;
+    };
+    if (nearest_s < 0.05f) {
+      add(0);
+    } else if (add(nearest_s)) {
+      add(0.5f * nearest_s);
+      add(0);
+    }
+  }
+  borders.with_people = borders.count;
+}
+
+/// The borders from the i-th on, in the middle of what would be between two as they are now.
+THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i, Borders& borders) {
+  const SeenBody* const* other = borders.other + i;
+  const F world_x = load(borders.x + i), world_y = load(borders.y + i);
+  const F apart = sqrt_of(world_x * world_x + world_y * world_y);
+  const F per_apart = 1.0f / max_of(apart, 1e-6f);
+  const F away_x = per_apart * world_x, away_y = per_apart * world_y;
+  const F x = own.cos * away_x + own.sin * away_y, y = own.cos * away_y - own.sin * away_x;
+  const Way ways[1] = {{y, x}};
+  F angle[1];
+  angles_of(ways, angle);
+
+  F way[4], motion[4];
+  load_rows([&](size_t lane) { return &other[lane]->cos; }, way);
+  load_rows([&](size_t lane) { return &other[lane]->cycles_ps; }, motion);
+  alignas(64) float scales[kAtOnce], discs[kAtOnce];
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+    scales[lane] = other[lane]->scale;
+    discs[lane] = other[lane]->disc_m;
+  }
+  const F ahead_s = load(borders.ahead_s + i);
+  alignas(64) int32_t own_phase[kAtOnce], their_phase[kAtOnce];
+  store_whole((own.phase + ahead_s * own.cycles_ps) * float{Swings::kPhases} + 0.5f, own_phase);
+  store_whole((way[3] + ahead_s * motion[0]) * float{Swings::kPhases} + 0.5f, their_phase);
+  Shapes shapes;
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+    shapes.outline[lane] = &own.swung->outline();
+    shapes.limbs[lane] = borders.own[i + lane] = &own.swung->at(own_phase[lane]);
+  }
+  F drawn[2][8];
+  for (size_t side = 0; side < 2; ++side)
+    set_octagon(own.swung->outline().drawn[side], drawn[side]);
+  const Reach mine = reach_of(stance, shapes, drawn, x, y, angle[0]);
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+    const Swings& swung = other[lane]->swung != nullptr ? *other[lane]->swung : *own.swung;
+    shapes.outline[lane] = &swung.outline();
+    shapes.limbs[lane] = &swung.at(their_phase[lane]);
+  }
+  for (size_t side = 0; side < 2; ++side)
+    load_octagons(
+        [&](size_t lane) -> const Octagon& { return shapes.outline[lane]->drawn[side]; },
+        drawn[side]);
+  const F their_x = 0.0f - (way[0] * away_x + way[1] * away_y),
+          their_y = way[1] * away_x - way[0] * away_y;
+  const Reach theirs =
+      reach_of(stance_of(load(scales), motion[1], motion[2], motion[3]), shapes, drawn, their_x,
+               their_y, angle[0] + (own.heading_rad + 3.14159265f) - way[2]);
+
+  const F disc = load(discs), per_scale = 1.0f / own.scale;
+  const F of_disc = apart - disc;
+  const M is_disc = disc > 0.0f;
+  // What cannot be drawn in is given way to by the other's arm alone.
+  const F arm_room = min_of(0.5f * (apart + mine.whole_m - theirs.whole_m), apart - theirs.firm_m);
+  const F trunk_room = 0.5f * (apart + mine.trunk_m - theirs.trunk_m);
+  store(x, borders.x + i);
+  store(y, borders.y + i);
+  store(direction_of(angle[0]), borders.direction + i);
+  store(per_scale * select(is_disc, of_disc, trunk_room), borders.trunk_room_m + i);
+  store(per_scale * select(is_disc, of_disc, arm_room), borders.arm_room_m + i);
+}
+
+/// As it is now and as it will be soon.
+THRONG_LANES void add_wall(const SeenBody& own, const NearWall& wall, Borders& borders) {
+  alignas(64) float direction[kAtOnce];
+  store(direction_of(float_arc_tan2(wall.y, wall.x)), direction);
+  for (const float ahead_s : {0.0f, kSoon_s}) {
+    const size_t i = borders.count++;
+    borders.x[i] = wall.x;
+    borders.y[i] = wall.y;
+    borders.direction[i] = direction[0];
+    borders.trunk_room_m[i] = borders.arm_room_m[i] =
+        (wall.distance_m - ahead_s * wall.approach_mps) / own.scale;
+    borders.weight[i] = 1;
+    borders.ahead_s[i] = ahead_s;
+    borders.other[i] = nullptr;
+    borders.own[i] = &own.swung->at(Swings::sixteenth_of(own.phase + ahead_s * own.cycles_ps));
+  }
+}
+
+/// Where the squares of what a body with its arms drawn in lacks are least.
+THRONG_LANES float best_turn(const SeenBody& own, const Borders& borders) {
+  const Outline& outline = own.swung->outline();
+  const Reaches& upper = outline.upper;
+  // Seen by a trunk that is turned to the left, what is near lies farther to the right: costs are
+  // from the farthest to the left.
+  constexpr size_t kLanesOfTurns = (kTurns + kAtOnce - 1) / kAtOnce * kAtOnce;
+  alignas(64) float costs[kLanesOfTurns];
+  struct {
+    const float* reach_m;
+    float share, room_m, weight;
+  } counting[kMostBorders];
+  size_t count = 0;
+  for (size_t i = 0; i < borders.count; ++i) {
+    const float room_m = borders.trunk_room_m[i] - kMargin_m;
+    if (room_m >= upper.most_m()) continue;
+    float from = borders.direction[i] - kTurnsAside;
+    if (from < 0) from += Reaches::kDirections;
+    const auto whole = static_cast<int>(from);
+    counting[count++] = {upper.from(whole), from - static_cast<float>(whole), room_m,
+                         borders.weight[i]};
+  }
+  for (size_t turn = 0; turn < kLanesOfTurns; turn += kAtOnce) {
+    F cost = 0.0f;
+    for (size_t i = 0; i < count; ++i) {
+      const auto& border = counting[i];
+      const F reach = load(border.reach_m + turn), next = load(border.reach_m + turn + 1);
+      const F lack = max_of(reach + border.share * (next - reach) - border.room_m, 0.0f);
+      cost = cost + border.weight * lack * lack;
+    }
+    store(cost, costs + turn);
+  }
+  const float now_rad = own.turn_rad;
+  const bool is_turned = std::abs(now_rad) > kTurned_rad;
+  const auto turn_of = [](int i) { return static_cast<float>(kTurnsAside - i); };
+  for (int i = 0; i < static_cast<int>(kTurns); ++i) {
+    const float turn_rad = turn_of(i) * kTurn_rad;
+    costs[i] += kEffort * turn_rad * turn_rad;
+    if (is_turned && turn_rad * now_rad < 0) costs[i] += kTurnBack;
+  }
+  int best = kTurnsAside;
+  for (int i = static_cast<int>(kTurns) - 1; i >= 0; --i)
+    if (costs[i] < costs[best]) best = i;
+  // Between its neighbours where the parabola through the three is lowest.
+  float turn = turn_of(best);
+  if (best > 0 && best < static_cast<int>(kTurns) - 1) {
+    const float before = costs[best + 1], here = costs[best], after = costs[best - 1];
+    const float bend = before - 2 * here + after;
+    if (bend > 0) turn += std::clamp(0.5f * (before - after) / bend, -0.5f, 0.5f);
+  }
+  constexpr float kWaist = 1 / (1 - kHipsShare);
+  constexpr float kGaitTurn_rad = 0.1f;  // the waist turns by so much in walking
+  const YieldColumns& columns = outline.columns;
+  return std::clamp(turn * kTurn_rad, kWaist * (columns.least_trunk_rad + kGaitTurn_rad),
+                    kWaist * (columns.most_trunk_rad - kGaitTurn_rad));
+}
+
+/// How far arms have to be drawn in to stay within borders.
+THRONG_LANES F draw_for(const ArmReach& arm, F room_m) {
+  constexpr float kWorthIt_m = 0.01f;  // elsewhere it makes no difference
+  const F lack = arm.swung_m + kArmMargin_m - room_m;
+  const M is_more = (lack > arm.tucking_m) & (arm.stilling_m > kWorthIt_m);
+  const F stilled =
+      min_of(max_of((lack - arm.tucking_m) / max_of(arm.stilling_m, kWorthIt_m), 0.0f), 1.0f);
+  const F tucked = min_of(lack / max_of(arm.tucking_m, 1e-4f), 1.0f);
+  const F draw = select(is_more, share_of(stilled), DrawnArm::kTucked * tucked);
+  return select(lack > 0.0f, draw, 0.0f);
+}
+
+/// How far an arm has to be drawn in to swing within all borders, with the trunk turned so.
+THRONG_LANES float wanted_draw(const SeenBody& own, size_t side, const FloatSinCos& turn,
+                               const Borders& borders) {
+  F drawn[8], ever[8], swung[8];
+  set_octagon(own.swung->outline().drawn[side], drawn);
+  set_octagon(own.swung->ever().arms[side], ever);
+  const float now = own.arms[side];
+  F wanted = 0.0f;
+  for (size_t i = 0; i < borders.count; i += kAtOnce) {
+    const F x = load(borders.x + i), y = load(borders.y + i);
+    const F ahead = turn.cos * x + turn.sin * y, left = turn.cos * y - turn.sin * x;
+    const F room = load(borders.arm_room_m + i), weight = load(borders.weight + i);
+    load_octagons([&](size_t lane) -> const Octagon& { return borders.own[i + lane]->arms[side]; },
+                  swung);
+    wanted = max_of(wanted, weight * draw_for(arm_reach(swung, drawn, ahead, left), room));
+    if (now <= 0) continue;
+    // Not let out only to be drawn in again by the same swing.
+    const F held = min_of(now, kHeld * draw_for(arm_reach(ever, drawn, ahead, left), room));
+    const M is_now = (load(borders.ahead_s + i) <= 0.0f) & (weight > 0.0f);
+    wanted = max_of(wanted, select(is_now, held, 0.0f));
+  }
+  alignas(64) float most[kAtOnce];
+  store(wanted, most);
+  return *std::max_element(most, most + kAtOnce);
+}
+
+THRONG_LANES YieldMotion wanted_by(const SeenBody& own, std::span<const SeenBody* const> near,
+                                   std::span<const NearWall> walls) {
+  YieldMotion wanted;
+  Borders borders;
+  find_borders(own, near, borders);
+  wanted.is_near = borders.count > 0 || !walls.empty();
+  if (!wanted.is_near) return wanted;
+  if (borders.count > 0) borders.fill(borders.count - 1);
+  const Stance stance = stance_of(own.scale, own.turn_rad, own.arms[0], own.arms[1]);
+  for (size_t i = 0; i < borders.count; i += kAtOnce) set_rooms(own, stance, i, borders);
+  for (const NearWall& wall : walls) add_wall(own, wall, borders);
+  borders.fill(borders.count - 1);
+  wanted.turn_rad = best_turn(own, borders);
+  const FloatSinCos turn = throng::float_sin_cos(wanted.turn_rad);
+  for (size_t side = 0; side < 2; ++side) wanted.arms[side] = wanted_draw(own, side, turn, borders);
+  return wanted;
+}
