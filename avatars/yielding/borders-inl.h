@@ -130,8 +130,8 @@ struct Shapes {
   const Limbs* limbs[kAtOnce];
 };
 /// In the direction (x, y), at `angle`, from the bodies' ways.
-THRONG_LANES Reach reach_of(const Stance& stance, const Shapes& shapes, const F (&drawn)[2][8],
-                            F x, F y, F angle) {
+THRONG_LANES Reach reach_of(const Stance& stance, const Shapes& shapes, const F (&drawn)[2][8], F x,
+                            F y, F angle) {
   alignas(64) int32_t whole[kAtOnce];
   alignas(64) float low[kAtOnce], high[kAtOnce];
   const F direction = direction_of(angle - stance.turn);
@@ -234,9 +234,8 @@ THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i,
     shapes.limbs[lane] = &swung.at(their_phase[lane]);
   }
   for (size_t side = 0; side < 2; ++side)
-    load_octagons(
-        [&](size_t lane) -> const Octagon& { return shapes.outline[lane]->drawn[side]; },
-        drawn[side]);
+    load_octagons([&](size_t lane) -> const Octagon& { return shapes.outline[lane]->drawn[side]; },
+                  drawn[side]);
   const F their_x = 0.0f - (way[0] * away_x + way[1] * away_y),
           their_y = way[1] * away_x - way[0] * away_y;
   const Reach theirs =

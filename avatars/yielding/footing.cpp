@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "avatars/yielding/many_legs.h"
-
 namespace throng {
 namespace {
 
@@ -22,8 +20,10 @@ constexpr float kMostAside_m = 0.14f,
 constexpr float kEffort = 0.003f;
 // Shares of the cycle before a foot lands; others' legs that are farther off then do not matter.
 constexpr std::array<float, 7> kMomentsBefore = {0.3f, 0.22f, 0.15f, 0.07f, 0, -0.07f, -0.14f};
-constexpr size_t kMoments = kMomentsBefore.size(), kLanding = 4;
+constexpr size_t kLanding = 4;
 static_assert(kMomentsBefore[kLanding] == 0);
+// Of somebody so far from where the foot lands no leg is in its way.
+constexpr float kFar_m = 0.95f;
 constexpr float kFarOff_m = 0.6f;
 // A foot gets a new place from so long before it lands.
 constexpr float kWindow_s = 0.9f;
@@ -196,69 +196,6 @@ LegPlaces moved_places(const ForeseenLeg& leg, size_t time, const Steps& own,
   return places;
 }
 
-/// A foot that comes down, and others' legs on the ground near it meanwhile.
-class FootComingDown {
- public:
-  FootComingDown(const Steps& own, size_t side, const LegNow& leg, SimdTarget target)
-      : own_(own), side_(side), target_(target) {
-    for (size_t i = 0; i < kPlaces; ++i) {
-      const float before = kMomentsBefore[std::min(i, kMoments - 1)];
-      ahead_s_[i] = std::max(leg.lands_s() - before / own.cycles_ps, 0.0f);
-    }
-    foresee(leg, ahead_s_, kMoments, target, leg_);
-  }
-
-  void add(const Steps& other) {
-    // Of somebody so far from where the foot lands no leg is in its way.
-    constexpr float kFar_m = 0.95f;
-    const Vector2f then = other.root_m + ahead_s_[kLanding] * other.velocity_mps;
-    if ((then - leg_.places.at(kLanding).foot_m).squaredNorm() > kFar_m * kFar_m) return;
-    ForeseenLeg there;
-    for (size_t side = 0; side < 2; ++side) {
-      foresee(LegNow(other, side), ahead_s_, kMoments, target_, there);
-      for (size_t time = 0; time < kMoments; ++time)
-        if (there.stays[time] > 0) add({there.places.at(time), owner_of(other)}, time);
-    }
-  }
-
-  bool is_free() const { return is_free_; }
-
-  Vector2f best_shift_m() const {
-    const LandingShifts shifts(own_.track, side_);
-    alignas(64) PlaceNumbers costs = {};
-    for (size_t time = 0; time < kMoments; ++time)
-      if (counts_[time] > 0)
-        add_nearness(moved_places(leg_, time, own_, shifts), owner_of(own_),
-                     {legs_[time].data(), counts_[time]}, kClear_m, target_, costs);
-    size_t best = 0;
-    for (size_t i = 0; i < shifts.count; ++i) {
-      const float along = shifts.along[i], aside = shifts.aside[i];
-      costs[i] += kEffort * (along * along + 2 * aside * aside);
-      if (costs[i] < costs[best]) best = i;
-    }
-    return {shifts.along[best], shifts.aside[best]};
-  }
-
- private:
-  void add(const OtherLeg& leg, size_t time) {
-    const LegPlace mine = leg_.places.at(time);
-    if ((leg.place.foot_m - mine.foot_m).squaredNorm() > kFarOff_m * kFarOff_m) return;
-    if (counts_[time] == kMostLegs) return;
-    legs_[time][counts_[time]++] = leg;
-    is_free_ = is_free_ && nearness(mine, owner_of(own_), leg, kClear_m) == 0;
-  }
-
-  static constexpr size_t kMostLegs = 12;
-  alignas(64) PlaceNumbers ahead_s_;
-  ForeseenLeg leg_;
-  std::array<std::array<OtherLeg, kMostLegs>, kMoments> legs_;
-  std::array<size_t, kMoments> counts_{};
-  const Steps& own_;
-  size_t side_;
-  SimdTarget target_;
-  bool is_free_ = true;
-};
-
 }  // namespace
 
 float stretch_for(const Steps& own, std::span<const Steps> near, float now, SimdTarget target) {
@@ -270,16 +207,55 @@ float stretch_for(const Steps& own, std::span<const Steps> near, float now, Simd
   return RhythmChoice(own, near, now, target).best(target);
 }
 
-Vector2f landing_shift_m(const Steps& own, size_t side, std::span<const Steps> near,
-                         SimdTarget target) {
-  Steps unshifted = own;
-  unshifted.landing_m = {};
-  const LegNow leg(unshifted, side);
+Landing::Landing(const Steps& own, size_t side, SimdTarget target)
+    : own_(own), side_(side), target_(target) {
+  static_assert(kMomentsBefore.size() == kMoments);
+  LegNow leg(own, side);
+  leg.landing_m = Vector2f::Zero();  // of where it would land
   const float lands_s = leg.lands_s();
-  if (lands_s < 0 || lands_s > kWindow_s) return Vector2f::Zero();
-  FootComingDown foot(own, side, leg, target);
-  for (const Steps& other : near) foot.add(other);
-  return foot.is_free() ? Vector2f::Zero() : foot.best_shift_m();
+  is_due_ = lands_s >= 0 && lands_s <= kWindow_s;
+  if (!is_due_) return;
+  for (size_t i = 0; i < kPlaces; ++i) {
+    const float before = kMomentsBefore[std::min(i, kMoments - 1)];
+    ahead_s_[i] = std::max(lands_s - before / own.cycles_ps, 0.0f);
+  }
+  foresee(leg, ahead_s_, kMoments, target, leg_);
+}
+
+bool Landing::may_meet(const Vector2f& root_m, const Vector2f& velocity_mps) const {
+  const Vector2f then = root_m + ahead_s_[kLanding] * velocity_mps;
+  return (then - leg_.places.at(kLanding).foot_m).squaredNorm() <= kFar_m * kFar_m;
+}
+
+void Landing::add(const Steps& other) {
+  const WhatIsNear near = {owner_of(own_), owner_of(other), kFarOff_m, kClear_m};
+  NearLeg there;
+  for (size_t side = 0; side < 2; ++side) {
+    if (!foresee_near(LegNow(other, side), ahead_s_, kMoments, leg_.places, near, target_, there))
+      continue;
+    for (size_t time = 0; time < kMoments; ++time) {
+      if (there.is_near[time] == 0 || counts_[time] == kMostLegs) continue;
+      legs_[time][counts_[time]++] = {there.places.at(time), near.other};
+      is_free_ = is_free_ && there.nearness[time] == 0;
+    }
+  }
+}
+
+Vector2f Landing::shift_m() const {
+  if (is_free_) return Vector2f::Zero();
+  const LandingShifts shifts(own_.track, side_);
+  alignas(64) PlaceNumbers costs = {};
+  for (size_t time = 0; time < kMoments; ++time)
+    if (counts_[time] > 0)
+      add_nearness(moved_places(leg_, time, own_, shifts), owner_of(own_),
+                   {legs_[time].data(), counts_[time]}, kClear_m, target_, costs);
+  size_t best = 0;
+  for (size_t i = 0; i < shifts.count; ++i) {
+    const float along = shifts.along[i], aside = shifts.aside[i];
+    costs[i] += kEffort * (along * along + 2 * aside * aside);
+    if (costs[i] < costs[best]) best = i;
+  }
+  return {shifts.along[best], shifts.aside[best]};
 }
 
 }  // namespace throng

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <span>
 
 #include "avatars/yielding/footfall.h"
+#include "avatars/yielding/many_legs.h"
 #include "base/simd.h"
 
 namespace throng {
@@ -15,8 +18,33 @@ namespace throng {
 /// 1 if it makes no difference. `now` is what they are.
 float stretch_for(const Steps& own, std::span<const Steps> near, float now, SimdTarget target);
 
-/// How far from where it would a foot has to land (root frame, scale 1).
-Eigen::Vector2f landing_shift_m(const Steps& own, size_t side, std::span<const Steps> near,
-                                SimdTarget target);
+/// A foot that comes down, and others' legs on the ground near it meanwhile.
+class Landing {
+ public:
+  /// Keeps a reference to `own`.
+  Landing(const Steps& own, size_t side, SimdTarget target);
+
+  /// Whether the foot lands soon enough for its place to be decided; if not, nothing else is asked.
+  bool is_due() const { return is_due_; }
+  /// Whether legs of somebody whose root is there and goes so could matter.
+  bool may_meet(const Eigen::Vector2f& root_m, const Eigen::Vector2f& velocity_mps) const;
+  void add(const Steps& other);
+
+  /// How far from where it would the foot has to land (root frame, scale 1).
+  Eigen::Vector2f shift_m() const;
+
+ private:
+  static constexpr size_t kMoments = 7, kMostLegs = 12;
+
+  const Steps& own_;
+  size_t side_;
+  SimdTarget target_;
+  bool is_due_ = false;
+  bool is_free_ = true;
+  alignas(64) PlaceNumbers ahead_s_;
+  ForeseenLeg leg_;
+  std::array<std::array<OtherLeg, kMostLegs>, kMoments> legs_;
+  std::array<size_t, kMoments> counts_{};
+};
 
 }  // namespace throng

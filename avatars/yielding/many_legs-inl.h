@@ -27,41 +27,55 @@ THRONG_LANES F lack_squared(F distance2, float reach) {
   return lack * lack;
 }
 
-THRONG_LANES F distance_squared(const Spot& from, const Eigen::Vector2f& to) {
-  const F dx = from.x - to.x(), dy = from.y - to.y();
+THRONG_LANES F distance_squared(const Spot& from, const Spot& to) {
+  const F dx = from.x - to.x, dy = from.y - to.y;
   return dx * dx + dy * dy;
+}
+THRONG_LANES Leg leg_at(const LegPlace& place) {
+  return {{place.foot_m.x(), place.foot_m.y()},
+          {place.shin_m.x(), place.shin_m.y()},
+          {place.knee_m.x(), place.knee_m.y()}};
+}
+THRONG_LANES Leg load_leg(const LegPlaces& p, size_t i) {
+  return {{load(p.foot_x + i), load(p.foot_y + i)},
+          {load(p.shin_x + i), load(p.shin_y + i)},
+          {load(p.knee_x + i), load(p.knee_y + i)}};
 }
 
 /// From points of the own foot to the line along the other, whichever is nearest: for feet that
 /// point the same way or the opposite one, nearly.
-THRONG_LANES F between_feet_squared(const Spot& foot, const LegOwner& own, const OtherLeg& other) {
-  const float ax = other.owner.ahead.x(), ay = other.owner.ahead.y();
+THRONG_LANES F between_feet_squared(const Spot& foot, const LegOwner& own, const Spot& other,
+                                    const LegOwner& whose) {
+  const float ax = whose.ahead.x(), ay = whose.ahead.y();
+  const F x = foot.x - other.x, y = foot.y - other.y;
   F least = 1e9f;
   for (const float along : {kHeel_m, 0.5f * (kHeel_m + kToe_m), kToe_m}) {
-    const Eigen::Vector2f way = own.scale * along * own.ahead - other.place.foot_m;
-    const F dx = foot.x + way.x(), dy = foot.y + way.y();
-    const F at =
-        min_of(max_of(dx * ax + dy * ay, other.owner.scale * kHeel_m), other.owner.scale * kToe_m);
+    const Eigen::Vector2f way = own.scale * along * own.ahead;
+    const F dx = x + way.x(), dy = y + way.y();
+    const F at = min_of(max_of(dx * ax + dy * ay, whose.scale * kHeel_m), whose.scale * kToe_m);
     const F rest_x = dx - at * ax, rest_y = dy - at * ay;
     least = min_of(least, rest_x * rest_x + rest_y * rest_y);
   }
   return least;
 }
 
+THRONG_LANES F nearness_of(const Leg& leg, const LegOwner& own, const Leg& other,
+                           const LegOwner& whose, float clear_m) {
+  const float scales = own.scale + whose.scale;
+  const float reach = kShin_m * scales + clear_m;
+  return lack_squared(between_feet_squared(leg.foot, own, other.foot, whose),
+                      kHalfWidth_m * scales + clear_m) +
+         lack_squared(distance_squared(leg.shin, other.shin), reach) +
+         lack_squared(distance_squared(leg.knee, other.knee), reach);
+}
 THRONG_LANES F nearness_of(const Leg& leg, const LegOwner& own, const OtherLeg& other,
                            float clear_m) {
-  const float scales = own.scale + other.owner.scale;
-  const float reach = kShin_m * scales + clear_m;
-  return lack_squared(between_feet_squared(leg.foot, own, other), kHalfWidth_m * scales + clear_m) +
-         lack_squared(distance_squared(leg.shin, other.place.shin_m), reach) +
-         lack_squared(distance_squared(leg.knee, other.place.knee_m), reach);
+  return nearness_of(leg, own, leg_at(other.place), other.owner, clear_m);
 }
 
-THRONG_LANES void add_nearness_at(size_t i, const LegPlaces& p, const LegOwner& own,
+THRONG_LANES void add_nearness_at(size_t i, const LegPlaces& places, const LegOwner& own,
                                   std::span<const OtherLeg> others, float clear_m, float* costs) {
-  const Leg leg = {{load(p.foot_x + i), load(p.foot_y + i)},
-                   {load(p.shin_x + i), load(p.shin_y + i)},
-                   {load(p.knee_x + i), load(p.knee_y + i)}};
+  const Leg leg = load_leg(places, i);
   F cost = load(costs + i);
   for (const OtherLeg& other : others) cost = cost + nearness_of(leg, own, other, clear_m);
   store(cost, costs + i);
@@ -150,18 +164,41 @@ THRONG_LANES Spot in_steps(const LegNow& now, const Spot& s) {
           now.root_m.y() + s.x * now.ahead_m.y() + s.y * now.ahead_m.x()};
 }
 
+/// From some place that all share.
+THRONG_LANES LegThen leg_then(const LegNow& now, F ahead_s) {
+  LegThen then = leg_in(rhythm_of(now.cycles_ps, now.cycles_ps, 0), now, ahead_s);
+  for (Spot* spot : {&then.leg.foot, &then.leg.shin, &then.leg.knee}) *spot = in_steps(now, *spot);
+  return then;
+}
+
+THRONG_LANES void store_leg(const Leg& leg, LegPlaces& to, size_t i) {
+  store(leg.foot.x, to.foot_x + i);
+  store(leg.foot.y, to.foot_y + i);
+  store(leg.shin.x, to.shin_x + i);
+  store(leg.shin.y, to.shin_y + i);
+  store(leg.knee.x, to.knee_x + i);
+  store(leg.knee.y, to.knee_y + i);
+}
+
 THRONG_LANES void foresee_at(size_t i, const LegNow& now, const float* ahead_s, ForeseenLeg& to) {
-  const LegThen then = leg_in(rhythm_of(now.cycles_ps, now.cycles_ps, 0), now, load(ahead_s + i));
-  const Spot foot = in_steps(now, then.leg.foot), shin = in_steps(now, then.leg.shin),
-             knee = in_steps(now, then.leg.knee);
-  store(foot.x, to.places.foot_x + i);
-  store(foot.y, to.places.foot_y + i);
-  store(shin.x, to.places.shin_x + i);
-  store(shin.y, to.places.shin_y + i);
-  store(knee.x, to.places.knee_x + i);
-  store(knee.y, to.places.knee_y + i);
+  const LegThen then = leg_then(now, load(ahead_s + i));
+  store_leg(then.leg, to.places, i);
   store(then.stays, to.stays + i);
   store(then.share, to.share + i);
+}
+
+THRONG_LANES bool foresee_near_at(size_t i, const LegNow& now, const float* ahead_s,
+                                  const LegPlaces& own, const WhatIsNear& near, NearLeg& to) {
+  const LegThen then = leg_then(now, load(ahead_s + i));
+  const Leg mine = load_leg(own, i);
+  const M is_near =
+      (distance_squared(then.leg.foot, mine.foot) <= near.far_m * near.far_m) & (then.stays > 0.0f);
+  if (!any(is_near)) return false;
+  store_leg(then.leg, to.places, i);
+  store(select(is_near, 1.0f, 0.0f), to.is_near + i);
+  store(select(is_near, nearness_of(mine, near.own, then.leg, near.other, near.clear_m), 0.0f),
+        to.nearness + i);
+  return true;
 }
 
 THRONG_LANES void add_nearness_in_at(size_t i, const Rhythms& rhythms,

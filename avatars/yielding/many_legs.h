@@ -56,8 +56,27 @@ struct OtherLeg {
 void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const OtherLeg> others,
                   float clear_m, SimdTarget target, PlaceNumbers& costs);
 
-/// The same of one place.
-float nearness(const LegPlace& place, const LegOwner& own, const OtherLeg& other, float clear_m);
+/// What of somebody else's leg matters to one's own.
+struct WhatIsNear {
+  LegOwner own, other;
+  float far_m;  ///< feet that are farther apart do not matter
+  float clear_m;
+};
+
+/// Where somebody else's leg will be.
+struct NearLeg {
+  LegPlaces places;
+  /// 1: it matters, and is on the ground or has hardly left it; 0: not.
+  alignas(64) PlaceNumbers is_near;
+  /// What adds to a cost, see add_nearness(), of those that matter.
+  alignas(64) PlaceNumbers nearness;
+};
+
+/// At the first `count` of the times, where one's own leg will be as `own` says. False: it never
+/// matters; nothing else is set then.
+bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
+                  const LegPlaces& own, const WhatIsNear& near, SimdTarget target,
+                  NearLeg& foreseen);
 
 /// Rhythms that somebody could walk in: cycles a second until some time, and from then on. All
 /// above 0.

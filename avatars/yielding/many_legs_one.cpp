@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "avatars/yielding/many_legs_kernel.h"
 #include "base/simd/one_lane.h"
 
@@ -11,16 +13,19 @@ namespace {
 }  // namespace
 }  // namespace one_lane
 
-float nearness(const LegPlace& place, const LegOwner& own, const OtherLeg& other, float clear_m) {
-  const one_lane::Leg leg = {{place.foot_m.x(), place.foot_m.y()},
-                             {place.shin_m.x(), place.shin_m.y()},
-                             {place.knee_m.x(), place.knee_m.y()}};
-  return one_lane::nearness_of(leg, own, other, clear_m).v;
-}
-
 void foresee_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
                         ForeseenLeg& foreseen) {
   for (size_t i = 0; i < count; ++i) one_lane::foresee_at(i, leg, ahead_s, foreseen);
+}
+
+bool foresee_near_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
+                             const LegPlaces& own, const WhatIsNear& near, NearLeg& foreseen) {
+  std::fill_n(foreseen.is_near, kPlaces, 0.0f);
+  std::fill_n(foreseen.nearness, kPlaces, 0.0f);
+  bool is_near = false;
+  for (size_t i = 0; i < count; ++i)
+    is_near |= one_lane::foresee_near_at(i, leg, ahead_s, own, near, foreseen);
+  return is_near;
 }
 
 void add_nearness_one_by_one(const LegPlaces& places, const LegOwner& own,

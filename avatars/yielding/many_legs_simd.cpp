@@ -1,4 +1,6 @@
-// Two registers of places or rhythms at a time: many_legs-inl.h over vector registers.
+// Two registers of places or rhythms at a time, and eight times: many_legs-inl.h over vector
+// registers.
+#include <algorithm>
 #include <cstddef>
 
 #include "avatars/yielding/many_legs_kernel.h"
@@ -8,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "avatars/yielding/many_legs_simd.cpp"
 #include <hwy/foreach_target.h>
 
-#include "base/simd/register_pairs-inl.h"
+#include "base/simd/eight_lanes-inl.h"
 
 #undef THRONG_LANES
 #define THRONG_LANES HWY_INLINE
@@ -25,11 +27,32 @@ static_assert(kPlaces % kAtOnce == 0);
 
 }  // namespace
 }  // namespace register_pairs
+#if HWY_MAX_BYTES > 16
+namespace eight_lanes {
+namespace {
+
+#include "avatars/yielding/many_legs-inl.h"
+
+}  // namespace
+}  // namespace eight_lanes
+#endif
 
 void foresee_wide(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
                   ForeseenLeg& foreseen) {
-  for (size_t i = 0; i < count; i += register_pairs::kAtOnce)
-    register_pairs::foresee_at(i, leg, ahead_s, foreseen);
+  for (size_t i = 0; i < count; i += THRONG_EIGHT_LANES::kAtOnce)
+    THRONG_EIGHT_LANES::foresee_at(i, leg, ahead_s, foreseen);
+}
+
+bool foresee_near_wide(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
+                       const LegPlaces& own, const WhatIsNear& near, NearLeg& foreseen) {
+  bool is_near = false;
+  for (size_t i = 0; i < count; i += THRONG_EIGHT_LANES::kAtOnce) {
+    // What is not near sets nothing.
+    std::fill_n(foreseen.is_near + i, THRONG_EIGHT_LANES::kAtOnce, 0.0f);
+    std::fill_n(foreseen.nearness + i, THRONG_EIGHT_LANES::kAtOnce, 0.0f);
+    is_near |= THRONG_EIGHT_LANES::foresee_near_at(i, leg, ahead_s, own, near, foreseen);
+  }
+  return is_near;
 }
 
 void add_nearness_wide(const LegPlaces& places, const LegOwner& own,
@@ -54,6 +77,13 @@ namespace throng {
 void foresee(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count, SimdTarget target,
              ForeseenLeg& foreseen) {
   THRONG_CHOOSE(target, foresee_wide, foresee_one_by_one)(leg, ahead_s, count, foreseen);
+}
+
+bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
+                  const LegPlaces& own, const WhatIsNear& near, SimdTarget target,
+                  NearLeg& foreseen) {
+  return THRONG_CHOOSE(target, foresee_near_wide, foresee_near_one_by_one)(leg, ahead_s, count, own,
+                                                                           near, foreseen);
 }
 
 void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const OtherLeg> others,

@@ -49,6 +49,7 @@ HWY_INLINE M operator>=(F x, F y) { return {hn::Ge(x.v, y.v)}; }
 HWY_INLINE M operator&(M x, M y) { return {hn::And(x.v, y.v)}; }
 HWY_INLINE M operator|(M x, M y) { return {hn::Or(x.v, y.v)}; }
 HWY_INLINE M operator!(M x) { return {hn::Not(x.v)}; }
+HWY_INLINE bool any(M x) { return !hn::AllFalse(Eight(), x.v); }
 HWY_INLINE F select(M mask, F yes, F no) { return hn::IfThenElse(mask.v, yes.v, no.v); }
 HWY_INLINE F max_of(F x, F y) { return hn::Max(x.v, y.v); }
 HWY_INLINE F min_of(F x, F y) { return hn::Min(x.v, y.v); }

@@ -268,38 +268,48 @@ Steps YieldingStage::steps_of(uint32_t id, const BodyStates& bodies) const {
   return steps;
 }
 
-size_t YieldingStage::steps_near(uint32_t id, const BodyStates& bodies, NearSteps& near) const {
+bool YieldingStage::has_steps(uint32_t id, const BodyStates& bodies) const {
+  return !is_held(bodies, id) && posing_.gait_of(id).has_legs();
+}
+
+float YieldingStage::wanted_stretch(uint32_t id, const BodyStates& bodies) const {
   constexpr float kReach_m = 1.6f;
+  std::array<Steps, NeighbourGrid::kMost> near;
   size_t count = 0;
   for (const uint32_t other : around_[id].near()) {
     const float dx = seen_[other].x_m - seen_[id].x_m, dy = seen_[other].y_m - seen_[id].y_m;
-    if (dx * dx + dy * dy > kReach_m * kReach_m) continue;
-    if (is_held(bodies, other) || !posing_.gait_of(other).has_legs()) continue;
+    if (dx * dx + dy * dy > kReach_m * kReach_m || !has_steps(other, bodies)) continue;
     near[count++] = steps_of(other, bodies);
   }
-  return count;
+  if (count == 0) return 1;
+  return stretch_for(steps_of(id, bodies), {near.data(), count}, bodies.yields[id].stretch, simd_);
+}
+
+std::array<float, 4> YieldingStage::wanted_landing_m(uint32_t id, const BodyStates& bodies) const {
+  std::array<float, 4> shifts_m{};
+  if (around_[id].people_count == 0) return shifts_m;
+  const Steps own = steps_of(id, bodies);
+  for (size_t side = 0; side < 2; ++side) {
+    Landing landing(own, side, simd_);
+    if (!landing.is_due()) continue;
+    for (const uint32_t other : around_[id].near()) {
+      const SeenBody& seen = seen_[other];
+      if (landing.may_meet({seen.x_m, seen.y_m}, {seen.vx_mps, seen.vy_mps}) &&
+          has_steps(other, bodies))
+        landing.add(steps_of(other, bodies));
+    }
+    const Eigen::Vector2f shift_m = landing.shift_m();
+    shifts_m[2 * side] = shift_m.x();
+    shifts_m[2 * side + 1] = shift_m.y();
+  }
+  return shifts_m;
 }
 
 void YieldingStage::place_feet(uint32_t id, BodyStates& bodies) {
   Footing& wanted = footings_[id];
   const int64_t turn = steps_ + id;  // not everybody's at once
-  const bool steps_now = turn % steps_a_landing_ == 0, strides_now = turn % steps_a_rhythm_ == 0;
-  if (steps_now || strides_now) {
-    NearSteps near;
-    const size_t count = steps_near(id, bodies, near);
-    if (count == 0) {
-      wanted = {};
-    } else {
-      const Steps own = steps_of(id, bodies);
-      if (strides_now)
-        wanted.stretch = stretch_for(own, {near.data(), count}, bodies.yields[id].stretch, simd_);
-      for (size_t side = 0; steps_now && side < 2; ++side) {
-        const Eigen::Vector2f shift_m = landing_shift_m(own, side, {near.data(), count}, simd_);
-        wanted.landing_m[2 * side] = shift_m.x();
-        wanted.landing_m[2 * side + 1] = shift_m.y();
-      }
-    }
-  }
+  if (turn % steps_a_landing_ == 0) wanted.landing_m = wanted_landing_m(id, bodies);
+  if (turn % steps_a_rhythm_ == 0) wanted.stretch = wanted_stretch(id, bodies);
   const auto approach = [&](float to, float most_ps, float& now) {
     now += std::clamp(to - now, -most_ps * step_s_, most_ps * step_s_);
   };

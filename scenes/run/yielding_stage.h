@@ -52,7 +52,6 @@ class YieldingStage {
     float stretch = 1;
     std::array<float, 4> landing_m{};
   };
-  using NearSteps = std::array<Steps, NeighbourGrid::kMost>;
 
   void see(const BodyStates& bodies, uint32_t first, uint32_t end);
   void search(std::span<const uint8_t> present, const BodyStates& bodies);
@@ -60,7 +59,9 @@ class YieldingStage {
   void check_read(Archive& a, const BodyStates& bodies) const;
   YieldMotion wanted_of(uint32_t id) const;
   void give_way(uint32_t id, BodyStates& bodies);
-  size_t steps_near(uint32_t id, const BodyStates& bodies, NearSteps& near) const;
+  bool has_steps(uint32_t id, const BodyStates& bodies) const;
+  float wanted_stretch(uint32_t id, const BodyStates& bodies) const;
+  std::array<float, 4> wanted_landing_m(uint32_t id, const BodyStates& bodies) const;
   void place_feet(uint32_t id, BodyStates& bodies);
   void make_room(std::span<const uint32_t> ids, int worker, BodyStates& bodies);
   Steps steps_of(uint32_t id, const BodyStates& bodies) const;

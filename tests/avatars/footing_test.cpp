@@ -38,7 +38,11 @@ float stretch(const Steps& own, std::span<const Steps> near) {
 }
 
 Vector2f landing(const Steps& own, size_t side, std::span<const Steps> near) {
-  return landing_shift_m(own, side, near, resolved(SimdTarget::kBest));
+  Landing landing(own, side, resolved(SimdTarget::kBest));
+  if (!landing.is_due()) return {0, 0};
+  for (const Steps& other : near)
+    if (landing.may_meet(other.root_m, other.velocity_mps)) landing.add(other);
+  return landing.shift_m();
 }
 
 TEST(Footing, WhoIsAloneWalksAsEver) {
@@ -79,15 +83,20 @@ TEST(Footing, ForeseesWhereTheGaitPutsTheFeet) {
 }
 
 /// What legs lack to be 7 cm apart when one comes down `shift` from where it would.
-float lack(const Steps& own, LegPlace lands, const Vector2f& shift, const Steps& other) {
-  lands.foot_m += shift;
-  lands.shin_m += 0.75f * shift;
-  lands.knee_m += 0.5f * shift;
-  float sum = 0;
+float lack(const Steps& own, const LegPlace& lands, const Vector2f& shift, const Steps& other) {
+  LegPlaces places{};
+  const auto put = [&places](const LegPlace& at) {
+    places.foot_x[0] = at.foot_m.x(), places.foot_y[0] = at.foot_m.y();
+    places.shin_x[0] = at.shin_m.x(), places.shin_y[0] = at.shin_m.y();
+    places.knee_x[0] = at.knee_m.x(), places.knee_y[0] = at.knee_m.y();
+  };
+  put({lands.foot_m + shift, lands.shin_m + 0.75f * shift, lands.knee_m + 0.5f * shift});
+  std::array<OtherLeg, 2> legs;
   for (size_t side = 0; side < 2; ++side)
-    sum += nearness(lands, {own.ahead, own.scale},
-                    {path_of(other, side).at(0), {other.ahead, other.scale}}, 0.07f);
-  return sum;
+    legs[side] = {path_of(other, side).at(0), {other.ahead, other.scale}};
+  alignas(64) PlaceNumbers costs = {};
+  add_nearness(places, {own.ahead, own.scale}, legs, 0.07f, SimdTarget::kScalar, costs);
+  return costs[0];
 }
 
 TEST(Footing, AFootLandsWhereNoOtherIs) {

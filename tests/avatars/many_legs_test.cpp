@@ -124,6 +124,45 @@ TEST(ManyLegs, AreAsNearAsPointsOfThemAre) {
   EXPECT_GT(near, 300);
 }
 
+TEST(ManyLegs, NearOnesAreThoseThatAreForeseenNearAndStay) {
+  constexpr size_t kTimes = 7;
+  constexpr float kFar_m = 0.6f, kClear_m = 0.07f;
+  int near_count = 0, touching = 0;
+  for (uint64_t seed = 0; seed < 400; ++seed) {
+    const Steps own = anybody(seed, 0), other = anybody(seed, 1);
+    alignas(64) PlaceNumbers ahead_s;
+    for (uint32_t i = 0; i < kPlaces; ++i) ahead_s[i] = drawn(seed, 100 + i, 0, 1);
+    ForeseenLeg mine, theirs;
+    foresee(LegNow(own, 0), ahead_s, kPlaces, SimdTarget::kScalar, mine);
+    foresee(LegNow(other, 1), ahead_s, kPlaces, SimdTarget::kScalar, theirs);
+    const WhatIsNear near = {{own.ahead, own.scale}, {other.ahead, other.scale}, kFar_m, kClear_m};
+    bool is_near = false;
+    for (size_t i = 0; i < kTimes; ++i)
+      is_near =
+          is_near || ((mine.places.at(i).foot_m - theirs.places.at(i).foot_m).norm() <= kFar_m &&
+                      theirs.stays[i] > 0);
+    for (const SimdTarget target : simd_targets_of_this_machine()) {
+      NearLeg found;
+      ASSERT_EQ(foresee_near(LegNow(other, 1), ahead_s, kTimes, mine.places, near, target, found),
+                is_near)
+          << "seed " << seed;
+      for (size_t i = 0; is_near && i < kTimes; ++i) {
+        const float apart_m = (mine.places.at(i).foot_m - theirs.places.at(i).foot_m).norm();
+        ASSERT_EQ(found.is_near[i], apart_m <= kFar_m && theirs.stays[i] > 0 ? 1.0f : 0.0f);
+        if (found.is_near[i] == 0) continue;
+        ++near_count;
+        ASSERT_EQ(distance_m(found.places.at(i), theirs.places.at(i)), 0) << "seed " << seed;
+        const double expected =
+            slow_nearness(mine.places.at(i), near.own, {theirs.places.at(i), near.other}, kClear_m);
+        touching += expected > 0;
+        ASSERT_NEAR(found.nearness[i], expected, 1e-3 * std::sqrt(expected) + 1e-5) << seed;
+      }
+    }
+  }
+  EXPECT_GT(near_count, 500);
+  EXPECT_GT(touching, 100);
+}
+
 TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
   int near = 0;
   for (uint64_t seed = 1; seed < 30; ++seed) {
