@@ -209,7 +209,7 @@ float stretch_for(const Steps& own, std::span<const Steps> near, float now, Simd
 
 Landing::Landing(const Steps& own, size_t side, SimdTarget target)
     : own_(own), side_(side), target_(target) {
-  static_assert(kMomentsBefore.size() == kMoments);
+  static_assert(kMomentsBefore.size() == kMoments && kMoments <= kEightTimes);
   LegNow leg(own, side);
   leg.landing_m = Vector2f::Zero();  // of where it would land
   const float lands_s = leg.lands_s();
@@ -219,7 +219,7 @@ Landing::Landing(const Steps& own, size_t side, SimdTarget target)
     const float before = kMomentsBefore[std::min(i, kMoments - 1)];
     ahead_s_[i] = std::max(lands_s - before / own.cycles_ps, 0.0f);
   }
-  foresee(leg, ahead_s_, kMoments, target, leg_);
+  foresee(leg, ahead_s_, kEightTimes, target, leg_);
 }
 
 bool Landing::may_meet(const Vector2f& root_m, const Vector2f& velocity_mps) const {
@@ -231,8 +231,7 @@ void Landing::add(const Steps& other) {
   const WhatIsNear near = {owner_of(own_), owner_of(other), kFarOff_m, kClear_m};
   NearLeg there;
   for (size_t side = 0; side < 2; ++side) {
-    if (!foresee_near(LegNow(other, side), ahead_s_, kMoments, leg_.places, near, target_, there))
-      continue;
+    if (!foresee_near(LegNow(other, side), ahead_s_, leg_.places, near, target_, there)) continue;
     for (size_t time = 0; time < kMoments; ++time) {
       if (there.is_near[time] == 0 || counts_[time] == kMostLegs) continue;
       legs_[time][counts_[time]++] = {there.places.at(time), near.other};

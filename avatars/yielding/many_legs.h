@@ -72,11 +72,11 @@ struct NearLeg {
   alignas(64) PlaceNumbers nearness;
 };
 
-/// At the first `count` of the times, where one's own leg will be as `own` says. False: it never
-/// matters; nothing else is set then.
-bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
-                  const LegPlaces& own, const WhatIsNear& near, SimdTarget target,
-                  NearLeg& foreseen);
+inline constexpr size_t kEightTimes = 8;
+/// At the first eight of the times, where one's own leg will be as `own` says. False: it never
+/// matters; nothing is set then.
+bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
+                  const WhatIsNear& near, SimdTarget target, NearLeg& foreseen);
 
 /// Rhythms that somebody could walk in: cycles a second until some time, and from then on. All
 /// above 0.

@@ -7,8 +7,8 @@ namespace throng {
 
 void foresee_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
                         ForeseenLeg& foreseen);
-bool foresee_near_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
-                             const LegPlaces& own, const WhatIsNear& near, NearLeg& foreseen);
+bool foresee_near_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
+                             const WhatIsNear& near, NearLeg& foreseen);
 void add_nearness_one_by_one(const LegPlaces& places, const LegOwner& own,
                              std::span<const OtherLeg> others, float clear_m, PlaceNumbers& costs);
 void add_nearness_in_one_by_one(const Rhythms& rhythms, const std::array<LegNow, 2>& own,

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "avatars/yielding/many_legs_kernel.h"
 #include "base/simd/one_lane.h"
 
@@ -18,13 +16,13 @@ void foresee_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t c
   for (size_t i = 0; i < count; ++i) one_lane::foresee_at(i, leg, ahead_s, foreseen);
 }
 
-bool foresee_near_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
-                             const LegPlaces& own, const WhatIsNear& near, NearLeg& foreseen) {
-  std::fill_n(foreseen.is_near, kPlaces, 0.0f);
-  std::fill_n(foreseen.nearness, kPlaces, 0.0f);
+bool foresee_near_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
+                             const WhatIsNear& near, NearLeg& foreseen) {
   bool is_near = false;
-  for (size_t i = 0; i < count; ++i)
+  for (size_t i = 0; i < kEightTimes; ++i) {
+    foreseen.is_near[i] = 0;
     is_near |= one_lane::foresee_near_at(i, leg, ahead_s, own, near, foreseen);
+  }
   return is_near;
 }
 

@@ -1,6 +1,5 @@
 // Two registers of places or rhythms at a time, and eight times: many_legs-inl.h over vector
 // registers.
-#include <algorithm>
 #include <cstddef>
 
 #include "avatars/yielding/many_legs_kernel.h"
@@ -43,16 +42,10 @@ void foresee_wide(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
     THRONG_EIGHT_LANES::foresee_at(i, leg, ahead_s, foreseen);
 }
 
-bool foresee_near_wide(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
-                       const LegPlaces& own, const WhatIsNear& near, NearLeg& foreseen) {
-  bool is_near = false;
-  for (size_t i = 0; i < count; i += THRONG_EIGHT_LANES::kAtOnce) {
-    // What is not near sets nothing.
-    std::fill_n(foreseen.is_near + i, THRONG_EIGHT_LANES::kAtOnce, 0.0f);
-    std::fill_n(foreseen.nearness + i, THRONG_EIGHT_LANES::kAtOnce, 0.0f);
-    is_near |= THRONG_EIGHT_LANES::foresee_near_at(i, leg, ahead_s, own, near, foreseen);
-  }
-  return is_near;
+bool foresee_near_wide(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
+                       const WhatIsNear& near, NearLeg& foreseen) {
+  static_assert(THRONG_EIGHT_LANES::kAtOnce == kEightTimes);
+  return THRONG_EIGHT_LANES::foresee_near_at(0, leg, ahead_s, own, near, foreseen);
 }
 
 void add_nearness_wide(const LegPlaces& places, const LegOwner& own,
@@ -79,11 +72,10 @@ void foresee(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count, SimdT
   THRONG_CHOOSE(target, foresee_wide, foresee_one_by_one)(leg, ahead_s, count, foreseen);
 }
 
-bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
-                  const LegPlaces& own, const WhatIsNear& near, SimdTarget target,
-                  NearLeg& foreseen) {
-  return THRONG_CHOOSE(target, foresee_near_wide, foresee_near_one_by_one)(leg, ahead_s, count, own,
-                                                                           near, foreseen);
+bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
+                  const WhatIsNear& near, SimdTarget target, NearLeg& foreseen) {
+  return THRONG_CHOOSE(target, foresee_near_wide, foresee_near_one_by_one)(leg, ahead_s, own, near,
+                                                                           foreseen);
 }
 
 void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const OtherLeg> others,

@@ -125,7 +125,6 @@ TEST(ManyLegs, AreAsNearAsPointsOfThemAre) {
 }
 
 TEST(ManyLegs, NearOnesAreThoseThatAreForeseenNearAndStay) {
-  constexpr size_t kTimes = 7;
   constexpr float kFar_m = 0.6f, kClear_m = 0.07f;
   int near_count = 0, touching = 0;
   for (uint64_t seed = 0; seed < 400; ++seed) {
@@ -137,16 +136,15 @@ TEST(ManyLegs, NearOnesAreThoseThatAreForeseenNearAndStay) {
     foresee(LegNow(other, 1), ahead_s, kPlaces, SimdTarget::kScalar, theirs);
     const WhatIsNear near = {{own.ahead, own.scale}, {other.ahead, other.scale}, kFar_m, kClear_m};
     bool is_near = false;
-    for (size_t i = 0; i < kTimes; ++i)
+    for (size_t i = 0; i < kEightTimes; ++i)
       is_near =
           is_near || ((mine.places.at(i).foot_m - theirs.places.at(i).foot_m).norm() <= kFar_m &&
                       theirs.stays[i] > 0);
     for (const SimdTarget target : simd_targets_of_this_machine()) {
       NearLeg found;
-      ASSERT_EQ(foresee_near(LegNow(other, 1), ahead_s, kTimes, mine.places, near, target, found),
-                is_near)
+      ASSERT_EQ(foresee_near(LegNow(other, 1), ahead_s, mine.places, near, target, found), is_near)
           << "seed " << seed;
-      for (size_t i = 0; is_near && i < kTimes; ++i) {
+      for (size_t i = 0; is_near && i < kEightTimes; ++i) {
         const float apart_m = (mine.places.at(i).foot_m - theirs.places.at(i).foot_m).norm();
         ASSERT_EQ(found.is_near[i], apart_m <= kFar_m && theirs.stays[i] > 0 ? 1.0f : 0.0f);
         if (found.is_near[i] == 0) continue;
