@@ -135,8 +135,6 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
       min_look_rad_ = limits.lower;
       max_look_rad_ = limits.upper;
     }
-    if (const int aside = posable.joint_of("pelvis_lateral"); aside >= 0)
-      aside_column_ = posable.column_of_joint(aside);
     table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
     table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
     for (int speed = 0; speed < kSpeeds; ++speed) {
@@ -148,6 +146,10 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
       for (int phase = 0; phase <= kPhases; ++phase)
         table_->set_row(speed, phase, cycles.back()[static_cast<size_t>(phase % kPhases)].columns);
     }
+    if (const int aside = posable.joint_of("pelvis_lateral"); aside >= 0)
+      for (int speed = 0; speed < kSpeeds; ++speed)
+        for (int phase = 0; phase <= kPhases; ++phase)
+          aside_m_.push_back(table_->row(speed, phase)[posable.column_of_joint(aside)]);
     leg_links.assign(walker->leg_links().begin(), walker->leg_links().end());
     max_drop_m = Stepping::max_drop_m(*walker);
     standing = standing_joints(posable, *table_, highest);
@@ -213,13 +215,10 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> p
 }
 
 float Gait::trunk_aside_m(const WalkPosture& posture) const {
-  if (aside_column_ < 0) return 0;
+  if (aside_m_.empty()) return 0;
   const float* n = posture.numbers;
-  const float* at = table_->rows.data() +
-                    static_cast<size_t>(n[WalkPosture::kNode]) * table_->next_phase() +
-                    aside_column_;
-  return bilinear(at, table_->next_phase(), table_->next_speed(), n[WalkPosture::kU],
-                  n[WalkPosture::kV]);
+  return bilinear(aside_m_.data() + static_cast<size_t>(n[WalkPosture::kNode]), 1,
+                  static_cast<size_t>(table_->phases + 1), n[WalkPosture::kU], n[WalkPosture::kV]);
 }
 
 void Gait::look(float look_rad, std::span<float> row) const {

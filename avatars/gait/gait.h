@@ -91,7 +91,7 @@ class Gait {
   struct Table;
   int column_count_ = 0;
   int look_column_ = -1;
-  int aside_column_ = -1;
+  std::vector<float> aside_m_;                 ///< of the table's rows; empty: never aside
   float min_look_rad_ = 0, max_look_rad_ = 0;  ///< the joint's limits
   Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
   float sphere_radius_m_ = 0;

@@ -203,22 +203,21 @@ THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i,
   const F per_apart = 1.0f / max_of(apart, 1e-6f);
   const F away_x = per_apart * world_x, away_y = per_apart * world_y;
   const F x = own.cos * away_x + own.sin * away_y, y = own.cos * away_y - own.sin * away_x;
-  const Way ways[1] = {{y, x}};
-  F angle[1];
-  angles_of(ways, angle);
-
   F way[4], motion[4];
   load_rows([&](size_t lane) { return &other[lane]->cos; }, way);
-  load_rows([&](size_t lane) { return &other[lane]->cycles_ps; }, motion);
-  alignas(64) float scales[kAtOnce], discs[kAtOnce];
-  for (size_t lane = 0; lane < kAtOnce; ++lane) {
-    scales[lane] = other[lane]->scale;
-    discs[lane] = other[lane]->disc_m;
-  }
+  load_rows([&](size_t lane) { return &other[lane]->turn_rad; }, motion);
+  alignas(64) float discs[kAtOnce];
+  for (size_t lane = 0; lane < kAtOnce; ++lane) discs[lane] = other[lane]->disc_m;
+  const F their_x = 0.0f - (way[0] * away_x + way[1] * away_y),
+          their_y = way[1] * away_x - way[0] * away_y;
+  const Way ways[2] = {{y, x}, {their_y, their_x}};
+  F angles[2];
+  angles_of(ways, angles);
+
   const F ahead_s = load(borders.ahead_s + i);
   alignas(64) int32_t own_phase[kAtOnce], their_phase[kAtOnce];
   store_whole((own.phase + ahead_s * own.cycles_ps) * float{Swings::kPhases} + 0.5f, own_phase);
-  store_whole((way[3] + ahead_s * motion[0]) * float{Swings::kPhases} + 0.5f, their_phase);
+  store_whole((way[2] + ahead_s * way[3]) * float{Swings::kPhases} + 0.5f, their_phase);
   Shapes shapes;
   for (size_t lane = 0; lane < kAtOnce; ++lane) {
     shapes.outline[lane] = &own.swung->outline();
@@ -227,7 +226,7 @@ THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i,
   F drawn[2][8];
   for (size_t side = 0; side < 2; ++side)
     set_octagon(own.swung->outline().drawn[side], drawn[side]);
-  const Reach mine = reach_of(stance, shapes, drawn, x, y, angle[0]);
+  const Reach mine = reach_of(stance, shapes, drawn, x, y, angles[0]);
   for (size_t lane = 0; lane < kAtOnce; ++lane) {
     const Swings& swung = other[lane]->swung != nullptr ? *other[lane]->swung : *own.swung;
     shapes.outline[lane] = &swung.outline();
@@ -236,11 +235,8 @@ THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i,
   for (size_t side = 0; side < 2; ++side)
     load_octagons([&](size_t lane) -> const Octagon& { return shapes.outline[lane]->drawn[side]; },
                   drawn[side]);
-  const F their_x = 0.0f - (way[0] * away_x + way[1] * away_y),
-          their_y = way[1] * away_x - way[0] * away_y;
-  const Reach theirs =
-      reach_of(stance_of(load(scales), motion[1], motion[2], motion[3]), shapes, drawn, their_x,
-               their_y, angle[0] + (own.heading_rad + 3.14159265f) - way[2]);
+  const Reach theirs = reach_of(stance_of(motion[3], motion[0], motion[1], motion[2]), shapes,
+                                drawn, their_x, their_y, angles[1]);
 
   const F disc = load(discs), per_scale = 1.0f / own.scale;
   const F of_disc = apart - disc;
@@ -250,7 +246,7 @@ THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i,
   const F trunk_room = 0.5f * (apart + mine.trunk_m - theirs.trunk_m);
   store(x, borders.x + i);
   store(y, borders.y + i);
-  store(direction_of(angle[0]), borders.direction + i);
+  store(direction_of(angles[0]), borders.direction + i);
   store(per_scale * select(is_disc, of_disc, trunk_room), borders.trunk_room_m + i);
   store(per_scale * select(is_disc, of_disc, arm_room), borders.arm_room_m + i);
 }

@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "avatars/gait/gait_pose.h"
+#include "avatars/yielding/upper_room_kernel.h"
 
 namespace throng {
 namespace {
-
-// Single precision in postures and kinematics: ten times what was measured.
-constexpr float kSlack_m = 1e-4f;
 
 /// Whether a head that hangs from the trunk turns about the axis that the trunk turns about.
 bool is_on_axis(const PosableModel& model, const Joint& head, const YieldColumns& columns) {
@@ -24,9 +22,19 @@ bool is_on_axis(const PosableModel& model, const Joint& head, const YieldColumns
   return to.cross(trunk.axis).norm() < kNearly && (axis - trunk.axis).norm() < kNearly;
 }
 
+/// The links of parts, each once.
+std::vector<int> links_of(const auto& parts) {
+  std::vector<int> links;
+  for (const auto& upper : parts)
+    if (std::find(links.begin(), links.end(), upper.part->link) == links.end())
+      links.push_back(upper.part->link);
+  return links;
+}
+
 }  // namespace
 
-UpperRoom::UpperRoom(const Model& model, const YieldColumns& columns) {
+std::vector<UpperRoom::UpperPart> UpperRoom::upper_parts(const Model& model,
+                                                         const YieldColumns& columns) {
   const PosableModel posable(model);
   const Robot& robot = model.robot;
   std::vector<bool> is_upper(robot.links.size()), turns(robot.links.size()),
@@ -41,77 +49,62 @@ UpperRoom::UpperRoom(const Model& model, const YieldColumns& columns) {
     // Its turns cancel the trunk's: see put_yield().
     stays[child] = turns[child] && is_on_axis(posable, joint, columns);
   }
-  for (size_t i = 0; i < model.parts.size(); ++i) {
-    const Part& part = model.parts[i];
+  std::vector<UpperPart> upper;
+  for (const Part& part : model.parts) {
     const auto link = static_cast<size_t>(part.link);
     if (is_upper[link] && !stays[link] && !part.mesh.vertices.empty())
-      shapes_.push_back(around(part, static_cast<uint32_t>(i), turns[link]));
+      upper.push_back({&part, turns[link]});
   }
+  return upper;
+}
+
+UpperRoom::UpperRoom(const Model& model, const YieldColumns& columns)
+    : UpperRoom(model, upper_parts(model, columns)) {}
+
+UpperRoom::UpperRoom(const Model& model, const std::vector<UpperPart>& parts)
+    : kinematics_(model.robot, links_of(parts)) {
+  const std::vector<int> links = links_of(parts);
+  const auto add_part = [&](const UpperPart& upper) {
+    const auto link = std::find(links.begin(), links.end(), upper.part->link) - links.begin();
+    add(upper, static_cast<uint32_t>(link));
+  };
+  for (const UpperPart& upper : parts) add_part(upper);
+  while (shapes_.link.size() % kShapesAtOnce != 0) add_part(parts.back());
 }
 
 /// Of a part that turns about its frame's z axis, whichever way it is turned.
-UpperRoom::Shape UpperRoom::around(const Part& part, uint32_t index, bool turns) {
+void UpperRoom::add(const UpperPart& upper, uint32_t link) {
+  const std::vector<Eigen::Vector3f>& vertices = upper.part->mesh.vertices;
   Eigen::AlignedBox3f box;
   float farthest = 0;
-  for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
+  for (const Eigen::Vector3f& vertex : vertices) {
     box.extend(vertex);
     farthest = std::max(farthest, vertex.head<2>().norm());
   }
-  if (turns) {
+  if (upper.turns) {
     box.min().head<2>().setConstant(-farthest);
     box.max().head<2>().setConstant(farthest);
   }
   const Eigen::Vector3f middle = box.center(), half = 0.5f * box.sizes();
-  float widest = turns ? 1 : 0;  // of the ellipse that the box is around, so much wider
-  for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
-    if (turns) break;
+  float widest = upper.turns ? 1 : 0;  // of the ellipse that the box is around, so much wider
+  for (const Eigen::Vector3f& vertex : vertices) {
+    if (upper.turns) break;
     const Eigen::Vector2f across =
         (vertex - middle).head<2>().cwiseQuotient(half.head<2>().cwiseMax(1e-6f));
     widest = std::max(widest, across.norm());
   }
-  return {index,
-          {middle.x(), middle.y(), middle.z()},
-          {half.x(), half.y(), half.z()},
-          {widest * half.x(), widest * half.y()}};
-}
-
-UpperRoom::Extent UpperRoom::extent_of(const Shape& shape, const PartPose& pose) {
-  Extent extent;
+  shapes_.link.push_back(link);
   for (int axis = 0; axis < 3; ++axis) {
-    const float* r = pose.rows[axis];
-    const float *m = shape.middle_m, *h = shape.half_m;
-    const float middle = r[0] * m[0] + r[1] * m[1] + r[2] * m[2] + r[3];
-    const float x = r[0] * shape.ellipse_m[0], y = r[1] * shape.ellipse_m[1];
-    const float across =
-        std::min(std::abs(r[0]) * h[0] + std::abs(r[1]) * h[1], std::sqrt(x * x + y * y));
-    const float half = across + std::abs(r[2]) * h[2] + kSlack_m;
-    extent.low_m[axis] = middle - half;
-    extent.high_m[axis] = middle + half;
+    shapes_.middle_m[axis].push_back(middle[axis]);
+    shapes_.half_m[axis].push_back(half[axis]);
+    if (axis < 2) shapes_.ellipse_m[axis].push_back(widest * half[axis]);
   }
-  return extent;
 }
 
-std::optional<RootBox> UpperRoom::box_within(std::span<const PartPose> poses, float sphere_z_m,
-                                             float sphere_m, float cylinder_m) const {
+std::optional<RootBox> UpperRoom::box_within(std::span<const PartPose> poses, const RoundRoom& all,
+                                             SimdTarget target) const {
   RootBox box;
-  for (const Shape& shape : shapes_) {
-    const Extent extent = extent_of(shape, poses[shape.part]);
-    const auto farthest = [&](int axis, float from) {
-      const float most = std::max(from - extent.low_m[axis], extent.high_m[axis] - from);
-      return most * most;
-    };
-    const float across = farthest(0, 0) + farthest(1, 0);
-    if (!(across <= cylinder_m * cylinder_m &&
-          across + farthest(2, sphere_z_m) <= sphere_m * sphere_m))
-      return {};
-    const bool is_first = &shape == shapes_.data();
-    for (int axis = 0; axis < 3; ++axis) {
-      box.min_m[axis] =
-          is_first ? extent.low_m[axis] : std::min(box.min_m[axis], extent.low_m[axis]);
-      box.max_m[axis] =
-          is_first ? extent.high_m[axis] : std::max(box.max_m[axis], extent.high_m[axis]);
-    }
-  }
+  if (!find_upper_box(shapes_, poses, all, target, box)) return {};
   return box;
 }
 

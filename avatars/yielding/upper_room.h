@@ -11,33 +11,45 @@
 #include "avatars/model/model.h"
 #include "avatars/yielding/outline.h"
 #include "base/pose.h"
+#include "base/simd.h"
 
 namespace throng {
+
+/// A sphere on the root's z axis and an upright cylinder around that axis.
+struct RoundRoom {
+  float sphere_z_m, sphere_m, cylinder_m;
+};
 
 class UpperRoom {
  public:
   UpperRoom(const Model& model, const YieldColumns& columns);
 
-  /// A box around the upper body in x, y and z; `poses` of all parts of the model, root frame,
-  /// scale 1. Nothing if a sphere on the root's z axis and an upright cylinder around it do not
-  /// hold all of it.
-  std::optional<RootBox> box_within(std::span<const PartPose> poses, float sphere_z_m,
-                                    float sphere_m, float cylinder_m) const;
+  /// Poses the links of the upper body from posture rows of the whole.
+  const FlatModel& kinematics() const { return kinematics_; }
+
+  /// A box around the upper body in x, y and z; `poses` as kinematics() has them, root frame,
+  /// scale 1. Nothing if `all` does not hold all of it.
+  std::optional<RootBox> box_within(std::span<const PartPose> poses, const RoundRoom& all,
+                                    SimdTarget target) const;
+
+  /// Of parts, up to a multiple of eight, the last one repeated: a box in the frame of its link,
+  /// and an ellipse across it that holds the part, too.
+  struct Shapes {
+    std::vector<uint32_t> link;  ///< of kinematics()
+    std::vector<float> middle_m[3], half_m[3], ellipse_m[2];
+  };
 
  private:
-  /// A part's box in its link's frame, and an ellipse across it that holds the part, too.
-  struct Shape {
-    uint32_t part;
-    float middle_m[3], half_m[3];
-    float ellipse_m[2];
+  struct UpperPart {
+    const Part* part;
+    bool turns;  ///< about the z axis of its link
   };
-  struct Extent {
-    float low_m[3], high_m[3];
-  };
-  static Shape around(const Part& part, uint32_t index, bool turns);
-  static Extent extent_of(const Shape& shape, const PartPose& pose);
+  static std::vector<UpperPart> upper_parts(const Model& model, const YieldColumns& columns);
+  UpperRoom(const Model& model, const std::vector<UpperPart>& parts);
+  void add(const UpperPart& part, uint32_t link);
 
-  std::vector<Shape> shapes_;
+  FlatModel kinematics_;
+  Shapes shapes_;
 };
 
 }  // namespace throng

@@ -46,6 +46,11 @@ struct YieldMotion {
   float turn_rad = 0, turn_rps = 0;  ///< of the trunk, from the way
   std::array<float, 2> arms{}, arms_ps{};
   bool is_near = false;  ///< of what is wanted: somebody or something is within reach
+
+  bool is_at_rest() const {
+    return turn_rad == 0 && turn_rps == 0 && arms[0] == 0 && arms[1] == 0 && arms_ps[0] == 0 &&
+           arms_ps[1] == 0;
+  }
 };
 
 /// Of a turn of the trunk the hips take so much; the waist does the rest.
@@ -56,10 +61,10 @@ inline constexpr float kHipsShare = 0.25f;
 struct alignas(64) SeenBody {
   float x_m = 0, y_m = 0;  ///< of the axis that the trunk turns about
   float vx_mps = 0, vy_mps = 0;
-  float cos = 1, sin = 0, heading_rad = 0;  ///< of its way
-  float phase = 0, cycles_ps = 0;           ///< where in its cycle it is; cycles a second
-  float turn_rad = 0;                       ///< of the trunk, from the way; below a quarter turn
-  std::array<float, 2> arms{};              ///< share of being drawn in: right, left
+  float cos = 1, sin = 0;          ///< of its way
+  float phase = 0, cycles_ps = 0;  ///< where in its cycle it is; cycles a second
+  float turn_rad = 0;              ///< of the trunk, from the way; below a quarter turn
+  std::array<float, 2> arms{};     ///< share of being drawn in: right, left
   float scale = 1;
   float disc_m = 0;               ///< radius of a disc, which does not give way
   const Swings* swung = nullptr;  ///< of its outline, at the speed it walks at; null: a disc

@@ -65,19 +65,20 @@ YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const Bod
       found_(avatars * NeighbourGrid::kMost),
       counts_(avatars) {
   middle_m_ = grid_.middle_m();
-  size_t most_columns = 0, most_parts = 0;
+  size_t most_columns = 0, most_links = 0;
   for (size_t model = 0; model < posing.model_count(); ++model) {
     const Outline* outline = posing.outline_of(model);
     rooms_.emplace_back();
     if (outline == nullptr) continue;
     rooms_.back().emplace(posing.model(model), outline->columns);
     most_columns = std::max(most_columns, static_cast<size_t>(posing.column_count(model)));
-    most_parts = std::max(most_parts, static_cast<size_t>(posing.model(model).part_count()));
+    const UpperRoom& room = *rooms_.back();
+    most_links = std::max(most_links, static_cast<size_t>(room.kinematics().output_count()));
   }
   scratch_.resize(static_cast<size_t>(workers.threads()));
   for (Scratch& scratch : scratch_) {
     scratch.rows.resize(kBatch * most_columns);
-    scratch.poses.resize(kBatch * most_parts);
+    scratch.poses.resize(kBatch * most_links);
   }
 }
 
@@ -152,10 +153,13 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
     // The trunk's place, which sways; its way is the root's, which does not.
     seen.x_m = static_cast<float>(at.x() - middle_m_.x()) - aside_m * sin;
     seen.y_m = static_cast<float>(at.y() - middle_m_.y()) + aside_m * cos;
-    seen.heading_rad = 2 * float_arc_tan2(z, w) - bodies.yields[id].hips_rad;
-    const FloatSinCos way_turn = float_sin_cos(seen.heading_rad);
-    seen.cos = way_turn.cos;
-    seen.sin = way_turn.sin;
+    seen.cos = cos;
+    seen.sin = sin;
+    if (const float hips = bodies.yields[id].hips_rad; hips != 0) {
+      const FloatSinCos turn = float_sin_cos(hips);
+      seen.cos = cos * turn.cos + sin * turn.sin;
+      seen.sin = sin * turn.cos - cos * turn.sin;
+    }
     landings_m_[id] = bodies.yields[id].landing_m;
     const float phase = bodies.phases[id];
     const float cycles = phase - seen.phase;
@@ -215,6 +219,7 @@ void YieldingStage::find_walls(const Eigen::Vector2d& position_m, Around& around
 YieldMotion YieldingStage::wanted_of(uint32_t id) const {
   const SeenBody& own = seen_[id];
   const Around& around = around_[id];
+  if (around.people_count == 0 && around.wall_count == 0) return {};
   static_assert(NeighbourGrid::kMost <= kMostNear);
   std::array<const SeenBody*, NeighbourGrid::kMost> near;
   for (size_t i = 0; i < around.people_count; ++i) near[i] = &seen_[around.people[i]];
@@ -237,7 +242,7 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
   // A person who has just come in has seen the others before.
   if (is_fresh)
     motion = wanted_[id];
-  else
+  else if (wanted_[id].is_near || !motion.is_at_rest())
     follow(wanted_[id], step_s_, motion);
   Yield& yield = bodies.yields[id];
   yield.trunk_rad = motion.turn_rad - yield.hips_rad;
@@ -322,22 +327,21 @@ void YieldingStage::place_feet(uint32_t id, BodyStates& bodies) {
 /// given way. Who would leave the room of all postures does not give way.
 void YieldingStage::make_room(std::span<const uint32_t> ids, int worker, BodyStates& bodies) {
   const uint16_t type = bodies.types[ids.front()];
-  const Model& model = posing_.model(type);
   const UpperRoom& room = *rooms_[type];
-  const RootSphere all = posing_.sphere(type);
-  const auto parts = static_cast<size_t>(model.part_count());
-  const auto columns = static_cast<size_t>(model.kinematics.column_count());
+  const RootSphere sphere = posing_.sphere(type);
+  const RoundRoom all = {sphere.centre_m.z(), sphere.radius_m, sphere.upright_radius_m};
+  const auto links = static_cast<size_t>(room.kinematics().output_count());
+  const auto columns = static_cast<size_t>(posing_.column_count(type));
   Scratch& scratch = scratch_[static_cast<size_t>(worker)];
   const std::span<float> rows(scratch.rows.data(), ids.size() * columns);
-  const std::span<PartPose> poses(scratch.poses.data(), ids.size() * parts);
+  const std::span<PartPose> poses(scratch.poses.data(), ids.size() * links);
   const std::array<RootFrame, kBatch> frames{};
   posing_.rows(ids, rows);
-  forward_kinematics(model.kinematics, rows, {frames.data(), ids.size()}, poses);
+  forward_kinematics(room.kinematics(), rows, {frames.data(), ids.size()}, poses, simd_);
   for (size_t i = 0; i < ids.size(); ++i) {
     const uint32_t id = ids[i];
-    const std::span<const PartPose> body = poses.subspan(i * parts, parts);
     const std::optional<RootBox> upper =
-        room.box_within(body, all.centre_m.z(), all.radius_m, all.upright_radius_m);
+        room.box_within(poses.subspan(i * links, links), all, simd_);
     if (!upper) {
       bodies.yields[id].trunk_rad = 0;
       bodies.yields[id].arms = {};

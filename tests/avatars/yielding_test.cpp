@@ -34,7 +34,6 @@ SeenBody beside(float x_m, float y_m, float speed_mps = 1.3f, float heading_rad 
   SeenBody body = walker(speed_mps);
   body.x_m = x_m;
   body.y_m = y_m;
-  body.heading_rad = heading_rad;
   body.cos = std::cos(heading_rad);
   body.sin = std::sin(heading_rad);
   return body;
@@ -288,8 +287,7 @@ TEST(Yielding, WhatIsWantedIsTheSameByEveryTargetWhicheverWayAllAreTurned) {
       const SeenBody b = body;
       body.x_m = cos * b.x_m - sin * b.y_m, body.y_m = cos * b.y_m + sin * b.x_m;
       body.vx_mps = cos * b.vx_mps - sin * b.vy_mps, body.vy_mps = cos * b.vy_mps + sin * b.vx_mps;
-      body.heading_rad += turn;
-      body.cos = std::cos(body.heading_rad), body.sin = std::sin(body.heading_rad);
+      body.cos = cos * b.cos - sin * b.sin, body.sin = cos * b.sin + sin * b.cos;
     };
     turn_all(own);
     for (SeenBody& body : near) turn_all(body);
