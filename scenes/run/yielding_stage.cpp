@@ -234,6 +234,12 @@ YieldMotion YieldingStage::wanted_of(uint32_t id) const {
                       simd_);
 }
 
+/// Asks for what deciding about somebody will read: others are far apart in memory.
+void YieldingStage::fetch(uint32_t id) const {
+  if (id < around_.size())
+    for (const uint32_t other : around_[id].near()) __builtin_prefetch(&seen_[other]);
+}
+
 void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
   YieldMotion& motion = motions_[id];
   const bool is_fresh = was_there_[id] == kFresh;
@@ -377,6 +383,7 @@ void YieldingStage::step(std::span<const uint8_t> present, BodyStates& bodies) {
     for (uint32_t id = block.first; id < block.first + block.count; ++id) {
       if (was_there_[id] == kAway) bodies.yields[id] = {};
       if (was_there_[id] == kAway || is_held(bodies, id)) continue;
+      if ((steps_ + id + 1) % steps_a_decision_ == 0) fetch(id + 1);
       give_way(id, bodies);
       place_feet(id, bodies);
       if (bodies.yields[id].is_none()) continue;

@@ -58,6 +58,7 @@ class YieldingStage {
   void find_walls(const Eigen::Vector2d& position_m, Around& around) const;
   void check_read(Archive& a, const BodyStates& bodies) const;
   YieldMotion wanted_of(uint32_t id) const;
+  void fetch(uint32_t id) const;
   void give_way(uint32_t id, BodyStates& bodies);
   bool has_steps(uint32_t id, const BodyStates& bodies) const;
   float wanted_stretch(uint32_t id, const BodyStates& bodies) const;
