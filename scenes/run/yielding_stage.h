@@ -36,6 +36,10 @@ class YieldingStage {
   void archive(Archive& a, BodyStates& bodies);
 
  private:
+  /// How fast somebody goes, over a longer and a shorter time.
+  struct Ways {
+    Eigen::Vector2f long_mps = Eigen::Vector2f::Zero(), short_mps = Eigen::Vector2f::Zero();
+  };
   struct Wall {
     float x = 0, y = 0;  ///< away from it
     float offset_m = 0;  ///< of its line, from the middle of the ground
@@ -65,7 +69,7 @@ class YieldingStage {
   std::array<float, 4> wanted_landing_m(uint32_t id, const BodyStates& bodies) const;
   void place_feet(uint32_t id, BodyStates& bodies);
   void make_room(std::span<const uint32_t> ids, int worker, BodyStates& bodies);
-  Steps steps_of(uint32_t id, const BodyStates& bodies) const;
+  Steps steps_of(uint32_t id, const BodyStates& bodies, const Eigen::Vector2f& velocity_mps) const;
 
   /// For the postures of some of a model, one a worker.
   struct Scratch {
@@ -88,6 +92,7 @@ class YieldingStage {
   std::vector<BodyBlock> blocks_;
   std::vector<SeenBody> seen_;  ///< by avatar, as all that follows; from the middle of the ground
   std::vector<std::array<float, 4>> landings_m_;  ///< Yield::landing_m of the frame before
+  std::vector<Ways> ways_;
   std::vector<Eigen::Vector2d> last_m_;
   std::vector<uint8_t> was_there_;
   std::vector<YieldMotion> motions_, wanted_;
