@@ -20,7 +20,7 @@ inline constexpr float kHeld = 0.7f;
 
 /// So much room in a direction, of which so much counts: a number of each border, and as many more
 /// as a register has.
-inline constexpr size_t kMostBorders = 3 * kMostNear + 2 * kMostNearWalls;
+inline constexpr size_t kMostBorders = 4 * kMostNear + 2 * kMostNearWalls;
 using BorderNumbers = float[kMostBorders + kAtOnce];
 struct Borders {
   alignas(64) BorderNumbers x, y;  ///< first where the other will be, then the direction
@@ -162,18 +162,39 @@ THRONG_LANES Reach reach_of(const Stance& stance, const Shapes& shapes, const F 
   return {stance.scale * trunk, stance.scale * firm, stance.scale * all};
 }
 
-/// The times at which others, as they go, come within reach: now, when they will be nearest, and
-/// half-way to that.
+/// How a trunk sways to the left and back, from where it is now.
+struct Sway {
+  const SeenBody& body;
+  float now_m;
+
+  THRONG_LANES explicit Sway(const SeenBody& of)
+      : body(of), now_m(of.swung != nullptr ? of.swung->aside_m(of.phase) : 0) {}
+  THRONG_LANES float left_m(float ahead_s) const {
+    if (body.swung == nullptr) return 0;
+    return body.scale * (body.swung->aside_m(body.phase + ahead_s * body.cycles_ps) - now_m);
+  }
+};
+
+/// The times at which others, as they go, come within reach: now, when they will be nearest,
+/// half-way to that and a little later.
 THRONG_LANES void find_borders(const SeenBody& own, std::span<const SeenBody* const> near,
                                Borders& borders) {
+  constexpr float kHardly_s = 0.05f;
+  // Trunks sway and arms swing: what is nearest now may be nearer a quarter of a cycle later, and
+  // arms behind pass each other after the trunks.
+  constexpr float kSway_s = 0.25f, kAfter_s = 0.15f;
   constexpr float kReach2 = kYieldReach_m * kYieldReach_m;
+  const Sway own_sway(own);
   for (const SeenBody* other : near) {
+    const Sway sway(*other);
     const float dx = other->x_m - own.x_m, dy = other->y_m - own.y_m;
     const float vx = other->vx_mps - own.vx_mps, vy = other->vy_mps - own.vy_mps;
     const float closing = -(dx * vx + dy * vy), speed2 = std::max(vx * vx + vy * vy, 1e-4f);
     const float nearest_s = closing > 0 ? std::min(closing / speed2, kYieldAhead_s) : 0;
     const auto add = [&](float ahead_s) {
-      const float x = dx + ahead_s * vx, y = dy + ahead_s * vy;
+      const float mine_m = own_sway.left_m(ahead_s), theirs_m = sway.left_m(ahead_s);
+      const float x = dx + ahead_s * vx - theirs_m * other->sin + mine_m * own.sin;
+      const float y = dy + ahead_s * vy + theirs_m * other->cos - mine_m * own.cos;
       if (x * x + y * y > kReach2) return false;
       const float left = (kYieldAhead_s - ahead_s) * (1 / (kYieldAhead_s - kSoon_s));
       const size_t i = borders.count;
@@ -185,11 +206,12 @@ THRONG_LANES void find_borders(const SeenBody& own, std::span<const SeenBody* co
       borders.count += left > 0;
       return true;
     };
-    if (nearest_s < 0.05f) {
-      add(0);
+    if (nearest_s < kHardly_s) {
+      if (add(0)) add(kSway_s);
     } else if (add(nearest_s)) {
-      add(0.5f * nearest_s);
       add(0);
+      add(0.5f * nearest_s);
+      add(nearest_s + kAfter_s);
     }
   }
   borders.with_people = borders.count;

@@ -150,8 +150,9 @@ void Limbs::add(const Limbs& other) {
   }
 }
 
-Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes)
-    : outline_(&outline), boxes_(boxes) {
+Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
+               const std::array<float, kPhases>& aside_m)
+    : outline_(&outline), boxes_(boxes), aside_m_(aside_m) {
   for (size_t phase = 0; phase < kPhases; ++phase) {
     boxes_[phase].add(boxes[(phase + 1) % kPhases]);
     boxes_[phase].add(boxes[(phase + kPhases - 1) % kPhases]);
@@ -221,12 +222,18 @@ std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitT
     const float* from = table.row(speed, phase);
     return std::vector<double>(from, from + table.columns);
   };
+  const int aside = model.joint_of("pelvis_lateral");
   for (int speed = 0; speed < table.speeds; ++speed) {
     std::array<Limbs, Swings::kPhases> boxes;
-    for (int phase = 0; phase < Swings::kPhases; ++phase)
-      boxes[static_cast<size_t>(phase)] =
-          boxes_of(row(speed, phase * table.phases / Swings::kPhases), way_axes);
-    outline->swings.emplace_back(*outline, boxes);
+    std::array<float, Swings::kPhases> aside_m{};
+    for (int phase = 0; phase < Swings::kPhases; ++phase) {
+      const std::vector<double> posture = row(speed, phase * table.phases / Swings::kPhases);
+      boxes[static_cast<size_t>(phase)] = boxes_of(posture, way_axes);
+      if (aside >= 0)
+        aside_m[static_cast<size_t>(phase)] =
+            static_cast<float>(posture[static_cast<size_t>(model.column_of_joint(aside))]);
+    }
+    outline->swings.emplace_back(*outline, boxes, aside_m);
   }
   return outline;
 }

@@ -77,8 +77,10 @@ class Swings {
  public:
   static constexpr int kPhases = 16;
 
-  /// Keeps a pointer to the outline that it is of.
-  Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes);
+  /// Keeps a pointer to the outline that it is of. Limbs, and how far the trunk is to the left of
+  /// the root, by phase.
+  Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
+         const std::array<float, kPhases>& aside_m);
   const Outline& outline() const { return *outline_; }
   /// Within a sixteenth of a cycle, counted in these; they may lie beyond one.
   const Limbs& at(int sixteenth) const {
@@ -88,11 +90,19 @@ class Swings {
   static int sixteenth_of(float phase) { return static_cast<int>(phase * kPhases + 0.5f); }
   /// Over a cycle.
   const Limbs& ever() const { return ever_; }
+  /// How far to the left of the root the trunk is at a phase from 0.
+  float aside_m(float phase) const {
+    const float at = phase * kPhases;
+    const auto node = static_cast<unsigned>(at);
+    const float from_m = aside_m_[node % kPhases], to_m = aside_m_[(node + 1) % kPhases];
+    return from_m + (at - static_cast<float>(node)) * (to_m - from_m);
+  }
 
  private:
   const Outline* outline_;
   std::array<Limbs, kPhases> boxes_;
   Limbs ever_;
+  std::array<float, kPhases> aside_m_;
 };
 
 /// Of one style of walking.
