@@ -18,9 +18,8 @@ constexpr float kSearch_m = 2.4f;
 constexpr float kWallReach_m = 0.9f;
 enum : uint8_t { kAway, kFresh, kThere };
 // Velocities are means over about so long: roots of recorded people tremble. Rhythms, which look
-// farther ahead, go by the long ones; bodies by the short ones and half of what those are ahead of
-// the long ones: whoever swerves will not for long.
-constexpr float kLongMean_s = 0.3f, kShortMean_s = 0.08f, kAheadOfMean = 0.5f;
+// farther ahead, go by the long ones: whoever swerves will not for long.
+constexpr float kMean_s = 0.1f, kLongMean_s = 0.3f;
 constexpr float kRhythmMean_s = 0.1f;
 // The place where a foot is to land changes no faster.
 constexpr float kLanding_mps = 2.5f;
@@ -59,7 +58,7 @@ YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const Bod
       blocks_(blocks_of({bodies.types.data(), avatars})),
       seen_(avatars),
       landings_m_(avatars),
-      ways_(avatars),
+      long_ways_mps_(avatars, Eigen::Vector2f::Zero()),
       last_m_(avatars, Eigen::Vector2d::Zero()),
       was_there_(avatars),
       motions_(avatars),
@@ -96,9 +95,8 @@ void YieldingStage::archive(Archive& a, BodyStates& bodies) {
   };
   for (size_t i = 0; i < seen_.size(); ++i) {
     SeenBody& seen = seen_[i];
-    Ways& ways = ways_[i];
-    a(last_m_[i], ways.long_mps.x(), ways.long_mps.y(), ways.short_mps.x(), ways.short_mps.y(),
-      seen.phase, seen.cycles_ps);
+    Eigen::Vector2f& way = long_ways_mps_[i];
+    a(last_m_[i], seen.vx_mps, seen.vy_mps, way.x(), way.y(), seen.phase, seen.cycles_ps);
     motion(motions_[i]);
     motion(wanted_[i]);
     a(footings_[i].stretch);
@@ -128,9 +126,9 @@ void YieldingStage::check_read(Archive& a, const BodyStates& bodies) const {
     const YieldMotion &m = motions_[i], &w = wanted_[i];
     const auto is_sound = [](float value) { return std::abs(value) < kMost; };
     for (const float value :
-         {ways_[i].long_mps.x(), ways_[i].long_mps.y(), ways_[i].short_mps.x(),
-          ways_[i].short_mps.y(), seen_[i].phase, seen_[i].cycles_ps, m.turn_rad, m.turn_rps,
-          m.arms_ps[0], m.arms_ps[1], w.turn_rad, yield.trunk_rad, yield.hips_rad})
+         {seen_[i].vx_mps, seen_[i].vy_mps, long_ways_mps_[i].x(), long_ways_mps_[i].y(),
+          seen_[i].phase, seen_[i].cycles_ps, m.turn_rad, m.turn_rps, m.arms_ps[0], m.arms_ps[1],
+          w.turn_rad, yield.trunk_rad, yield.hips_rad})
       if (!is_sound(value)) a.refuse("how a body gives way", std::to_string(value));
     for (const float share :
          {m.arms[0], m.arms[1], w.arms[0], w.arms[1], yield.arms[0], yield.arms[1]})
@@ -145,8 +143,8 @@ void YieldingStage::check_read(Archive& a, const BodyStates& bodies) const {
 }
 
 void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) {
+  const float share = step_s_ / (step_s_ + kMean_s);
   const float long_share = step_s_ / (step_s_ + kLongMean_s);
-  const float short_share = step_s_ / (step_s_ + kShortMean_s);
   const float rhythm_share = step_s_ / (step_s_ + kRhythmMean_s);
   for (uint32_t id = first; id < end; ++id) {
     const RootPose& root = bodies.roots[id];
@@ -183,19 +181,15 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
       seen.disc_m = 0;
     if (was_there_[id] == kAway || way.squaredNorm() > kJump_m * kJump_m) {
       seen.vx_mps = seen.vy_mps = seen.cycles_ps = 0;
-      ways_[id] = {};
+      long_ways_mps_[id].setZero();
       was_there_[id] = kFresh;
       continue;
     }
     seen.cycles_ps += rhythm_share * ((cycles - std::floor(cycles)) / step_s_ - seen.cycles_ps);
     const Eigen::Vector2f now_mps = way.cast<float>() / step_s_;
-    Ways& mean = ways_[id];
-    mean.long_mps += long_share * (now_mps - mean.long_mps);
-    mean.short_mps += short_share * (now_mps - mean.short_mps);
-    const Eigen::Vector2f soon_mps =
-        mean.short_mps + kAheadOfMean * (mean.short_mps - mean.long_mps);
-    seen.vx_mps = soon_mps.x();
-    seen.vy_mps = soon_mps.y();
+    seen.vx_mps += share * (now_mps.x() - seen.vx_mps);
+    seen.vy_mps += share * (now_mps.y() - seen.vy_mps);
+    long_ways_mps_[id] += long_share * (now_mps - long_ways_mps_[id]);
   }
 }
 
@@ -267,7 +261,7 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
     follow(wanted_[id], step_s_, motion);
   Yield& yield = bodies.yields[id];
   yield.trunk_rad = motion.turn_rad - yield.hips_rad;
-  const bool stands = ways_[id].long_mps.squaredNorm() < kSlow_mps * kSlow_mps;
+  const bool stands = long_ways_mps_[id].squaredNorm() < kSlow_mps * kSlow_mps;
   const float most_rad = (stands ? kStandingHips_rps : kHips_rps) * step_s_;
   yield.hips_rad += std::clamp(kHipsShare * motion.turn_rad - yield.hips_rad, -most_rad, most_rad);
   yield.arms = motion.arms;
@@ -305,25 +299,24 @@ float YieldingStage::wanted_stretch(uint32_t id, const BodyStates& bodies) const
   for (const uint32_t other : around_[id].near()) {
     const float dx = seen_[other].x_m - seen_[id].x_m, dy = seen_[other].y_m - seen_[id].y_m;
     if (dx * dx + dy * dy > kReach_m * kReach_m || !has_steps(other, bodies)) continue;
-    near[count++] = steps_of(other, bodies, ways_[other].long_mps);
+    near[count++] = steps_of(other, bodies, long_ways_mps_[other]);
   }
   if (count == 0) return 1;
-  return stretch_for(steps_of(id, bodies, ways_[id].long_mps), {near.data(), count},
+  return stretch_for(steps_of(id, bodies, long_ways_mps_[id]), {near.data(), count},
                      bodies.yields[id].stretch, simd_);
 }
 
 std::array<float, 4> YieldingStage::wanted_landing_m(uint32_t id, const BodyStates& bodies) const {
   std::array<float, 4> shifts_m{};
   if (around_[id].people_count == 0) return shifts_m;
-  const Steps own = steps_of(id, bodies, ways_[id].short_mps);
+  const Steps own = steps_of(id, bodies, velocity_of(id));
   for (size_t side = 0; side < 2; ++side) {
     Landing landing(own, side, simd_);
     if (!landing.is_due()) continue;
     for (const uint32_t other : around_[id].near()) {
       const SeenBody& seen = seen_[other];
-      if (landing.may_meet({seen.x_m, seen.y_m}, ways_[other].short_mps) &&
-          has_steps(other, bodies))
-        landing.add(steps_of(other, bodies, ways_[other].short_mps));
+      if (landing.may_meet({seen.x_m, seen.y_m}, velocity_of(other)) && has_steps(other, bodies))
+        landing.add(steps_of(other, bodies, velocity_of(other)));
     }
     const Eigen::Vector2f shift_m = landing.shift_m();
     shifts_m[2 * side] = shift_m.x();

@@ -36,10 +36,6 @@ class YieldingStage {
   void archive(Archive& a, BodyStates& bodies);
 
  private:
-  /// How fast somebody goes, over a longer and a shorter time.
-  struct Ways {
-    Eigen::Vector2f long_mps = Eigen::Vector2f::Zero(), short_mps = Eigen::Vector2f::Zero();
-  };
   struct Wall {
     float x = 0, y = 0;  ///< away from it
     float offset_m = 0;  ///< of its line, from the middle of the ground
@@ -64,6 +60,7 @@ class YieldingStage {
   YieldMotion wanted_of(uint32_t id) const;
   void fetch(uint32_t id) const;
   void give_way(uint32_t id, BodyStates& bodies);
+  Eigen::Vector2f velocity_of(uint32_t id) const { return {seen_[id].vx_mps, seen_[id].vy_mps}; }
   bool has_steps(uint32_t id, const BodyStates& bodies) const;
   float wanted_stretch(uint32_t id, const BodyStates& bodies) const;
   std::array<float, 4> wanted_landing_m(uint32_t id, const BodyStates& bodies) const;
@@ -92,7 +89,7 @@ class YieldingStage {
   std::vector<BodyBlock> blocks_;
   std::vector<SeenBody> seen_;  ///< by avatar, as all that follows; from the middle of the ground
   std::vector<std::array<float, 4>> landings_m_;  ///< Yield::landing_m of the frame before
-  std::vector<Ways> ways_;
+  std::vector<Eigen::Vector2f> long_ways_mps_;
   std::vector<Eigen::Vector2d> last_m_;
   std::vector<uint8_t> was_there_;
   std::vector<YieldMotion> motions_, wanted_;
