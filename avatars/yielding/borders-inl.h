@@ -7,7 +7,7 @@ inline constexpr size_t kTurns = 2 * kTurnsAside + 1;
 inline constexpr float kTurn_rad = 1 / Reaches::kPerRadian;
 // Bodies sway and lean: they stay clear of their border by so much; arms, which are where they will
 // be within a sixteenth of a cycle, by more.
-inline constexpr float kMargin_m = 0.03f, kArmMargin_m = 0.05f;
+inline constexpr float kMargin_m = 0.02f, kArmMargin_m = 0.04f;
 // What is needed so soon is needed now; what is needed later than kYieldAhead_s is not yet.
 inline constexpr float kSoon_s = 0.45f;
 // Half a metre of turned trunk is worth a tenth of a millimetre of room squared ...
@@ -16,7 +16,7 @@ inline constexpr float kEffort = 1e-4f;
 inline constexpr float kTurnBack = 2.5e-3f;
 inline constexpr float kTurned_rad = 0.1f;
 // An arm stays drawn in by so much of what its swing would lack at the worst time of a cycle.
-inline constexpr float kHeld = 0.7f;
+inline constexpr float kHeld = 0.5f;
 
 /// So much room in a direction, of which so much counts: a number of each border, and as many more
 /// as a register has.
