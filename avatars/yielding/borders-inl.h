@@ -170,7 +170,7 @@ struct Sway {
   THRONG_LANES explicit Sway(const SeenBody& of)
       : body(of), now_m(of.swung != nullptr ? of.swung->aside_m(of.phase) : 0) {}
   THRONG_LANES float left_m(float ahead_s) const {
-    if (body.swung == nullptr) return 0;
+    if (body.swung == nullptr || ahead_s == 0) return 0;
     return body.scale * (body.swung->aside_m(body.phase + ahead_s * body.cycles_ps) - now_m);
   }
 };
@@ -184,13 +184,17 @@ THRONG_LANES void find_borders(const SeenBody& own, std::span<const SeenBody* co
   // arms behind pass each other after the trunks.
   constexpr float kSway_s = 0.25f, kAfter_s = 0.15f;
   constexpr float kReach2 = kYieldReach_m * kYieldReach_m;
+  constexpr float kSwayedReach_m = kYieldReach_m + 0.2f;  // sways are less
+  constexpr float kSwayedReach2 = kSwayedReach_m * kSwayedReach_m;
   const Sway own_sway(own);
   for (const SeenBody* other : near) {
-    const Sway sway(*other);
     const float dx = other->x_m - own.x_m, dy = other->y_m - own.y_m;
     const float vx = other->vx_mps - own.vx_mps, vy = other->vy_mps - own.vy_mps;
     const float closing = -(dx * vx + dy * vy), speed2 = std::max(vx * vx + vy * vy, 1e-4f);
     const float nearest_s = closing > 0 ? std::min(closing / speed2, kYieldAhead_s) : 0;
+    const float nearest_x = dx + nearest_s * vx, nearest_y = dy + nearest_s * vy;
+    if (nearest_x * nearest_x + nearest_y * nearest_y > kSwayedReach2) continue;
+    const Sway sway(*other);
     const auto add = [&](float ahead_s) {
       const float mine_m = own_sway.left_m(ahead_s), theirs_m = sway.left_m(ahead_s);
       const float x = dx + ahead_s * vx - theirs_m * other->sin + mine_m * own.sin;
