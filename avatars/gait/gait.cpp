@@ -218,7 +218,7 @@ float Gait::trunk_aside_m(const WalkPosture& posture) const {
   if (aside_m_.empty()) return 0;
   const float* n = posture.numbers;
   return bilinear(aside_m_.data() + static_cast<size_t>(n[WalkPosture::kNode]), 1,
-                  static_cast<size_t>(table_->phases + 1), n[WalkPosture::kU], n[WalkPosture::kV]);
+                  static_cast<size_t>(table_->phases) + 1, n[WalkPosture::kU], n[WalkPosture::kV]);
 }
 
 void Gait::look(float look_rad, std::span<float> row) const {

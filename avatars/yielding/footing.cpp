@@ -158,7 +158,7 @@ class RhythmChoice {
   Rhythms rhythms_;
   alignas(64) PlaceNumbers costs_;
 };
-static_assert((kMost - kFewest + 2) * 4 == kPlaces);
+static_assert(static_cast<size_t>(kMost - kFewest + 2) * 4 == kPlaces);
 
 /// How far the next landing could be moved: along and to the side, root frame at scale 1.
 struct LandingShifts {

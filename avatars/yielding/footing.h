@@ -36,15 +36,15 @@ class Landing {
  private:
   static constexpr size_t kMoments = 7, kMostLegs = 12;
 
+  alignas(64) PlaceNumbers ahead_s_;
+  ForeseenLeg leg_;
+  std::array<std::array<OtherLeg, kMostLegs>, kMoments> legs_;
+  std::array<size_t, kMoments> counts_{};
   const Steps& own_;
   size_t side_;
   SimdTarget target_;
   bool is_due_ = false;
   bool is_free_ = true;
-  alignas(64) PlaceNumbers ahead_s_;
-  ForeseenLeg leg_;
-  std::array<std::array<OtherLeg, kMostLegs>, kMoments> legs_;
-  std::array<size_t, kMoments> counts_{};
 };
 
 }  // namespace throng

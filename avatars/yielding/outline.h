@@ -87,7 +87,10 @@ class Swings {
     return boxes_[static_cast<unsigned>(sixteenth) % kPhases];
   }
   /// The nearest of a phase from 0.
-  static int sixteenth_of(float phase) { return static_cast<int>(phase * kPhases + 0.5f); }
+  static int sixteenth_of(float phase) {
+    const float after_half = phase * kPhases + 0.5f;  // rounds faster than lround()
+    return static_cast<int>(after_half);
+  }
   /// Over a cycle.
   const Limbs& ever() const { return ever_; }
   /// How far to the left of the root the trunk is at a phase from 0.
