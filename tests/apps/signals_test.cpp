@@ -65,8 +65,8 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
 TEST(Signals, TwiceInOneBreathIsOneWish) {
   const ScratchFolder folder;
   const Outcome outcome =
-      shell(signalled("throng run plaza --avatars 300 --seconds 3600 --lcm off --log run.lcmlog",
-                      1.5, "kill -TERM $run; kill -HUP $run; kill -TERM $run"),
+      shell(signalled("throng run plaza --avatars 300 --seconds 3600 --lcm off --log run.lcmlog", 0,
+                      kUntilItWrites + "kill -TERM $run; kill -HUP $run; kill -TERM $run"),
             folder);
   EXPECT_THAT(outcome.exit_code, AnyOf(143, 129)) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("stopped after"));

@@ -6,14 +6,17 @@
 // docs/validation.md.
 #pragma once
 
-#include "scenes/crowd/steering/steering.h"
+#include "scenes/crowd/steering/orca.h"
 
 namespace throng {
 
 /// Bodies turn and give way: centres come nearer to each other than discs allow.
 inline constexpr float kHeuristicCore = 0.65f;
 
-void decide_heuristic(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
-                      float* next_y_mps);
+/// The definition.
+void decide_heuristic_scalar(const SteeringView& people, size_t begin, size_t end,
+                             float* next_x_mps, float* next_y_mps);
+/// With ways as lanes: the same bits.
+SteeringFunction heuristic_on(SimdTarget target);
 
 }  // namespace throng

@@ -36,8 +36,8 @@ std::unique_ptr<const SteeringModel> make_speed(SimdTarget) {
   return std::make_unique<FunctionModel>(decide_collision_free_speed, true);
 }
 
-std::unique_ptr<const SteeringModel> make_heuristic(SimdTarget) {
-  return std::make_unique<FunctionModel>(decide_heuristic, true, kHeuristicCore);
+std::unique_ptr<const SteeringModel> make_heuristic(SimdTarget target) {
+  return std::make_unique<FunctionModel>(heuristic_on(target), true, kHeuristicCore);
 }
 
 /// All that anything else knows of a model.

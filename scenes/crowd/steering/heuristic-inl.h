@@ -1,0 +1,312 @@
+// What one person decides, written over lanes of ways; included inside a namespace that has them
+// (F, M, kAtOnce: base/simd/one_lane.h, eight_lanes-inl.h).
+// No include guard: once a namespace.
+
+/// Lengths below are for discs of this radius and grow with it.
+constexpr float kRadius_m = 0.22f;
+
+/// Lengths are between centres, of people of that radius.
+struct Tuning {
+  // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
+  // way; at stand_m people stand, from about room_m more on they walk freely. Whose free speed is
+  // higher closes up more: the room is for free_mps and goes with 1 / free speed.
+  float stand_m = 0.55f;
+  float shoulders_m = 0.32f;
+  float room_m = 0.67f;
+  float free_mps = 1.34f;
+  /// Oncoming people pass each other with a shoulder turned.
+  float passing_m = 0.18f;
+  /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
+  float ahead_s = 0.8f;
+  // Nearer than blocked_m to somebody a way is blocked, farther off than clear_m it is free. In the
+  // open, and by those who go the same way, people are passed so much farther off; it is open where
+  // the sixth nearest is at open_m, and dense where it is at dense_m.
+  float blocked_m = 0.28f, clear_m = 0.45f;
+  float open_blocked_m = 0.10f, open_clear_m = 0.20f;
+  float dense_m = 0.9f, open_m = 1.8f;
+  /// From walls.
+  float wall_m = 0.26f;
+  /// A way that is free for so long is worth half of one that is free for ever.
+  float horizon_m = 2;
+  /// What turning off costs, and what passing on the left does.
+  float keep_on = 0.25f;
+  float keep_right = 0.06f;
+  /// Others are expected to go by so much as they want to, the rest as they do.
+  float intent = 0.7f;
+  // People drift away from those nearer than apart_m, the nearer the faster, and from walls.
+  float drift_mps = 0.1f, apart_m = 0.52f, drift_m = 0.24f;
+  float wall_drift_mps = 0.25f, wall_drift_m = 0.2f;
+  /// Times to take up a velocity, and the most that it changes.
+  float speed_up_s = 0.35f, slow_down_s = 0.3f, most_mps2 = 4;
+};
+constexpr Tuning kTuning;
+
+/// Whose speed along a way is below this comes towards one; who is slower than the other wants
+/// nowhere.
+constexpr float kOncoming_mps = -0.1f, kWants_mps = 0.015f;
+/// Cosine of ways that count as the same.
+constexpr float kSameWay = 0.3f;
+/// At a wall a shoulder turned is nearer than the disc by this share of its radius.
+constexpr float kTurned = 0.3f;
+
+constexpr float kFar_m = 1e3f;
+
+/// The ways that are compared, as turned away from the way wanted, from the right to the left.
+constexpr size_t kWays = 16;  // whole vectors of four or eight; the last stands twice
+constexpr size_t kLastWay = 14;
+constexpr size_t kStraight = 7;
+// Cosines and sines of 0, 7, 15, 24, 35, 48, 65 and 85 degrees.
+constexpr std::array<float, 8> kCos = {1,           0.99254615f, 0.96592583f, 0.91354546f,
+                                       0.81915204f, 0.66913061f, 0.42261826f, 0.08715574f};
+constexpr std::array<float, 8> kSin = {0,           0.12186934f, 0.25881905f, 0.40673664f,
+                                       0.57357644f, 0.74314483f, 0.90630779f, 0.99619470f};
+
+using Values = std::array<float, kWays>;
+
+struct Turns {
+  Values cos, sin;
+};
+constexpr Turns kTurns = [] {
+  Turns turns{};
+  for (size_t i = 0; i < kWays; ++i) {
+    const size_t way = i < kLastWay ? i : kLastWay;
+    const size_t turn = way < kStraight ? kStraight - way : way - kStraight;
+    turns.cos[i] = kCos[turn];
+    turns.sin[i] = way < kStraight ? -kSin[turn] : kSin[turn];
+  }
+  return turns;
+}();
+
+float square(float x) { return x * x; }
+
+/// x / (1 + x^4)^(1/4): x where it is small, 1 where it is large.
+float saturated(float x) { return x / std::sqrt(std::sqrt(1 + square(square(x)))); }
+
+/// Somebody else, as seen by the one who decides.
+struct Other {
+  float x_m, y_m;        ///< from there
+  float vx_mps, vy_mps;  ///< as it is
+  float ox_mps, oy_mps;  ///< as it is expected
+  float way_x, way_y;
+  float size;  ///< mean of both
+  float square_m2;
+};
+
+/// What one person makes of the people and walls around.
+class Decision {
+ public:
+  Decision(const SteeringView& people, size_t slot) : p_(people), slot_(slot) {
+    size_ = p_.radius_m[slot] / kRadius_m;
+    const float wx = p_.wanted_x_mps[slot], wy = p_.wanted_y_mps[slot];
+    wanted_mps_ = std::sqrt(wx * wx + wy * wy);
+    if (wants()) {
+      way_x_ = wx / wanted_mps_;
+      way_y_ = wy / wanted_mps_;
+    }
+    vx_mps_ = p_.vx_mps[slot];
+    vy_mps_ = p_.vy_mps[slot];
+    speed_mps_ = std::sqrt(vx_mps_ * vx_mps_ + vy_mps_ * vy_mps_);
+    const size_t in_block = slot - p_.first_slot;
+    first_wall_ = p_.wall_starts[in_block];
+    end_wall_ = p_.wall_starts[in_block + 1];
+    see_others();
+  }
+
+  Eigen::Vector2f velocity_mps() const {
+    Eigen::Vector2f wish = Eigen::Vector2f::Zero(), aside = drift();
+    if (wants()) {
+      const Eigen::Vector2f way = best_way();
+      wish = speed_on(way) * way;
+      // Those behind push nobody forward.
+      const float along = aside.dot(way);
+      if (along > 0) aside -= along * way;
+    }
+    return within_walls(towards(wish + aside));
+  }
+
+ private:
+  bool wants() const { return wanted_mps_ > kWants_mps; }
+
+  void see_others() {
+    const uint32_t* near = p_.neighbours + NeighbourGrid::kMost * slot_;
+    count_ = p_.neighbour_counts[slot_];
+    for (size_t k = 0; k < count_; ++k) {
+      const uint32_t other = near[k];
+      Other& o = others_[k];
+      o.x_m = p_.x_m[other] - p_.x_m[slot_];
+      o.y_m = p_.y_m[other] - p_.y_m[slot_];
+      o.square_m2 = o.x_m * o.x_m + o.y_m * o.y_m;
+      // Two in one place part along x, each to its own side.
+      if (o.square_m2 == 0) {
+        o.x_m = slot_ < other ? 1e-3f : -1e-3f;
+        o.square_m2 = o.x_m * o.x_m;
+      }
+      o.vx_mps = p_.vx_mps[other];
+      o.vy_mps = p_.vy_mps[other];
+      o.ox_mps = o.vx_mps + kTuning.intent * (p_.wanted_x_mps[other] - o.vx_mps);
+      o.oy_mps = o.vy_mps + kTuning.intent * (p_.wanted_y_mps[other] - o.vy_mps);
+      o.way_x = p_.way_x[other];
+      o.way_y = p_.way_y[other];
+      o.size = 0.5f * (size_ + p_.radius_m[other] / kRadius_m);
+    }
+    constexpr size_t kSixth = 5;
+    if (count_ > kSixth)
+      openness_ = std::clamp((std::sqrt(others_[kSixth].square_m2) - kTuning.dense_m) /
+                                 (kTuning.open_m - kTuning.dense_m),
+                             0.0f, 1.0f);
+  }
+
+  Eigen::Vector2f drift() const {
+    Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+    for (size_t k = 0; k < count_; ++k) {
+      const Other& o = others_[k];
+      const float distance_m = std::sqrt(o.square_m2);
+      const float lack =
+          std::clamp((kTuning.apart_m * o.size - distance_m) / kTuning.drift_m, 0.0f, 2.0f);
+      sum -= kTuning.drift_mps * lack / distance_m * Eigen::Vector2f(o.x_m, o.y_m);
+    }
+    for (uint32_t w = first_wall_; w < end_wall_; ++w) {
+      const float gap_m = p_.wall_clearance_m[w] + p_.radius_m[slot_] - kTuning.wall_m;
+      const float lack = std::clamp(1 - gap_m / kTuning.wall_drift_m, 0.0f, 2.0f);
+      sum += kTuning.wall_drift_mps * lack * Eigen::Vector2f(p_.wall_x[w], p_.wall_y[w]);
+    }
+    return sum;
+  }
+
+  /// How far one gets on each way before somebody is in it.
+  void keep_clear_of(const Other& o, const Values& x, const Values& y, Values& free_m) const {
+    const bool same_way = way_x_ * o.way_x + way_y_ * o.way_y > kSameWay;
+    const float open = same_way ? 1.0f : openness_;
+    const float blocked_m = (kTuning.blocked_m + open * kTuning.open_blocked_m) * o.size;
+    const float clear_m = (kTuning.clear_m + open * kTuning.open_clear_m) * o.size;
+    const float per_m = 1 / (clear_m - blocked_m);
+    for (size_t i = 0; i < kWays; i += kAtOnce) {
+      const F rx = F(wanted_mps_) * load(&x[i]) - F(o.ox_mps);
+      const F ry = F(wanted_mps_) * load(&y[i]) - F(o.oy_mps);
+      const F speed_square = max_of(rx * rx + ry * ry, F(1e-6f));
+      const F nearing = F(o.x_m) * rx + F(o.y_m) * ry;
+      const F time_s = nearing / speed_square;
+      const F miss_m = sqrt_of(max_of(F(o.square_m2) - nearing * time_s, F(0)));
+      const F inside_m = min_of(miss_m, F(blocked_m));
+      const F before_s = sqrt_of((F(blocked_m * blocked_m) - inside_m * inside_m) / speed_square);
+      const F blocks = min_of((F(clear_m) - miss_m) * F(per_m), F(1));
+      const F way_m = F(wanted_mps_) * max_of(time_s - before_s, F(0)) / max_of(blocks, F(1e-3f));
+      const M is_met = (nearing > F(0)) & (blocks > F(0));
+      store(min_of(load(&free_m[i]), select(is_met, way_m, F(kFar_m))), &free_m[i]);
+    }
+  }
+
+  /// The way wanted leads past walls: in the way is one that others lead more into.
+  void keep_off_wall(uint32_t w, const Values& x, const Values& y, Values& free_m) const {
+    const float distance_m = p_.wall_clearance_m[w] + p_.radius_m[slot_];
+    const float clear_m = std::min(kTuning.wall_m * size_, 0.95f * distance_m);
+    const float least = std::max(-(p_.wall_x[w] * way_x_ + p_.wall_y[w] * way_y_), 0.0f) + 1e-3f;
+    for (size_t i = 0; i < kWays; i += kAtOnce) {
+      const F into = F(0) - (F(p_.wall_x[w]) * load(&x[i]) + F(p_.wall_y[w]) * load(&y[i]));
+      const F miss_square = F(square(distance_m)) * max_of(F(1) - into * into, F(0));
+      const F room = F(clear_m * clear_m) - miss_square;
+      const F way_m = max_of(F(distance_m) * into - sqrt_of(max_of(room, F(0))), F(0));
+      const M is_met = (into > F(least)) & (room > F(0));
+      store(min_of(load(&free_m[i]), select(is_met, way_m, F(kFar_m))), &free_m[i]);
+    }
+  }
+
+  Eigen::Vector2f best_way() const {
+    Values x, y, free_m, worth;
+    for (size_t i = 0; i < kWays; ++i) {
+      x[i] = kTurns.cos[i] * way_x_ - kTurns.sin[i] * way_y_;
+      y[i] = kTurns.cos[i] * way_y_ + kTurns.sin[i] * way_x_;
+      free_m[i] = kFar_m;
+    }
+    for (size_t k = 0; k < count_; ++k) keep_clear_of(others_[k], x, y, free_m);
+    for (uint32_t w = first_wall_; w < end_wall_; ++w) keep_off_wall(w, x, y, free_m);
+    const float keep = kTuning.keep_on * std::min(1 / wanted_mps_, 1 / std::max(speed_mps_, 1e-3f));
+    // Sides matter when somebody has to be passed.
+    const float keep_right =
+        free_m[kStraight] < kFar_m
+            ? kTuning.keep_right * kTuning.horizon_m / (free_m[kStraight] + kTuning.horizon_m)
+            : 0;
+    for (size_t i = 0; i < kWays; ++i)
+      worth[i] = kTurns.cos[i] * free_m[i] / (free_m[i] + kTuning.horizon_m) +
+                 keep * (x[i] * vx_mps_ + y[i] * vy_mps_) -
+                 keep_right * std::max(kTurns.sin[i], 0.0f);
+    size_t best = kStraight;
+    for (size_t i = 0; i <= kLastWay; ++i)
+      if (worth[i] > worth[best]) best = i;
+    Eigen::Vector2f way(x[best], y[best]);
+    if (best > 0 && best < kLastWay) {
+      // Between its neighbours where the parabola through the three is highest.
+      const float right = worth[best - 1], left = worth[best + 1];
+      const float bend = right - 2 * worth[best] + left;
+      if (bend < -1e-6f) {
+        const float to_left = std::clamp(0.5f * (right - left) / bend, -0.5f, 0.5f);
+        const size_t next = to_left > 0 ? best + 1 : best - 1;
+        way += std::abs(to_left) * (Eigen::Vector2f(x[next], y[next]) - way);
+        way /= std::sqrt(way.x() * way.x() + way.y() * way.y());
+      }
+    }
+    return way;
+  }
+
+  float speed_on(const Eigen::Vector2f& way) const {
+    const float free_mps = static_cast<float>(p_.free_speed_mps[slot_]);
+    const float room_m = kTuning.room_m * kTuning.free_mps / free_mps;
+    float gap_m = kFar_m;
+    for (size_t k = 0; k < count_; ++k) {
+      const Other& o = others_[k];
+      const float ahead_m = o.x_m * way.x() + o.y_m * way.y();
+      const float aside_m = std::abs(o.x_m * way.y() - o.y_m * way.x());
+      const float other_mps = o.vx_mps * way.x() + o.vy_mps * way.y();
+      const float shoulders_m =
+          (other_mps < kOncoming_mps ? kTuning.passing_m : kTuning.shoulders_m) * o.size;
+      if (ahead_m <= 0 || aside_m >= shoulders_m) continue;
+      // Of two who are ahead of one another, the one that has the other more ahead waits.
+      if (-(o.x_m * o.way_x + o.y_m * o.way_y) > ahead_m) continue;
+      const float round = std::sqrt(std::sqrt(1 - square(square(aside_m / shoulders_m))));
+      gap_m = std::min(gap_m, ahead_m - kTuning.stand_m * o.size * round +
+                                  kTuning.ahead_s * std::max(other_mps - speed_mps_, 0.0f));
+    }
+    return wanted_mps_ * saturated(std::max(gap_m, 0.0f) / room_m);
+  }
+
+  /// What of a change of velocity can be done until the next decision.
+  Eigen::Vector2f towards(const Eigen::Vector2f& wish) const {
+    const Eigen::Vector2f now(vx_mps_, vy_mps_);
+    const bool slows = wish.squaredNorm() < now.squaredNorm();
+    const float share = p_.period_s / (slows ? kTuning.slow_down_s : kTuning.speed_up_s);
+    Eigen::Vector2f change = std::min(share, 1.0f) * (wish - now);
+    const float length = change.norm(), most = kTuning.most_mps2 * p_.period_s;
+    if (length > most) change *= most / length;
+    return now + change;
+  }
+
+  Eigen::Vector2f within_walls(const Eigen::Vector2f& velocity) const {
+    std::array<HalfPlane, kMostWalls> planes;
+    size_t count = 0;
+    const float turned_m = kTurned * p_.radius_m[slot_];
+    for (uint32_t w = first_wall_; w < end_wall_; ++w)
+      planes[count++] = keep_off({p_.wall_x[w], p_.wall_y[w]}, p_.wall_clearance_m[w] + turned_m,
+                                 p_.wall_horizon_s);
+    return choose_velocity({planes.data(), count}, static_cast<int>(count), velocity,
+                           p_.max_speed_mps[slot_]);
+  }
+
+  const SteeringView& p_;
+  size_t slot_;
+  float size_ = 1;
+  float wanted_mps_ = 0, way_x_ = 0, way_y_ = 0;
+  float vx_mps_ = 0, vy_mps_ = 0, speed_mps_ = 0;
+  float openness_ = 1;  ///< 0 in a dense crowd
+  uint32_t first_wall_ = 0, end_wall_ = 0;
+  std::array<Other, NeighbourGrid::kMost> others_;
+  size_t count_ = 0;
+};
+
+THRONG_LANES void decide_each(const SteeringView& people, size_t begin, size_t end,
+                              float* next_x_mps, float* next_y_mps) {
+  for (size_t slot = begin; slot < end; ++slot) {
+    const Eigen::Vector2f velocity = Decision(people, slot).velocity_mps();
+    next_x_mps[slot] = velocity.x();
+    next_y_mps[slot] = velocity.y();
+  }
+}
