@@ -40,18 +40,27 @@ struct FloatSinCosConstants {
                                     2.476180816302076e-05f, -2.6075662162838853e-07f};
 };
 
-/// In [-pi, pi], off by less than 4e-6; 0 for the origin.
+/// Of float_arc_tan2(): t P(t^2) on [0, 1], minimax for the arc tangent, off by less than 2e-6;
+/// then which of x and y is the longer, and their signs.
+struct FloatArcTanConstants {
+  static constexpr float kP[6] = {0.99997726f,  -0.33262347f, 0.19354346f,
+                                  -0.11643287f, 0.05265332f,  -0.01172120f};
+  static constexpr float kHalfPi = 1.57079633f;
+  static constexpr float kPi = 3.14159265f;
+};
+
+/// In [-pi, pi], off by less than 4e-6; 0 for the origin. angles_of() in base/simd/angles-inl.h
+/// does the same to lanes.
 inline float float_arc_tan2(float y, float x) {
+  using K = FloatArcTanConstants;
   const float ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
   const float longer = ax > ay ? ax : ay, shorter = ax > ay ? ay : ax;
   const float t = longer > 0 ? shorter / longer : 0, s = t * t;
-  float angle = -0.01172120f * s + 0.05265332f;
-  angle = angle * s + -0.11643287f;
-  angle = angle * s + 0.19354346f;
-  angle = angle * s + -0.33262347f;
-  angle = (angle * s + 0.99997726f) * t;
-  if (ay > ax) angle = 1.57079633f - angle;
-  if (x < 0) angle = 3.14159265f - angle;
+  float angle = K::kP[5];
+  for (int power = 4; power >= 0; --power) angle = angle * s + K::kP[power];
+  angle *= t;
+  if (ay > ax) angle = K::kHalfPi - angle;
+  if (x < 0) angle = K::kPi - angle;
   return y < 0 ? -angle : angle;
 }
 
@@ -77,6 +86,15 @@ inline FloatSinCos float_sin_cos(float angle_rad) {
   c = 1.0f + z * c;
   return {std::bit_cast<float>(std::bit_cast<uint32_t>(s) ^ sign),
           std::bit_cast<float>(std::bit_cast<uint32_t>(c) ^ sign)};
+}
+
+/// Where between half a step before and half a step after a least value the parabola through it and
+/// its neighbours is lowest, in steps; 0 where it does not bend by more than `least_bend`.
+inline float lowest_between(float before, float here, float after, float least_bend = 0) {
+  const float bend = before - 2 * here + after;
+  if (!(bend > least_bend)) return 0;
+  const float step = 0.5f * (before - after) / bend;
+  return step < -0.5f ? -0.5f : (step > 0.5f ? 0.5f : step);
 }
 
 /// The angle of (x, y) in (-pi, pi], absolute error below 1e-15; 0 for the origin.

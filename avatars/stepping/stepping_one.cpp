@@ -12,7 +12,6 @@ namespace throng {
 namespace one_lane {
 namespace {
 
-#define THRONG_LANES inline
 // Each shares what the ones before it can do.
 #include "base/simd/angles-inl.h"
 //

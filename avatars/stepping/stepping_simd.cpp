@@ -14,9 +14,6 @@
 
 #include "base/simd/register_pairs-inl.h"
 
-#undef THRONG_LANES
-#define THRONG_LANES HWY_INLINE
-
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 #if THRONG_HAS_LANES

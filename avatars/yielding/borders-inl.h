@@ -338,13 +338,9 @@ THRONG_LANES float best_turn(const SeenBody& own, const Borders& borders) {
   int best = kTurnsAside;
   for (int i = static_cast<int>(kTurns) - 1; i >= 0; --i)
     if (costs[i] < costs[best]) best = i;
-  // Between its neighbours where the parabola through the three is lowest.
   float turn = turn_of(best);
-  if (best > 0 && best < static_cast<int>(kTurns) - 1) {
-    const float before = costs[best + 1], here = costs[best], after = costs[best - 1];
-    const float bend = before - 2 * here + after;
-    if (bend > 0) turn += std::clamp(0.5f * (before - after) / bend, -0.5f, 0.5f);
-  }
+  if (best > 0 && best < static_cast<int>(kTurns) - 1)
+    turn += lowest_between(costs[best + 1], costs[best], costs[best - 1]);
   constexpr float kWaist = 1 / (1 - kHipsShare);
   constexpr float kGaitTurn_rad = 0.1f;  // the waist turns by so much in walking
   const YieldColumns& columns = outline.columns;

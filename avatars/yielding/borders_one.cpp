@@ -9,7 +9,6 @@ namespace throng {
 namespace one_lane {
 namespace {
 
-#define THRONG_LANES inline
 #include "base/simd/angles-inl.h"
 //
 #include "avatars/yielding/borders-inl.h"

@@ -5,7 +5,6 @@ namespace throng {
 namespace one_lane {
 namespace {
 
-#define THRONG_LANES inline
 #include "avatars/yielding/many_legs-inl.h"
 
 }  // namespace

@@ -7,7 +7,6 @@ namespace throng {
 namespace one_lane {
 namespace {
 
-#define THRONG_LANES inline
 #include "avatars/yielding/upper_room-inl.h"
 
 }  // namespace

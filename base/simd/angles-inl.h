@@ -17,10 +17,11 @@ struct Way {
   F y, x;
 };
 
-/// The angles of some (x, y), each off by less than 2e-6; 0 for (0, 0). None is longer than 1 or
-/// much shorter, so that one division does for all. Minimax for the arc tangent on [0, 1].
+/// float_arc_tan2() of some (x, y); none is longer than 1 or much shorter, so that one division
+/// does for all.
 template <size_t kCount>
 THRONG_LANES void angles_of(const Way (&ways)[kCount], F (&angles)[kCount]) {
+  using K = FloatArcTanConstants;
   F longer[kCount], product[kCount];
   for (size_t i = 0; i < kCount; ++i) {
     longer[i] = max_of(max_of(abs_of(ways[i].x), abs_of(ways[i].y)), 1e-5f);
@@ -33,13 +34,11 @@ THRONG_LANES void angles_of(const Way (&ways)[kCount], F (&angles)[kCount]) {
     const F ax = abs_of(ways[i].x), ay = abs_of(ways[i].y);
     const F t = min_of(ax, ay) * inverse;
     const F s = t * t;
-    F angle = -0.01172120f * s + 0.05265332f;
-    angle = angle * s + -0.11643287f;
-    angle = angle * s + 0.19354346f;
-    angle = angle * s + -0.33262347f;
-    angle = (angle * s + 0.99997726f) * t;
-    angle = select(ay > ax, 1.57079633f - angle, angle);
-    angle = select(ways[i].x < 0.0f, 3.14159265f - angle, angle);
+    F angle = K::kP[5];
+    for (int power = 4; power >= 0; --power) angle = angle * s + K::kP[power];
+    angle = angle * t;
+    angle = select(ay > ax, K::kHalfPi - angle, angle);
+    angle = select(ways[i].x < 0.0f, K::kPi - angle, angle);
     angles[i] = select(ways[i].y < 0.0f, 0.0f - angle, angle);
   }
 }

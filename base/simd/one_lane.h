@@ -9,6 +9,9 @@
 
 #include "base/simd/bilinear.h"
 
+/// What functions of such a kernel begin with.
+#define THRONG_LANES inline
+
 namespace throng::one_lane {
 
 inline constexpr size_t kAtOnce = 1;

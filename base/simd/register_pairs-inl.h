@@ -12,6 +12,10 @@
 
 #include "base/simd/lanes-inl.h"
 
+/// What functions of such a kernel begin with.
+#undef THRONG_LANES
+#define THRONG_LANES HWY_INLINE
+
 #if THRONG_HAS_LANES  // the reference is one_lane.h
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE::register_pairs {

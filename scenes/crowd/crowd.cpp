@@ -22,6 +22,7 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
       workers_(workers),
       options_(options),
       model_(make_steering_model(options.steering.model, options.simd)),
+      core_(model_->core()),
       journeys_(ways, people, options.seed),
       traffic_(ways, people, options.seed),
       grid_(ways.walkable().ground(), people.size(), options.simd) {

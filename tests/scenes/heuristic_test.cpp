@@ -10,9 +10,8 @@
 #include <numeric>
 #include <vector>
 
-#include "base/elementary.h"
-#include "base/random.h"
 #include "scenes/validation/recorded_situations.h"
+#include "tests/scenes/steering_draws.h"
 
 namespace throng {
 namespace {
@@ -96,15 +95,6 @@ struct Moment {
     return out;
   }
 };
-
-float uniform(uint64_t seed, uint64_t id, double low, double high) {
-  return static_cast<float>(random_uniform({seed, id, 0, Purpose::kBoxWorld}, low, high));
-}
-
-Eigen::Vector2f polar(float length, float angle_rad) {
-  const FloatSinCos turn = float_sin_cos(angle_rad);
-  return {length * turn.cos, length * turn.sin};
-}
 
 Moment random_moment(uint64_t seed) {
   Moment moment;

@@ -7,8 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/elementary.h"
-#include "base/random.h"
+#include "tests/scenes/steering_draws.h"
 
 namespace throng {
 namespace {
@@ -20,15 +19,6 @@ constexpr int kRings = 120;
 constexpr int kSpokes = 240;
 /// No velocity of the disc is farther from a sample than this.
 constexpr float kSpacing_mps = 0.5f * (kMaxSpeed_mps / kRings + 6.3f * kMaxSpeed_mps / kSpokes);
-
-float uniform(uint64_t seed, uint64_t id, double low, double high) {
-  return static_cast<float>(random_uniform({seed, id, 0, Purpose::kBoxWorld}, low, high));
-}
-
-Eigen::Vector2f polar(float length, float angle_rad) {
-  const SinCos turn = sin_cos(static_cast<double>(angle_rad));
-  return {length * static_cast<float>(turn.cos), length * static_cast<float>(turn.sin)};
-}
 
 struct Case {
   std::vector<HalfPlane> planes;

@@ -133,7 +133,6 @@ float density_ahead(const SteeringView& p, size_t slot, float direction_x, float
 
 void decide_collision_free_speed(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
                                  float* next_y_mps) {
-  std::array<HalfPlane, kMostPlanes> planes;
   for (size_t slot = begin; slot < end; ++slot) {
     const float wx = p.wanted_x_mps[slot], wy = p.wanted_y_mps[slot];
     const float wanted = std::sqrt(wx * wx + wy * wy);
@@ -141,14 +140,7 @@ void decide_collision_free_speed(const SteeringView& p, size_t begin, size_t end
     if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
     const Direction way = turned_away(p, slot, wish);
     const float speed = std::min(wanted, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
-    size_t count = 0;
-    const size_t in_block = slot - p.first_slot;
-    for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w)
-      planes[count++] =
-          keep_off({p.wall_x[w], p.wall_y[w]}, p.wall_clearance_m[w], p.wall_horizon_s);
-    const Eigen::Vector2f v =
-        choose_velocity({planes.data(), count}, static_cast<int>(count),
-                        {speed * way.x, speed * way.y}, p.max_speed_mps[slot]);
+    const Eigen::Vector2f v = within_walls(p, slot, {speed * way.x, speed * way.y});
     next_x_mps[slot] = v.x();
     next_y_mps[slot] = v.y();
   }

@@ -1,6 +1,4 @@
-// What one person decides, written over lanes of ways; included inside a namespace that has them
-// (F, M, kAtOnce: base/simd/one_lane.h, eight_lanes-inl.h).
-// No include guard: once a namespace.
+// What one person decides, a way a lane. Included inside the namespace of the lanes F.
 
 /// Lengths below are for discs of this radius and grow with it.
 constexpr float kRadius_m = 0.22f;
@@ -121,7 +119,7 @@ class Decision {
       const float along = aside.dot(way);
       if (along > 0) aside -= along * way;
     }
-    return within_walls(towards(wish + aside));
+    return within_walls(p_, slot_, towards(wish + aside), kTurned * p_.radius_m[slot_]);
   }
 
  private:
@@ -234,17 +232,14 @@ class Decision {
     for (size_t i = 0; i <= kLastWay; ++i)
       if (worth[i] > worth[best]) best = i;
     Eigen::Vector2f way(x[best], y[best]);
-    if (best > 0 && best < kLastWay) {
-      // Between its neighbours where the parabola through the three is highest.
-      const float right = worth[best - 1], left = worth[best + 1];
-      const float bend = right - 2 * worth[best] + left;
-      if (bend < -1e-6f) {
-        const float to_left = std::clamp(0.5f * (right - left) / bend, -0.5f, 0.5f);
-        const size_t next = to_left > 0 ? best + 1 : best - 1;
-        way += std::abs(to_left) * (Eigen::Vector2f(x[next], y[next]) - way);
-        way /= std::sqrt(way.x() * way.x() + way.y() * way.y());
-      }
-    }
+    if (best == 0 || best == kLastWay) return way;
+    constexpr float kLeastBend = 1e-6f;
+    const float to_left =
+        lowest_between(-worth[best - 1], -worth[best], -worth[best + 1], kLeastBend);
+    if (to_left == 0) return way;
+    const size_t next = to_left > 0 ? best + 1 : best - 1;
+    way += std::abs(to_left) * (Eigen::Vector2f(x[next], y[next]) - way);
+    way /= std::sqrt(way.x() * way.x() + way.y() * way.y());
     return way;
   }
 
@@ -278,17 +273,6 @@ class Decision {
     const float length = change.norm(), most = kTuning.most_mps2 * p_.period_s;
     if (length > most) change *= most / length;
     return now + change;
-  }
-
-  Eigen::Vector2f within_walls(const Eigen::Vector2f& velocity) const {
-    std::array<HalfPlane, kMostWalls> planes;
-    size_t count = 0;
-    const float turned_m = kTurned * p_.radius_m[slot_];
-    for (uint32_t w = first_wall_; w < end_wall_; ++w)
-      planes[count++] = keep_off({p_.wall_x[w], p_.wall_y[w]}, p_.wall_clearance_m[w] + turned_m,
-                                 p_.wall_horizon_s);
-    return choose_velocity({planes.data(), count}, static_cast<int>(count), velocity,
-                           p_.max_speed_mps[slot_]);
   }
 
   const SteeringView& p_;

@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/simd/one_lane.h"
 
 namespace throng {
 namespace one_lane {
 namespace {
 
-#define THRONG_LANES inline
 #include "scenes/crowd/steering/heuristic-inl.h"
 
 }  // namespace

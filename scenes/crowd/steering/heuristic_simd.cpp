@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/simd/dispatch.h"
 #include "scenes/crowd/steering/heuristic.h"
 
@@ -11,9 +12,6 @@
 #include <hwy/foreach_target.h>
 
 #include "base/simd/eight_lanes-inl.h"
-
-#undef THRONG_LANES
-#define THRONG_LANES HWY_INLINE
 
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {

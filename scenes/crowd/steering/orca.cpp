@@ -145,6 +145,18 @@ Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard, const Vect
   return v;
 }
 
+Vector2f within_walls(const SteeringView& people, size_t slot, const Vector2f& wish_mps,
+                      float nearer_m) {
+  std::array<HalfPlane, kMostWalls> planes;
+  size_t count = 0;
+  const size_t in_block = slot - people.first_slot;
+  for (uint32_t w = people.wall_starts[in_block]; w < people.wall_starts[in_block + 1]; ++w)
+    planes[count++] = keep_off({people.wall_x[w], people.wall_y[w]},
+                               people.wall_clearance_m[w] + nearer_m, people.wall_horizon_s);
+  return choose_velocity({planes.data(), count}, static_cast<int>(count), wish_mps,
+                         people.max_speed_mps[slot]);
+}
+
 void decide_orca_scalar(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
                         float* next_y_mps) {
   std::array<HalfPlane, kMostPlanes> planes;

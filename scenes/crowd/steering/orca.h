@@ -47,6 +47,11 @@ HalfPlane keep_off(const Eigen::Vector2f& normal, float clearance_m, float horiz
 Eigen::Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard,
                                 const Eigen::Vector2f& wanted_mps, float max_speed_mps);
 
+/// What is nearest to a wish and leads into no wall near a slot, as far as discs may come
+/// `nearer_m` to walls than they are wide.
+Eigen::Vector2f within_walls(const SteeringView& people, size_t slot,
+                             const Eigen::Vector2f& wish_mps, float nearer_m = 0);
+
 inline constexpr size_t kMostPlanes = 48;
 static_assert(kMostPlanes >= kMostWalls + NeighbourGrid::kMost);
 
