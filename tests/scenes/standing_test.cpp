@@ -100,6 +100,31 @@ TEST(StandingPeople, AnAudienceFacesTheStageFromTheStartAndWhereItStays) {
   expect_all_face(coming, stage_m, 26);
 }
 
+TEST(StandingPeople, OfAnAudience95PercentFaceTheStageWithin20Degrees) {
+  for (const SteeringKind model : all_steering_kinds())
+    for (const double delay_s : {0.0, 100.0}) {  // who comes and stays; who waits to set out
+      int near = 0, all = 0;
+      for (uint64_t seed = 1; seed <= 5; ++seed) {
+        Scene scene = hall(delay_s, {10, 25});
+        scene.seed = seed;
+        scene.steering.model = model;
+        scene.groups[0].count = 60;
+        SmallWorld world(scene, 2);
+        for (int step = 0; step < 40 * 60; ++step) world.crowd.step();
+        for (uint32_t id = 0; id < world.crowd.size(); ++id) {
+          if (world.crowd.journeys().doing(id) == Doing::kWalking) continue;
+          const Eigen::Vector2d way = *scene.groups[0].face_m - world.crowd.positions_m()[id];
+          near += std::abs(angle_between(world.crowd.headings()[id], way)) < 20 * kDegree;
+          ++all;
+        }
+      }
+      std::printf("%s, %.0f s: %d of %d face the stage within 20 degrees\n",
+                  std::string(name_of(model)).c_str(), delay_s, near, all);
+      EXPECT_GT(all, 280);
+      EXPECT_GE(near, 0.95 * all) << name_of(model) << ", seeds 1 to 5";
+    }
+}
+
 TEST(StandingPeople, ATurnBeginsWithTheHeadAndGoesThroughToTheEnd) {
   for (const double behind_deg : {20.0, 60.0, 120.0, 179.0}) {
     SCOPED_TRACE(testing::Message() << behind_deg << " degrees to the left");
