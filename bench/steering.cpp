@@ -67,7 +67,7 @@ Scene square(int people, double per_m2, uint64_t seed) {
 SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& options,
                     Workers& workers) {
   const Scene scene = square(people, options.per_m2, options.seed);
-  const Ways ways(scene, workers);
+  Ways ways(scene, workers);
   const Spawned spawned = spawn(scene, ways);
   throng::Crowd crowd(ways, spawned.people, {scene.seed, kStep_s, {model, false}, options.simd},
                       workers);

@@ -82,10 +82,27 @@ void add_recorded(std::string& text, const Scene& scene) {
   append(text, "    size     {}\n", describe_size(group));
 }
 
+/// "10 s after the start", "2 s after everybody of 'a' has been at goal 1".
+std::string describe(const Cue& cue) {
+  if (cue.group.empty()) return fmt::format("{:g} s after the start", cue.later_s);
+  const std::string goal = cue.goal > 0 ? fmt::format("goal {}", cue.goal) : "the last goal";
+  return fmt::format("{:g} s after everybody of '{}' has been at {}", cue.later_s, cue.group, goal);
+}
+
+void add_door(std::string& text, const Door& door) {
+  append(text, "  {}: ({:g}, {:g}) to ({:g}, {:g})\n", door.name, door.from_m.x(), door.from_m.y(),
+         door.to_m.x(), door.to_m.y());
+  for (const Cue& cue : door.opens) append(text, "    opens    {}\n", describe(cue));
+  for (const Cue& cue : door.closes) append(text, "    closes   {}\n", describe(cue));
+}
+
 void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   append(text, "  {}: {} of '{}', {} parts each, {} goals\n", group.name, group.total(),
          group.body->name, group.body->part_count(), group.goals.size());
   if (group.count > 0) append(text, "    from     {}\n", describe(group.spawn));
+  if (group.density_per_m2 > 0)
+    append(text, "    close    {:g} per m2 of free ground\n", group.density_per_m2);
+  if (group.after) append(text, "    after    {}\n", describe(*group.after));
   for (const Source& source : group.sources)
     append(text, "    source   {} at {:g} per s from {:g} s on, {}\n", source.count,
            source.rate_per_s, source.start_s, describe(source.area));
@@ -144,6 +161,8 @@ std::string describe_scene(const std::string& path_or_name) {
   text += "\nGroups:\n" + groups;
   append(text, "\nObstacles:{}\n", scene.obstacles.empty() ? " none" : "");
   for (const Obstacle& obstacle : scene.obstacles) add_obstacle(text, obstacle);
+  if (!scene.doors.empty()) text += "\nDoors:\n";
+  for (const Door& door : scene.doors) add_door(text, door);
   return text;
 }
 

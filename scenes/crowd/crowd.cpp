@@ -14,9 +14,15 @@ namespace {
 /// Nobody runs faster, whatever the scene and however hard others push.
 constexpr double kLargest_mps = 100;
 
+std::vector<double> radii_of(std::span<const Person> people) {
+  std::vector<double> radii_m;
+  for (const Person& person : people) radii_m.push_back(person.radius_m);
+  return radii_m;
+}
+
 }  // namespace
 
-Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOptions& options,
+Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& options,
              Workers& workers)
     : ways_(ways),
       workers_(workers),
@@ -25,6 +31,8 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
       core_(model_->core()),
       journeys_(ways, people, options.seed),
       traffic_(ways, people, options.seed),
+      occasions_(ways, people),
+      doorkeeper_(ways, radii_of(people), workers),
       grid_(ways.walkable().ground(), people.size(), options.simd) {
   steps_a_decision_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
@@ -36,6 +44,7 @@ Crowd::Crowd(const Ways& ways, std::span<const Person> people, const CrowdOption
     radii_m_.push_back(person.radius_m);
     free_speeds_mps_.push_back(person.free_speed_mps);
     faces_m_.push_back(person.face_m);
+    squeezes_.push_back(person.squeeze);
     positions_m_.push_back(person.position_m);
     headings_.push_back(person.heading);
     widest_m_ = std::max(widest_m_, static_cast<float>(person.radius_m));
@@ -80,10 +89,11 @@ void Crowd::seat_people() {
   });
 }
 
-/// Whoever is on the way already walks at the free speed.
+/// Whoever is on the way already walks at the free speed, but for those who stand too close
+/// together for that.
 void Crowd::start_walking(size_t slot) {
   const uint32_t id = grid_.order()[slot];
-  const bool walks = journeys_.doing(id) == Doing::kWalking;
+  const bool walks = journeys_.doing(id) == Doing::kWalking && squeezes_[id] == 1;
   Walkers& w = walkers_;
   w.radius_m[slot] = radii_m_[id];
   w.free_speed_mps[slot] = free_speeds_mps_[id];
@@ -101,6 +111,8 @@ void Crowd::start_walking(size_t slot) {
   w.anchor_step[slot] = steps_;
   w.queued_steps[slot] = 0;
   w.queuing[slot] = 0;
+  w.held[slot] = 0;
+  w.squeeze[slot] = squeezes_[id];
 }
 
 template <typename Value>
@@ -115,7 +127,8 @@ void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
 }
 
 void Crowd::archive(Archive& a) {
-  a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, counters_);
+  a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, occasions_, doorkeeper_,
+    counters_);
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
       if (journeys_.is_present(id) && !ways_.walkable().ground().contains(positions_m_[id]))
@@ -153,8 +166,11 @@ void Crowd::check_read(Archive& a) {
         if (!(std::abs(turn_radps) <= 1.001 * tuning::kMaxTurn_radps))
           a.refuse("a turn as fast as people turn", "another");
     } else if constexpr (std::is_same_v<Value, float>) {
-      if (saved != Saved::kAsLook) return;
-      for (const float look_rad : values) check_look(look_rad);
+      if (saved == Saved::kAsLook)
+        for (const float look_rad : values) check_look(look_rad);
+      if (saved == Saved::kAsShare)
+        for (size_t slot = 0; slot < grid_.order().size(); ++slot)
+          if (!(values[slot] > 0 && values[slot] <= 1)) a.refuse("a share of a disc", "another");
     } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
       if (saved != Saved::kAsSpeed) return;
       for (const Eigen::Vector2d& speed : values) check_speed(speed);

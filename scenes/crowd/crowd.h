@@ -16,8 +16,10 @@
 #include "base/workers.h"
 #include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/crowd_fields.h"
+#include "scenes/crowd/doorkeeper.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/crowd/neighbours/neighbour_grid.h"
+#include "scenes/crowd/occasions.h"
 #include "scenes/crowd/spawn.h"
 #include "scenes/crowd/steering/steering.h"
 #include "scenes/crowd/traffic.h"
@@ -34,9 +36,8 @@ struct CrowdOptions {
 
 class Crowd {
  public:
-  /// Keeps references to `ways` and `workers`.
-  Crowd(const Ways& ways, std::span<const Person> people, const CrowdOptions& options,
-        Workers& workers);
+  /// Keeps references to `ways`, whose doors it opens and closes, and `workers`.
+  Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& options, Workers& workers);
 
   /// Advances by step_s. Allocates nothing.
   void step();
@@ -58,6 +59,7 @@ class Crowd {
   size_t size() const { return positions_m_.size(); }
   const Journeys& journeys() const { return journeys_; }
   const Traffic& traffic() const { return traffic_; }
+  const Ways& ways() const { return ways_; }
   std::span<const Eigen::Vector2d> positions_m() const { return positions_m_; }
   /// Unit vectors: the way the body faces.
   std::span<const Eigen::Vector2d> headings() const { return headings_; }
@@ -104,6 +106,8 @@ class Crowd {
   void archive_by_id(Archive& a, std::vector<Value>& by_slot);
   void check_read(Archive& a);
   bool is_queuing(size_t slot) const;
+  double pace(size_t slot, const Eigen::Vector2d& way);
+  void stretch(size_t slot);
   Eigen::Vector2d wanted_mps(size_t slot);
   void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;
@@ -128,7 +132,7 @@ class Crowd {
   double stalled_s_of(size_t slot) const;
   double watch_progress(size_t slot);
 
-  const Ways& ways_;
+  Ways& ways_;
   Workers& workers_;
   CrowdOptions options_;
   std::unique_ptr<const SteeringModel> model_;
@@ -143,6 +147,7 @@ class Crowd {
   std::vector<double> radii_m_;
   std::vector<double> free_speeds_mps_;
   std::vector<std::optional<Eigen::Vector2d>> faces_m_;  ///< what they look at while they stand
+  std::vector<float> squeezes_;                          ///< at the start, see crowd_fields.h
   float widest_m_ = 0;                                   ///< of all radii
   double fastest_mps_ = 0;                               ///< of all free speeds
 
@@ -155,6 +160,8 @@ class Crowd {
 
   Journeys journeys_;
   Traffic traffic_;
+  Occasions occasions_;
+  Doorkeeper doorkeeper_;
 
   NeighbourGrid grid_;
   std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere

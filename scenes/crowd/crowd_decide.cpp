@@ -15,6 +15,7 @@ void Crowd::decide() {
   walkers_.old_mps.swap(walkers_.next_mps);
   counters_.longest_stall_s =
       largest([this](size_t begin, size_t end) { return wish(begin, end); });
+  if (doorkeeper_.has_doors()) walkers_.held.swap(slots_.next_held);
   counters_.queuing = 0;
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
     counters_.queuing += walkers_.queuing[slot];
@@ -33,6 +34,14 @@ void Crowd::change_people() {
     for (size_t slot = begin; slot < end; ++slot)
       journeys_.follow(grid_.order()[slot], walkers_.position_m[slot], now_s);
   });
+  if (!ways_.occasions().empty()) {
+    occasions_.watch(journeys_, now_s);
+    for (size_t group = 0; group < ways_.groups(); ++group)
+      if (const std::optional<uint32_t> after = ways_.after(group))
+        journeys_.let_go(group, occasions_.time_s(*after));
+  }
+  if (doorkeeper_.has_doors())
+    doorkeeper_.follow(occasions_, traffic_.present(), positions_m_, now_s);
   if (!traffic_.is_open()) return;
   traffic_.release(journeys_);
   traffic_.admit(now_s, journeys_, positions_m_);
@@ -62,7 +71,8 @@ double Crowd::wish(size_t begin, size_t end) {
     velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
     slots_.vx_mps[slot] = velocity.x();
     slots_.vy_mps[slot] = velocity.y();
-    slots_.radius_m[slot] = static_cast<float>(walkers_.radius_m[slot]);
+    stretch(slot);
+    slots_.radius_m[slot] = static_cast<float>(walkers_.radius_m[slot]) * walkers_.squeeze[slot];
     slots_.wanted_x_mps[slot] = wanted.x();
     slots_.wanted_y_mps[slot] = wanted.y();
     const float length = std::sqrt(wanted.x() * wanted.x() + wanted.y() * wanted.y());
@@ -253,7 +263,7 @@ double Crowd::stalled_s_of(size_t slot) const {
 /// How long somebody has been stuck, the time of queuing taken off.
 double Crowd::watch_progress(size_t slot) {
   Walkers& w = walkers_;
-  const bool stands = journeys_.doing(grid_.order()[slot]) != Doing::kWalking;
+  const bool stands = journeys_.doing(grid_.order()[slot]) != Doing::kWalking || w.held[slot] != 0;
   if (stands || (w.position_m[slot] - w.anchor_m[slot]).squaredNorm() >= kStall_m * kStall_m) {
     w.anchor_m[slot] = w.position_m[slot];
     w.anchor_step[slot] = steps_;

@@ -18,6 +18,7 @@ enum class Saved : uint8_t {
   kAsSpeed,  ///< refused if nobody is that fast
   kAsLook,   ///< refused if no head turns that far
   kAsTurn,   ///< refused if nobody turns that fast
+  kAsShare,  ///< refused if it is not above 0 and at most 1
 };
 
 // FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
@@ -32,6 +33,8 @@ enum class Saved : uint8_t {
 //   turn_radps    of the heading, to the left; 0: whoever stands does not turn
 //   anchor_m      where progress was last made, and the step of it
 //   queued_steps  since the anchor
+//   held          1: stands before a closed door, or behind somebody who does
+//   squeeze       of the disc's radius: what is left of it where bodies stand closer than discs do
 #define THRONG_WALKER_FIELDS(FIELD)                \
   FIELD(Eigen::Vector2d, position_m, kElsewhere)   \
   FIELD(Eigen::Vector2d, velocity_mps, kElsewhere) \
@@ -50,10 +53,13 @@ enum class Saved : uint8_t {
   FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \
   FIELD(int64_t, anchor_step, kPlainly)            \
   FIELD(int64_t, queued_steps, kPlainly)           \
-  FIELD(uint8_t, queuing, kPlainly)
+  FIELD(uint8_t, queuing, kPlainly)                \
+  FIELD(uint8_t, held, kPlainly)                   \
+  FIELD(float, squeeze, kAsShare)
 
 // FIELD(type, name), one value a slot: what a decision works out.
 //   way_x, way_y     where to: a unit vector, or zero
+//   next_held        what `held` of a walker becomes
 //   close_counts     of the neighbours, who may overlap; they come first
 //   crowded          of a block, from its first place on: slots with some
 //   expected_x_m...  where people will stand after the period, from the middle of the ground, and
@@ -71,6 +77,7 @@ enum class Saved : uint8_t {
   FIELD(float, way_y)                 \
   FIELD(float, next_x_mps)            \
   FIELD(float, next_y_mps)            \
+  FIELD(uint8_t, next_held)           \
   FIELD(uint8_t, neighbour_counts)    \
   FIELD(uint8_t, close_counts)        \
   FIELD(uint32_t, crowded)            \

@@ -61,6 +61,16 @@ inline constexpr double kTurnStop_radps2 = 10.0;
 /// An audience looks to its stage give or take this; nobody farther off than the other.
 inline constexpr double kFacing_rad = 0.1;
 inline constexpr double kMostFacing_rad = 0.25;
+/// People who wait before a closed door stand so far apart beyond their discs, behind whoever is
+/// ahead within 60 degrees (the cosine), slow down over the next length, and stand rather than
+/// walk slower than that share of their speed.
+inline constexpr double kWaits_m = 0.05;
+inline constexpr double kBehind = 0.5;
+inline constexpr double kBrakes_m = 1.6;
+inline constexpr double kCreeps = 0.08;
+/// By so much of its radius a disc grows a decision where people stand closer than discs: they are
+/// apart again some three seconds after they have set out, pushed by a few centimetres a second.
+inline constexpr double kStretch = 0.01;
 /// The head turns to where its owner wants to go in about this time, before the body does.
 inline constexpr double kLook_s = 0.25;
 /// Whoever made no progress for so long tries another way past, each time for about a second.

@@ -13,6 +13,7 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   Eigen::Vector2d direction = journeys_.direction(id, walkers_.position_m[slot]);
   walkers_.facing[slot] = direction;
+  if (doorkeeper_.has_doors()) direction *= pace(slot, direction);
   const double stalled_s = stalled_s_of(slot);
   if (stalled_s > tuning::kStuck_s) {
     const auto second = static_cast<uint64_t>(std::floor(stalled_s));
@@ -33,6 +34,48 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
     return tuning::kPerturbation_mps * (static_cast<double>(half) * 0x1.0p-31 - 1);
   };
   return intent + Eigen::Vector2d(shake(bits & 0xffffffff), shake(bits >> 32));
+}
+
+/// The share of the free speed that is left to somebody whose way leads through a closed door:
+/// they come up to it, or behind others who wait for it, and stand.
+double Crowd::pace(size_t slot, const Eigen::Vector2d& way) {
+  uint8_t& held = slots_.next_held[slot];
+  held = 0;
+  const uint32_t id = grid_.order()[slot];
+  const Eigen::Vector2d& position = walkers_.position_m[slot];
+  if (way.isZero() || !journeys_.stop(id).field->is_closed(position)) return 1;
+  const double radius_m = walkers_.radius_m[slot];
+  double room_m = doorkeeper_.room_m(position, way, radius_m);
+  for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
+    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
+    if (walkers_.held[other] == 0) continue;
+    const Eigen::Vector2d offset = walkers_.position_m[other] - position;
+    const double distance_m = offset.norm();
+    if (way.dot(offset) < tuning::kBehind * distance_m) continue;
+    room_m = std::min(room_m, distance_m - radius_m - walkers_.radius_m[other] - tuning::kWaits_m);
+  }
+  const double pace = room_m / tuning::kBrakes_m;
+  if (pace >= 1) return 1;
+  if (pace > tuning::kCreeps) return pace;
+  held = 1;
+  return 0;
+}
+
+/// Those who were placed closer together than discs are take more room: as long as they stand,
+/// where there is some, and as soon as they walk, little by little in any case.
+void Crowd::stretch(size_t slot) {
+  float& squeeze = walkers_.squeeze[slot];
+  if (squeeze == 1) return;
+  float room = 1;
+  const bool walks = journeys_.doing(grid_.order()[slot]) == Doing::kWalking;
+  const auto radius_m = static_cast<float>(walkers_.radius_m[slot]);
+  for (size_t k = 0; k < slots_.neighbour_counts[slot] && !walks; ++k) {
+    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
+    const float dx = grid_.x()[other] - grid_.x()[slot], dy = grid_.y()[other] - grid_.y()[slot];
+    const float apart_m = radius_m + static_cast<float>(walkers_.radius_m[other]);
+    room = std::min(room, std::sqrt(dx * dx + dy * dy) / apart_m);
+  }
+  squeeze = std::max(squeeze, std::min(room, squeeze + static_cast<float>(tuning::kStretch)));
 }
 
 /// What somebody looks at who waits for the time to come; others look to the way that

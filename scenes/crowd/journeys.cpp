@@ -37,6 +37,8 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
   until_s_.assign(people.size(), kNever);
   stops_.assign(people.size(), 0);
   visits_.assign(people.size(), 0);
+  for (size_t group = 0; group < ways.groups(); ++group)
+    sets_out_s_.push_back(ways.after(group) ? kNever : 0);
   for (uint32_t id = 0; id < people.size(); ++id) {
     if (people[id].entrance != Person::kFromTheStart) continue;
     if (people[id].is_led)
@@ -47,8 +49,10 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
 }
 
 void Journeys::archive(Archive& a) {
-  a(doing_, next_, until_s_, stops_, visits_, targets_m_);
+  a(doing_, next_, until_s_, stops_, visits_, targets_m_, sets_out_s_);
   if (!a.is_reading()) return;
+  for (const double time_s : sets_out_s_)
+    if (!(time_s >= 0)) a.refuse("a time from the start on", "another");
   for (uint32_t id = 0; id < doing_.size(); ++id) {
     if (doing_[id] > Doing::kGone || next_[id] > Doing::kGone)
       a.refuse("something that people do", "something else");
@@ -63,10 +67,11 @@ void Journeys::archive(Archive& a) {
 
 void Journeys::enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
   set_out(id, position_m);
-  if (doing_[id] != Doing::kWalking || delays_s_[id] == 0) return;
+  const double from_s = std::max(now_s, sets_out_s_[groups_[id]]);
+  if (doing_[id] != Doing::kWalking || (delays_s_[id] == 0 && from_s == now_s)) return;
   doing_[id] = Doing::kWaiting;
   next_[id] = Doing::kWalking;
-  until_s_[id] = now_s + delays_s_[id];
+  until_s_[id] = from_s + delays_s_[id];
 }
 
 void Journeys::set_out(uint32_t id, const Eigen::Vector2d& position_m) {
@@ -89,6 +94,9 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
 }
 
 void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
+  // Of those who wait, only the ones whose group has not been let go do not know how long.
+  if (doing_[id] == Doing::kWaiting && until_s_[id] == kNever)
+    until_s_[id] = std::max(now_s, sets_out_s_[groups_[id]]) + delays_s_[id];
   if (doing_[id] == Doing::kWaiting && now_s >= until_s_[id]) {
     doing_[id] = next_[id];
     until_s_[id] = kNever;

@@ -44,6 +44,14 @@ class Journeys {
   /// Somebody who is leaving has left.
   void leave(uint32_t id) { doing_[id] = Doing::kGone; }
 
+  /// The members of a group may set out from then on; those of a group that waits for a moment
+  /// (Ways::after()) stand until they are told.
+  void let_go(size_t group, double time_s) { sets_out_s_[group] = time_s; }
+  /// True if somebody has been at so many goals, and of those who cannot get on.
+  bool has_been_at(uint32_t id, uint32_t goals) const {
+    return visits_[id] >= goals || doing_[id] == Doing::kStranded;
+  }
+
   /// Once a decision: arrives, waits, goes on. Touches nobody else's state.
   void follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
 
@@ -85,6 +93,7 @@ class Journeys {
   std::vector<uint32_t> stops_;   ///< index into the route
   std::vector<uint32_t> visits_;  ///< goals reached so far: what choosing a place draws by
   std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
+  std::vector<double> sets_out_s_;          ///< by group: infinity until its moment is known
 };
 
 /// A line for the user: who cannot reach what from where, and what is in the way.

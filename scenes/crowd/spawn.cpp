@@ -8,6 +8,7 @@
 #include "base/elementary.h"
 #include "base/random.h"
 #include "scenes/crowd/crowd_tuning.h"
+#include "scenes/crowd/standing_room.h"
 #include "scenes/file/scene_limits.h"
 
 namespace throng {
@@ -78,8 +79,8 @@ void stand_at(const Eigen::Vector2d& point, const Stop& goal, Person& person) {
 }
 
 /// Whoever stands at first looks at what there is to see.
-void face(uint64_t seed, uint64_t id, Person& person) {
-  if (!person.face_m || person.delay_s == 0) return;
+void face(uint64_t seed, uint64_t id, const Group& group, Person& person) {
+  if (!person.face_m || (person.delay_s == 0 && !group.after)) return;
   const Eigen::Vector2d way = *person.face_m - person.position_m;
   if (way.squaredNorm() == 0) return;
   const SinCos off =
@@ -110,12 +111,74 @@ bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64
       const bool is_good = goal.field->reaches(point);
       if (!is_good && has_poor_place) continue;
       stand_at(point, goal, person);
-      face(scene.seed, id, person);
+      face(scene.seed, id, group, person);
       if (is_good) return true;
       has_poor_place = true;
     }
   }
   return has_poor_place;
+}
+
+/// The discs of those who stand in an area already, or reach into it.
+std::vector<StandingDisc> discs_near(const Rectangle& area, const std::vector<Person>& people) {
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(kMaxRadius_m + 1);
+  const Rectangle around{area.min_m - reach, area.max_m + reach};
+  std::vector<StandingDisc> discs;
+  for (const Person& person : people)
+    if (person.entrance == Person::kFromTheStart && around.contains(person.position_m))
+      discs.push_back({person.position_m, person.radius_m});
+  return discs;
+}
+
+/// The share of their discs that people keep who stand closer together than these.
+void squeeze(std::span<Person> people, double widest_m) {
+  std::vector<uint32_t> by_x;
+  for (uint32_t i = 0; i < people.size(); ++i) by_x.push_back(i);
+  std::sort(by_x.begin(), by_x.end(), [&](uint32_t a, uint32_t b) {
+    const double ax = people[a].position_m.x(), bx = people[b].position_m.x();
+    return ax < bx || (ax == bx && a < b);
+  });
+  for (size_t i = 0; i < by_x.size(); ++i)
+    for (size_t k = i + 1; k < by_x.size(); ++k) {
+      Person &a = people[by_x[i]], &b = people[by_x[k]];
+      if (b.position_m.x() - a.position_m.x() > 2 * widest_m) break;
+      const double share = (b.position_m - a.position_m).norm() / (a.radius_m + b.radius_m);
+      a.squeeze = std::min(a.squeeze, static_cast<float>(share));
+      b.squeeze = std::min(b.squeeze, static_cast<float>(share));
+    }
+}
+
+/// People of a group whose density the scene says, those of `first_id` on. Returns how many found
+/// room.
+int place_closely(const Scene& scene, size_t group_index, const Ways& ways, uint64_t first_id,
+                  double widest_m, Places& places, std::vector<Person>& people) {
+  const Group& group = scene.groups[group_index];
+  std::vector<Person> asked;
+  std::vector<StandingBody> bodies;
+  double gap_m = 0;
+  for (int i = 0; i < group.count; ++i) {
+    asked.push_back(person_of(scene, group_index, first_id + static_cast<uint64_t>(i)));
+    bodies.emplace_back().size = asked.back().height_m / kReferenceHeight_m;
+    gap_m = std::max(gap_m, wall_gap_m(asked.back().radius_m, asked.back().height_m));
+  }
+  const std::vector<StandingDisc> others = discs_near(group.spawn, people);
+  const Stop& goal = ways.route(group_index).front();
+  const StandingArea where{ways.walkable(), group.spawn, gap_m, others,
+                           [&](size_t i, const Eigen::Vector2d& place_m) {
+                             stand_at(place_m, goal, asked[i]);
+                             face(scene.seed, first_id + i, group, asked[i]);
+                             return asked[i].heading;
+                           }};
+  const std::vector<uint8_t> has_room =
+      stand(where, random_bits({scene.seed, first_id, 0, Purpose::kSpawnPosition}), bodies);
+  const size_t first = people.size();
+  for (size_t i = 0; i < asked.size(); ++i) {
+    if (has_room[i] == 0) continue;
+    places.add(asked[i].position_m, people.size());
+    people.push_back(asked[i]);
+  }
+  squeeze(std::span(people).subspan(first), widest_m);
+  return static_cast<int>(people.size() - first);
 }
 
 /// Of the steering disc of somebody in the group.
@@ -203,7 +266,11 @@ Spawned spawn(const Scene& scene, const Ways& ways, std::span<const Person> led)
     if (!has_people(group))
       out.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
     int placed = 0;
-    for (int i = 0; i < group.count; ++i, ++id) {
+    if (group.density_per_m2 > 0) {
+      placed = place_closely(scene, g, ways, id, widest_m, places, out.people);
+      id += static_cast<uint64_t>(group.count);
+    }
+    for (int i = 0; group.density_per_m2 == 0 && i < group.count; ++i, ++id) {
       Person person = person_of(scene, g, id);
       if (!find_place(scene, group, ways, id, out.people, places, person)) continue;
       places.add(person.position_m, out.people.size());

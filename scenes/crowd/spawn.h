@@ -22,6 +22,8 @@ struct Person {  // NOLINT(clang-analyzer-optin.performance.Padding): by meaning
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d heading = Eigen::Vector2d::UnitX();  ///< unit
   double radius_m = 0;                                 ///< of the steering disc
+  /// What is left of that radius at first, where people are placed closer than their discs are.
+  float squeeze = 1;
   double height_m = 0;
   double free_speed_mps = 0;
   double phase = 0;  ///< of the gait cycle, in [0, 1)
@@ -47,8 +49,9 @@ struct Spawned {
 };
 
 /// Throws darts (at first 0.3 m between discs, then closer, at last touching) until a place is free
-/// or patience ends. People who enter later are listed, not placed: of each group first those who
-/// stand there, then those of its sources, in the order they enter.
+/// or patience ends; groups with a density stand as bodies do (scenes/crowd/standing_room.h).
+/// People who enter later are listed, not placed: of each group first those who stand there, then
+/// those of its sources, in the order they enter.
 Spawned spawn(const Scene& scene, const Ways& ways, std::span<const Person> led = {});
 
 /// Somebody of a group: size, speed and gait as the seed draws them for `id`.

@@ -4,6 +4,7 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
+#include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
@@ -23,15 +24,22 @@ void read_name(Reading& reading, Fields& fields, Group& group) {
 
 /// A group whose people all come from sources has none at the start.
 bool may_be_none(const Fields& fields) { return fields.find("sources") != nullptr; }
+bool has_density(const Fields& fields) { return fields.find("density_per_m2") != nullptr; }
 
 void read_count(Reading&, Fields& fields, Group& group) {
+  if (has_density(fields)) {
+    if (const YamlNode* count = fields.find("count"))
+      throw InputError(fields.where(*count), "either 'count' or 'density_per_m2'", "both");
+    return;
+  }
   if (!may_be_none(fields)) fields.require("count");
   group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, 0));
 }
 
 void read_spawn(Reading& reading, Fields& fields, Group& group) {
   const Rectangle& ground = reading.scene.ground;
-  if (fields.find("spawn") == nullptr && group.count == 0 && may_be_none(fields))
+  if (fields.find("spawn") == nullptr && group.count == 0 && may_be_none(fields) &&
+      !has_density(fields))
     group.spawn = ground;
   else
     group.spawn = read_area(fields.file(), fields.require("spawn"), "spawn", ground);
@@ -68,7 +76,8 @@ void read_driven(Reading&, Fields& fields, Group& group) {
                      "an LCM channel of your own for 'driven': 1 to 63 letters, digits or '_', "
                      "not beginning with THRONG_",
                      fmt::format("'{}'", group.driven));
-  for (const char* key : {"goals", "on_arrival", "sources", "delay_s", "face"})
+  for (const char* key :
+       {"goals", "on_arrival", "sources", "delay_s", "face", "after", "density_per_m2"})
     if (const YamlNode* other = fields.find(key))
       throw InputError(fields.where(*other), "no goals and no sources for a driven group",
                        fmt::format("'{}'", key));
@@ -134,6 +143,9 @@ void require_scale(const Fields& fields, const Group& group) {
 }
 
 void complete(Reading& reading, const Fields& fields, Group& group) {
+  if (group.density_per_m2 > 0 && !has_people(group))
+    throw InputError(fields.where(), "a model with human legs for 'density_per_m2'",
+                     fmt::format("'{}'", group.body->name));
   keep_own_size(group);
   require_scale(fields, group);
   reading.people += group.total();
@@ -164,7 +176,7 @@ std::vector<Key<Group>> rows_of_groups() {
           .reading(read_name)
           .hashing(&Group::name),
       whole("count", "how many people stand there at the start", &Group::count, 0, kMaxBodies)
-          .stating("required, unless there are sources")
+          .stating("required, unless there are sources or a density")
           .reading(read_count),
       own_key<Group>("model",
                      "`adult`, or a URDF file relative to the scene file; its "
@@ -258,7 +270,23 @@ std::vector<Key<Group>> later_rows_of_groups() {
             hash.add(group.face_m->x()).add(group.face_m->y());
           });
   face.is_default = [](const Group& group) { return !group.face_m; };
-  return {face};
+  Key<Group> after =
+      own_key<Group>("after",
+                     "a [cue](#cues), before which nobody sets out; `delay_s` begins with it",
+                     "the start, or entering", map_rule("cue"))
+          .reading([](Reading& reading, Fields& fields, Group& group) {
+            if (const YamlNode* node = fields.find("after"))
+              group.after = read_cue(reading, fields.file(), *node);
+          })
+          .hashing([](Hasher& hash, const Group& group) { add_cue(hash, *group.after); });
+  after.is_default = [](const Group& group) { return !group.after; };
+  return {face,
+          number("density_per_m2",
+                 "how close together they stand at the start, at most 6: what `spawn` has of free "
+                 "ground says how many they are; bodies are placed, not discs",
+                 &Group::density_per_m2, {0, kMaxDensity_per_m2, true})
+              .stating("`count` says how many"),
+          after};
 }
 
 }  // namespace

@@ -60,6 +60,9 @@ struct Reading {
   std::map<std::string, std::shared_ptr<const Model>> bodies;  ///< by file
   std::set<std::string> group_names;
   std::set<std::string> obstacle_names;
+  std::set<std::string> door_names;
+  /// What waits for somebody, and where the file says so.
+  std::vector<std::pair<std::string, Cue>> cues;
   int64_t people = 0;  ///< of the groups so far
 };
 

@@ -13,10 +13,18 @@ const KeyTable<Scene>& scene_keys();
 const KeyTable<Group>& group_keys();
 const KeyTable<Goal>& goal_keys();
 const KeyTable<Source>& source_keys();
+const KeyTable<Cue>& cue_keys();
+const KeyTable<Door>& door_keys();
 const KeyTable<Obstacle>& obstacle_keys();
 const KeyTable<PartsBox>& box_keys();
 /// Of scene.recorded and of the last group.
 const KeyTable<Scene>& recording_keys();
+
+/// A map of cue_keys(), or the number of seconds after the start. Whether there is such a group
+/// is asked by require_cues(), when all groups are known.
+Cue read_cue(Reading& reading, const std::string& file, const YamlNode& node);
+void require_cues(const Reading& reading);
+void add_cue(Hasher& hash, const Cue& cue);
 
 /// A list of maps.
 template <typename T>

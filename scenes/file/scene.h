@@ -37,6 +37,16 @@ struct Goal {
   bool operator==(const Goal&) const = default;
 };
 
+/// A time of a run that is known when it comes: so long after the start, or after everybody of a
+/// group has been at a goal. Whoever cannot get there is not waited for.
+struct Cue {
+  double later_s = 0;
+  std::string group;  ///< its name; empty: after the start of the run
+  int goal = 0;       ///< which of the group's, counted from 1; 0: the last
+
+  bool operator==(const Cue&) const = default;
+};
+
 /// What people do who reached their last goal.
 enum class OnArrival : uint8_t { kLoop, kStay, kLeave };
 
@@ -53,13 +63,17 @@ struct Source {
 struct Group {
   std::string name;
   std::filesystem::path model;  ///< a URDF, absolute; "adult" in the file means the bundled one
-  std::shared_ptr<const Model> body;        ///< what `model` holds; load_scene() fills it
-  int count = 0;                            ///< at the start
+  std::shared_ptr<const Model> body;  ///< what `model` holds; load_scene() fills it
+  int count = 0;                      ///< at the start
+  /// How close together they stand then, on the ground that is free to stand on: `count` follows
+  /// from it (see count_by_density()), and bodies are placed, not discs. 0: by darts.
+  double density_per_m2 = 0;
   Rectangle spawn;                          ///< where they stand then
   std::vector<Source> sources;              ///< of people who enter later
   std::vector<Goal> goals;                  ///< visited in order
   OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
   Distribution delay_s{0, 0, 0, 0};         ///< standing still before setting out
+  std::optional<Cue> after;                 ///< nobody sets out before; the delay begins with it
   AgeShares ages = kAdultsOnly;
   std::optional<Distribution> speed_mps;  ///< free speed; none: by age
   std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()
@@ -93,6 +107,18 @@ struct Obstacle {
   Mesh mesh;  ///< the solid in the obstacle's own frame, whatever its kind
 };
 
+/// A leaf across a way, which lets people through while it is open: a part of the plan, not a body,
+/// so that nobody touches it. It never shuts on anybody.
+struct Door {
+  std::string name;
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero();  ///< its ends
+  Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
+  std::vector<Cue> opens;  ///< shut before the first of these; without any, open at first
+  std::vector<Cue> closes;
+
+  static constexpr double kThickness_m = 0.1;
+};
+
 /// The paper's world instead of a crowd: loose parts of one body, in turn, that fly in a closed
 /// box.
 struct PartsBox {
@@ -124,6 +150,7 @@ struct Scene {
   Rectangle ground;
   std::vector<Group> groups;
   std::vector<Obstacle> obstacles;
+  std::vector<Door> doors;
   std::vector<AreaPolygon> area;  ///< where people may be, of a recording; empty: on the ground
   std::optional<RecordedPeople> recorded;
   std::optional<PartsBox> box;  ///< then there are no groups and no obstacles

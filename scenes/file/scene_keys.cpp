@@ -5,6 +5,7 @@
 #include "base/errors.h"
 #include "base/limits.h"
 #include "base/text.h"
+#include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_limits.h"
@@ -30,7 +31,7 @@ bool is_recorded(const Fields& fields) { return is_kind(fields, "recorded"); }
 /// A box has no ground, a crowd no box: the keys of other kinds are none.
 void read_kind(Reading&, Fields& fields, Scene&) {
   std::vector<std::string> absent = {"box", "recording"};
-  if (is_box(fields)) absent = {"ground", "groups", "obstacles", "recording"};
+  if (is_box(fields)) absent = {"ground", "groups", "obstacles", "recording", "doors"};
   if (is_recorded(fields)) absent = {"box", "step_s"};
   expect_keys_without(absent, scene_keys(), fields);
 }
@@ -105,6 +106,23 @@ void read_obstacles(Reading& reading, Fields& fields, Scene& scene) {
   expect_at_most(kMaxObstacles, "obstacles", fields);
   read_items(obstacle_keys(), "obstacles", false, reading, fields, scene.obstacles);
   require_few(fields.where(), reading.people + static_cast<int64_t>(scene.obstacles.size()));
+}
+
+void read_doors(Reading& reading, Fields& fields, Scene& scene) {
+  expect_at_most(kMaxDoors, "doors", fields);
+  read_items(door_keys(), "doors", false, reading, fields, scene.doors);
+}
+
+/// Who stands where obstacles do not is known when all of the scene is.
+void count_by_densities(Reading& reading, const std::string& where) {
+  for (Group& group : reading.scene.groups) {
+    if (group.density_per_m2 == 0) continue;
+    const int64_t count = count_by_density(reading.scene, group);
+    require_few(where,
+                reading.people + count + static_cast<int64_t>(reading.scene.obstacles.size()));
+    reading.people += count;
+    group.count = static_cast<int>(count);
+  }
 }
 
 void read_box(Reading& reading, Fields& fields, Scene& scene) {
@@ -244,12 +262,20 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
             add_value(hash, scene.recorded->recorded_frames);
           });
   recording.is_default = [](const Scene& scene) { return !scene.recorded; };
+  Key<Scene> doors = own_key<Scene>("doors", "what opens and closes, see [A door](#a-door)", "none",
+                                    list_rule("door", 0, kMaxDoors))
+                         .reading(read_doors)
+                         .hashing([](Hasher& hash, const Scene& scene) {
+                           add_items(door_keys(), hash, scene.doors);
+                         });
+  doors.is_default = [](const Scene& scene) { return scene.doors.empty(); };
   return {
       recording,
       flag("yielding",
            "bodies give way to those near them and to walls, and those who stand breathe and sway; "
            "needs `planted_feet` ([realism.md](realism.md))",
-           &Scene::yielding)};
+           &Scene::yielding),
+      doors};
 }
 
 }  // namespace
@@ -275,7 +301,9 @@ std::vector<MapText> scene_maps() {
           styles_text(),
           text_of(goal_keys()),
           text_of(source_keys()),
+          text_of(cue_keys()),
           text_of(obstacle_keys()),
+          text_of(door_keys()),
           text_of(box_keys()),
           text_of(recording_keys()),
           area_text(),
@@ -289,6 +317,8 @@ Scene read_scene(const std::filesystem::path& file, const YamlNode& root) {
   const std::string name = file.string();
   Fields fields(name, root, scene_keys().title);
   read_keys(scene_keys(), reading, fields, reading.scene);
+  require_cues(reading);
+  count_by_densities(reading, fields.where());
   reading.scene.content_hash = content_hash_of(reading.scene);
   return std::move(reading.scene);
 }

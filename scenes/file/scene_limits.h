@@ -12,6 +12,8 @@ namespace throng {
 inline constexpr int64_t kMaxBodies = PairKey::kMaxId;
 /// Every obstacle is a body type of its own, and types are 16 bits; the rest is for models.
 inline constexpr int64_t kMaxObstacles = 60'000;
+/// Everybody who walks near one looks at each.
+inline constexpr int64_t kMaxDoors = 1000;
 /// A million cells of flow field are then 3 m wide, the coarsest that keep clear of walls.
 inline constexpr double kMaxGround_m2 = 1e7;
 /// Radii of steering discs. Walls are looked up 2.5 m around a centre (Walkable::kReach_m): the

@@ -95,6 +95,9 @@ void grow_plan(Scene& scene, double factor) {
     for (Goal& goal : group.goals)
       for (Rectangle& area : goal.areas) grow(area);
   }
+  for (Door& door : scene.doors)
+    for (Eigen::Vector2d* end : {&door.from_m, &door.to_m})
+      *end = middle + factor * (*end - middle);
   for (Obstacle& obstacle : scene.obstacles) {
     obstacle.centre_m.head<2>() = middle + factor * (obstacle.centre_m.head<2>() - middle);
     grow_obstacle(obstacle, factor, wall_m);

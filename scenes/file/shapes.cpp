@@ -1,6 +1,8 @@
 #include "scenes/file/shapes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/elementary.h"
 
@@ -47,6 +49,26 @@ std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle) {
                         obstacle.centre_m.y() + turn.sin * v.x() + turn.cos * v.y());
   }
   return convex_hull(std::move(points));
+}
+
+double distance_m(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point) {
+  double square_m2 = std::numeric_limits<double>::infinity();
+  bool is_inside = true;
+  for (size_t i = 0; i < footprint.size(); ++i) {
+    const Eigen::Vector2d along = footprint[(i + 1) % footprint.size()] - footprint[i];
+    const Eigen::Vector2d offset = point - footprint[i];
+    is_inside = is_inside && along.x() * offset.y() - along.y() * offset.x() >= 0;
+    const double t = std::clamp(along.dot(offset) / along.squaredNorm(), 0.0, 1.0);
+    square_m2 = std::min(square_m2, (offset - t * along).squaredNorm());
+  }
+  return is_inside ? 0 : std::sqrt(square_m2);
+}
+
+std::vector<Eigen::Vector2d> footprint_of(const Door& door) {
+  const Eigen::Vector2d along = (door.to_m - door.from_m).normalized();
+  const Eigen::Vector2d aside = 0.5 * Door::kThickness_m * Eigen::Vector2d(-along.y(), along.x());
+  return convex_hull(
+      {door.from_m - aside, door.to_m - aside, door.to_m + aside, door.from_m + aside});
 }
 
 bool blocks_people(const Obstacle& obstacle) {

@@ -16,6 +16,12 @@ std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 /// outline seen from above.
 std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle);
 
+/// How far a point is from a footprint; 0 inside.
+double distance_m(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point);
+
+/// What the leaf of a door covers while it is shut.
+std::vector<Eigen::Vector2d> footprint_of(const Door& door);
+
 /// True if people cannot walk beneath it.
 bool blocks_people(const Obstacle& obstacle);
 

@@ -238,17 +238,19 @@ size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {
   return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
 }
 
-FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas)
+FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
+                     std::span<const uint8_t> closed)
     : grid_(&grid),
       distance_m_(grid.cell_count(), kFar),
-      direction_(grid.cell_count(), Eigen::Vector2f::Zero()) {
-  march(areas);
+      direction_(grid.cell_count(), Eigen::Vector2f::Zero()),
+      is_closed_(closed.begin(), closed.end()) {
+  march(areas, closed);
   point_downhill();
   lead_out_of_walls();
   aim_through_gaps();
 }
 
-void FlowField::march(std::span<const Rectangle> areas) {
+void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t> closed) {
   // A queue of (distance, cell): equal distances leave in the order of cells.
   using Entry = std::pair<float, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -275,10 +277,14 @@ void FlowField::march(std::span<const Rectangle> areas) {
       const Neighbours around = grid_->ways_from(static_cast<size_t>(next));
       const auto x = static_cast<double>(std::min(value(around[0]), value(around[1])));
       const auto y = static_cast<double>(std::min(value(around[2]), value(around[3])));
-      const double step_m = grid_->cell_m() * grid_->slowness(static_cast<size_t>(next));
+      double step_m = grid_->cell_m() * grid_->slowness(static_cast<size_t>(next));
+      if (!closed.empty() && closed[static_cast<size_t>(next)] != 0) step_m += kClosed_m;
       const auto found = static_cast<float>(eikonal(x, y, step_m));
       if (!(found < distance_m_[static_cast<size_t>(next)])) continue;
       distance_m_[static_cast<size_t>(next)] = found;
+      if (!closed.empty())
+        is_closed_[static_cast<size_t>(next)] =
+            closed[static_cast<size_t>(next)] | is_closed_[cell];
       queue.emplace(found, static_cast<size_t>(next));
     }
   }

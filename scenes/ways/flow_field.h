@@ -70,8 +70,11 @@ class FlowGrid {
 class FlowField {
  public:
   /// Solves |grad distance| = slowness from the areas of a goal by fast marching (Sethian 1996):
-  /// each point leads to the area with the shortest way. Keeps a reference to `grid`.
-  FlowField(const FlowGrid& grid, std::span<const Rectangle> areas);
+  /// each point leads to the area with the shortest way. Keeps a reference to `grid`. `closed` has
+  /// 1 where a cell lies in a closed door, or nothing: a way through is as good as one that is
+  /// longer by kClosed_m for each such cell.
+  FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
+            std::span<const uint8_t> closed = {});
   FlowField(const FlowGrid& grid, const Rectangle& area)
       : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
 
@@ -83,6 +86,14 @@ class FlowField {
   /// there is no way, or if the cell is too near an obstacle.
   double distance_m(const Eigen::Vector2d& point) const;
   bool reaches(const Eigen::Vector2d& point) const;
+  /// True if the way from here leads through a closed door.
+  bool is_closed(const Eigen::Vector2d& point) const {
+    return !is_closed_.empty() && is_closed_[grid_->cell_at(point)] != 0;
+  }
+
+  /// People rather go round by this than wait for a door to open, which takes who knows how long. A
+  /// leaf is one to three cells thick.
+  static constexpr double kClosed_m = 20;
 
  private:
   /// The cells around a point, and how far it is from the first of them to the last.
@@ -91,7 +102,7 @@ class FlowField {
     double fx, fy;
   };
   Patch patch_at(const Eigen::Vector2d& point) const;
-  void march(std::span<const Rectangle> areas);
+  void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed);
   void point_downhill();
   void lead_out_of_walls();
   void aim_through_gaps();
@@ -100,6 +111,7 @@ class FlowField {
   const FlowGrid* grid_;
   std::vector<float> distance_m_;
   std::vector<Eigen::Vector2f> direction_;
+  std::vector<uint8_t> is_closed_;  ///< the way of each cell, or empty: there is no closed door
   /// In and before narrow gaps, the place to walk to next; ascending by cell.
   std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
 };

@@ -26,25 +26,36 @@ std::vector<std::vector<Eigen::Vector2d>> footprints_of(const Scene& scene) {
 
 }  // namespace
 
-Walkable::Walkable(const Scene& scene) : Walkable(scene.ground, footprints_of(scene)) {}
+Walkable::Walkable(const Scene& scene) : Walkable(scene.ground, footprints_of(scene)) {
+  for (const Door& door : scene.doors) add_footprint(footprint_of(door));
+  is_shut_.assign(scene.doors.size(), 0);
+}
+
+void Walkable::shut(std::span<const uint8_t> doors) {
+  is_shut_.assign(doors.begin(), doors.end());
+  build_cells();
+}
 
 Walkable::Walkable(const Rectangle& ground,
                    const std::vector<std::vector<Eigen::Vector2d>>& footprints)
     : ground_(ground) {
   edge_starts_.push_back(0);
-  for (const auto& corners : footprints) {
-    assert(corners.size() >= 3);
-    for (size_t i = 0; i < corners.size(); ++i) {
-      const Eigen::Vector2d along = corners[(i + 1) % corners.size()] - corners[i];
-      edges_.push_back({corners[i], along, Eigen::Vector2d(along.y(), -along.x()).normalized()});
-    }
-    edge_starts_.push_back(static_cast<uint32_t>(edges_.size()));
-  }
+  for (const auto& corners : footprints) add_footprint(corners);
+  first_door_ = static_cast<uint32_t>(footprints.size());
   build_cells();
 }
 
+void Walkable::add_footprint(std::span<const Eigen::Vector2d> corners) {
+  assert(corners.size() >= 3);
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d along = corners[(i + 1) % corners.size()] - corners[i];
+    edges_.push_back({corners[i], along, Eigen::Vector2d(along.y(), -along.x()).normalized()});
+  }
+  edge_starts_.push_back(static_cast<uint32_t>(edges_.size()));
+}
+
 std::vector<std::vector<Eigen::Vector2d>> Walkable::footprints() const {
-  std::vector<std::vector<Eigen::Vector2d>> all(edge_starts_.size() - 1);
+  std::vector<std::vector<Eigen::Vector2d>> all(first_door_);
   for (uint32_t f = 0; f < all.size(); ++f)
     for (const Edge& edge : edges_of(f)) all[f].push_back(edge.start);
   return all;
@@ -63,9 +74,10 @@ void Walkable::build_cells() {
   cell_m_ = std::max(2.0, std::sqrt(size.prod() / kMaxCells));
   columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
-  const auto footprints = static_cast<uint32_t>(edge_starts_.size() - 1);
+  const auto footprints = first_door_ + static_cast<uint32_t>(is_shut_.size());
   const auto for_each_range = [&](auto&& visit) {
     for (uint32_t f = 0; f < footprints; ++f) {
+      if (f >= first_door_ && is_shut_[f - first_door_] == 0) continue;
       Eigen::Vector2d low = edges_of(f).front().start;
       Eigen::Vector2d high = low;
       for (const Edge& edge : edges_of(f)) {

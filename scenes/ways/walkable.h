@@ -31,8 +31,15 @@ class Walkable {
   /// are so many so large that looking them up would fill the memory.
   Walkable(const Rectangle& ground, const std::vector<std::vector<Eigen::Vector2d>>& footprints);
 
-  /// The ground and the obstacles that stand in people's way.
+  /// The ground and the obstacles that stand in people's way; then its doors, all of them open.
   explicit Walkable(const Scene& scene);
+
+  /// Which leaves stand in the way from now on, one a door of the scene.
+  void shut(std::span<const uint8_t> doors);
+  /// Of a door's leaf, whether it is shut or not.
+  uint32_t footprint_of_door(size_t door) const {
+    return first_door_ + static_cast<uint32_t>(door);
+  }
 
   /// How far from a point obstacles are looked up. A walker sees walls 2.2 m ahead (the fastest
   /// free speed for half a second, plus a radius); the coarsest flow field keeps 2.2 m from them.
@@ -45,7 +52,7 @@ class Walkable {
   };
 
   const Rectangle& ground() const { return ground_; }
-  /// Corners of every footprint.
+  /// Corners of every footprint, doors left out.
   std::vector<std::vector<Eigen::Vector2d>> footprints() const;
   /// Indices of all footprints within kReach_m of the point, perhaps some others; ascending.
   std::span<const uint32_t> near(const Eigen::Vector2d& point) const;
@@ -73,12 +80,15 @@ class Walkable {
 
   std::span<const Edge> edges_of(uint32_t footprint) const;
   bool crosses(uint32_t footprint, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
+  void add_footprint(std::span<const Eigen::Vector2d> corners);
   void build_cells();
   int cell_of(double offset_m, int cells) const;
 
   Rectangle ground_;
   std::vector<Edge> edges_;
   std::vector<uint32_t> edge_starts_;  ///< footprints + 1 entries
+  uint32_t first_door_ = 0;            ///< footprints from here on are those of doors
+  std::vector<uint8_t> is_shut_;       ///< by door
   double cell_m_ = 1;
   int columns_ = 1;
   int rows_ = 1;

@@ -1,6 +1,8 @@
 #include "scenes/ways/ways.h"
 
 #include <algorithm>
+#include <cassert>
+#include <utility>
 
 namespace throng {
 
@@ -33,33 +35,104 @@ std::vector<int> pieces_of(const NavMesh& mesh, const Goal& goal) {
 }  // namespace
 
 Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walkable_) {
-  std::vector<std::vector<Rectangle>> goals;  // each once: groups often share them
   for (const Group& group : scene.groups)
     for (const Goal& goal : group.goals)
-      if (std::find(goals.begin(), goals.end(), goal.areas) == goals.end())
-        goals.push_back(goal.areas);
-  fields_.resize(goals.size());
+      if (std::find(goals_.begin(), goals_.end(), goal.areas) == goals_.end())
+        goals_.push_back(goal.areas);
+  fields_.resize(goals_.size());
   // Nobody walks in a box of parts.
   if (scene.groups.empty()) return;
-  // The mesh first, it takes longest.
-  workers.for_blocks(static_cast<int>(goals.size()) + 1, [&](int block, int) {
-    if (block == 0) {
-      nav_mesh_ = std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints(),
-                                            grid_.passages(), grid_.closures());
-    } else {
-      const auto goal = static_cast<size_t>(block - 1);
-      fields_[goal] = std::make_unique<FlowField>(grid_, goals[goal]);
-    }
-  });
+  look_up_cues(scene);
+  build_fields(workers);
   for (const Group& group : scene.groups) {
     std::vector<Stop>& route = routes_.emplace_back();
     for (const Goal& goal : group.goals) {
-      const auto at = std::find(goals.begin(), goals.end(), goal.areas) - goals.begin();
+      const auto at = std::find(goals_.begin(), goals_.end(), goal.areas) - goals_.begin();
       route.push_back({goal, fields_[static_cast<size_t>(at)].get(), pieces_of(*nav_mesh_, goal)});
     }
     on_arrival_.push_back(group.on_arrival);
     for (const Source& source : group.sources) entrances_.push_back(source.area);
   }
+}
+
+/// Of all goals, as the doors are; with them the mesh, where there is none yet.
+void Ways::build_fields(Workers& workers) {
+  // The mesh first, it takes longest.
+  workers.for_blocks(static_cast<int>(goals_.size()) + 1, [&](int block, int) {
+    if (block == 0) {
+      if (nav_mesh_ == nullptr)
+        nav_mesh_ = std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints(),
+                                              grid_.passages(), grid_.closures());
+      return;
+    }
+    const auto goal = static_cast<size_t>(block - 1);
+    FlowField field(grid_, goals_[goal], closed_);
+    // Stops refer to the field: what they refer to stays where it is.
+    if (fields_[goal] == nullptr)
+      fields_[goal] = std::make_unique<FlowField>(std::move(field));
+    else
+      *fields_[goal] = std::move(field);
+  });
+}
+
+void Ways::look_up_cues(const Scene& scene) {
+  for (const Group& group : scene.groups) {
+    std::optional<uint32_t>& after = after_.emplace_back();
+    if (group.after) after = add_occasion(scene, *group.after);
+  }
+  for (size_t door = 0; door < scene.doors.size(); ++door) {
+    DoorTimes& times = door_times_.emplace_back();
+    for (const Cue& cue : scene.doors[door].opens) times.opens.push_back(add_occasion(scene, cue));
+    for (const Cue& cue : scene.doors[door].closes)
+      times.closes.push_back(add_occasion(scene, cue));
+    doors_.push_back(times.opens.empty() ? DoorState::kOpen : DoorState::kShut);
+    std::vector<size_t>& cells = door_cells_.emplace_back();
+    for (size_t cell = 0; cell < grid_.cell_count(); ++cell)
+      if (grid_.is_free(cell) &&
+          nearest_door(door, grid_.centre_m(cell)).distance_m < 0.71 * grid_.cell_m())
+        cells.push_back(cell);
+  }
+  show_doors();
+}
+
+uint32_t Ways::add_occasion(const Scene& scene, const Cue& cue) {
+  Occasion& occasion = occasions_.emplace_back();
+  occasion.later_s = cue.later_s;
+  if (!cue.group.empty()) {
+    const auto group = std::find_if(scene.groups.begin(), scene.groups.end(),
+                                    [&](const Group& each) { return each.name == cue.group; });
+    assert(group != scene.groups.end());
+    occasion.group = static_cast<uint32_t>(group - scene.groups.begin());
+    occasion.goals =
+        static_cast<uint32_t>(cue.goal > 0 ? static_cast<size_t>(cue.goal) : group->goals.size());
+  }
+  return static_cast<uint32_t>(occasions_.size() - 1);
+}
+
+/// What of the ground the doors leave to walk on and to look for ways on.
+void Ways::show_doors() {
+  closed_.clear();
+  std::vector<uint8_t> shut;
+  for (size_t door = 0; door < doors_.size(); ++door) {
+    shut.push_back(doors_[door] == DoorState::kShut ? 1 : 0);
+    if (doors_[door] == DoorState::kOpen) continue;
+    closed_.resize(grid_.cell_count());
+    for (const size_t cell : door_cells_[door]) closed_[cell] = 1;
+  }
+  if (!doors_.empty()) walkable_.shut(shut);
+}
+
+void Ways::set_doors(std::span<const DoorState> doors, Workers& workers) {
+  const auto differs_in = [&](DoorState state) {
+    for (size_t door = 0; door < doors.size(); ++door)
+      if ((doors[door] == state) != (doors_[door] == state)) return true;
+    return false;
+  };
+  const bool changes_ways = differs_in(DoorState::kOpen);
+  if (!changes_ways && !differs_in(DoorState::kShut)) return;
+  doors_.assign(doors.begin(), doors.end());
+  show_doors();
+  if (changes_ways) build_fields(workers);
 }
 
 bool Ways::leads(const Stop& stop, const Eigen::Vector2d& point) const {

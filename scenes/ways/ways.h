@@ -1,11 +1,14 @@
 // What people need to know of a scene to find their way: walls, a navigation mesh, and a flow field
 // for every goal. A field answers everybody who has the goal, from anywhere and pushed anywhere, in
 // a few nanoseconds; the mesh answers what a field cannot: which pieces of ground are connected,
-// and along which corners a single way leads. One rule: immutable after construction, shared by
-// spawning and steering.
+// and along which corners a single way leads. One rule: shared by spawning and steering, and
+// nothing about it changes after construction but that doors open and close.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "base/workers.h"
@@ -27,6 +30,24 @@ struct Stop {
   const Rectangle& area_near(const Eigen::Vector2d& point) const;
 };
 
+enum class DoorState : uint8_t {
+  kOpen,
+  kClosing,  ///< nobody sets foot into it any more, and it shuts when the last is through
+  kShut,
+};
+
+/// A Cue, its names looked up.
+struct Occasion {
+  double later_s = 0;
+  std::optional<uint32_t> group;  ///< none: after the start of the run
+  uint32_t goals = 0;             ///< so many that everybody has been at
+};
+
+/// When a door opens and closes: indices of occasions.
+struct DoorTimes {
+  std::vector<uint32_t> opens, closes;
+};
+
 class Ways {
  public:
   Ways(const Scene& scene, Workers& workers);
@@ -34,6 +55,7 @@ class Ways {
   Ways& operator=(const Ways&) = delete;
 
   const Walkable& walkable() const { return walkable_; }
+  size_t groups() const { return routes_.size(); }
   /// The goals of a group, in order; at least one.
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
@@ -45,14 +67,41 @@ class Ways {
   /// Where people enter: group by group, in each group's order of sources.
   const std::vector<Rectangle>& entrances() const { return entrances_; }
 
+  /// What groups and doors wait for.
+  const std::vector<Occasion>& occasions() const { return occasions_; }
+  /// Before which nobody of a group sets out.
+  std::optional<uint32_t> after(size_t group) const { return after_[group]; }
+  const std::vector<DoorTimes>& door_times() const { return door_times_; }
+  const std::vector<DoorState>& doors() const { return doors_; }
+  /// How far a point is from a door's leaf, and on which side of it.
+  Walkable::Nearest nearest_door(size_t door, const Eigen::Vector2d& point) const {
+    return walkable_.nearest(walkable_.footprint_of_door(door), point);
+  }
+  /// From now on doors are as these say. Where one closes or opens for those who look for a way,
+  /// all fields are worked out anew.
+  void set_doors(std::span<const DoorState> doors, Workers& workers);
+
  private:
+  void look_up_cues(const Scene& scene);
+  void show_doors();
+  uint32_t add_occasion(const Scene& scene, const Cue& cue);
+  void build_fields(Workers& workers);
+
   Walkable walkable_;
   FlowGrid grid_;
   std::unique_ptr<const NavMesh> nav_mesh_;
-  std::vector<std::unique_ptr<const FlowField>> fields_;
-  std::vector<std::vector<Stop>> routes_;  ///< by group
-  std::vector<OnArrival> on_arrival_;      ///< by group
+  std::vector<std::vector<Rectangle>> goals_;       ///< each once: groups often share them
+  std::vector<std::unique_ptr<FlowField>> fields_;  ///< by goal
+  std::vector<std::vector<Stop>> routes_;           ///< by group
+  std::vector<OnArrival> on_arrival_;               ///< by group
   std::vector<Rectangle> entrances_;
+  std::vector<Occasion> occasions_;
+  std::vector<std::optional<uint32_t>> after_;  ///< by group
+  // By door.
+  std::vector<DoorTimes> door_times_;
+  std::vector<DoorState> doors_;
+  std::vector<std::vector<size_t>> door_cells_;  ///< that nobody gets past who does not step on one
+  std::vector<uint8_t> closed_;                  ///< by cell; empty: no door is closed
 };
 
 }  // namespace throng

@@ -61,6 +61,73 @@ const std::string kGroup =
     "    spawn: {min_m: [1, 1], max_m: [4, 9]}\n"
     "    goals: [{min_m: [15, 1], max_m: [19, 9]}]\n";
 
+const std::string kTwoGroups = kGround +
+                               "groups:\n"
+                               "  - name: a\n"
+                               "    density_per_m2: 3\n"
+                               "    spawn: {min_m: [1, 1], max_m: [4, 9]}\n"
+                               "    goals:\n"
+                               "      - {min_m: [15, 1], max_m: [19, 9], pass: true}\n"
+                               "      - {min_m: [10, 1], max_m: [12, 9]}\n"
+                               "  - name: b\n"
+                               "    count: 2\n"
+                               "    spawn: {min_m: [5, 1], max_m: [8, 9]}\n"
+                               "    goals: [{min_m: [15, 1], max_m: [19, 9]}]\n";
+
+TEST_F(SceneFile, SaysWhoWaitsForWhomAndWhenDoorsOpen) {
+  const Scene scene = load(kTwoGroups +
+                           "    after: {group: a, goal: 1, later_s: 2}\n"
+                           "doors:\n"
+                           "  - {from_m: [9, 2], to_m: [9, 4], opens: [3, {group: a}]}\n"
+                           "  - {name: gate, from_m: [9, 5], to_m: [9, 7], closes: [7/2]}\n");
+  EXPECT_EQ(scene.groups[0].count, 72);
+  EXPECT_FALSE(scene.groups[0].after);
+  EXPECT_EQ(scene.groups[1].after, (Cue{2, "a", 1}));
+  ASSERT_EQ(scene.doors.size(), 2u);
+  EXPECT_EQ(scene.doors[0].name, "door 1");
+  EXPECT_EQ(scene.doors[0].opens, (std::vector<Cue>{{3, "", 0}, {0, "a", 0}}));
+  EXPECT_TRUE(scene.doors[0].closes.empty());
+  EXPECT_EQ(scene.doors[1].name, "gate");
+  EXPECT_EQ(scene.doors[1].to_m, Eigen::Vector2d(9, 7));
+  EXPECT_EQ(scene.doors[1].closes, (std::vector<Cue>{{3.5, "", 0}}));
+  const uint64_t hash = scene.content_hash;
+  EXPECT_NE(load(kTwoGroups + "    after: {group: a, goal: 2, later_s: 2}\n").content_hash,
+            load(kTwoGroups + "    after: {group: a, goal: 1, later_s: 2}\n").content_hash);
+  EXPECT_NE(load(kTwoGroups).content_hash, hash);
+  EXPECT_EQ(load(kTwoGroups + "doors: []\n").content_hash, load(kTwoGroups).content_hash);
+}
+
+TEST_F(SceneFile, ComplainsOfCuesDoorsAndDensities) {
+  const auto group = [](const std::string& lines) { return kTwoGroups + lines; };
+  const auto door = [](const std::string& keys) {
+    return kTwoGroups + "doors: [{from_m: [9, 2], " + keys + "}]\n";
+  };
+  EXPECT_EQ(complaint(group("    after: {group: aa}\n")),
+            "s.yaml:13: expected the name of a group of the scene, found 'aa' (did you mean 'a'?)");
+  EXPECT_EQ(complaint(group("    after: {group: a, goal: 3}\n")),
+            "s.yaml:13: expected one of the 2 goals of 'a', found 3");
+  EXPECT_EQ(complaint(group("    after: {goal: 1}\n")),
+            "s.yaml:13: expected the key 'group' in a cue, found none");
+  EXPECT_EQ(complaint(group("    after: soon\n")),
+            "s.yaml:13: expected a number for 'a cue', found 'soon'");
+  EXPECT_EQ(
+      complaint(group("    after: {group: b}\n")),
+      "s.yaml: expected groups of which one sets out first, found 'b', which waits for itself "
+      "by way of 'after'");
+  EXPECT_EQ(complaint(group("    density_per_m2: 3\n")),
+            "s.yaml:10: expected either 'count' or 'density_per_m2', found both");
+  EXPECT_EQ(complaint(door("to_m: [9, 2.1], opens: [1]")),
+            "s.yaml:13: expected a door at least 0.2 m wide, found 0.1 m");
+  EXPECT_EQ(complaint(door("to_m: [9, 4]")),
+            "s.yaml:13: expected 'opens' or 'closes' of a door, found neither");
+  EXPECT_EQ(
+      complaint(door("to_m: [9, 40], opens: [1]")),
+      "s.yaml:13: expected door 'door 1' within the ground ([0, 0] to [20, 10]), found an end "
+      "at [9, 40]");
+  EXPECT_EQ(complaint(door("to_m: [9, 4], closes: [{group: c}]")),
+            "s.yaml:13: expected the name of a group of the scene, found 'c' (did you mean 'a'?)");
+}
+
 TEST_F(SceneFile, SaysWhatItSays) {
   const Scene scene = load(
       "name: test\ndescription: a test\nseed: 7\nstep_s: 1/50\nduration_s: 2.5\n" + kGround +

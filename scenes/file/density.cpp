@@ -1,0 +1,62 @@
+#include "scenes/file/density.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/file/shapes.h"
+
+namespace throng {
+namespace {
+
+/// The steering disc of a person of 1.70 m, which keeps off walls.
+constexpr double kWallGap_m = 0.22;
+constexpr double kSample_m = 0.05;
+constexpr double kMostSamples = 4e6;
+
+}  // namespace
+
+double standing_room_m2(const Scene& scene, const Rectangle& area) {
+  const Eigen::Vector2d gap = Eigen::Vector2d::Constant(kWallGap_m);
+  const Rectangle reach{area.min_m - gap, area.max_m + gap};
+  std::vector<std::vector<Eigen::Vector2d>> near;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    if (!blocks_people(obstacle)) continue;
+    std::vector<Eigen::Vector2d> footprint = footprint_of(obstacle);
+    Eigen::Vector2d low = footprint.front(), high = low;
+    for (const Eigen::Vector2d& corner : footprint) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+    if ((low.array() <= reach.max_m.array()).all() && (high.array() >= reach.min_m.array()).all())
+      near.push_back(std::move(footprint));
+  }
+  const Rectangle inside{scene.ground.min_m + gap, scene.ground.max_m - gap};
+  const Eigen::Vector2d size = area.size_m();
+  const double sample_m = std::max(kSample_m, std::sqrt(area.area_m2() / kMostSamples));
+  const int columns = std::max(1, static_cast<int>(std::ceil(size.x() / sample_m)));
+  const int rows = std::max(1, static_cast<int>(std::ceil(size.y() / sample_m)));
+  int64_t free = 0;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      // Somewhere in its cell: edges along a row of samples would be missed or met by all of them.
+      const auto part = [&](double step) {
+        const double sum = step * (static_cast<double>(row) * columns + column);
+        return sum - std::floor(sum);
+      };
+      const Eigen::Vector2d share((column + part(0.7548776662466927)) / columns,
+                                  (row + part(0.5698402909980532)) / rows);
+      const Eigen::Vector2d point = area.min_m + size.cwiseProduct(share);
+      const auto is_in_the_way = [&](const std::vector<Eigen::Vector2d>& footprint) {
+        return distance_m(footprint, point) < kWallGap_m;
+      };
+      if (inside.contains(point) && std::none_of(near.begin(), near.end(), is_in_the_way)) ++free;
+    }
+  return area.area_m2() * static_cast<double>(free) /
+         (static_cast<double>(columns) * static_cast<double>(rows));
+}
+
+int64_t count_by_density(const Scene& scene, const Group& group) {
+  return std::llround(group.density_per_m2 * standing_room_m2(scene, group.spawn));
+}
+
+}  // namespace throng
