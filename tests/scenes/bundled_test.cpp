@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <numeric>
 
 #include "scenes/scenes.h"
@@ -45,8 +46,8 @@ TEST_P(BundledScene, KeepsEverybodyOffWallsPlacedAndOnTheWay) {
 
 INSTANTIATE_TEST_SUITE_P(All, BundledScene,
                          testing::Values("plaza", "corridor", "crossing", "bottleneck",
-                                         "evacuation", "station_platform", "stadium_exit", "ring",
-                                         "robot_in_crowd"),
+                                         "evacuation", "metro", "concert", "station_platform",
+                                         "stadium_exit", "ring", "robot_in_crowd"),
                          [](const auto& each) { return std::string(each.param); });
 
 TEST(BundledScenes, LargeOnesPlaceEverybody) {
@@ -58,6 +59,57 @@ TEST(BundledScenes, LargeOnesPlaceEverybody) {
     int64_t total = 0;
     for (const Group& group : scene.groups) total += group.total();
     EXPECT_EQ(static_cast<int64_t>(spawned.people.size()), total) << name;
+  }
+}
+
+TEST(BundledScenes, OfTheMetroAllGetOffThenOnAndTheLateStayOutside) {
+  for (const SteeringKind model : {SteeringKind::kOrca, SteeringKind::kHeuristic})
+    for (uint64_t seed = 1; seed <= 3; ++seed) {
+      SCOPED_TRACE(testing::Message() << name_of(model) << ", seed " << seed);
+      Scene scene = load_scene("metro");
+      scene.seed = seed;
+      scene.steering.model = model;
+      SmallWorld world(scene, 2);
+      for (int step = 0; step < 60 * 60; ++step) world.crowd.step();
+      for (const DoorState door : world.ways.doors()) EXPECT_EQ(door, DoorState::kShut);
+      int off = 0, on = 0, late_in = 0, late_on_platform = 0;
+      for (uint32_t id = 0; id < world.crowd.size(); ++id) {
+        if (world.crowd.journeys().doing(id) == Doing::kOutside) continue;
+        const std::string& name = scene.groups[world.spawned.people[id].group].name;
+        const bool is_in = world.crowd.positions_m()[id].y() > 2;
+        off += name.starts_with("off") && world.crowd.journeys().doing(id) == Doing::kGone;
+        on += name.starts_with("on") && is_in;
+        late_in += name == "late" && is_in;
+        late_on_platform += name == "late" && !is_in;
+      }
+      EXPECT_EQ(off, 60);
+      EXPECT_EQ(on, 48);
+      EXPECT_EQ(late_in, 0);
+      EXPECT_GE(late_on_platform, 15);
+    }
+}
+
+TEST(BundledScenes, OfTheConcert95PercentFaceTheStageWithin20DegreesThenAllLeave) {
+  for (const SteeringKind model : {SteeringKind::kOrca, SteeringKind::kHeuristic}) {
+    SCOPED_TRACE(name_of(model));
+    Scene scene = load_scene("concert");
+    scene.steering.model = model;
+    SmallWorld world(scene, 2);
+    for (int step = 0; step < 9 * 30; ++step) world.crowd.step();
+    size_t face = 0;
+    for (uint32_t id = 0; id < world.crowd.size(); ++id) {
+      const Eigen::Vector2d way = *scene.groups[0].face_m - world.crowd.positions_m()[id];
+      face += world.crowd.headings()[id].dot(way.normalized()) > 0.9397;
+    }
+    EXPECT_GE(static_cast<double>(face), 0.95 * static_cast<double>(world.crowd.size()));
+    int steps = 9 * 30;
+    while (world.crowd.traffic().counters().present > 0 && steps < 30 * 300) {
+      world.crowd.step();
+      ++steps;
+    }
+    std::printf("%s: the last of %zu leaves after %d s\n", std::string(name_of(model)).c_str(),
+                world.crowd.size(), steps / 30);
+    EXPECT_EQ(world.crowd.traffic().counters().present, 0u);
   }
 }
 
