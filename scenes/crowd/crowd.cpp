@@ -28,7 +28,7 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       workers_(workers),
       options_(options),
       model_(make_steering_model(options.steering.model, options.simd)),
-      core_(model_->core()),
+      traits_(model_->traits()),
       journeys_(ways, people, options.seed),
       traffic_(ways, people, options.seed),
       occasions_(ways, people),

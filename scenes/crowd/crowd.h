@@ -118,7 +118,7 @@ class Crowd {
   bool is_settled(size_t slot) const;
   /// Discs whose centres are nearer are pushed apart.
   float apart_m(size_t slot, size_t other) const {
-    return core_ * (slots_.radius_m[slot] + slots_.radius_m[other]);
+    return traits_.core * (slots_.radius_m[slot] + slots_.radius_m[other]);
   }
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
@@ -136,7 +136,7 @@ class Crowd {
   Workers& workers_;
   CrowdOptions options_;
   std::unique_ptr<const SteeringModel> model_;
-  float core_;  ///< model_->core()
+  SteeringTraits traits_;
   int steps_a_decision_ = 6;
   double period_s_ = 0.1;
   double turn_cos_ = 1;  ///< the largest turn in a step

@@ -68,7 +68,8 @@ double Crowd::wish(size_t begin, size_t end) {
         (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0);
     const auto urge = static_cast<float>(stuck);
     // People who are stuck show where to, so that others can make way.
-    velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
+    if (traits_.is_nudged)
+      velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
     slots_.vx_mps[slot] = velocity.x();
     slots_.vy_mps[slot] = velocity.y();
     stretch(slot);
@@ -128,7 +129,7 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   people.first_slot = begin;
   const bool by_density = options_.steering.density_speed;
   // Density keeps people apart, too.
-  const bool by_gap = !model_->keeps_gap() && !by_density;
+  const bool by_gap = !traits_.keeps_gap && !by_density;
   for (size_t slot = begin; by_density && slot < end; ++slot) limit_to_density(people, slot);
   for (size_t slot = begin; by_gap && slot < end; ++slot) limit_to_gap(slot);
   model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());

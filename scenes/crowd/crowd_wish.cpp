@@ -15,7 +15,7 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   walkers_.facing[slot] = direction;
   if (doorkeeper_.has_doors()) direction *= pace(slot, direction);
   const double stalled_s = stalled_s_of(slot);
-  if (stalled_s > tuning::kStuck_s) {
+  if (traits_.is_nudged && stalled_s > tuning::kStuck_s) {
     const auto second = static_cast<uint64_t>(std::floor(stalled_s));
     const RandomKey key{options_.seed, id,
                         static_cast<uint64_t>(walkers_.anchor_step[slot]) + second,

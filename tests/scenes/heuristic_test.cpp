@@ -21,6 +21,7 @@ constexpr float kPeriod_s = 0.1f;
 
 struct Someone {
   Eigen::Vector2f at_m, velocity_mps, wanted_mps;
+  float urge = 0;
 };
 struct Wall {
   Eigen::Vector2f away;
@@ -34,7 +35,7 @@ struct Moment {
 
   std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1) const {
     const size_t count = people.size();
-    std::vector<float> x, y, vx, vy, wx, wy, way_x, way_y;
+    std::vector<float> x, y, vx, vy, wx, wy, way_x, way_y, urge;
     for (const Someone& each : people) {
       x.push_back(each.at_m.x());
       y.push_back(each.at_m.y());
@@ -42,6 +43,7 @@ struct Moment {
       vy.push_back(each.velocity_mps.y());
       wx.push_back(each.wanted_mps.x());
       wy.push_back(each.wanted_mps.y());
+      urge.push_back(each.urge);
       const float length = each.wanted_mps.norm();
       way_x.push_back(length > 0 ? each.wanted_mps.x() / length : 0);
       way_y.push_back(length > 0 ? each.wanted_mps.y() / length : 0);
@@ -81,6 +83,7 @@ struct Moment {
     view.way_y = way_y.data();
     view.free_speed_mps = free.data();
     view.max_speed_mps = most.data();
+    view.urge = urge.data();
     view.neighbours = near.data();
     view.neighbour_counts = counts.data();
     view.wall_x = wall_x.data();
@@ -107,6 +110,7 @@ Moment random_moment(uint64_t seed) {
     each.velocity_mps = polar(uniform(seed, id + 2, 0, 1.5), uniform(seed, id + 3, -3.14, 3.14));
     each.wanted_mps = polar(uniform(seed, id + 4, 0, 1) < 0.2f ? 0 : kFree_mps,
                             uniform(seed, id + 5, -3.14, 3.14));
+    if (uniform(seed, id + 7, 0, 1) < 0.2f) each.urge = uniform(seed, 900 + i, 0, 1);
     // Some stand in one place.
     if (i > 0 && uniform(seed, id + 6, 0, 1) < 0.05f) each.at_m = moment.people.back().at_m;
     moment.people.push_back(each);
@@ -145,11 +149,11 @@ TEST(Heuristic, NoVelocityIsTooFastTooSuddenOrInAWall) {
     if (moment.walls.empty() && moment.people.front().velocity_mps.norm() <= 1.2f * kFree_mps) {
       EXPECT_LE((v - moment.people.front().velocity_mps).norm(), kMost_mps2 * kPeriod_s + 1e-4f);
     }
-    // Shoulders turn at a wall: three tenths of the radius.
+    // Shoulders turn at a wall: two tenths of the radius.
     const SteeringView defaults;
     for (const Wall& wall : moment.walls)
       EXPECT_GE(v.dot(wall.away),
-                -std::max(0.0f, wall.clearance_m + 0.3f * 0.22f) / defaults.wall_horizon_s - 1e-4f);
+                -std::max(0.0f, wall.clearance_m + 0.2f * 0.22f) / defaults.wall_horizon_s - 1e-4f);
   }
 }
 
@@ -171,7 +175,7 @@ TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
     const auto turned = [](const Eigen::Vector2f& v) { return Eigen::Vector2f(-v.y(), v.x()); };
     Moment quarter = moment;
     for (Someone& each : quarter.people)
-      each = {turned(each.at_m), turned(each.velocity_mps), turned(each.wanted_mps)};
+      each = {turned(each.at_m), turned(each.velocity_mps), turned(each.wanted_mps), each.urge};
     for (Wall& wall : quarter.walls) wall.away = turned(wall.away);
     bool one_place = false;  // two in one place part along x
     for (size_t i = 1; i < moment.people.size(); ++i)
@@ -197,19 +201,28 @@ TEST(Heuristic, BehindSomebodyWhoStandsInANarrowWayPeopleStop) {
   EXPECT_LT(other.x() - at.x(), 0.9f) << "stopped far away";
 }
 
+/// Walks everybody for so long; returns how near two of them came.
+float walk(std::vector<Someone>& people, double seconds) {
+  float least_m = 1e9f;
+  const auto decisions = static_cast<int>(seconds / static_cast<double>(kPeriod_s));
+  for (int i = 0; i < decisions; ++i) {
+    const std::vector<Eigen::Vector2f> next = Moment{people, {}}.decide(0, people.size());
+    for (size_t k = 0; k < people.size(); ++k) {
+      people[k].at_m += 0.5f * kPeriod_s * (people[k].velocity_mps + next[k]);
+      people[k].velocity_mps = next[k];
+    }
+    for (size_t a = 0; a < people.size(); ++a)
+      for (size_t b = 0; b < a; ++b)
+        least_m = std::min(least_m, (people[a].at_m - people[b].at_m).norm());
+  }
+  return least_m;
+}
+
 /// Two who walk from where they are to where the other one was.
 float nearest_m(float lateral_m) {
   std::vector<Someone> two = {{{0, 0}, {kFree_mps, 0}, {kFree_mps, 0}},
                               {{10, lateral_m}, {-kFree_mps, 0}, {-kFree_mps, 0}}};
-  float least = 1e9f;
-  for (int i = 0; i < 100; ++i) {
-    const std::vector<Eigen::Vector2f> next = Moment{two, {}}.decide(0, 2);
-    for (size_t k = 0; k < 2; ++k) {
-      two[k].velocity_mps = next[k];
-      two[k].at_m += kPeriod_s * next[k];
-    }
-    least = std::min(least, (two[0].at_m - two[1].at_m).norm());
-  }
+  const float least = walk(two, 10);
   EXPECT_GT(two[0].at_m.x(), two[1].at_m.x()) << "they never passed, lateral " << lateral_m;
   return least;
 }
@@ -218,6 +231,21 @@ TEST(Heuristic, TwoHeadOnPassAsRecordedPeopleDo) {
   // Recorded people are 0.4 m abreast when they pass, 1 in 100 nearer.
   for (int i = -10; i <= 10; ++i)
     EXPECT_GE(nearest_m(0.06f * static_cast<float>(i)), 0.4f) << "lateral " << 6 * i << " cm";
+}
+
+TEST(Heuristic, PeopleFromAllSidesGetPastEachOtherWithoutWalkingThroughBodies) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::vector<Someone> people;
+    for (uint64_t i = 0; i < 10; ++i) {
+      const Eigen::Vector2f from = polar(uniform(seed, i, 5, 9), 0.628f * static_cast<float>(i));
+      const Eigen::Vector2f wanted = -kFree_mps * from.normalized();
+      people.push_back({from, wanted, wanted});
+    }
+    EXPECT_GE(walk(people, 20), 0.3f);
+    for (const Someone& each : people)
+      EXPECT_GT(each.at_m.dot(each.wanted_mps), 3) << "did not get to the other side";
+  }
 }
 
 }  // namespace

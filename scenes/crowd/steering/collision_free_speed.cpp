@@ -133,6 +133,7 @@ float density_ahead(const SteeringView& p, size_t slot, float direction_x, float
 
 void decide_collision_free_speed(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
                                  float* next_y_mps) {
+  std::array<HalfPlane, kMostWalls> planes;
   for (size_t slot = begin; slot < end; ++slot) {
     const float wx = p.wanted_x_mps[slot], wy = p.wanted_y_mps[slot];
     const float wanted = std::sqrt(wx * wx + wy * wy);
@@ -140,7 +141,10 @@ void decide_collision_free_speed(const SteeringView& p, size_t begin, size_t end
     if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
     const Direction way = turned_away(p, slot, wish);
     const float speed = std::min(wanted, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
-    const Eigen::Vector2f v = within_walls(p, slot, {speed * way.x, speed * way.y});
+    const size_t walls = add_walls(p, slot, 0, planes.data());
+    const Eigen::Vector2f v =
+        choose_velocity({planes.data(), walls}, static_cast<int>(walls),
+                        {speed * way.x, speed * way.y}, p.max_speed_mps[slot]);
     next_x_mps[slot] = v.x();
     next_y_mps[slot] = v.y();
   }

@@ -8,14 +8,14 @@ struct Tuning {
   // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
   // way; at stand_m people stand, from about room_m more on they walk freely. Whose free speed is
   // higher closes up more: the room is for free_mps and goes with 1 / free speed.
-  float stand_m = 0.55f;
+  float stand_m = 0.57f;
   float shoulders_m = 0.32f;
-  float room_m = 0.67f;
+  float room_m = 0.68f;
   float free_mps = 1.34f;
   /// Oncoming people pass each other with a shoulder turned.
-  float passing_m = 0.18f;
+  float passing_m = 0.16f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
-  float ahead_s = 0.8f;
+  float ahead_s = 3;
   // Nearer than blocked_m to somebody a way is blocked, farther off than clear_m it is free. In the
   // open, and by those who go the same way, people are passed so much farther off; it is open where
   // the sixth nearest is at open_m, and dense where it is at dense_m.
@@ -23,29 +23,40 @@ struct Tuning {
   float open_blocked_m = 0.10f, open_clear_m = 0.20f;
   float dense_m = 0.9f, open_m = 1.8f;
   /// From walls.
-  float wall_m = 0.26f;
+  float wall_m = 0.24f;
+  // Nobody comes nearer than bodies do, within so long: both give way by half (see avoid()). Where
+  // it is dense shoulders turn, which makes bodies narrower by this share.
+  float body_m = 0.38f, body_s = 0.48f, turned = 0.3f;
+  // Of those who get nowhere, and of those whom they meet, bodies become narrower by up to the
+  // first share, and the room that they are passed with by up to the second.
+  float squeeze = 0.45f, squeeze_room = 0.24f;
   /// A way that is free for so long is worth half of one that is free for ever.
   float horizon_m = 2;
   /// What turning off costs, and what passing on the left does.
-  float keep_on = 0.25f;
-  float keep_right = 0.06f;
+  float keep_on = 0.17f;
+  float keep_right = 0.07f;
   /// Others are expected to go by so much as they want to, the rest as they do.
   float intent = 0.7f;
   // People drift away from those nearer than apart_m, the nearer the faster, and from walls.
-  float drift_mps = 0.1f, apart_m = 0.52f, drift_m = 0.24f;
+  float drift_mps = 0.1f, apart_m = 0.63f, drift_m = 0.24f;
   float wall_drift_mps = 0.25f, wall_drift_m = 0.2f;
   /// Times to take up a velocity, and the most that it changes.
-  float speed_up_s = 0.35f, slow_down_s = 0.3f, most_mps2 = 4;
+  float speed_up_s = 0.25f, slow_down_s = 0.35f, most_mps2 = 4;
 };
 constexpr Tuning kTuning;
 
 /// Whose speed along a way is below this comes towards one; who is slower than the other wants
 /// nowhere.
 constexpr float kOncoming_mps = -0.1f, kWants_mps = 0.015f;
+/// Cosine of ways that are against each other.
+constexpr float kAgainst = -0.5f;
 /// Cosine of ways that count as the same.
 constexpr float kSameWay = 0.3f;
 /// At a wall a shoulder turned is nearer than the disc by this share of its radius.
-constexpr float kTurned = 0.3f;
+constexpr float kTurned = 0.2f;
+
+/// Two who walk towards each other come no nearer than this in a second.
+constexpr float kFastest_mps = 3;
 
 constexpr float kFar_m = 1e3f;
 
@@ -87,6 +98,7 @@ struct Other {
   float ox_mps, oy_mps;  ///< as it is expected
   float way_x, way_y;
   float size;  ///< mean of both
+  float urge;  ///< the larger of both
   float square_m2;
 };
 
@@ -119,7 +131,7 @@ class Decision {
       const float along = aside.dot(way);
       if (along > 0) aside -= along * way;
     }
-    return within_walls(p_, slot_, towards(wish + aside), kTurned * p_.radius_m[slot_]);
+    return at_most(between_bodies(towards(wish + aside)));
   }
 
  private:
@@ -146,6 +158,7 @@ class Decision {
       o.way_x = p_.way_x[other];
       o.way_y = p_.way_y[other];
       o.size = 0.5f * (size_ + p_.radius_m[other] / kRadius_m);
+      o.urge = std::max(p_.urge[slot_], p_.urge[other]);
     }
     constexpr size_t kSixth = 5;
     if (count_ > kSixth)
@@ -175,8 +188,9 @@ class Decision {
   void keep_clear_of(const Other& o, const Values& x, const Values& y, Values& free_m) const {
     const bool same_way = way_x_ * o.way_x + way_y_ * o.way_y > kSameWay;
     const float open = same_way ? 1.0f : openness_;
-    const float blocked_m = (kTuning.blocked_m + open * kTuning.open_blocked_m) * o.size;
-    const float clear_m = (kTuning.clear_m + open * kTuning.open_clear_m) * o.size;
+    const float size = (1 - kTuning.squeeze_room * o.urge) * o.size;
+    const float blocked_m = (kTuning.blocked_m + open * kTuning.open_blocked_m) * size;
+    const float clear_m = (kTuning.clear_m + open * kTuning.open_clear_m) * size;
     const float per_m = 1 / (clear_m - blocked_m);
     for (size_t i = 0; i < kWays; i += kAtOnce) {
       const F rx = F(wanted_mps_) * load(&x[i]) - F(o.ox_mps);
@@ -252,8 +266,10 @@ class Decision {
       const float ahead_m = o.x_m * way.x() + o.y_m * way.y();
       const float aside_m = std::abs(o.x_m * way.y() - o.y_m * way.x());
       const float other_mps = o.vx_mps * way.x() + o.vy_mps * way.y();
+      const bool is_met =
+          other_mps < kOncoming_mps || way_x_ * o.way_x + way_y_ * o.way_y < kAgainst;
       const float shoulders_m =
-          (other_mps < kOncoming_mps ? kTuning.passing_m : kTuning.shoulders_m) * o.size;
+          (is_met ? kTuning.passing_m * (1 - o.urge) : kTuning.shoulders_m) * o.size;
       if (ahead_m <= 0 || aside_m >= shoulders_m) continue;
       // Of two who are ahead of one another, the one that has the other more ahead waits.
       if (-(o.x_m * o.way_x + o.y_m * o.way_y) > ahead_m) continue;
@@ -264,15 +280,51 @@ class Decision {
     return wanted_mps_ * saturated(std::max(gap_m, 0.0f) / room_m);
   }
 
-  /// What of a change of velocity can be done until the next decision.
+  /// What of a wish can be taken up until the next decision.
   Eigen::Vector2f towards(const Eigen::Vector2f& wish) const {
     const Eigen::Vector2f now(vx_mps_, vy_mps_);
     const bool slows = wish.squaredNorm() < now.squaredNorm();
     const float share = p_.period_s / (slows ? kTuning.slow_down_s : kTuning.speed_up_s);
-    Eigen::Vector2f change = std::min(share, 1.0f) * (wish - now);
+    return now + std::min(share, 1.0f) * (wish - now);
+  }
+
+  /// Nobody changes velocity faster, but for walls.
+  Eigen::Vector2f at_most(const Eigen::Vector2f& velocity) const {
+    const Eigen::Vector2f now(vx_mps_, vy_mps_);
+    const Eigen::Vector2f change = velocity - now;
     const float length = change.norm(), most = kTuning.most_mps2 * p_.period_s;
-    if (length > most) change *= most / length;
-    return now + change;
+    if (length <= most) return velocity;
+    std::array<HalfPlane, kMostWalls> walls;
+    const size_t count = add_walls(p_, slot_, kTurned * p_.radius_m[slot_], walls.data());
+    return choose_velocity({walls.data(), count}, static_cast<int>(count),
+                           now + most / length * change, p_.max_speed_mps[slot_]);
+  }
+
+  /// What is nearest to a wish and leads into no wall and nobody's body, and no farther ahead:
+  /// those behind push nobody forward.
+  Eigen::Vector2f between_bodies(const Eigen::Vector2f& wish) const {
+    std::array<HalfPlane, kMostPlanes> planes;
+    size_t count = add_walls(p_, slot_, kTurned * p_.radius_m[slot_], planes.data());
+    if (wants()) {
+      const Eigen::Vector2f way(way_x_, way_y_);
+      planes[count++] = {-way, -std::max(way.dot(wish), 0.0f)};
+    }
+    const auto hard = static_cast<int>(count);
+    const float body_m = kTuning.body_m * (1 - kTuning.turned * (1 - openness_));
+    Encounter e;
+    e.own_velocity_mps = {vx_mps_, vy_mps_};
+    e.horizon_s = kTuning.body_s;
+    e.step_s = kTuning.body_s;  // nobody jumps out of an overlap
+    for (size_t k = 0; k < count_; ++k) {
+      const Other& o = others_[k];
+      e.radius_m = body_m * (1 - kTuning.squeeze * o.urge) * o.size;
+      const float reach_m = e.radius_m + kTuning.body_s * kFastest_mps;
+      if (o.square_m2 > square(reach_m)) break;  // they come nearest first
+      e.offset_m = {o.x_m, o.y_m};
+      e.other_velocity_mps = {o.vx_mps, o.vy_mps};
+      planes[count++] = avoid(e);
+    }
+    return choose_velocity({planes.data(), count}, hard, wish, p_.max_speed_mps[slot_]);
   }
 
   const SteeringView& p_;

@@ -145,28 +145,21 @@ Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard, const Vect
   return v;
 }
 
-Vector2f within_walls(const SteeringView& people, size_t slot, const Vector2f& wish_mps,
-                      float nearer_m) {
-  std::array<HalfPlane, kMostWalls> planes;
-  size_t count = 0;
+size_t add_walls(const SteeringView& people, size_t slot, float nearer_m, HalfPlane* planes) {
   const size_t in_block = slot - people.first_slot;
-  for (uint32_t w = people.wall_starts[in_block]; w < people.wall_starts[in_block + 1]; ++w)
-    planes[count++] = keep_off({people.wall_x[w], people.wall_y[w]},
-                               people.wall_clearance_m[w] + nearer_m, people.wall_horizon_s);
-  return choose_velocity({planes.data(), count}, static_cast<int>(count), wish_mps,
-                         people.max_speed_mps[slot]);
+  const uint32_t first = people.wall_starts[in_block], end = people.wall_starts[in_block + 1];
+  for (uint32_t w = first; w < end; ++w)
+    *planes++ = keep_off({people.wall_x[w], people.wall_y[w]},
+                         people.wall_clearance_m[w] + nearer_m, people.wall_horizon_s);
+  return end - first;
 }
 
 void decide_orca_scalar(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
                         float* next_y_mps) {
   std::array<HalfPlane, kMostPlanes> planes;
   for (size_t slot = begin; slot < end; ++slot) {
-    size_t count = 0;
-    const size_t in_block = slot - p.first_slot;
-    for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w)
-      planes[count++] =
-          keep_off({p.wall_x[w], p.wall_y[w]}, p.wall_clearance_m[w], p.wall_horizon_s);
-    const size_t walls = count;
+    const size_t walls = add_walls(p, slot, 0, planes.data());
+    size_t count = walls;
     Encounter e;
     e.own_velocity_mps = {p.vx_mps[slot], p.vy_mps[slot]};
     e.horizon_s = p.horizon_s[slot];

@@ -47,13 +47,12 @@ HalfPlane keep_off(const Eigen::Vector2f& normal, float clearance_m, float horiz
 Eigen::Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard,
                                 const Eigen::Vector2f& wanted_mps, float max_speed_mps);
 
-/// What is nearest to a wish and leads into no wall near a slot, as far as discs may come
-/// `nearer_m` to walls than they are wide.
-Eigen::Vector2f within_walls(const SteeringView& people, size_t slot,
-                             const Eigen::Vector2f& wish_mps, float nearer_m = 0);
+/// Writes what the walls near a slot leave, hard planes, and returns how many they are: at most
+/// kMostWalls. Discs may come `nearer_m` nearer to them than they are wide.
+size_t add_walls(const SteeringView& people, size_t slot, float nearer_m, HalfPlane* planes);
 
-inline constexpr size_t kMostPlanes = 48;
-static_assert(kMostPlanes >= kMostWalls + NeighbourGrid::kMost);
+/// Walls, people, and one more.
+inline constexpr size_t kMostPlanes = kMostWalls + NeighbourGrid::kMost + 1;
 
 /// Rounding of metres a second: below it a plane counts as met, and two directions as one.
 inline constexpr float kTiny_mps = 1e-5f;

@@ -13,31 +13,30 @@ namespace {
 /// A model that is one function for each target.
 class FunctionModel : public SteeringModel {
  public:
-  FunctionModel(SteeringFunction function, bool keeps_gap, float core = 1)
-      : function_(function), keeps_gap_(keeps_gap), core_(core) {}
+  FunctionModel(SteeringFunction function, const SteeringTraits& traits)
+      : function_(function), traits_(traits) {}
   void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
               float* next_y_mps) const override {
     function_(people, begin, end, next_x_mps, next_y_mps);
   }
-  bool keeps_gap() const override { return keeps_gap_; }
-  float core() const override { return core_; }
+  SteeringTraits traits() const override { return traits_; }
 
  private:
   SteeringFunction function_;
-  bool keeps_gap_;
-  float core_;
+  SteeringTraits traits_;
 };
 
 std::unique_ptr<const SteeringModel> make_orca(SimdTarget target) {
-  return std::make_unique<FunctionModel>(orca_on(target), false);
+  return std::make_unique<FunctionModel>(orca_on(target), SteeringTraits{});
 }
 
 std::unique_ptr<const SteeringModel> make_speed(SimdTarget) {
-  return std::make_unique<FunctionModel>(decide_collision_free_speed, true);
+  return std::make_unique<FunctionModel>(decide_collision_free_speed,
+                                         SteeringTraits{.keeps_gap = true});
 }
 
 std::unique_ptr<const SteeringModel> make_heuristic(SimdTarget target) {
-  return std::make_unique<FunctionModel>(heuristic_on(target), true, kHeuristicCore);
+  return std::make_unique<FunctionModel>(heuristic_on(target), kHeuristicTraits);
 }
 
 /// All that anything else knows of a model.

@@ -43,6 +43,19 @@ struct SteeringView {
   float wall_horizon_s = 0.5f;
 };
 
+/// What a crowd does for the people of a model before and after they decide.
+struct SteeringTraits {
+  /// The model itself keeps a gap in time behind others of the same way; otherwise wishes are
+  /// limited to one before it decides.
+  bool keeps_gap = false;
+  /// People who are stuck try ways past at random, and show others the velocity that they want
+  /// instead of their own; otherwise the model gets them out by itself.
+  bool is_nudged = true;
+  /// Discs that overlap by more than this share of their radii leaves room for are pushed apart: 1
+  /// for people who keep all of them clear.
+  float core = 1;
+};
+
 class SteeringModel {
  public:
   virtual ~SteeringModel() = default;
@@ -50,12 +63,7 @@ class SteeringModel {
   /// hard: nobody's velocity leads nearer to one than its clearance within the wall's horizon.
   virtual void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
                       float* next_y_mps) const = 0;
-  /// True if the model itself keeps a gap in time behind others of the same way; otherwise wishes
-  /// are limited to one before it decides.
-  virtual bool keeps_gap() const = 0;
-  /// Discs that overlap by more than this share of their radii leaves room for are pushed apart: 1
-  /// for people who keep all of them clear.
-  virtual float core() const = 0;
+  virtual SteeringTraits traits() const = 0;
 };
 
 std::unique_ptr<const SteeringModel> make_steering_model(SteeringKind kind, SimdTarget target);
