@@ -59,7 +59,6 @@ class Crowd {
   size_t size() const { return positions_m_.size(); }
   const Journeys& journeys() const { return journeys_; }
   const Traffic& traffic() const { return traffic_; }
-  const Ways& ways() const { return ways_; }
   std::span<const Eigen::Vector2d> positions_m() const { return positions_m_; }
   /// Unit vectors: the way the body faces.
   std::span<const Eigen::Vector2d> headings() const { return headings_; }
@@ -108,6 +107,7 @@ class Crowd {
   bool is_queuing(size_t slot) const;
   double pace(size_t slot, const Eigen::Vector2d& way);
   void stretch(size_t slot);
+  bool stands_among_standing(size_t slot) const;
   Eigen::Vector2d wanted_mps(size_t slot);
   void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;

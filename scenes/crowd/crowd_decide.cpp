@@ -136,6 +136,7 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   for (size_t slot = begin; (by_density || by_gap) && slot < end; ++slot) limit_forward(slot);
   const float half_period_s = 0.5f * people.period_s;
   for (size_t slot = begin; slot < end; ++slot) {
+    if (stands_among_standing(slot)) slots_.next_x_mps[slot] = slots_.next_y_mps[slot] = 0;
     const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
     walkers_.next_mps[slot] = {static_cast<double>(x), static_cast<double>(y)};
     // By the velocity that people have, not by the one they show: they would be pushed apart in
@@ -144,6 +145,20 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
     slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
     slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
   }
+}
+
+/// A crowd that was placed close together stays as close while it stands, however much room a model
+/// of steering would give it. When somebody goes by, its people make way like others.
+bool Crowd::stands_among_standing(size_t slot) const {
+  const auto stands = [this](size_t each) {
+    return slots_.way_x[each] == 0 && slots_.way_y[each] == 0;
+  };
+  constexpr double kStill_mps = 0.2;
+  if (walkers_.squeeze[slot] == 1 || !stands(slot) ||
+      walkers_.old_mps[slot].squaredNorm() > kStill_mps * kStill_mps)
+    return false;
+  const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+  return std::all_of(near, near + slots_.neighbour_counts[slot], stands);
 }
 
 /// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.

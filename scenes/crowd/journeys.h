@@ -45,7 +45,7 @@ class Journeys {
   void leave(uint32_t id) { doing_[id] = Doing::kGone; }
 
   /// The members of a group may set out from then on; those of a group that waits for a moment
-  /// (Ways::after()) stand until they are told.
+  /// (Ways::after()) stand until then.
   void let_go(size_t group, double time_s) { sets_out_s_[group] = time_s; }
   /// True if somebody has been at so many goals, and of those who cannot get on.
   bool has_been_at(uint32_t id, uint32_t goals) const {

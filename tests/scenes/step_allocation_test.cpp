@@ -32,6 +32,8 @@ void expect_no_uncounted_growth(const Scene& scene, const char* what) {
 
 TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
   expect_no_uncounted_growth(load_scene("corridor"), "corridor");
+  // Between the opening and the closing of its doors.
+  expect_no_uncounted_growth(load_scene("metro"), "metro");
 }
 
 using RecordingAllocations = RecordingTest;
