@@ -93,6 +93,7 @@ class Crowd {
 
   // Each for the people of a block.
   double wish(size_t begin, size_t end);
+  void limit_wishes(size_t begin, size_t end, Walls& walls);
   void choose(size_t begin, size_t end, Walls& walls);
   double find_close(size_t begin, size_t end);
   double sweep(size_t begin, size_t end);
@@ -111,6 +112,8 @@ class Crowd {
   Eigen::Vector2d wanted_mps(size_t slot);
   void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;
+  SteeringView view_with_walls(size_t begin, size_t end, Walls& walls);
+  bool limits_wishes() const;
   void limit_to_gap(size_t slot);
   void limit_to_density(const SteeringView& people, size_t slot);
   void limit_forward(size_t slot);

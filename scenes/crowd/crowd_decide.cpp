@@ -19,6 +19,10 @@ void Crowd::decide() {
   counters_.queuing = 0;
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
     counters_.queuing += walkers_.queuing[slot];
+  if (limits_wishes())
+    for_slots([this](size_t begin, size_t end, int worker) {
+      limit_wishes(begin, end, walls_[static_cast<size_t>(worker)]);
+    });
   for_slots([this](size_t begin, size_t end, int worker) {
     choose(begin, end, walls_[static_cast<size_t>(worker)]);
   });
@@ -112,7 +116,7 @@ SteeringView Crowd::view() const {
   return view;
 }
 
-void Crowd::choose(size_t begin, size_t end, Walls& walls) {
+SteeringView Crowd::view_with_walls(size_t begin, size_t end, Walls& walls) {
   walls.x.clear();
   walls.y.clear();
   walls.clearance_m.clear();
@@ -127,13 +131,13 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   people.wall_clearance_m = walls.clearance_m.data();
   people.wall_starts = walls.starts.data();
   people.first_slot = begin;
-  const bool by_density = options_.steering.density_speed;
-  // Density keeps people apart, too.
-  const bool by_gap = !traits_.keeps_gap && !by_density;
-  for (size_t slot = begin; by_density && slot < end; ++slot) limit_to_density(people, slot);
-  for (size_t slot = begin; by_gap && slot < end; ++slot) limit_to_gap(slot);
+  return people;
+}
+
+void Crowd::choose(size_t begin, size_t end, Walls& walls) {
+  const SteeringView people = view_with_walls(begin, end, walls);
   model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());
-  for (size_t slot = begin; (by_density || by_gap) && slot < end; ++slot) limit_forward(slot);
+  for (size_t slot = begin; limits_wishes() && slot < end; ++slot) limit_forward(slot);
   const float half_period_s = 0.5f * people.period_s;
   for (size_t slot = begin; slot < end; ++slot) {
     if (stands_among_standing(slot)) slots_.next_x_mps[slot] = slots_.next_y_mps[slot] = 0;
@@ -159,6 +163,19 @@ bool Crowd::stands_among_standing(size_t slot) const {
     return false;
   const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
   return std::all_of(near, near + slots_.neighbour_counts[slot], stands);
+}
+
+/// Density keeps people apart, and so do models that keep a gap.
+bool Crowd::limits_wishes() const { return options_.steering.density_speed || !traits_.keeps_gap; }
+
+/// Before anybody chooses, as models look at what others want.
+void Crowd::limit_wishes(size_t begin, size_t end, Walls& walls) {
+  if (!options_.steering.density_speed) {
+    for (size_t slot = begin; slot < end; ++slot) limit_to_gap(slot);
+    return;
+  }
+  const SteeringView people = view_with_walls(begin, end, walls);
+  for (size_t slot = begin; slot < end; ++slot) limit_to_density(people, slot);
 }
 
 /// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.
