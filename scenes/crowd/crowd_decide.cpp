@@ -151,16 +151,14 @@ void Crowd::choose(size_t begin, size_t end, Walls& walls) {
   }
 }
 
-/// A crowd that was placed close together stays as close while it stands, however much room a model
-/// of steering would give it. When somebody goes by, its people make way like others.
+/// A crowd that stands stays as close as it is, however much room a model of steering would give
+/// it. When somebody goes by, its people make way like others.
 bool Crowd::stands_among_standing(size_t slot) const {
   const auto stands = [this](size_t each) {
     return slots_.way_x[each] == 0 && slots_.way_y[each] == 0;
   };
   constexpr double kStill_mps = 0.2;
-  if (walkers_.squeeze[slot] == 1 || !stands(slot) ||
-      walkers_.old_mps[slot].squaredNorm() > kStill_mps * kStill_mps)
-    return false;
+  if (!stands(slot) || walkers_.old_mps[slot].squaredNorm() > kStill_mps * kStill_mps) return false;
   const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
   return std::all_of(near, near + slots_.neighbour_counts[slot], stands);
 }
