@@ -1,5 +1,7 @@
 #include "tests/apps/figures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <optional>
@@ -103,7 +105,7 @@ std::string difference_of_blocks(const std::string& text, const std::string& pri
     const std::string now = i < found.size() ? trimmed(found[i]) : "";
     const std::string then = i < said.size() ? trimmed(said[i]) : "";
     if (!std::regex_match(then, pattern_of(now, false).regex))
-      out += "  the document: " + then + "\n  the command:  " + now + "\n";
+      out += fmt::format("  the document: {}\n  the command:  {}\n", then, now);
   }
   return out;
 }

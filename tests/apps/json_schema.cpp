@@ -1,5 +1,7 @@
 #include "tests/apps/json_schema.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <regex>
 
@@ -102,10 +104,12 @@ class Validator {
           faults.push_back(at + ": lacks " + key.get<std::string>());
     if (word == "properties")
       for (const auto& [key, inner] : rule.items())
-        if (value.contains(key)) add(faults, check(value.at(key), inner, at + "/" + key));
+        if (value.contains(key))
+          add(faults, check(value.at(key), inner, fmt::format("{}/{}", at, key)));
     if (word == "additionalProperties" && rule == false)
       for (const auto& [key, inner] : value.items())
-        if (!schema.at("properties").contains(key)) faults.push_back(at + ": knows no " + key);
+        if (!schema.at("properties").contains(key))
+          faults.push_back(fmt::format("{}: knows no {}", at, key));
     return true;
   }
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include "tests/avatars/footing_fixture.h"
 #include "tests/avatars/leg_path.h"
+#include "tests/same_bits.h"
 
 namespace throng {
 namespace {
@@ -89,7 +89,7 @@ TEST(ManyLegs, AreForeseenAlikeByEveryTarget) {
     for (const SimdTarget target : simd_targets_of_this_machine()) {
       ForeseenLeg found;
       foresee(leg, ahead_s, kPlaces, target, found);
-      EXPECT_EQ(std::memcmp(&found, &first, sizeof found), 0) << "seed " << seed;
+      EXPECT_TRUE(same_bits(found, first)) << "seed " << seed;
     }
   }
 }
@@ -118,7 +118,7 @@ TEST(ManyLegs, AreAsNearAsPointsOfThemAre) {
     for (const SimdTarget target : simd_targets_of_this_machine()) {
       alignas(64) PlaceNumbers found = {};
       add_nearness(foreseen.places, owner, others, 0.2f, target, found);
-      EXPECT_EQ(std::memcmp(found, first, sizeof found), 0) << "seed " << seed;
+      EXPECT_TRUE(same_bits(found, first)) << "seed " << seed;
     }
   }
   EXPECT_GT(near, 300);
@@ -209,7 +209,7 @@ TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
     for (const SimdTarget target : simd_targets_of_this_machine()) {
       alignas(64) PlaceNumbers found = {};
       add_nearness_in(rhythms, legs, thens, 0.2f, target, found);
-      EXPECT_EQ(std::memcmp(found, first, sizeof found), 0) << "seed " << seed;
+      EXPECT_TRUE(same_bits(found, first)) << "seed " << seed;
     }
   }
   EXPECT_GT(near, 200);

@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "avatars/gait/gait_curves.h"
 #include "avatars/stepping/standing.h"
 #include "base/random.h"
 #include "tests/avatars/gait_fixture.h"
+#include "tests/same_bits.h"
 
 namespace throng {
 namespace {
@@ -340,9 +340,7 @@ TEST(Stepping, EveryTargetGivesTheSameBits) {
         Gait::walk(chunk, simd_targets_of_this_machine()[target]);
         const WalkChunk& reference = chunks.front();
         for (size_t i = 0; i < chunk.count; ++i) {
-          ASSERT_EQ(std::memcmp(chunk.postures[i].numbers, reference.postures[i].numbers,
-                                sizeof(chunk.postures[i].numbers)),
-                    0)
+          ASSERT_TRUE(same_bits(chunk.postures[i].numbers, reference.postures[i].numbers))
               << name_of(simd_targets_of_this_machine()[target]) << ", seed " << seed << ", lane "
               << i << ", frame " << frame;
           ASSERT_EQ(chunk.feet_of(i), reference.feet_of(i));

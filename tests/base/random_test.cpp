@@ -53,7 +53,7 @@ TEST(Random, UniformStaysInsideAndFillsItsInterval) {
     ++bins[static_cast<size_t>((value + 2) * 2)];
   }
   // A bin holds 10 000 +- 95; seven deviations never happen by chance.
-  for (const int bin : bins) EXPECT_NEAR(bin, kDraws / 10, 7 * 95);
+  for (const int bin : bins) EXPECT_NEAR(bin, kDraws / 10.0, 7 * 95);
 }
 
 TEST(Random, NeighbouringIdsAreUncorrelated) {

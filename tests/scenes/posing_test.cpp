@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <vector>
 
 #include "scenes/run/walk.h"
+#include "tests/same_bits.h"
 
 namespace throng {
 namespace {
@@ -132,7 +132,7 @@ TEST(Posing, PosesAreTheSameWhetherRowsAreComputedBeforeOrNot) {
     posing.poses(some, computed);
     posing.use_rows(rows, offsets);
     posing.poses(some, read);
-    EXPECT_EQ(std::memcmp(computed.data(), read.data(), read.size() * sizeof(PartPose)), 0);
+    EXPECT_TRUE(same_bits(std::span<const PartPose>(computed), std::span<const PartPose>(read)));
   }
 }
 
