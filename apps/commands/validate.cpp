@@ -36,7 +36,7 @@ struct ValidateOptions {
   std::string json;
   std::vector<std::string> only;
   bool reality = false;
-  std::string steering{name_of(SteeringKind::kOrca)};
+  std::string steering{name_of(SteeringRule{}.model)};
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 };
 
@@ -87,8 +87,7 @@ void carry_out_all(Session& session, SteeringKind model, int threads) {
     run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::lock_guard lock(session.mutex);
     session.done[i] = 1;
-    say("{:<9} {} ({:.1f} s)\n", run.test->ids.front(), run.outcome.passed ? "pass" : "fail",
-        run.wall_s);
+    say("{:<9} {} ({:.1f} s)\n", run.test->ids.front(), verdict_of(run.outcome), run.wall_s);
   });
 }
 

@@ -35,6 +35,10 @@ std::string walls_measured(const std::vector<ValidationRun>& runs) {
 
 const char* verdict(bool passed) { return passed ? "pass" : "fail"; }
 
+std::string verdict_in_table(std::string_view verdict) {
+  return verdict == "fail" ? "**fail**" : std::string(verdict);
+}
+
 std::string anchor(const Test& test) {
   std::string text;
   for (const std::string& id : test.ids) text += fmt::format("<a id=\"{}\"></a>", id);
@@ -79,9 +83,8 @@ std::string section(const ValidationRun& run) {
       text += fmt::format("{} {}", i == 1 ? "" : " and", test.titles[i]);
     text += ".\n\n";
   }
-  text +=
-      fmt::format("- Set-up: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n",
-                  test.setup, test.criterion, run.outcome.measured, verdict(run.outcome.passed));
+  text += fmt::format("- Set-up: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n",
+                      test.setup, test.criterion, run.outcome.measured, verdict_of(run.outcome));
   text += readings_table(run.outcome.readings);
   for (const Figure& figure : run.outcome.figures)
     text += fmt::format("![{}]({}.svg)\n\n*{}* {}\n\n", figure.title, figure.id, figure.title,
@@ -91,27 +94,38 @@ std::string section(const ValidationRun& run) {
 
 }  // namespace
 
+const char* verdict_of(const Outcome& outcome) {
+  return outcome.differs ? "differs" : verdict(outcome.passed);
+}
+
 ValidationCount count_of(const std::vector<ValidationRun>& runs) {
   ValidationCount count;
-  for (const ValidationRun& run : runs)
-    (run.outcome.passed ? count.passed : count.failed) += static_cast<int>(run.test->ids.size());
+  for (const ValidationRun& run : runs) {
+    int& of_verdict = run.outcome.differs  ? count.differ
+                      : run.outcome.passed ? count.passed
+                                           : count.failed;
+    of_verdict += static_cast<int>(run.test->ids.size());
+  }
   if (!runs.empty()) ++(walls_crossed(runs) == 0 ? count.passed : count.failed);
   return count;
 }
 
 std::string verdict_table(const std::vector<ValidationRun>& runs) {
   std::string text;
-  const auto row = [&text](bool passed, const std::string& id, const std::string& title,
+  const auto row = [&text](const char* verdict, const std::string& id, const std::string& title,
                            const std::string& measured) {
-    append(text, "{}  {:<9} {}\n{:<16}{}\n", verdict(passed), id, title, "", measured);
+    append(text, "{:<7}  {:<9} {}\n{:<19}{}\n", verdict, id, title, "", measured);
   };
   for (const ValidationRun& run : runs)
     for (size_t i = 0; i < run.test->ids.size(); ++i)
-      row(run.outcome.passed, run.test->ids[i], run.test->titles[i],
+      row(verdict_of(run.outcome), run.test->ids[i], run.test->titles[i],
           i == 0 ? run.outcome.measured : "as " + run.test->ids[0]);
-  if (!runs.empty()) row(walls_crossed(runs) == 0, kWallsId, kWallsTitle, walls_measured(runs));
+  if (!runs.empty())
+    row(verdict(walls_crossed(runs) == 0), kWallsId, kWallsTitle, walls_measured(runs));
   const ValidationCount count = count_of(runs);
-  return text + fmt::format("\n{} passed, {} failed\n", count.passed, count.failed);
+  text += fmt::format("\n{} passed, {} failed", count.passed, count.failed);
+  if (count.differ > 0) text += fmt::format(", {} differ as recorded people do", count.differ);
+  return text + "\n";
 }
 
 std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early) {
@@ -120,7 +134,7 @@ std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped
     for (size_t i = 0; i < run.test->ids.size(); ++i) {
       tests.push_back({{"id", run.test->ids[i]},
                        {"title", run.test->titles[i]},
-                       {"verdict", verdict(run.outcome.passed)},
+                       {"verdict", verdict_of(run.outcome)},
                        {"measured", run.outcome.measured},
                        {"criterion", run.test->criterion},
                        {"setup", run.test->setup},
@@ -138,11 +152,9 @@ std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped
                      {"measured", walls_measured(runs)},
                      {"criterion", kWallsCriterion}});
   const ValidationCount count = count_of(runs);
-  const Json json = {{"throng", version_json()},
-                     {"stopped_early", stopped_early},
-                     {"tests", tests},
-                     {"passed", count.passed},
-                     {"failed", count.failed}};
+  const Json json = {{"throng", version_json()}, {"stopped_early", stopped_early},
+                     {"tests", tests},           {"passed", count.passed},
+                     {"failed", count.failed},   {"differ", count.differ}};
   return json.dump(2) + "\n";
 }
 
@@ -150,15 +162,16 @@ void write_validation_report(const std::vector<ValidationRun>& runs, const fs::p
   const ValidationCount count = count_of(runs);
   std::string text = fmt::format(
       "# Validation report\n\nWritten by `throng validate --out`; docs/validation.md explains it. "
-      "{} of {} tests pass.\n\n| test | verdict | measured | criterion |\n|---|---|---|---|\n",
-      count.passed, count.passed + count.failed);
+      "{} of {} tests pass{}.\n\n| test | verdict | measured | criterion |\n|---|---|---|---|\n",
+      count.passed, count.passed + count.failed,
+      count.differ == 0 ? "" : fmt::format("; {} differ as recorded people do", count.differ));
   for (const ValidationRun& run : runs)
     for (size_t i = 0; i < run.test->ids.size(); ++i)
       text += fmt::format("| [{}](#{}) | {} | {} | {} |\n", run.test->titles[i], run.test->ids[i],
-                          run.outcome.passed ? "pass" : "**fail**",
+                          verdict_in_table(verdict_of(run.outcome)),
                           i == 0 ? run.outcome.measured : "the same run", run.test->criterion);
   text += fmt::format("| {} | {} | {} | {} |\n\n", kWallsTitle,
-                      walls_crossed(runs) == 0 ? "pass" : "**fail**", walls_measured(runs),
+                      verdict_in_table(verdict(walls_crossed(runs) == 0)), walls_measured(runs),
                       kWallsCriterion);
   for (const ValidationRun& run : runs) {
     text += section(run);

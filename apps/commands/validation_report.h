@@ -16,17 +16,22 @@ struct ValidationRun {
   double wall_s = 0;
 };
 
-/// How many of the standards' tests (one experiment may be several) passed and failed.
+/// How many of the standards' tests (one experiment may be several) passed, failed, and were only
+/// measured.
 struct ValidationCount {
   int passed = 0;
   int failed = 0;
+  int differ = 0;
 };
+/// "pass", "fail" or "differs".
+const char* verdict_of(const validation::Outcome& outcome);
+
 ValidationCount count_of(const std::vector<ValidationRun>& runs);
 
 /// A line a test, and one for the walls.
 std::string verdict_table(const std::vector<ValidationRun>& runs);
 /// {throng, stopped_early, tests: [{id title verdict measured criterion ... readings}], passed,
-/// failed}
+/// failed, differ}
 std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early);
 
 /// Writes report.md and an SVG a figure into a folder that is there. Throws EnvironmentError.

@@ -105,7 +105,6 @@ SteeringView Crowd::view() const {
   view.wanted_y_mps = slots_.wanted_y_mps.data();
   view.way_x = slots_.way_x.data();
   view.way_y = slots_.way_y.data();
-  view.free_speed_mps = walkers_.free_speed_mps.data();
   view.max_speed_mps = slots_.max_speed_mps.data();
   view.horizon_s = slots_.horizon_s.data();
   view.urge = slots_.urge.data();

@@ -24,7 +24,7 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
     direction += side * Eigen::Vector2d(-direction.y(), direction.x());
     if (direction.squaredNorm() > 0) direction.normalize();
   }
-  const double share = period_s_ / (tuning::kRelaxation_s + period_s_);
+  const double share = traits_.eases ? 1 : period_s_ / (tuning::kRelaxation_s + period_s_);
   Eigen::Vector2d& intent = walkers_.intent_mps[slot];
   intent += share * (walkers_.free_speed_mps[slot] * direction - intent);
   const RandomKey key{options_.seed, id, static_cast<uint64_t>(steps_), Purpose::kSymmetryBreaking};

@@ -163,7 +163,7 @@ const KeyTable<Scene>& steering_keys() {
         .title = "steering",
         .keys = {own_key<Scene>("model",
                                 steering_choices() + ", see [How people steer](#how-people-steer)",
-                                "`orca`", models)
+                                fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
                      .reading([](Reading&, Fields& fields, Scene& scene) {
                        if (const auto found = fields.word("model", steering_names()))
                          scene.steering.model = all_steering_kinds()[*found];

@@ -26,7 +26,7 @@ std::vector<std::string> steering_names();
 std::string steering_choices();
 
 struct SteeringRule {
-  SteeringKind model = SteeringKind::kOrca;
+  SteeringKind model = SteeringKind::kHeuristic;
   /// Slower where it is dense ahead, as observed (Weidmann 1993); without it people push on.
   bool density_speed = false;
 };

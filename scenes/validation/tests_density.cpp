@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 
 #include "scenes/crowd/spawn.h"
+#include "scenes/validation/reality_tables.h"
 #include "scenes/validation/trial.h"
 #include "scenes/validation/validation.h"
 
@@ -21,7 +23,6 @@ constexpr double kLast_m = 126;
 constexpr double kProbe_m = 2;
 constexpr double kBegin_s = 10;
 constexpr double kEnd_s = 60;
-constexpr double kMostDeviation = 0.15;
 
 struct Point {
   double asked_per_m2 = 0;
@@ -92,65 +93,98 @@ std::string curve() {
   return text;
 }
 
-std::vector<Figure> diagrams(const std::vector<Point>& with, const std::vector<Point>& without) {
-  const std::string data =
-      "$weidmann << EOD\n" + curve() + "EOD\n$with << EOD\n" + rows_of(with) +
-      "EOD\n$without << EOD\n" + rows_of(without) +
-      "EOD\nset grid\nset xrange [0:5.5]\nset yrange [0:*]\nset key top right\n"
-      "set xlabel 'people per m^2'\n";
-  const auto plot = [&](int column) {
+/// Speeds that were seen where people walk one way, by density: the slowest tenth of the slowest
+/// and the fastest tenth of the fastest of the recorded set-ups.
+struct Band {
+  double from_per_m2 = 0;
+  double low_mps = 1e9;
+  double high_mps = 0;
+};
+
+std::vector<Band> recorded_bands() {
+  std::map<double, Band> bands;
+  for (const char* id : {"ug", "uo", "eo"})
+    for (const RecordedBin& bin : recorded_curve(id).bins) {
+      Band& band = bands.try_emplace(bin.from, Band{bin.from}).first->second;
+      band.low_mps = std::min(band.low_mps, bin.low_mps);
+      band.high_mps = std::max(band.high_mps, bin.high_mps);
+    }
+  std::vector<Band> out;
+  for (const auto& [from, band] : bands) out.push_back(band);
+  return out;
+}
+
+bool is_recorded(const std::vector<Band>& bands, const Point& point) {
+  return std::any_of(bands.begin(), bands.end(), [&](const Band& band) {
+    const double above_per_m2 = point.density_per_m2 - band.from_per_m2;
+    return above_per_m2 >= 0 && above_per_m2 < kRecordedBin && point.speed_mps >= band.low_mps &&
+           point.speed_mps <= band.high_mps;
+  });
+}
+
+std::string rows_of(const std::vector<Band>& bands) {
+  std::string text;
+  for (const Band& band : bands)
+    for (const double at : {band.from_per_m2, band.from_per_m2 + kRecordedBin})
+      text += fmt::format("{:.2f} {:.4f} {:.4f} {:.4f} {:.4f}\n", at, band.low_mps, band.high_mps,
+                          at * band.low_mps, at * band.high_mps);
+  return text;
+}
+
+std::vector<Figure> diagrams(const std::vector<Point>& points, const std::vector<Band>& bands) {
+  const std::string data = "$weidmann << EOD\n" + curve() + "EOD\n$recorded << EOD\n" +
+                           rows_of(bands) + "EOD\n$crowd << EOD\n" + rows_of(points) +
+                           "EOD\nset grid\nset xrange [0:5.5]\nset yrange [0:*]\nset key top "
+                           "right\nset xlabel 'people per m^2'\n";
+  const auto plot = [&](int column, int low) {
     return fmt::format(
-        "plot $weidmann using 1:{0} with lines linewidth 2 linecolor rgb '#999999' title 'Weidmann "
-        "1993', $weidmann using 1:(0.85 * ${0}) with lines dashtype 2 linecolor rgb '#bbbbbb' "
-        "title '15 % off', $weidmann using 1:(1.15 * ${0}) with lines dashtype 2 linecolor rgb "
-        "'#bbbbbb' notitle, $with using 1:{0} with points pointtype 7 pointsize 0.8 linecolor rgb "
-        "'{1}' title 'speed by density', $without using 1:{0} with points pointtype 6 pointsize "
-        "0.8 linecolor rgb '{2}' title 'without'\n",
-        column, kFigureColours[0], kFigureColours[1]);
+        "plot $recorded using 1:{1}:{2} with filledcurves linecolor rgb '#dddddd' title "
+        "'recorded, one way', $weidmann using 1:{0} with lines linewidth 2 linecolor rgb '#999999' "
+        "title 'Weidmann 1993', $crowd using 1:{0} with points pointtype 7 pointsize 0.8 linecolor "
+        "rgb '{3}' title 'the crowd'\n",
+        column, low, low + 1, kFigureColours[0]);
   };
   return {{"rimea_4_speed", "RiMEA 4: speed against density", "",
-           data + "set ylabel 'mean speed, m/s'\n" + plot(2)},
+           data + "set ylabel 'mean speed, m/s'\n" + plot(2, 2)},
           {"rimea_4_flow", "RiMEA 4: flow against density", "",
-           data + "set ylabel 'flow, people/(m s)'\n" + plot(3)}};
+           data + "set ylabel 'flow, people/(m s)'\n" + plot(3, 4)}};
 }
 
 Outcome fundamental_diagram(SteeringKind model) {
   Outcome outcome;
-  std::vector<Point> with, without;
-  for (const double density : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0}) {
-    with.push_back(measure(density, {model, true}, outcome));
-    without.push_back(measure(density, {model, false}, outcome));
-  }
-  double worst = 0, worst_without = 0;
+  const std::vector<Band> bands = recorded_bands();
+  std::vector<Point> points;
+  for (const double density : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0})
+    points.push_back(measure(density, {model}, outcome));
+  int judged = 0, inside = 0;
   std::string list;
-  for (const Point& point : with) {
+  for (const Point& point : points) {
     if (point.asked_per_m2 > 3.0) continue;
-    worst = std::max(worst, std::abs(point.deviation()));
+    ++judged;
+    inside += is_recorded(bands, point);
     list += fmt::format("{}{:.2f} per m2: {:.2f} m/s ({:+.0f} %)", list.empty() ? "" : ", ",
                         point.density_per_m2, point.speed_mps, 100 * point.deviation());
   }
-  for (const Point& point : without)
-    if (point.asked_per_m2 <= 3.0)
-      worst_without = std::max(worst_without, std::abs(point.deviation()));
-  outcome.passed = worst <= kMostDeviation && outcome.unplaced == 0;
+  outcome.passed = inside == judged && outcome.unplaced == 0;
   outcome.measured =
-      fmt::format("{}; at most {:.0f} % off. Without speed by density at most {:.0f} % off", list,
-                  100 * worst, 100 * worst_without);
-  outcome.figures = diagrams(with, without);
+      fmt::format("{}, percentages from Weidmann; {} of {} as recorded", list, inside, judged);
+  outcome.figures = diagrams(points, bands);
   return outcome;
 }
 
 }  // namespace
 
 std::vector<Test> density_tests() {
-  return {{{"rimea_4"},
-           {"RiMEA 4: fundamental diagram"},
-           "22 m in the middle of a corridor 2 m wide and 200 m long, which for 60 s is what a "
-           "periodic one is; 0.5 to 5 people per m2 (6 discs of 0.22 m find no room), the first 10 "
-           "s ignored; density and speed as "
-           "means over probes of 2 m x 2 m. Speed by density on.",
-           "speeds within 15 % of Weidmann (1993) from 0.5 to 3 per m2",
-           fundamental_diagram}};
+  return {
+      {{"rimea_4"},
+       {"RiMEA 4: fundamental diagram"},
+       "22 m in the middle of a corridor 2 m wide and 200 m long, which for 60 s is what a "
+       "periodic one is; 0.5 to 5 people per m2 (6 discs of 0.22 m find no room), the first 10 "
+       "s ignored; density and speed as means over probes of 2 m x 2 m.",
+       "from 0.5 to 3 per m2 between the slowest and the fastest tenth of those recorded at that "
+       "density in corridors and round a corner, one way (`ug`, `uo`, `eo` of the Pedestrian "
+       "Dynamics Data Archive)",
+       fundamental_diagram}};
 }
 
 }  // namespace throng::validation

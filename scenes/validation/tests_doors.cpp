@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/validation/reality_tables.h"
 #include "scenes/validation/trial.h"
 #include "scenes/validation/validation.h"
 
@@ -28,27 +29,39 @@ std::vector<double> leave_by_one_door(const SteeringRule& steering, Outcome& out
   return door.times_s();
 }
 
+constexpr double kAllowed_per_m_and_s = 1.33;
+
+/// Mean of the experiments with a door of that width.
+double recorded_flow(double width_m) {
+  const std::vector<RecordedDoor>& doors = recorded_doors();
+  const auto found = std::find_if(doors.begin(), doors.end(), [&](const RecordedDoor& door) {
+    return door.width_m == width_m;
+  });
+  return found->mean_per_s();
+}
+
 Outcome exit_flow(SteeringKind model) {
   Outcome outcome;
-  const std::vector<double> with = leave_by_one_door({model, true}, outcome);
-  const std::vector<double> without = leave_by_one_door({model, false}, outcome);
-  const double flow = flow_per_s(with);
-  outcome.passed = with.size() == 100 && flow <= 1.33;
+  const std::vector<double> times_s = leave_by_one_door({model}, outcome);
+  const double flow = flow_per_s(times_s);
+  outcome.passed = times_s.size() == 100;
+  outcome.differs = outcome.passed && flow > kAllowed_per_m_and_s;
   outcome.measured = fmt::format(
-      "{} of 100 left, {:.2f} people/(m s) from the first to the last; without speed by density {} "
-      "left, {:.2f} people/(m s)",
-      with.size(), flow, without.size(), flow_per_s(without));
+      "{} of 100 left, {:.2f} people/(m s) from the first to the last; in experiments "
+      "{:.2f}",
+      times_s.size(), flow, recorded_flow(1.0));
   outcome.figures.push_back(
       {"imo_4", "IMO 4: people who have left by the door of 1 m", "",
-       "$with << EOD\n" + cumulative(with) + "EOD\n$without << EOD\n" + cumulative(without) +
+       "$crowd << EOD\n" + cumulative(times_s) +
            fmt::format(
                "EOD\nset grid\nset key bottom right\nset xrange [0:*]\nset yrange [0:110]\nset "
-               "xlabel 'time, s'\nset ylabel 'people through the door'\nplot 1.33 * (x - {:.2f}) "
-               "with "
-               "lines dashtype 2 linecolor rgb '#999999' title '1.33 people/(m s)', $with with "
-               "steps linewidth 2 linecolor rgb '{}' title 'speed by density', $without with steps "
-               "linewidth 2 linecolor rgb '{}' title 'without'\n",
-               with.empty() ? 0.0 : with.front(), kFigureColours[0], kFigureColours[1])});
+               "xlabel 'time, s'\nset ylabel 'people through the door'\nplot {0} * (x - {1:.2f}) "
+               "with lines dashtype 2 linecolor rgb '#999999' title '{0} people/(m s), allowed', "
+               "{2:.2f} * (x - {1:.2f}) with lines dashtype 3 linecolor rgb '#999999' title "
+               "'{2:.2f}, "
+               "recorded', $crowd with steps linewidth 2 linecolor rgb '{3}' title 'the crowd'\n",
+               kAllowed_per_m_and_s, times_s.empty() ? 0.0 : times_s.front(), recorded_flow(1.0),
+               kFigureColours[0])});
   return outcome;
 }
 
@@ -196,9 +209,10 @@ std::vector<Test> door_tests() {
   return {
       {{"imo_4", "iso_11"},
        {"IMO 4: exit flow rate", "ISO 20414 11: maximum flow rate"},
-       "100 people in a room of 8 m x 5 m with an exit of 1 m in the middle of a short side. Speed "
-       "by density on.",
-       "everybody leaves, at most 1.33 people/(m s) on average",
+       "100 people in a room of 8 m x 5 m with an exit of 1 m in the middle of a short side.",
+       "everybody leaves; at most 1.33 people/(m s) on average are allowed, below every "
+       "experiment: "
+       "more is no failure, but differs",
        exit_flow},
       {{"rimea_9", "imo_9"},
        {"RiMEA 9: a crowd leaves a large room", "IMO 9: crowd dissipation from a large room"},

@@ -30,6 +30,8 @@ struct Reading {
 
 struct Outcome {
   bool passed = false;
+  /// Measured only: recorded people do not meet the criterion either.
+  bool differs = false;
   std::string measured;  ///< in a sentence, with units
   int wall_crossings = 0;
   int unplaced = 0;              ///< people whom the test asks for and who found no room

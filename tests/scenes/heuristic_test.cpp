@@ -49,7 +49,6 @@ struct Moment {
       way_y.push_back(length > 0 ? each.wanted_mps.y() / length : 0);
     }
     const std::vector<float> radii(count, 0.22f), most(count, 1.2f * kFree_mps);
-    const std::vector<double> free(count, static_cast<double>(kFree_mps));
     std::vector<uint32_t> near(NeighbourGrid::kMost * count), starts(count + 1);
     std::vector<uint8_t> counts(count);
     for (uint32_t i = 0; i < count; ++i) {
@@ -81,7 +80,6 @@ struct Moment {
     view.wanted_y_mps = wy.data();
     view.way_x = way_x.data();
     view.way_y = way_y.data();
-    view.free_speed_mps = free.data();
     view.max_speed_mps = most.data();
     view.urge = urge.data();
     view.neighbours = near.data();

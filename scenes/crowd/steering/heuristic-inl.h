@@ -6,27 +6,25 @@ constexpr float kRadius_m = 0.22f;
 /// Lengths are between centres, of people of that radius.
 struct Tuning {
   // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
-  // way; at stand_m people stand, from about room_m more on they walk freely. Whose free speed is
-  // higher closes up more: the room is for free_mps and goes with 1 / free speed.
-  float stand_m = 0.57f;
-  float shoulders_m = 0.32f;
-  float room_m = 0.68f;
-  float free_mps = 1.34f;
+  // way; at stand_m people stand, from about room_m more on they walk freely.
+  float stand_m = 0.64f;
+  float shoulders_m = 0.30f;
+  float room_m = 0.85f;
   /// Oncoming people pass each other with a shoulder turned.
-  float passing_m = 0.16f;
+  float passing_m = 0.12f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
   float ahead_s = 3;
   // Nearer than blocked_m to somebody a way is blocked, farther off than clear_m it is free. In the
   // open, and by those who go the same way, people are passed so much farther off; it is open where
   // the sixth nearest is at open_m, and dense where it is at dense_m.
-  float blocked_m = 0.28f, clear_m = 0.45f;
+  float blocked_m = 0.28f, clear_m = 0.41f;
   float open_blocked_m = 0.10f, open_clear_m = 0.20f;
   float dense_m = 0.9f, open_m = 1.8f;
   /// From walls.
   float wall_m = 0.24f;
-  // Nobody comes nearer than bodies do, within so long: both give way by half (see avoid()). Where
-  // it is dense shoulders turn, which makes bodies narrower by this share.
-  float body_m = 0.38f, body_s = 0.48f, turned = 0.3f;
+  // Nobody comes nearer than bodies do, within so long: both give way by half (see avoid()). They
+  // are wider than deep. Where it is dense shoulders turn: bodies are narrower by this share.
+  float wide_m = 0.46f, deep_m = 0.31f, body_s = 0.48f, turned = 0.15f;
   // Of those who get nowhere, and of those whom they meet, bodies become narrower by up to the
   // first share, and the room that they are passed with by up to the second.
   float squeeze = 0.45f, squeeze_room = 0.24f;
@@ -34,14 +32,16 @@ struct Tuning {
   float horizon_m = 2;
   /// What turning off costs, and what passing on the left does.
   float keep_on = 0.17f;
-  float keep_right = 0.07f;
+  float keep_right = 0.12f;
   /// Others are expected to go by so much as they want to, the rest as they do.
   float intent = 0.7f;
   // People drift away from those nearer than apart_m, the nearer the faster, and from walls.
   float drift_mps = 0.1f, apart_m = 0.63f, drift_m = 0.24f;
   float wall_drift_mps = 0.25f, wall_drift_m = 0.2f;
+  // And to the right, so fast where so many come towards them: each way has its own side then.
+  float side_mps = 0.3f, oncoming = 3;
   /// Times to take up a velocity, and the most that it changes.
-  float speed_up_s = 0.25f, slow_down_s = 0.35f, most_mps2 = 4;
+  float speed_up_s = 0.16f, slow_down_s = 0.35f, most_mps2 = 4;
 };
 constexpr Tuning kTuning;
 
@@ -136,6 +136,7 @@ class Decision {
 
  private:
   bool wants() const { return wanted_mps_ > kWants_mps; }
+  bool is_against(const Other& o) const { return way_x_ * o.way_x + way_y_ * o.way_y < kAgainst; }
 
   void see_others() {
     const uint32_t* near = p_.neighbours + NeighbourGrid::kMost * slot_;
@@ -181,7 +182,16 @@ class Decision {
       const float lack = std::clamp(1 - gap_m / kTuning.wall_drift_m, 0.0f, 2.0f);
       sum += kTuning.wall_drift_mps * lack * Eigen::Vector2f(p_.wall_x[w], p_.wall_y[w]);
     }
-    return sum;
+    return sum + kTuning.side_mps * counterflow() * Eigen::Vector2f(way_y_, -way_x_);
+  }
+
+  /// 1 where enough people come towards one, 0 where nobody does, and for those who stand.
+  float counterflow() const {
+    float oncoming = 0;
+    for (size_t k = 0; k < count_; ++k)
+      if (is_against(others_[k]) && others_[k].x_m * way_x_ + others_[k].y_m * way_y_ > 0)
+        oncoming += 1;
+    return std::min(oncoming / kTuning.oncoming, 1.0f);
   }
 
   /// How far one gets on each way before somebody is in it.
@@ -258,16 +268,13 @@ class Decision {
   }
 
   float speed_on(const Eigen::Vector2f& way) const {
-    const float free_mps = static_cast<float>(p_.free_speed_mps[slot_]);
-    const float room_m = kTuning.room_m * kTuning.free_mps / free_mps;
     float gap_m = kFar_m;
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
       const float ahead_m = o.x_m * way.x() + o.y_m * way.y();
       const float aside_m = std::abs(o.x_m * way.y() - o.y_m * way.x());
       const float other_mps = o.vx_mps * way.x() + o.vy_mps * way.y();
-      const bool is_met =
-          other_mps < kOncoming_mps || way_x_ * o.way_x + way_y_ * o.way_y < kAgainst;
+      const bool is_met = other_mps < kOncoming_mps || is_against(o);
       const float shoulders_m =
           (is_met ? kTuning.passing_m * (1 - o.urge) : kTuning.shoulders_m) * o.size;
       if (ahead_m <= 0 || aside_m >= shoulders_m) continue;
@@ -277,7 +284,7 @@ class Decision {
       gap_m = std::min(gap_m, ahead_m - kTuning.stand_m * o.size * round +
                                   kTuning.ahead_s * std::max(other_mps - speed_mps_, 0.0f));
     }
-    return wanted_mps_ * saturated(std::max(gap_m, 0.0f) / room_m);
+    return wanted_mps_ * saturated(std::max(gap_m, 0.0f) / kTuning.room_m);
   }
 
   /// What of a wish can be taken up until the next decision.
@@ -300,6 +307,20 @@ class Decision {
                            now + most / length * change, p_.max_speed_mps[slot_]);
   }
 
+  /// Where another will be when it is nearest: squared cosine of the angle to the ways of both, 1
+  /// straight ahead or behind and 0 beside; the mean of both.
+  float square_of_ahead(const Other& o) const {
+    const float vx = vx_mps_ - o.vx_mps, vy = vy_mps_ - o.vy_mps;
+    const float nearest_s = std::clamp(
+        (o.x_m * vx + o.y_m * vy) / std::max(vx * vx + vy * vy, 1e-4f), 0.0f, kTuning.body_s);
+    const float x = o.x_m - nearest_s * vx, y = o.y_m - nearest_s * vy;
+    const float square_m2 = std::max(x * x + y * y, 1e-6f);
+    const float own = wants() ? square(x * way_x_ + y * way_y_) : 0.5f * square_m2;
+    const bool it_stands = o.way_x == 0 && o.way_y == 0;
+    const float its = it_stands ? 0.5f * square_m2 : square(x * o.way_x + y * o.way_y);
+    return 0.5f * (own + its) / square_m2;
+  }
+
   /// What is nearest to a wish and leads into no wall and nobody's body, and no farther ahead:
   /// those behind push nobody forward.
   Eigen::Vector2f between_bodies(const Eigen::Vector2f& wish) const {
@@ -310,13 +331,14 @@ class Decision {
       planes[count++] = {-way, -std::max(way.dot(wish), 0.0f)};
     }
     const auto hard = static_cast<int>(count);
-    const float body_m = kTuning.body_m * (1 - kTuning.turned * (1 - openness_));
+    const float wide_m = kTuning.wide_m * (1 - kTuning.turned * (1 - openness_));
     Encounter e;
     e.own_velocity_mps = {vx_mps_, vy_mps_};
     e.horizon_s = kTuning.body_s;
     e.step_s = kTuning.body_s;  // nobody jumps out of an overlap
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
+      const float body_m = wide_m + (kTuning.deep_m - wide_m) * square_of_ahead(o);
       e.radius_m = body_m * (1 - kTuning.squeeze * o.urge) * o.size;
       const float reach_m = e.radius_m + kTuning.body_s * kFastest_mps;
       if (o.square_m2 > square(reach_m)) break;  // they come nearest first

@@ -24,7 +24,6 @@ struct SteeringView {
   const float* wanted_y_mps = nullptr;
   const float* way_x = nullptr;  ///< where to: a unit vector, or zero
   const float* way_y = nullptr;
-  const double* free_speed_mps = nullptr;
   const float* max_speed_mps = nullptr;
   const float* horizon_s = nullptr;      ///< no collision for so long
   const float* urge = nullptr;           ///< 0 to 1: others make way for who has more of it
@@ -48,6 +47,9 @@ struct SteeringTraits {
   /// The model itself keeps a gap in time behind others of the same way; otherwise wishes are
   /// limited to one before it decides.
   bool keeps_gap = false;
+  /// The model itself takes up little by little what people want; otherwise wishes change little by
+  /// little. Both in a row make people swing round their way.
+  bool eases = false;
   /// People who are stuck try ways past at random, and show others the velocity that they want
   /// instead of their own; otherwise the model gets them out by itself.
   bool is_nudged = true;
