@@ -23,6 +23,7 @@ enum class Purpose : uint32_t {
   kAge = 12,
   kFacing = 13,
   kStanding = 14,
+  kPatience = 15,
 };
 
 /// The names of one stream of numbers.

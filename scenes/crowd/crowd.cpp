@@ -33,6 +33,7 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       traffic_(ways, people, options.seed),
       occasions_(ways, people),
       doorkeeper_(ways, radii_of(people), workers),
+      exits_(ways, people, options.seed),
       grid_(ways.walkable().ground(), people.size(), options.simd) {
   steps_a_decision_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
@@ -128,7 +129,7 @@ void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
 
 void Crowd::archive(Archive& a) {
   a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, occasions_, doorkeeper_,
-    counters_);
+    exits_, counters_);
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
       if (journeys_.is_present(id) && !ways_.walkable().ground().contains(positions_m_[id]))

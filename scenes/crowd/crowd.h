@@ -17,6 +17,7 @@
 #include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/crowd_fields.h"
 #include "scenes/crowd/doorkeeper.h"
+#include "scenes/crowd/exits.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/crowd/neighbours/neighbour_grid.h"
 #include "scenes/crowd/occasions.h"
@@ -165,6 +166,7 @@ class Crowd {
   Traffic traffic_;
   Occasions occasions_;
   Doorkeeper doorkeeper_;
+  Exits exits_;
 
   NeighbourGrid grid_;
   std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere

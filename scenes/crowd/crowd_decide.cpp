@@ -46,9 +46,13 @@ void Crowd::change_people() {
   }
   if (doorkeeper_.has_doors())
     doorkeeper_.follow(occasions_, traffic_.present(), positions_m_, now_s);
-  if (!traffic_.is_open()) return;
-  traffic_.release(journeys_);
-  traffic_.admit(now_s, journeys_, positions_m_);
+  if (traffic_.is_open()) {
+    traffic_.release(journeys_);
+    traffic_.admit(now_s, journeys_, positions_m_);
+  }
+  if (exits_.has_any())
+    exits_.choose(static_cast<uint64_t>(steps_ / steps_a_decision_), positions_m_, grid_.order(),
+                  walkers_.queuing, journeys_, workers_);
   for (const uint32_t id : traffic_.entered()) {
     const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
     if (way.squaredNorm() > 0) headings_[id] = way;
@@ -311,7 +315,7 @@ bool Crowd::is_queuing(size_t slot) const {
   const double slow_mps = tuning::kQueueSpeed * walkers_.free_speed_mps[slot];
   if (walkers_.velocity_mps[slot].squaredNorm() > slow_mps * slow_mps) return false;
   const Eigen::Vector2d& position = walkers_.position_m[slot];
-  const FlowField* field = journeys_.stop(id).field;
+  const FlowField* field = &journeys_.field(id);
   const Eigen::Vector2d way = journeys_.direction(id, position);
   for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
     const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
@@ -320,7 +324,7 @@ bool Crowd::is_queuing(size_t slot) const {
     if (offset.squaredNorm() > reach_m * reach_m) return false;
     // Ahead within 60 degrees, and with the same way to go.
     const uint32_t other_id = grid_.order()[other];
-    if (journeys_.doing(other_id) == Doing::kWalking && journeys_.stop(other_id).field == field &&
+    if (journeys_.doing(other_id) == Doing::kWalking && &journeys_.field(other_id) == field &&
         way.dot(offset) > 0.5 * offset.norm())
       return true;
   }

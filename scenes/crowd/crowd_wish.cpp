@@ -43,7 +43,7 @@ double Crowd::pace(size_t slot, const Eigen::Vector2d& way) {
   held = 0;
   const uint32_t id = grid_.order()[slot];
   const Eigen::Vector2d& position = walkers_.position_m[slot];
-  if (way.isZero() || !journeys_.stop(id).field->is_closed(position)) return 1;
+  if (way.isZero() || !journeys_.field(id).is_closed(position)) return 1;
   const double radius_m = walkers_.radius_m[slot];
   double room_m = doorkeeper_.room_m(position, way, radius_m);
   for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {

@@ -36,6 +36,7 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
   next_.assign(people.size(), Doing::kWalking);
   until_s_.assign(people.size(), kNever);
   stops_.assign(people.size(), 0);
+  exits_.assign(people.size(), kNoExit);
   visits_.assign(people.size(), 0);
   for (size_t group = 0; group < ways.groups(); ++group)
     sets_out_s_.push_back(ways.after(group) ? kNever : 0);
@@ -49,7 +50,7 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
 }
 
 void Journeys::archive(Archive& a) {
-  a(doing_, next_, until_s_, stops_, visits_, targets_m_, sets_out_s_);
+  a(doing_, next_, until_s_, stops_, exits_, visits_, targets_m_, sets_out_s_);
   if (!a.is_reading()) return;
   for (const double time_s : sets_out_s_)
     if (!(time_s >= 0)) a.refuse("a time from the start on", "another");
@@ -59,6 +60,10 @@ void Journeys::archive(Archive& a) {
     // Those who are led have no route.
     if (stops_[id] >= std::max<size_t>(1, ways_.route(groups_[id]).size()))
       a.refuse("a stop of the route", "another");
+    if (exits_[id] != kNoExit && (doing_[id] != Doing::kWalking || stop(id).exits == 0))
+      a.refuse("nobody with an exit who does not walk to one", "somebody");
+    if (exits_[id] < kOpen && exits_[id] - stop(id).first_exit >= stop(id).exits)
+      a.refuse("an exit of the goal", "another");
     // Written so that NaN is refused, too.
     if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
       a.refuse("a place", "one out of the world");
@@ -70,6 +75,7 @@ void Journeys::enter(uint32_t id, const Eigen::Vector2d& position_m, double now_
   const double from_s = std::max(now_s, sets_out_s_[groups_[id]]);
   if (doing_[id] != Doing::kWalking || (delays_s_[id] == 0 && from_s == now_s)) return;
   doing_[id] = Doing::kWaiting;
+  exits_[id] = kNoExit;
   next_[id] = Doing::kWalking;
   until_s_[id] = from_s + delays_s_[id];
 }
@@ -77,6 +83,7 @@ void Journeys::enter(uint32_t id, const Eigen::Vector2d& position_m, double now_
 void Journeys::set_out(uint32_t id, const Eigen::Vector2d& position_m) {
   until_s_[id] = kNever;
   doing_[id] = ways_.leads(stop(id), position_m) ? Doing::kWalking : Doing::kStranded;
+  exits_[id] = doing_[id] == Doing::kWalking && stop(id).exits > 0 ? kOpen : kNoExit;
   choose_target(id, position_m);
 }
 
@@ -125,6 +132,7 @@ void Journeys::arrive(uint32_t id, const Eigen::Vector2d& position_m, double now
   const bool is_last = stops_[id] + 1 == stops;
   const double wait_s = stop(id).goal.wait_s;
   ++visits_[id];
+  exits_[id] = kNoExit;
   Doing next = Doing::kWalking;
   if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kStay) next = Doing::kStaying;
   if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kLeave) next = Doing::kLeaving;
@@ -144,7 +152,7 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
   if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
   const Stop& to = stop(id);
   if (!to.contains(position_m)) {
-    Eigen::Vector2d way = to.field->direction(position_m);
+    Eigen::Vector2d way = field(id).direction(position_m);
     if (way.squaredNorm() > 0) return way;
   }
   const Eigen::Vector2d way = targets_m_[id] - position_m;

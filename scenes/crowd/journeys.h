@@ -63,7 +63,7 @@ class Journeys {
 
   /// direction() of the same is asked for soon.
   void prefetch(uint32_t id, const Eigen::Vector2d& position_m) const {
-    if (doing_[id] == Doing::kWalking) stop(id).field->prefetch(position_m);
+    if (doing_[id] == Doing::kWalking) field(id).prefetch(position_m);
   }
 
   Doing doing(uint32_t id) const { return doing_[id]; }
@@ -72,6 +72,18 @@ class Journeys {
   }
   /// The goal, being walked to or stood at.
   const Stop& stop(uint32_t id) const { return ways_.route(groups_[id])[stops_[id]]; }
+
+  /// Of people who walk to a goal of several exits: which of Ways::exits(), or kOpen while that is
+  /// open. Of others kNoExit.
+  uint32_t exit(uint32_t id) const { return exits_[id]; }
+  static constexpr uint32_t kNoExit = UINT32_MAX;
+  static constexpr uint32_t kOpen = UINT32_MAX - 1;
+  /// From now on somebody who has to choose, or has chosen, walks to that one.
+  void take_exit(uint32_t id, uint32_t exit) { exits_[id] = exit; }
+  /// The way that somebody follows. As long as the exit is open, the one to the nearest.
+  const FlowField& field(uint32_t id) const {
+    return exits_[id] < kOpen ? *ways_.exits()[exits_[id]].field : *stop(id).field;
+  }
 
   /// Everybody who is stranded now, by group and stop. One caller at a time.
   std::vector<Stranding> strandings(std::span<const Eigen::Vector2d> positions_m) const;
@@ -91,6 +103,7 @@ class Journeys {
   std::vector<double>
       until_s_;  ///< end of waiting; of walking inside a goal: when to take any place
   std::vector<uint32_t> stops_;   ///< index into the route
+  std::vector<uint32_t> exits_;   ///< see exit()
   std::vector<uint32_t> visits_;  ///< goals reached so far: what choosing a place draws by
   std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
   std::vector<double> sets_out_s_;          ///< by group: infinity until its moment is known

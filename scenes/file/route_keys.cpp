@@ -38,8 +38,10 @@ KeyTable<Goal> make_goal_keys() {
       .keys = {
           own_key<Goal>("min_m", corners[0].meaning, "required, or `nearest_of`", corners[0].rule),
           own_key<Goal>("max_m", corners[1].meaning, "required, or `nearest_of`", corners[1].rule),
-          own_key<Goal>("nearest_of", "any one of these areas, whichever has the shortest way",
-                        "required, or one area", list_rule("area", 1))
+          own_key<Goal>(
+              "nearest_of",
+              "any one of these areas, for everybody the one that they expect to be through first",
+              "required, or one area", list_rule("area", 1))
               .reading(read_areas)
               .hashing(add_areas),
           number("wait_s", "how long everybody stands there before going on", &Goal::wait_s,

@@ -72,9 +72,9 @@ class FlowField {
   /// Solves |grad distance| = slowness from the areas of a goal by fast marching (Sethian 1996):
   /// each point leads to the area with the shortest way. Keeps a reference to `grid`. `closed` has
   /// 1 where a cell lies in a closed door, or nothing: a way through is as good as one that is
-  /// longer by kClosed_m for each such cell.
+  /// longer by kClosed_m for each such cell. `shunned`, the same: there a metre counts kShun times.
   FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
-            std::span<const uint8_t> closed = {});
+            std::span<const uint8_t> closed = {}, std::span<const uint8_t> shunned = {});
   FlowField(const FlowGrid& grid, const Rectangle& area)
       : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
 
@@ -86,6 +86,8 @@ class FlowField {
   /// there is no way, or if the cell is too near an obstacle.
   double distance_m(const Eigen::Vector2d& point) const;
   bool reaches(const Eigen::Vector2d& point) const;
+  /// The same as distance_m() of any point of a cell.
+  float cell_distance_m(size_t cell) const { return distance_m_[cell]; }
   /// True if the way from here leads through a closed door.
   bool is_closed(const Eigen::Vector2d& point) const {
     return !is_closed_.empty() && is_closed_[grid_->cell_at(point)] != 0;
@@ -94,6 +96,8 @@ class FlowField {
   /// People rather go round by this than wait for a door to open, which takes who knows how long. A
   /// leaf is one to three cells thick.
   static constexpr double kClosed_m = 20;
+  /// Nobody leads others past where they would rather stay away, unless the way round is long.
+  static constexpr double kShun = 4;
 
  private:
   /// The cells around a point, and how far it is from the first of them to the last.
@@ -102,7 +106,8 @@ class FlowField {
     double fx, fy;
   };
   Patch patch_at(const Eigen::Vector2d& point) const;
-  void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed);
+  void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
+             std::span<const uint8_t> shunned);
   void point_downhill();
   void lead_out_of_walls();
   void aim_through_gaps();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 namespace throng {
@@ -32,6 +33,34 @@ std::vector<int> pieces_of(const NavMesh& mesh, const Goal& goal) {
   return pieces;
 }
 
+/// Others refer to the field: what they refer to stays where it is.
+void put(FlowField&& field, std::unique_ptr<FlowField>& place) {
+  if (place == nullptr)
+    place = std::make_unique<FlowField>(std::move(field));
+  else
+    *place = std::move(field);
+}
+
+/// Of each cell, the nearest of some areas by its field, and how far that is.
+struct NearestExit {
+  std::vector<uint32_t> which;
+  std::vector<float> away_m;
+};
+
+NearestExit nearest_exits(const std::vector<std::unique_ptr<FlowField>>& fields, uint32_t begin,
+                          uint32_t end, size_t cells) {
+  NearestExit nearest{std::vector<uint32_t>(cells, begin),
+                      std::vector<float>(cells, std::numeric_limits<float>::infinity())};
+  for (uint32_t exit = begin; exit < end; ++exit)
+    for (size_t cell = 0; cell < cells; ++cell) {
+      const float away_m = fields[exit]->cell_distance_m(cell);
+      if (!(away_m < nearest.away_m[cell])) continue;
+      nearest.which[cell] = exit;
+      nearest.away_m[cell] = away_m;
+    }
+  return nearest;
+}
+
 }  // namespace
 
 Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walkable_) {
@@ -40,6 +69,13 @@ Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walka
       if (std::find(goals_.begin(), goals_.end(), goal.areas) == goals_.end())
         goals_.push_back(goal.areas);
   fields_.resize(goals_.size());
+  first_exits_.push_back(0);
+  for (const std::vector<Rectangle>& areas : goals_) {
+    for (const Rectangle& area : areas)
+      if (areas.size() > 1) exits_.push_back({nullptr, area.size_m().maxCoeff()});
+    first_exits_.push_back(static_cast<uint32_t>(exits_.size()));
+  }
+  exit_fields_.resize(exits_.size());
   // Nobody walks in a box of parts.
   if (scene.groups.empty()) return;
   look_up_cues(scene);
@@ -47,8 +83,10 @@ Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walka
   for (const Group& group : scene.groups) {
     std::vector<Stop>& route = routes_.emplace_back();
     for (const Goal& goal : group.goals) {
-      const auto at = std::find(goals_.begin(), goals_.end(), goal.areas) - goals_.begin();
-      route.push_back({goal, fields_[static_cast<size_t>(at)].get(), pieces_of(*nav_mesh_, goal)});
+      const auto at =
+          static_cast<size_t>(std::find(goals_.begin(), goals_.end(), goal.areas) - goals_.begin());
+      route.push_back({goal, fields_[at].get(), pieces_of(*nav_mesh_, goal), first_exits_[at],
+                       first_exits_[at + 1] - first_exits_[at]});
     }
     on_arrival_.push_back(group.on_arrival);
     for (const Source& source : group.sources) entrances_.push_back(source.area);
@@ -66,12 +104,44 @@ void Ways::build_fields(Workers& workers) {
       return;
     }
     const auto goal = static_cast<size_t>(block - 1);
-    FlowField field(grid_, goals_[goal], closed_);
-    // Stops refer to the field: what they refer to stays where it is.
-    if (fields_[goal] == nullptr)
-      fields_[goal] = std::make_unique<FlowField>(std::move(field));
-    else
-      *fields_[goal] = std::move(field);
+    put(FlowField(grid_, goals_[goal], closed_), fields_[goal]);
+  });
+  if (!exits_.empty()) build_exits(workers);
+}
+
+/// First the plain ways to all exits, from which follows what lies before another one.
+void Ways::build_exits(Workers& workers) {
+  const auto each_goal = [&](const auto& body) {
+    for (size_t goal = 0; goal < goals_.size(); ++goal)
+      for (uint32_t exit = first_exits_[goal]; exit < first_exits_[goal + 1]; ++exit)
+        body(goal, exit);
+  };
+  std::vector<size_t> goal_of(exits_.size());
+  each_goal([&](size_t goal, uint32_t exit) { goal_of[exit] = goal; });
+  const auto area_of = [&](uint32_t exit) {
+    return std::span(goals_[goal_of[exit]]).subspan(exit - first_exits_[goal_of[exit]], 1);
+  };
+  const auto count = static_cast<int>(exits_.size());
+  workers.for_blocks(count, [&](int block, int) {
+    const auto exit = static_cast<uint32_t>(block);
+    put(FlowField(grid_, area_of(exit), closed_), exit_fields_[exit]);
+  });
+  std::vector<NearestExit> nearest(goals_.size());
+  workers.for_blocks(static_cast<int>(goals_.size()), [&](int block, int) {
+    const auto goal = static_cast<size_t>(block);
+    if (first_exits_[goal] < first_exits_[goal + 1])
+      nearest[goal] = nearest_exits(exit_fields_, first_exits_[goal], first_exits_[goal + 1],
+                                    grid_.cell_count());
+  });
+  workers.for_blocks(count, [&](int block, int) {
+    const auto exit = static_cast<uint32_t>(block);
+    const auto& [which, away_m] = nearest[goal_of[exit]];
+    std::vector<uint8_t> shunned(which.size());
+    for (size_t cell = 0; cell < which.size(); ++cell)
+      shunned[cell] =
+          which[cell] != exit && away_m[cell] < static_cast<float>(Exit::kPast_m) ? 1 : 0;
+    put(FlowField(grid_, area_of(exit), closed_, shunned), exit_fields_[exit]);
+    exits_[exit].field = exit_fields_[exit].get();
   });
 }
 

@@ -19,11 +19,24 @@
 
 namespace throng {
 
+/// One of the areas of a goal that has several.
+struct Exit {
+  /// The way to this area, past no other of the goal's areas if that can be helped: whoever is
+  /// there would leave by it. A way that comes as near as kPast_m to another counts longer.
+  const FlowField* field = nullptr;
+  double width_m = 0;  ///< of the area, its longer side
+
+  static constexpr double kPast_m = 3;
+};
+
 /// A goal on a route.
 struct Stop {
   Goal goal;
   const FlowField* field = nullptr;
   std::vector<int> pieces;  ///< of the navigation mesh, that the goal lies on
+  /// Which of Ways::exits() are this goal's, one an area; none where it has one area.
+  uint32_t first_exit = 0;
+  uint32_t exits = 0;
 
   bool contains(const Eigen::Vector2d& point) const { return goal.contains(point); }
   /// The area of the goal that is nearest as the crow flies.
@@ -58,6 +71,8 @@ class Ways {
   size_t groups() const { return routes_.size(); }
   /// The goals of a group, in order; at least one.
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
+  /// Of all goals with several areas, goal by goal.
+  const std::vector<Exit>& exits() const { return exits_; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
   /// Of a scene with groups; a box of parts has none.
   const NavMesh& nav_mesh() const { return *nav_mesh_; }
@@ -86,14 +101,18 @@ class Ways {
   void show_doors();
   uint32_t add_occasion(const Scene& scene, const Cue& cue);
   void build_fields(Workers& workers);
+  void build_exits(Workers& workers);
 
   Walkable walkable_;
   FlowGrid grid_;
   std::unique_ptr<const NavMesh> nav_mesh_;
   std::vector<std::vector<Rectangle>> goals_;       ///< each once: groups often share them
   std::vector<std::unique_ptr<FlowField>> fields_;  ///< by goal
-  std::vector<std::vector<Stop>> routes_;           ///< by group
-  std::vector<OnArrival> on_arrival_;               ///< by group
+  std::vector<uint32_t> first_exits_;               ///< by goal, and the end
+  std::vector<Exit> exits_;
+  std::vector<std::unique_ptr<FlowField>> exit_fields_;
+  std::vector<std::vector<Stop>> routes_;  ///< by group
+  std::vector<OnArrival> on_arrival_;      ///< by group
   std::vector<Rectangle> entrances_;
   std::vector<Occasion> occasions_;
   std::vector<std::optional<uint32_t>> after_;  ///< by group

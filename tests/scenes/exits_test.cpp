@@ -1,0 +1,246 @@
+// Exits: of several, people take the one where they expect to be through first, each with patience
+// of their own.
+#include "scenes/crowd/exits.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/random.h"
+#include "tests/scenes/crowd_world.h"
+
+namespace throng {
+namespace {
+
+constexpr int kStepsASecond = 20;
+constexpr double kHall_m = 24;
+constexpr double kDepth_m = 12;
+
+struct Opening {
+  double middle_m = 0;  ///< along the southern wall
+  double width_m = 1;
+};
+
+/// A hall of 24 m by 12 m that people leave by doors in its southern wall. Behind the wall a strip
+/// of 3 m runs from door to door, in it an area before each.
+Scene hall(uint64_t seed, int people, const Rectangle& spawn, const std::vector<Opening>& doors) {
+  Scene scene;
+  scene.seed = seed;
+  scene.step_s = 1.0 / kStepsASecond;
+  scene.ground = {{0, -3.2}, {kHall_m, kDepth_m}};
+  double from = 0;
+  Goal exits;
+  const auto wall = [&](double to) {
+    scene.obstacles.push_back(box(0.5 * (from + to), -0.1, to - from, 0.2));
+  };
+  for (const auto& [middle_m, width_m] : doors) {
+    wall(middle_m - 0.5 * width_m);
+    from = middle_m + 0.5 * width_m;
+    exits.areas.push_back({{middle_m - 1, -3}, {middle_m + 1, -2}});
+  }
+  wall(kHall_m);
+  exits.pass = true;
+  scene.groups = {group(people, spawn, {})};
+  scene.groups[0].goals = {exits};
+  scene.groups[0].on_arrival = OnArrival::kLeave;
+  return scene;
+}
+
+const std::vector<Opening> kTwoDoors = {{4, 1}, {20, 1}};
+const Rectangle kNearHalf = {{0.3, 0.3}, {12, kDepth_m - 0.3}};
+
+/// Runs a hall until all have left, and knows by which door, and how often they thought better.
+struct Leaving {
+  explicit Leaving(const Scene& scene, double until_s = 300) : world(scene, 2) {
+    const uint32_t people = static_cast<uint32_t>(world.crowd.size());
+    std::vector<uint32_t> chosen(people, Journeys::kNoExit);
+    changes.assign(people, 0);
+    const auto& areas = scene.groups[0].goals[0].areas;
+    for (int step = 0; step < until_s * kStepsASecond; ++step) {
+      const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
+                                                world.crowd.positions_m().end());
+      world.crowd.step();
+      for (uint32_t id = 0; id < people; ++id) {
+        const uint32_t now = world.crowd.journeys().exit(id);
+        const Eigen::Vector2d& place = world.crowd.positions_m()[id];
+        if (before[id].y() >= -0.1 && place.y() < -0.1) {
+          size_t door = 0;
+          for (size_t i = 1; i < areas.size(); ++i)
+            if (std::abs(areas[i].middle_m().x() - place.x()) <
+                std::abs(areas[door].middle_m().x() - place.x()))
+              door = i;
+          ++by_door[door];
+          by_another += chosen[id] != door;
+        }
+        if (now >= Journeys::kOpen) continue;
+        changes[id] += chosen[id] < Journeys::kOpen && chosen[id] != now;
+        chosen[id] = now;
+      }
+      seconds = step * scene.step_s;
+      if (world.crowd.traffic().counters().left == people) break;
+    }
+  }
+  uint64_t left() const { return world.crowd.traffic().counters().left; }
+
+  SmallWorld world;
+  std::map<size_t, int> by_door;
+  int by_another = 0;  ///< than the one they had chosen
+  std::vector<int> changes;
+  double seconds = 0;
+};
+
+class Choice : public testing::TestWithParam<SteeringKind> {
+ protected:
+  Scene with_model(Scene scene) const {
+    scene.steering.model = GetParam();
+    return scene;
+  }
+};
+
+TEST_P(Choice, TheNearExitIsTakenWhileThereIsNoQueue) {
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Leaving few(with_model(hall(seed, 6, kNearHalf, kTwoDoors)));
+    EXPECT_EQ(few.by_door[0], 6);
+    EXPECT_EQ(std::count(few.changes.begin(), few.changes.end(), 0), 6);
+  }
+}
+
+TEST_P(Choice, AThirdAtLeastTakesTheFarExitWhenTheNearOneIsCrowded) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Leaving many(with_model(hall(seed, 180, kNearHalf, kTwoDoors)));
+    EXPECT_EQ(many.left(), many.world.crowd.size());
+    EXPECT_GE(many.by_door[1], 60);
+    EXPECT_GE(many.by_door[0], 60);
+    EXPECT_LE(many.by_another, 4) << "they went out by the near door on their way to the far one";
+  }
+}
+
+TEST_P(Choice, ExitsAlikeAreUsedAlike) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Leaving all(with_model(hall(seed, 160, {{4, 4}, {20, 11}}, kTwoDoors)));
+    EXPECT_EQ(all.left(), all.world.crowd.size());
+    EXPECT_NEAR(all.by_door[0], 80, 16);
+  }
+}
+
+TEST_P(Choice, AWiderExitIsUsedByMore) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Leaving all(with_model(hall(seed, 260, {{2, 2}, {22, 11.7}}, {{4, 0.8}, {20, 2.4}})));
+    EXPECT_EQ(all.left(), all.world.crowd.size());
+    EXPECT_GT(all.by_door[1], 1.4 * all.by_door[0]);
+  }
+}
+
+TEST_P(Choice, OfThreeExitsNoneIsLeftOutAndAllAreEmptyAtAboutTheSameTime) {
+  for (uint64_t seed = 1; seed <= 2; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Leaving all(with_model(hall(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}, {12, 1}, {21, 1}})));
+    EXPECT_EQ(all.left(), all.world.crowd.size());
+    for (size_t door = 0; door < 3; ++door) EXPECT_GE(all.by_door[door], 30) << door;
+    // By the near one alone it takes twice as long at least.
+    Leaving one(with_model(hall(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}})));
+    EXPECT_LT(all.seconds, 0.6 * one.seconds);
+  }
+}
+
+TEST_P(Choice, NobodyDithers) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Leaving many(with_model(hall(seed, 180, kNearHalf, kTwoDoors)));
+    int sum = 0;
+    for (const int each : many.changes) sum += each;
+    EXPECT_LE(*std::max_element(many.changes.begin(), many.changes.end()), 3);
+    EXPECT_LE(sum, 60) << "in a minute";
+  }
+}
+
+TEST_P(Choice, IsTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
+  const Scene scene = with_model(hall(4, 150, kNearHalf, kTwoDoors));
+  const auto walk = [](SmallWorld& world, int seconds) {
+    for (int step = 0; step < seconds * kStepsASecond + 3; ++step) world.crowd.step();
+  };
+  const auto places = [](const SmallWorld& world) {
+    return std::vector<Eigen::Vector2d>(world.crowd.positions_m().begin(),
+                                        world.crowd.positions_m().end());
+  };
+  std::vector<Eigen::Vector2d> expected;
+  std::vector<uint8_t> state;
+  for (const int threads : {1, 2, 5}) {
+    SmallWorld world(scene, threads);
+    walk(world, 12);
+    if (threads == 2) {
+      Archive out;
+      world.crowd.archive(out);
+      state = out.bytes();
+    }
+    walk(world, 15);
+    if (threads == 1) expected = places(world);
+    EXPECT_EQ(places(world), expected) << threads << " threads, seed 4";
+  }
+  SmallWorld resumed(scene, 1);
+  Archive in(state, "test");
+  resumed.crowd.archive(in);
+  in.expect_end();
+  walk(resumed, 15);
+  EXPECT_EQ(places(resumed), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Choice,
+                         testing::Values(SteeringKind::kOrca, SteeringKind::kHeuristic),
+                         [](const auto& each) { return std::string(name_of(each.param)); });
+
+TEST(ExitWays, LeadPastNoOtherExit) {
+  // From right before the first door to the second area: through the hall, though by the strip
+  // behind the door it is as near.
+  SmallWorld world(hall(1, 1, kNearHalf, kTwoDoors), 1);
+  ASSERT_EQ(world.ways.exits().size(), 2u);
+  const FlowField& far = *world.ways.exits()[1].field;
+  Eigen::Vector2d at(4, 1);
+  for (int step = 0; step < 400 && at.y() > 0; ++step) at += 0.1 * far.direction(at);
+  EXPECT_NEAR(at.x(), 20, 1);
+}
+
+TEST(ExitWays, AGoalOfOneAreaIsNoChoice) {
+  SmallWorld world(hall(1, 5, kNearHalf, {{4, 1}}), 1);
+  EXPECT_TRUE(world.ways.exits().empty());
+  world.crowd.step();
+  for (uint32_t id = 0; id < 5; ++id) EXPECT_EQ(world.crowd.journeys().exit(id), Journeys::kNoExit);
+}
+
+TEST(Approach, KnowsHowManyAreAhead) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Approach approach;
+    std::vector<float> ways_m;
+    for (uint32_t i = 0; i < 300; ++i) {
+      const RandomKey key{seed, i, 0, Purpose::kGoal};
+      const auto way_m = static_cast<float>(random_uniform(key, 0, i % 10 == 0 ? 900 : 60));
+      ways_m.push_back(way_m);
+      approach.add(way_m, 1);
+      if (i % 3 == 0) continue;
+      approach.add(ways_m[i / 2], -1);
+      ways_m.erase(ways_m.begin() + static_cast<ptrdiff_t>(i / 2));
+      ways_m.insert(ways_m.begin() + static_cast<ptrdiff_t>(i / 2), way_m);
+      approach.add(way_m, 1);
+    }
+    for (const float way_m : {0.0f, 3.2f, 30.0f, 55.0f, 64.0f, 300.0f, 2000.0f}) {
+      // As exact as the bins: those nearer by one more, and those not farther by one more.
+      const float bin_m = way_m < 64 ? 0.5f : way_m < 570 ? 4.0f : 2000.0f;
+      const auto nearer = std::count_if(ways_m.begin(), ways_m.end(),
+                                        [&](float each) { return each < way_m - bin_m; });
+      const auto not_farther = std::count_if(ways_m.begin(), ways_m.end(),
+                                             [&](float each) { return each <= way_m + bin_m; });
+      EXPECT_GE(approach.ahead_of(way_m), static_cast<double>(nearer)) << way_m;
+      EXPECT_LE(approach.ahead_of(way_m), static_cast<double>(not_farther)) << way_m;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace throng
