@@ -112,10 +112,7 @@ Plan two_exits_plan(SteeringKind model, uint64_t seed) {
   for (const double middle : {7.5, 22.5})
     open.push_back({{middle - 0.5 * kDoor_m, -Plan::kWall_m}, {middle + 0.5 * kDoor_m, 0}});
   Plan plan = carved("two_exits", open, {model}, seed);
-  std::vector<Rectangle> exits;
-  for (const double middle : {7.5, 22.5})
-    exits.push_back({{middle - 1.5, -kOut_m}, {middle + 1.5, 0.8 - kOut_m}});
-  plan.people(kHallPeople, {{0, 0}, {15, 20}}, exits);
+  plan.people(kHallPeople, {{0, 0}, {15, 20}}, {{{0, -kOut_m}, {30, 0.8 - kOut_m}}});
   return plan;
 }
 

@@ -239,19 +239,19 @@ size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {
 }
 
 FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
-                     std::span<const uint8_t> closed, std::span<const uint8_t> shunned)
+                     std::span<const uint8_t> closed, std::span<const KeepOff> keep_off)
     : grid_(&grid),
       distance_m_(grid.cell_count(), kFar),
       direction_(grid.cell_count(), Eigen::Vector2f::Zero()),
       is_closed_(closed.begin(), closed.end()) {
-  march(areas, closed, shunned);
+  march(areas, closed, keep_off);
   point_downhill();
   lead_out_of_walls();
   aim_through_gaps();
 }
 
 void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
-                      std::span<const uint8_t> shunned) {
+                      std::span<const KeepOff> keep_off) {
   // A queue of (distance, cell): equal distances leave in the order of cells.
   using Entry = std::pair<float, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -275,11 +275,13 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
     if (distance > distance_m_[cell]) continue;
     for (const ptrdiff_t next : grid_->ways_from(cell)) {
       if (next < 0) continue;
+      const KeepOff off = keep_off.empty() ? KeepOff::kNo : keep_off[static_cast<size_t>(next)];
+      if (off == KeepOff::kBar) continue;
       const Neighbours around = grid_->ways_from(static_cast<size_t>(next));
       const auto x = static_cast<double>(std::min(value(around[0]), value(around[1])));
       const auto y = static_cast<double>(std::min(value(around[2]), value(around[3])));
       double step_m = grid_->cell_m() * grid_->slowness(static_cast<size_t>(next));
-      if (!shunned.empty() && shunned[static_cast<size_t>(next)] != 0) step_m *= kShun;
+      if (off == KeepOff::kShun) step_m *= kShun;
       if (!closed.empty() && closed[static_cast<size_t>(next)] != 0) step_m += kClosed_m;
       const auto found = static_cast<float>(eikonal(x, y, step_m));
       if (!(found < distance_m_[static_cast<size_t>(next)])) continue;

@@ -67,14 +67,22 @@ class FlowGrid {
   std::vector<Passage> closures_;
 };
 
+/// Of a cell.
+enum class KeepOff : uint8_t {
+  kNo,
+  kShun,  ///< a metre counts FlowField::kShun times
+  kBar,   ///< no way leads through
+};
+
 class FlowField {
  public:
   /// Solves |grad distance| = slowness from the areas of a goal by fast marching (Sethian 1996):
   /// each point leads to the area with the shortest way. Keeps a reference to `grid`. `closed` has
   /// 1 where a cell lies in a closed door, or nothing: a way through is as good as one that is
-  /// longer by kClosed_m for each such cell. `shunned`, the same: there a metre counts kShun times.
+  /// longer by kClosed_m for each such cell. `keep_off` says by cell where ways should not lead, or
+  /// nothing.
   FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
-            std::span<const uint8_t> closed = {}, std::span<const uint8_t> shunned = {});
+            std::span<const uint8_t> closed = {}, std::span<const KeepOff> keep_off = {});
   FlowField(const FlowGrid& grid, const Rectangle& area)
       : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
 
@@ -107,7 +115,7 @@ class FlowField {
   };
   Patch patch_at(const Eigen::Vector2d& point) const;
   void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
-             std::span<const uint8_t> shunned);
+             std::span<const KeepOff> keep_off);
   void point_downhill();
   void lead_out_of_walls();
   void aim_through_gaps();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 #include <utility>
 
 namespace throng {
@@ -41,26 +40,6 @@ void put(FlowField&& field, std::unique_ptr<FlowField>& place) {
     *place = std::move(field);
 }
 
-/// Of each cell, the nearest of some areas by its field, and how far that is.
-struct NearestExit {
-  std::vector<uint32_t> which;
-  std::vector<float> away_m;
-};
-
-NearestExit nearest_exits(const std::vector<std::unique_ptr<FlowField>>& fields, uint32_t begin,
-                          uint32_t end, size_t cells) {
-  NearestExit nearest{std::vector<uint32_t>(cells, begin),
-                      std::vector<float>(cells, std::numeric_limits<float>::infinity())};
-  for (uint32_t exit = begin; exit < end; ++exit)
-    for (size_t cell = 0; cell < cells; ++cell) {
-      const float away_m = fields[exit]->cell_distance_m(cell);
-      if (!(away_m < nearest.away_m[cell])) continue;
-      nearest.which[cell] = exit;
-      nearest.away_m[cell] = away_m;
-    }
-  return nearest;
-}
-
 }  // namespace
 
 Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walkable_) {
@@ -69,13 +48,6 @@ Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walka
       if (std::find(goals_.begin(), goals_.end(), goal.areas) == goals_.end())
         goals_.push_back(goal.areas);
   fields_.resize(goals_.size());
-  first_exits_.push_back(0);
-  for (const std::vector<Rectangle>& areas : goals_) {
-    for (const Rectangle& area : areas)
-      if (areas.size() > 1) exits_.push_back({nullptr, area.size_m().maxCoeff()});
-    first_exits_.push_back(static_cast<uint32_t>(exits_.size()));
-  }
-  exit_fields_.resize(exits_.size());
   // Nobody walks in a box of parts.
   if (scene.groups.empty()) return;
   look_up_cues(scene);
@@ -106,43 +78,73 @@ void Ways::build_fields(Workers& workers) {
     const auto goal = static_cast<size_t>(block - 1);
     put(FlowField(grid_, goals_[goal], closed_), fields_[goal]);
   });
+  if (first_exits_.empty()) find_exits(workers);
   if (!exits_.empty()) build_exits(workers);
 }
 
-/// First the plain ways to all exits, from which follows what lies before another one.
-void Ways::build_exits(Workers& workers) {
-  const auto each_goal = [&](const auto& body) {
-    for (size_t goal = 0; goal < goals_.size(); ++goal)
-      for (uint32_t exit = first_exits_[goal]; exit < first_exits_[goal + 1]; ++exit)
-        body(goal, exit);
+/// Once: doorways where there are several, and otherwise areas where there are several.
+void Ways::find_exits(Workers& workers) {
+  std::vector<std::vector<Doorway>> doorways(goals_.size());
+  workers.for_blocks(static_cast<int>(goals_.size()), [&](int block, int) {
+    const auto goal = static_cast<size_t>(block);
+    doorways[goal] = closed_.empty() ? doorways_before(grid_, *fields_[goal])
+                                     : doorways_before(grid_, FlowField(grid_, goals_[goal]));
+  });
+  const auto add = [&](size_t goal, double width_m, std::vector<size_t> cells) {
+    exits_.push_back({nullptr, width_m});
+    goal_of_exit_.push_back(goal);
+    doorways_.push_back(std::move(cells));
   };
-  std::vector<size_t> goal_of(exits_.size());
-  each_goal([&](size_t goal, uint32_t exit) { goal_of[exit] = goal; });
-  const auto area_of = [&](uint32_t exit) {
-    return std::span(goals_[goal_of[exit]]).subspan(exit - first_exits_[goal_of[exit]], 1);
+  first_exits_.push_back(0);
+  for (size_t goal = 0; goal < goals_.size(); ++goal) {
+    for (Doorway& doorway : doorways[goal]) add(goal, doorway.width_m, std::move(doorway.cells));
+    if (doorways[goal].empty() && goals_[goal].size() > 1)
+      for (const Rectangle& area : goals_[goal]) add(goal, area.size_m().maxCoeff(), {});
+    first_exits_.push_back(static_cast<uint32_t>(exits_.size()));
+  }
+  exit_fields_.resize(exits_.size());
+}
+
+/// For areas the plain ways first, from which follows what lies before another one.
+void Ways::build_exits(Workers& workers) {
+  const auto build = [&](uint32_t exit, std::span<const KeepOff> keep_off) {
+    const size_t goal = goal_of_exit_[exit];
+    const std::span<const Rectangle> areas(goals_[goal]);
+    return FlowField(grid_,
+                     doorways_[exit].empty() ? areas.subspan(exit - first_exits_[goal], 1) : areas,
+                     closed_, keep_off);
   };
   const auto count = static_cast<int>(exits_.size());
   workers.for_blocks(count, [&](int block, int) {
     const auto exit = static_cast<uint32_t>(block);
-    put(FlowField(grid_, area_of(exit), closed_), exit_fields_[exit]);
+    if (doorways_[exit].empty()) put(build(exit, {}), exit_fields_[exit]);
   });
-  std::vector<NearestExit> nearest(goals_.size());
-  workers.for_blocks(static_cast<int>(goals_.size()), [&](int block, int) {
-    const auto goal = static_cast<size_t>(block);
-    if (first_exits_[goal] < first_exits_[goal + 1])
-      nearest[goal] = nearest_exits(exit_fields_, first_exits_[goal], first_exits_[goal + 1],
-                                    grid_.cell_count());
+  std::vector<std::vector<KeepOff>> keep_off(exits_.size());
+  workers.for_blocks(count, [&](int block, int) {
+    const auto exit = static_cast<uint32_t>(block);
+    keep_off[exit] = keep_off_others(exit);
   });
   workers.for_blocks(count, [&](int block, int) {
     const auto exit = static_cast<uint32_t>(block);
-    const auto& [which, away_m] = nearest[goal_of[exit]];
-    std::vector<uint8_t> shunned(which.size());
-    for (size_t cell = 0; cell < which.size(); ++cell)
-      shunned[cell] =
-          which[cell] != exit && away_m[cell] < static_cast<float>(Exit::kPast_m) ? 1 : 0;
-    put(FlowField(grid_, area_of(exit), closed_, shunned), exit_fields_[exit]);
+    put(build(exit, keep_off[exit]), exit_fields_[exit]);
     exits_[exit].field = exit_fields_[exit].get();
   });
+}
+
+std::vector<KeepOff> Ways::keep_off_others(uint32_t exit) const {
+  std::vector<KeepOff> keep_off(grid_.cell_count(), KeepOff::kNo);
+  const size_t goal = goal_of_exit_[exit];
+  for (uint32_t other = first_exits_[goal]; other < first_exits_[goal + 1]; ++other) {
+    if (other == exit) continue;
+    for (const size_t cell : doorways_[other]) keep_off[cell] = KeepOff::kBar;
+    if (!doorways_[other].empty()) continue;
+    const FlowField &own = *exit_fields_[exit], &its = *exit_fields_[other];
+    for (size_t cell = 0; cell < keep_off.size(); ++cell)
+      if (its.cell_distance_m(cell) <
+          std::min(own.cell_distance_m(cell), static_cast<float>(Exit::kPast_m)))
+        keep_off[cell] = KeepOff::kShun;
+  }
+  return keep_off;
 }
 
 void Ways::look_up_cues(const Scene& scene) {

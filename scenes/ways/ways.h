@@ -13,18 +13,19 @@
 
 #include "base/workers.h"
 #include "scenes/file/scene.h"
+#include "scenes/ways/doorways.h"
 #include "scenes/ways/flow_field.h"
 #include "scenes/ways/nav_mesh.h"
 #include "scenes/ways/walkable.h"
 
 namespace throng {
 
-/// One of the areas of a goal that has several.
+/// One of several ways into a goal: a doorway before it, or one of its areas.
 struct Exit {
-  /// The way to this area, past no other of the goal's areas if that can be helped: whoever is
-  /// there would leave by it. A way that comes as near as kPast_m to another counts longer.
+  /// Leads through no other doorway; to an area, past no other one if that can be helped, as
+  /// whoever is there would leave by it: a way as near as kPast_m to another counts longer.
   const FlowField* field = nullptr;
-  double width_m = 0;  ///< of the area, its longer side
+  double width_m = 0;  ///< of the doorway about, or the area's longer side
 
   static constexpr double kPast_m = 3;
 };
@@ -34,7 +35,7 @@ struct Stop {
   Goal goal;
   const FlowField* field = nullptr;
   std::vector<int> pieces;  ///< of the navigation mesh, that the goal lies on
-  /// Which of Ways::exits() are this goal's, one an area; none where it has one area.
+  /// Which of Ways::exits() are this goal's: none, or several.
   uint32_t first_exit = 0;
   uint32_t exits = 0;
 
@@ -71,7 +72,7 @@ class Ways {
   size_t groups() const { return routes_.size(); }
   /// The goals of a group, in order; at least one.
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
-  /// Of all goals with several areas, goal by goal.
+  /// Goal by goal.
   const std::vector<Exit>& exits() const { return exits_; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
   /// Of a scene with groups; a box of parts has none.
@@ -101,7 +102,9 @@ class Ways {
   void show_doors();
   uint32_t add_occasion(const Scene& scene, const Cue& cue);
   void build_fields(Workers& workers);
+  void find_exits(Workers& workers);
   void build_exits(Workers& workers);
+  std::vector<KeepOff> keep_off_others(uint32_t exit) const;
 
   Walkable walkable_;
   FlowGrid grid_;
@@ -109,7 +112,10 @@ class Ways {
   std::vector<std::vector<Rectangle>> goals_;       ///< each once: groups often share them
   std::vector<std::unique_ptr<FlowField>> fields_;  ///< by goal
   std::vector<uint32_t> first_exits_;               ///< by goal, and the end
+  // By exit.
   std::vector<Exit> exits_;
+  std::vector<size_t> goal_of_exit_;
+  std::vector<std::vector<size_t>> doorways_;  ///< the cells to step on; empty: an area
   std::vector<std::unique_ptr<FlowField>> exit_fields_;
   std::vector<std::vector<Stop>> routes_;  ///< by group
   std::vector<OnArrival> on_arrival_;      ///< by group

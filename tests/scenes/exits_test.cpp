@@ -24,8 +24,10 @@ struct Opening {
 };
 
 /// A hall of 24 m by 12 m that people leave by doors in its southern wall. Behind the wall a strip
-/// of 3 m runs from door to door, in it an area before each.
-Scene hall(uint64_t seed, int people, const Rectangle& spawn, const std::vector<Opening>& doors) {
+/// of 3 m runs from door to door: the goal is an area before each of them, or all of it.
+enum class Outside { kAreas, kStrip };
+Scene hall(uint64_t seed, int people, const Rectangle& spawn, const std::vector<Opening>& doors,
+           Outside outside = Outside::kAreas) {
   Scene scene;
   scene.seed = seed;
   scene.step_s = 1.0 / kStepsASecond;
@@ -38,8 +40,9 @@ Scene hall(uint64_t seed, int people, const Rectangle& spawn, const std::vector<
   for (const auto& [middle_m, width_m] : doors) {
     wall(middle_m - 0.5 * width_m);
     from = middle_m + 0.5 * width_m;
-    exits.areas.push_back({{middle_m - 1, -3}, {middle_m + 1, -2}});
+    if (outside == Outside::kAreas) exits.areas.push_back({{middle_m - 1, -3}, {middle_m + 1, -2}});
   }
+  if (outside == Outside::kStrip) exits.areas = {{{0, -3}, {kHall_m, -2}}};
   wall(kHall_m);
   exits.pass = true;
   scene.groups = {group(people, spawn, {})};
@@ -53,12 +56,11 @@ const Rectangle kNearHalf = {{0.3, 0.3}, {12, kDepth_m - 0.3}};
 
 /// Runs a hall until all have left, and knows by which door, and how often they thought better.
 struct Leaving {
-  explicit Leaving(const Scene& scene, double until_s = 300) : world(scene, 2) {
+  Leaving(const Scene& scene, const std::vector<Opening>& doors) : world(scene, 2) {
     const uint32_t people = static_cast<uint32_t>(world.crowd.size());
     std::vector<uint32_t> chosen(people, Journeys::kNoExit);
     changes.assign(people, 0);
-    const auto& areas = scene.groups[0].goals[0].areas;
-    for (int step = 0; step < until_s * kStepsASecond; ++step) {
+    for (int step = 0; step < 300 * kStepsASecond; ++step) {
       const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
                                                 world.crowd.positions_m().end());
       world.crowd.step();
@@ -67,9 +69,9 @@ struct Leaving {
         const Eigen::Vector2d& place = world.crowd.positions_m()[id];
         if (before[id].y() >= -0.1 && place.y() < -0.1) {
           size_t door = 0;
-          for (size_t i = 1; i < areas.size(); ++i)
-            if (std::abs(areas[i].middle_m().x() - place.x()) <
-                std::abs(areas[door].middle_m().x() - place.x()))
+          for (size_t i = 1; i < doors.size(); ++i)
+            if (std::abs(doors[i].middle_m - place.x()) <
+                std::abs(doors[door].middle_m - place.x()))
               door = i;
           ++by_door[door];
           by_another += chosen[id] != door;
@@ -82,6 +84,7 @@ struct Leaving {
       if (world.crowd.traffic().counters().left == people) break;
     }
   }
+  int through(size_t door) const { return by_door.contains(door) ? by_door.at(door) : 0; }
   uint64_t left() const { return world.crowd.traffic().counters().left; }
 
   SmallWorld world;
@@ -91,19 +94,25 @@ struct Leaving {
   double seconds = 0;
 };
 
-class Choice : public testing::TestWithParam<SteeringKind> {
+class Choice : public testing::TestWithParam<std::tuple<SteeringKind, Outside>> {
  protected:
-  Scene with_model(Scene scene) const {
-    scene.steering.model = GetParam();
-    return scene;
+  Scene scene(uint64_t seed, int people, const Rectangle& spawn,
+              const std::vector<Opening>& doors) const {
+    Scene out = hall(seed, people, spawn, doors, std::get<Outside>(GetParam()));
+    out.steering.model = std::get<SteeringKind>(GetParam());
+    return out;
+  }
+  Leaving leave(uint64_t seed, int people, const Rectangle& spawn,
+                const std::vector<Opening>& doors) const {
+    return {scene(seed, people, spawn, doors), doors};
   }
 };
 
 TEST_P(Choice, TheNearExitIsTakenWhileThereIsNoQueue) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Leaving few(with_model(hall(seed, 6, kNearHalf, kTwoDoors)));
-    EXPECT_EQ(few.by_door[0], 6);
+    const Leaving few = leave(seed, 6, kNearHalf, kTwoDoors);
+    EXPECT_EQ(few.through(0), 6);
     EXPECT_EQ(std::count(few.changes.begin(), few.changes.end(), 0), 6);
   }
 }
@@ -111,10 +120,10 @@ TEST_P(Choice, TheNearExitIsTakenWhileThereIsNoQueue) {
 TEST_P(Choice, AThirdAtLeastTakesTheFarExitWhenTheNearOneIsCrowded) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Leaving many(with_model(hall(seed, 180, kNearHalf, kTwoDoors)));
+    const Leaving many = leave(seed, 180, kNearHalf, kTwoDoors);
     EXPECT_EQ(many.left(), many.world.crowd.size());
-    EXPECT_GE(many.by_door[1], 60);
-    EXPECT_GE(many.by_door[0], 60);
+    EXPECT_GE(many.through(1), 60);
+    EXPECT_GE(many.through(0), 60);
     EXPECT_LE(many.by_another, 4) << "they went out by the near door on their way to the far one";
   }
 }
@@ -122,29 +131,29 @@ TEST_P(Choice, AThirdAtLeastTakesTheFarExitWhenTheNearOneIsCrowded) {
 TEST_P(Choice, ExitsAlikeAreUsedAlike) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Leaving all(with_model(hall(seed, 160, {{4, 4}, {20, 11}}, kTwoDoors)));
+    const Leaving all = leave(seed, 160, {{4, 4}, {20, 11}}, kTwoDoors);
     EXPECT_EQ(all.left(), all.world.crowd.size());
-    EXPECT_NEAR(all.by_door[0], 80, 16);
+    EXPECT_NEAR(all.through(0), 80, 16);
   }
 }
 
 TEST_P(Choice, AWiderExitIsUsedByMore) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Leaving all(with_model(hall(seed, 260, {{2, 2}, {22, 11.7}}, {{4, 0.8}, {20, 2.4}})));
+    const Leaving all = leave(seed, 260, {{2, 2}, {22, 11.7}}, {{4, 0.8}, {20, 2.4}});
     EXPECT_EQ(all.left(), all.world.crowd.size());
-    EXPECT_GT(all.by_door[1], 1.4 * all.by_door[0]);
+    EXPECT_GT(all.through(1), 1.4 * all.through(0));
   }
 }
 
 TEST_P(Choice, OfThreeExitsNoneIsLeftOutAndAllAreEmptyAtAboutTheSameTime) {
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Leaving all(with_model(hall(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}, {12, 1}, {21, 1}})));
+    const Leaving all = leave(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}, {12, 1}, {21, 1}});
     EXPECT_EQ(all.left(), all.world.crowd.size());
-    for (size_t door = 0; door < 3; ++door) EXPECT_GE(all.by_door[door], 30) << door;
+    for (size_t door = 0; door < 3; ++door) EXPECT_GE(all.through(door), 30) << door;
     // By the near one alone it takes twice as long at least.
-    Leaving one(with_model(hall(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}})));
+    const Leaving one = leave(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}});
     EXPECT_LT(all.seconds, 0.6 * one.seconds);
   }
 }
@@ -152,7 +161,7 @@ TEST_P(Choice, OfThreeExitsNoneIsLeftOutAndAllAreEmptyAtAboutTheSameTime) {
 TEST_P(Choice, NobodyDithers) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Leaving many(with_model(hall(seed, 180, kNearHalf, kTwoDoors)));
+    const Leaving many = leave(seed, 180, kNearHalf, kTwoDoors);
     int sum = 0;
     for (const int each : many.changes) sum += each;
     EXPECT_LE(*std::max_element(many.changes.begin(), many.changes.end()), 3);
@@ -161,7 +170,7 @@ TEST_P(Choice, NobodyDithers) {
 }
 
 TEST_P(Choice, IsTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
-  const Scene scene = with_model(hall(4, 150, kNearHalf, kTwoDoors));
+  const Scene scene = this->scene(4, 150, kNearHalf, kTwoDoors);
   const auto walk = [](SmallWorld& world, int seconds) {
     for (int step = 0; step < seconds * kStepsASecond + 3; ++step) world.crowd.step();
   };
@@ -192,25 +201,89 @@ TEST_P(Choice, IsTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Choice,
-                         testing::Values(SteeringKind::kOrca, SteeringKind::kHeuristic),
-                         [](const auto& each) { return std::string(name_of(each.param)); });
+                         testing::Combine(testing::Values(SteeringKind::kOrca,
+                                                          SteeringKind::kHeuristic),
+                                          testing::Values(Outside::kAreas, Outside::kStrip)),
+                         [](const auto& each) {
+                           return std::string(name_of(std::get<SteeringKind>(each.param))) +
+                                  (std::get<Outside>(each.param) == Outside::kAreas ? "_areas"
+                                                                                    : "_strip");
+                         });
 
-TEST(ExitWays, LeadPastNoOtherExit) {
-  // From right before the first door to the second area: through the hall, though by the strip
-  // behind the door it is as near.
-  SmallWorld world(hall(1, 1, kNearHalf, kTwoDoors), 1);
-  ASSERT_EQ(world.ways.exits().size(), 2u);
-  const FlowField& far = *world.ways.exits()[1].field;
-  Eigen::Vector2d at(4, 1);
-  for (int step = 0; step < 400 && at.y() > 0; ++step) at += 0.1 * far.direction(at);
-  EXPECT_NEAR(at.x(), 20, 1);
+TEST(ExitWays, OneDoorIsNoChoice) {
+  for (const Outside outside : {Outside::kAreas, Outside::kStrip}) {
+    SmallWorld world(hall(1, 5, kNearHalf, {{4, 1}}, outside), 1);
+    EXPECT_TRUE(world.ways.exits().empty());
+    world.crowd.step();
+    for (uint32_t id = 0; id < 5; ++id)
+      EXPECT_EQ(world.crowd.journeys().exit(id), Journeys::kNoExit);
+  }
 }
 
-TEST(ExitWays, AGoalOfOneAreaIsNoChoice) {
-  SmallWorld world(hall(1, 5, kNearHalf, {{4, 1}}), 1);
-  EXPECT_TRUE(world.ways.exits().empty());
-  world.crowd.step();
-  for (uint32_t id = 0; id < 5; ++id) EXPECT_EQ(world.crowd.journeys().exit(id), Journeys::kNoExit);
+/// A ground of 24 m by 20 m with a goal along its south, and what stands on it.
+std::vector<Exit> exits_among(std::vector<Obstacle> obstacles) {
+  Scene scene;
+  scene.ground = {{0, 0}, {kHall_m, 20}};
+  scene.obstacles = std::move(obstacles);
+  scene.groups = {group(1, {{1, 17}, {23, 19}}, {{{0, 0}, {kHall_m, 1}}})};
+  return SmallWorld(scene, 1).ways.exits();
+}
+
+TEST(ExitWays, DoorsBeforeAGoalAreExitsAndColumnsAreNot) {
+  // A wall from west to east at y, with doors.
+  const auto wall = [](double y, const std::vector<Opening>& doors) {
+    std::vector<Obstacle> out;
+    double from = 0;
+    for (const auto& [middle_m, width_m] : doors) {
+      const double to = middle_m - 0.5 * width_m;
+      out.push_back(box(0.5 * (from + to), y, to - from, 0.2));
+      from = middle_m + 0.5 * width_m;
+    }
+    out.push_back(box(0.5 * (from + kHall_m), y, kHall_m - from, 0.2));
+    return out;
+  };
+  EXPECT_TRUE(exits_among({}).empty());
+  EXPECT_TRUE(
+      exits_among({box(6, 5, 0.6, 0.6), box(12, 5, 0.8, 0.8), box(18, 5, 0.6, 0.6)}).empty());
+  EXPECT_TRUE(exits_among({box(6, 5, 2.4, 0.6), box(18, 5, 2.4, 0.6)}).empty()) << "benches";
+  EXPECT_TRUE(exits_among({box(12, 6, 5, 5)}).empty()) << "a fountain in the open";
+  EXPECT_TRUE(exits_among(wall(3, {{12, 1}})).empty());
+  EXPECT_TRUE(exits_among(wall(14, {{4, 1}, {20, 1}})).empty()) << "far from the goal";
+  for (const double y : {1.5, 2.0, 3.3, 6.1, 9.0}) {
+    SCOPED_TRACE(testing::Message() << "wall at " << y << " m");
+    const std::vector<Exit> two = exits_among(wall(y, {{5, 1}, {17, 2}}));
+    ASSERT_EQ(two.size(), 2u);
+    EXPECT_NEAR(two[0].width_m, 1, 0.6);
+    EXPECT_NEAR(two[1].width_m, 2, 0.8);
+    EXPECT_EQ(exits_among(wall(y, {{3, 0.9}, {12, 1.2}, {21, 3}})).size(), 3u);
+  }
+}
+
+TEST(ExitWays, OfBundledScenesAreTheirDoorsAndAreas) {
+  const std::map<std::string, size_t> expected = {
+      {"evacuation", 6}, {"concert", 2}, {"metro", 2 + 4}, {"station_platform", 2 + 8 + 8}};
+  for (const SceneEntry& entry : bundled_scenes()) {
+    const Scene scene = load_scene(entry.name);
+    Workers workers(2);
+    const Ways ways(scene, workers);
+    const auto known = expected.find(entry.name);
+    EXPECT_EQ(ways.exits().size(), known == expected.end() ? 0 : known->second) << entry.name;
+  }
+}
+
+TEST(ExitWays, LeadThroughTheirOwnDoor) {
+  for (const Outside outside : {Outside::kAreas, Outside::kStrip}) {
+    const SmallWorld world(hall(1, 1, kNearHalf, kTwoDoors, outside), 1);
+    ASSERT_EQ(world.ways.exits().size(), 2u);
+    for (uint64_t draw = 0; draw < 50; ++draw)
+      for (size_t exit = 0; exit < 2; ++exit) {
+        const RandomKey key{3, draw, 0, Purpose::kGoal};
+        Eigen::Vector2d at(random_uniform(key, 1, kHall_m - 1, 0), random_uniform(key, 1, 11, 1));
+        const FlowField& field = *world.ways.exits()[exit].field;
+        for (int step = 0; step < 600 && at.y() > -0.1; ++step) at += 0.1 * field.direction(at);
+        EXPECT_NEAR(at.x(), kTwoDoors[exit].middle_m, 0.5) << "draw " << draw;
+      }
+  }
 }
 
 TEST(Approach, KnowsHowManyAreAhead) {
