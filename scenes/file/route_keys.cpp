@@ -32,7 +32,7 @@ KeyTable<Goal> make_goal_keys() {
   const std::vector<KeyText> corners = area_text().keys;
   return {
       .text = {.name = "goal",
-               .meaning = "A rectangle to go to, or the nearest of several",
+               .meaning = "A rectangle to go to, or one of several",
                .choices = {{"min_m", "max_m"}, {"nearest_of"}}},
       .title = "a goal",
       .keys = {

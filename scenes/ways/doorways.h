@@ -15,10 +15,9 @@ struct Doorway {
   double width_m = 0;  ///< about
 };
 
-/// The ways into a goal that part within kReach_m before it and have parted for kApart_m when they
-/// meet, one of them at least through a door, narrower than kNarrow_m and than the ground behind
-/// it: columns that people pass on both sides do not count, nor the two ways round a ring. Of each
-/// piece of ground behind them, all or none; none if there is but one. `field` is that of the goal.
+/// The ways into a goal that part within kReach_m before it and meet kApart_m farther on at the
+/// earliest, one of them through a door: narrower than kNarrow_m and than the ground behind it. Of
+/// each piece of ground behind them all or none; none if there is but one. `field` is the goal's.
 /// In the order of their first cells.
 std::vector<Doorway> doorways_before(const FlowGrid& grid, const FlowField& field);
 
