@@ -200,6 +200,25 @@ TEST_P(Choice, IsTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
   EXPECT_EQ(places(resumed), expected);
 }
 
+TEST_P(Choice, ADoorInTheOppositeWallIsTakenByAThirdAtLeast) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Scene scene = this->scene(seed, 160, {{0.3, 0.3}, {12, 8}}, {{4, 1}});
+    scene.ground.max_m.y() = kDepth_m + 3.2;
+    scene.obstacles.push_back(box(8.7, kDepth_m + 0.1, 17.4, 0.2));
+    scene.obstacles.push_back(box(21.5, kDepth_m + 0.1, 5, 0.2));
+    scene.groups[0].goals[0].areas.push_back({{1, kDepth_m + 2}, {kHall_m - 1, kDepth_m + 3}});
+    SmallWorld world(scene, 2);
+    ASSERT_EQ(world.ways.exits().size(), 2u);
+    for (int step = 0; step < 200 * kStepsASecond; ++step) world.crowd.step();
+    EXPECT_EQ(world.crowd.traffic().counters().left, world.crowd.size());
+    int north = 0;
+    for (const Eigen::Vector2d& place : world.crowd.positions_m()) north += place.y() > kDepth_m;
+    EXPECT_GE(3 * north, static_cast<int>(world.crowd.size()));
+    EXPECT_LE(3 * north, 2 * static_cast<int>(world.crowd.size()));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, Choice,
                          testing::Combine(testing::Values(SteeringKind::kOrca,
                                                           SteeringKind::kHeuristic),
