@@ -24,6 +24,7 @@ enum class Purpose : uint32_t {
   kFacing = 13,
   kStanding = 14,
   kPatience = 15,
+  kCompany = 16,
 };
 
 /// The names of one stream of numbers.

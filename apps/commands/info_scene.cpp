@@ -103,6 +103,10 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   if (group.density_per_m2 > 0)
     append(text, "    close    {:g} per m2 of free ground\n", group.density_per_m2);
   if (group.after) append(text, "    after    {}\n", describe(*group.after));
+  if (group.companions)
+    append(text, "    together {:g} % of them, in parties of 2, 3 and 4 as {:g} to {:g} to {:g}\n",
+           100 * group.companions->share, group.companions->sizes[0], group.companions->sizes[1],
+           group.companions->sizes[2]);
   for (const Source& source : group.sources)
     append(text, "    source   {} at {:g} per s from {:g} s on, {}\n", source.count,
            source.rate_per_s, source.start_s, describe(source.area));

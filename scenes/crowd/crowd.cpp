@@ -34,6 +34,7 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       occasions_(ways, people),
       doorkeeper_(ways, radii_of(people), workers),
       exits_(ways, people, options.seed),
+      parties_(ways, people),
       grid_(ways.walkable().ground(), people.size(), options.simd) {
   steps_a_decision_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
@@ -129,7 +130,7 @@ void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
 
 void Crowd::archive(Archive& a) {
   a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, occasions_, doorkeeper_,
-    exits_, counters_);
+    exits_, parties_, counters_);
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
       if (journeys_.is_present(id) && !ways_.walkable().ground().contains(positions_m_[id]))

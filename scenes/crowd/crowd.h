@@ -21,6 +21,7 @@
 #include "scenes/crowd/journeys.h"
 #include "scenes/crowd/neighbours/neighbour_grid.h"
 #include "scenes/crowd/occasions.h"
+#include "scenes/crowd/parties.h"
 #include "scenes/crowd/spawn.h"
 #include "scenes/crowd/steering/steering.h"
 #include "scenes/crowd/traffic.h"
@@ -93,6 +94,7 @@ class Crowd {
   double largest(const Body& body);
 
   // Each for the people of a block.
+  void look_around(size_t begin, size_t end);
   double wish(size_t begin, size_t end);
   void limit_wishes(size_t begin, size_t end, Walls& walls);
   void choose(size_t begin, size_t end, Walls& walls);
@@ -107,6 +109,9 @@ class Crowd {
   void archive_by_id(Archive& a, std::vector<Value>& by_slot);
   void check_read(Archive& a);
   bool is_queuing(size_t slot) const;
+  void keep_together();
+  double strangers_per_m2(size_t slot) const;
+  void overlook_companions(size_t slot);
   double pace(size_t slot, const Eigen::Vector2d& way);
   void stretch(size_t slot);
   bool stands_among_standing(size_t slot) const;
@@ -167,6 +172,7 @@ class Crowd {
   Occasions occasions_;
   Doorkeeper doorkeeper_;
   Exits exits_;
+  Parties parties_;
 
   NeighbourGrid grid_;
   std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere

@@ -1,6 +1,7 @@
 // How people decide where to go next: who is near, walls, and the steering model's choice.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/crowd/crowd.h"
 #include "scenes/crowd/crowd_blocks.h"
@@ -13,6 +14,7 @@ void Crowd::decide() {
   change_people();
   seat_people();
   walkers_.old_mps.swap(walkers_.next_mps);
+  if (parties_.any()) keep_together();
   counters_.longest_stall_s =
       largest([this](size_t begin, size_t end) { return wish(begin, end); });
   if (doorkeeper_.has_doors()) walkers_.held.swap(slots_.next_held);
@@ -59,13 +61,67 @@ void Crowd::change_people() {
   }
 }
 
-/// Returns the longest stall.
-double Crowd::wish(size_t begin, size_t end) {
+void Crowd::look_around(size_t begin, size_t end) {
   // The fields are too large for the caches: fetched now, they are there after the search.
   for (size_t slot = begin; slot < end; ++slot)
     journeys_.prefetch(grid_.order()[slot], walkers_.position_m[slot]);
   grid_.nearest(begin, end, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
                 slots_.neighbour_counts.data());
+}
+
+/// Companions look at each other before anybody of them wishes anything.
+void Crowd::keep_together() {
+  for_slots([this](size_t begin, size_t end, int) {
+    look_around(begin, end);
+    for (size_t slot = begin; slot < end; ++slot) {
+      if (!parties_.has(grid_.order()[slot])) continue;
+      parties_.see(grid_.order()[slot], strangers_per_m2(slot));
+      overlook_companions(slot);
+    }
+  });
+  parties_.gather(journeys_, positions_m_, options_.step_s * static_cast<double>(steps_), workers_);
+}
+
+/// Companions who walk beside each other do not avoid each other: each knows where the other goes.
+/// Who comes too near is seen again.
+void Crowd::overlook_companions(size_t slot) {
+  constexpr double kGap_m = 0.14, kWalks_mps = 0.3;
+  const auto walks_beside = [&](uint32_t other) {
+    if (!parties_.are_companions(grid_.order()[slot], grid_.order()[other])) return false;
+    const Eigen::Vector2d offset = walkers_.position_m[other] - walkers_.position_m[slot];
+    const Eigen::Vector2d both_mps = walkers_.velocity_mps[slot] + walkers_.velocity_mps[other];
+    const double along = std::abs(offset.dot(both_mps)), square_m2 = offset.squaredNorm();
+    const double gap_m = walkers_.radius_m[slot] + walkers_.radius_m[other] + kGap_m;
+    return both_mps.squaredNorm() > kWalks_mps * kWalks_mps && square_m2 > gap_m * gap_m &&
+           2 * along * along < square_m2 * both_mps.squaredNorm();
+  };
+  uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+  uint8_t& count = slots_.neighbour_counts[slot];
+  count = static_cast<uint8_t>(std::remove_if(near, near + count, walks_beside) - near);
+}
+
+/// Within two metres beside the way; those farther off, ahead and behind count less.
+double Crowd::strangers_per_m2(size_t slot) const {
+  constexpr double kReach_m = 2;
+  const Eigen::Vector2d& intent = walkers_.intent_mps[slot];
+  const double speed = intent.norm();
+  double sum = 0;
+  for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
+    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
+    if (parties_.are_companions(grid_.order()[slot], grid_.order()[other])) continue;
+    const Eigen::Vector2d offset = walkers_.position_m[other] - walkers_.position_m[slot];
+    const double away_m = offset.norm();
+    const double ahead_m = speed > 0 ? offset.dot(intent) / speed : 0;
+    const double aside = away_m > 0 ? 1 - ahead_m * ahead_m / (away_m * away_m) : 1;
+    sum += 2 * aside * std::max(0.0, 1 - away_m / kReach_m);
+  }
+  // A cone of that radius, one high.
+  return sum * 3 / (std::numbers::pi * kReach_m * kReach_m);
+}
+
+/// Returns the longest stall.
+double Crowd::wish(size_t begin, size_t end) {
+  if (!parties_.any()) look_around(begin, end);
   double longest_s = 0;
   for (size_t slot = begin; slot < end; ++slot) {
     longest_s = std::max(longest_s, watch_progress(slot));
@@ -297,7 +353,9 @@ double Crowd::stalled_s_of(size_t slot) const {
 /// How long somebody has been stuck, the time of queuing taken off.
 double Crowd::watch_progress(size_t slot) {
   Walkers& w = walkers_;
-  const bool stands = journeys_.doing(grid_.order()[slot]) != Doing::kWalking || w.held[slot] != 0;
+  const uint32_t id = grid_.order()[slot];
+  const bool stands =
+      journeys_.doing(id) != Doing::kWalking || w.held[slot] != 0 || parties_.waits(id);
   if (stands || (w.position_m[slot] - w.anchor_m[slot]).squaredNorm() >= kStall_m * kStall_m) {
     w.anchor_m[slot] = w.position_m[slot];
     w.anchor_step[slot] = steps_;

@@ -13,7 +13,9 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   Eigen::Vector2d direction = journeys_.direction(id, walkers_.position_m[slot]);
   walkers_.facing[slot] = direction;
-  if (doorkeeper_.has_doors()) direction *= pace(slot, direction);
+  const double room = doorkeeper_.has_doors() ? pace(slot, direction) : 1;
+  direction = parties_.way(id, direction);
+  if (room != 1) direction *= room;
   const double stalled_s = stalled_s_of(slot);
   if (traits_.is_nudged && stalled_s > tuning::kStuck_s) {
     const auto second = static_cast<uint64_t>(std::floor(stalled_s));
@@ -24,6 +26,7 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
     direction += side * Eigen::Vector2d(-direction.y(), direction.x());
     if (direction.squaredNorm() > 0) direction.normalize();
   }
+  if (parties_.any()) direction *= parties_.pace(id);
   const double share = traits_.eases ? 1 : period_s_ / (tuning::kRelaxation_s + period_s_);
   Eigen::Vector2d& intent = walkers_.intent_mps[slot];
   intent += share * (walkers_.free_speed_mps[slot] * direction - intent);
@@ -82,10 +85,11 @@ void Crowd::stretch(size_t slot) {
 /// wanted_mps() has found.
 void Crowd::find_facing(size_t slot) {
   const uint32_t id = grid_.order()[slot];
-  if (journeys_.doing(id) == Doing::kWalking) return;
+  if (journeys_.doing(id) == Doing::kWalking && !parties_.stands(id)) return;
   const Eigen::Vector2d& position = walkers_.position_m[slot];
-  const Eigen::Vector2d facing =
-      faces_m_[id] ? *faces_m_[id] - position : journeys_.facing(id, position);
+  const Eigen::Vector2d facing = parties_.stands(id) ? parties_.waits_for_m(id) - position
+                                 : faces_m_[id]      ? *faces_m_[id] - position
+                                                     : journeys_.facing(id, position);
   const double length = facing.norm();
   walkers_.facing[slot] = length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
 }

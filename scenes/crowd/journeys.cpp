@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/random.h"
@@ -17,6 +18,8 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kStop_m = 0.25;
 /// Away from the rim, so that arriving means having entered; a narrow goal has only its middle.
 constexpr double kRim_m = 0.3;
+/// Companions take places so far from each other.
+constexpr double kBeside_m = 0.7;
 constexpr uint32_t kTries = 16;
 /// Beyond any coordinate of a scene file.
 constexpr double kFarthest_m = 1e6;
@@ -30,6 +33,10 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
   for (const Person& person : people) {
     groups_.push_back(person.group);
     delays_s_.push_back(person.delay_s);
+    const auto id = static_cast<uint32_t>(firsts_.size());
+    const bool follows =
+        id > 0 && person.party != Person::kAlone && people[id - 1].party == person.party;
+    firsts_.push_back(follows ? firsts_.back() : id);
     targets_m_.push_back(person.position_m);
   }
   doing_.assign(people.size(), Doing::kOutside);
@@ -91,13 +98,25 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Stop& to = stop(id);
   const Rectangle* area = &to.area_near(position_m);
   const Eigen::Vector2d rim = (0.25 * area->size_m()).cwiseMin(kRim_m);
+  const uint32_t first = firsts_[id];
   for (uint32_t attempt = 0; attempt < kTries; ++attempt) {
-    const RandomKey key{seed_, id, visits_[id], Purpose::kGoal};
+    const RandomKey key{seed_, first, visits_[id], Purpose::kGoal};
     targets_m_[id] = {
         random_uniform(key, area->min_m.x() + rim.x(), area->max_m.x() - rim.x(), 2 * attempt),
         random_uniform(key, area->min_m.y() + rim.y(), area->max_m.y() - rim.y(), 2 * attempt + 1)};
-    if (to.field->reaches(targets_m_[id])) return;
+    if (to.field->reaches(targets_m_[id])) break;
   }
+  if (id == first) return;
+  // Companions stand in a square, which lies within the area where that is large enough.
+  const Eigen::Vector2d inwards = area->middle_m() - targets_m_[id];
+  const Eigen::Vector2d step(std::copysign(kBeside_m, inwards.x()),
+                             std::copysign(kBeside_m, inwards.y()));
+  const uint32_t corner = id - first;
+  const Eigen::Vector2d beside =
+      (targets_m_[id] + Eigen::Vector2d(corner != 2 ? step.x() : 0, corner != 1 ? step.y() : 0))
+          .cwiseMax(area->min_m + rim)
+          .cwiseMin(area->max_m - rim);
+  if (to.field->reaches(beside)) targets_m_[id] = beside;
 }
 
 void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {

@@ -67,6 +67,8 @@ class Journeys {
   }
 
   Doing doing(uint32_t id) const { return doing_[id]; }
+  /// How many goals somebody has been at.
+  uint32_t visits(uint32_t id) const { return visits_[id]; }
   bool is_present(uint32_t id) const {
     return doing_[id] != Doing::kOutside && doing_[id] != Doing::kGone;
   }
@@ -98,6 +100,7 @@ class Journeys {
   // By person.
   std::vector<uint32_t> groups_;
   std::vector<double> delays_s_;
+  std::vector<uint32_t> firsts_;  ///< of the party, beside whose places theirs are; or themselves
   std::vector<Doing> doing_;
   std::vector<Doing> next_;  ///< after waiting
   std::vector<double>

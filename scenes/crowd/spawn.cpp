@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/elementary.h"
 #include "base/random.h"
@@ -20,6 +21,10 @@ constexpr uint32_t kDarts = 60;
 constexpr double kReferenceHeight_m = 1.70;
 constexpr double kReferenceRadius_m = 0.22;
 constexpr uint32_t kNobody = UINT32_MAX;
+/// From companion to companion at the start: at first exactly beside, then anywhere as near.
+constexpr double kBeside_m = 0.75;
+constexpr double kNear_m = 0.55, kFar_m = 1.3;
+constexpr uint32_t kDartsBeside = 80;
 
 /// The people placed so far in lists by cell.
 class Places {
@@ -119,6 +124,83 @@ bool find_place(const Scene& scene, const Group& group, const Ways& ways, uint64
   return has_poor_place;
 }
 
+/// True if somebody with this disc may stand at a point.
+bool has_room(const Group& group, const Ways& ways, const Eigen::Vector2d& point, double gap_m,
+              const std::vector<Person>& people, const Places& places, const Person& person) {
+  return group.spawn.contains(point) && places.is_free(point, person.radius_m, gap_m, people) &&
+         ways.walkable().clearance_m(point) >= wall_gap_m(person.radius_m, person.height_m) &&
+         ways.route(person.group).front().field->reaches(point);
+}
+
+/// Finds a place beside companions, of whom `first` was placed first: to its left or right if there
+/// is room, otherwise near any of them.
+bool find_place_beside(const Scene& scene, const Group& group, const Ways& ways, uint64_t id,
+                       size_t first, const std::vector<Person>& people, const Places& places,
+                       Person& person) {
+  const auto take = [&](const Eigen::Vector2d& point, double gap_m) {
+    if (!has_room(group, ways, point, gap_m, people, places, person)) return false;
+    stand_at(point, ways.route(person.group).front(), person);
+    face(scene.seed, id, group, person);
+    return true;
+  };
+  const Eigen::Vector2d left(-people[first].heading.y(), people[first].heading.x());
+  const double apart_m =
+      kBeside_m + person.radius_m + people[first].radius_m - 2 * kReferenceRadius_m;
+  for (const double places_off : {1.0, -1.0, 2.0, -2.0})
+    if (take(people[first].position_m + places_off * apart_m * left, kGaps_m[1])) return true;
+  for (uint32_t dart = 0; dart < kDartsBeside; ++dart) {
+    const RandomKey key{scene.seed, id, dart, Purpose::kCompany};
+    const auto among = static_cast<double>(people.size() - first);
+    const size_t other = first + static_cast<size_t>(random_uniform(key, 0, among, 0));
+    const SinCos turn = sin_cos(random_uniform(key, 0, 2 * std::numbers::pi, 1));
+    const double away_m = random_uniform(key, kNear_m, kFar_m, 2);
+    if (take(people[other].position_m + away_m * Eigen::Vector2d(turn.cos, turn.sin), kGaps_m[2]))
+      return true;
+  }
+  return false;
+}
+
+/// What companions share: the delay of the first, and the speed of the slowest.
+void join(std::span<Person> party, uint64_t number) {
+  if (party.size() < 2) return;
+  double speed_mps = party.front().free_speed_mps;
+  for (const Person& person : party) speed_mps = std::min(speed_mps, person.free_speed_mps);
+  for (Person& person : party) {
+    person.party = static_cast<uint32_t>(number);
+    person.free_speed_mps = speed_mps;
+    person.delay_s = party.front().delay_s;
+  }
+}
+
+/// People of a group who stand anywhere in its area, those of `first_id` on. Returns how many found
+/// room.
+int place_apart(const Scene& scene, size_t group_index, const Ways& ways, uint64_t first_id,
+                Places& places, std::vector<Person>& people) {
+  const Group& group = scene.groups[group_index];
+  std::vector<Person> party;
+  int placed = 0;
+  for (int i = 0; i < group.count; i += static_cast<int>(party.size())) {
+    const uint64_t begin = first_id + static_cast<uint64_t>(i);
+    const int size = draw_party(group, scene.seed, begin, group.count - i);
+    party.clear();
+    for (int k = 0; k < size; ++k)
+      party.push_back(person_of(scene, group_index, begin + static_cast<uint64_t>(k)));
+    join(party, begin);
+    const size_t first = people.size();
+    for (size_t k = 0; k < party.size(); ++k) {
+      const bool is_beside =
+          people.size() > first &&
+          find_place_beside(scene, group, ways, begin + k, first, people, places, party[k]);
+      if (!is_beside && !find_place(scene, group, ways, begin + k, people, places, party[k]))
+        continue;
+      places.add(party[k].position_m, people.size());
+      people.push_back(party[k]);
+      ++placed;
+    }
+  }
+  return placed;
+}
+
 /// The discs of those who stand in an area already, or reach into it.
 std::vector<StandingDisc> discs_near(const Rectangle& area, const std::vector<Person>& people) {
   const Eigen::Vector2d reach = Eigen::Vector2d::Constant(kMaxRadius_m + 1);
@@ -204,6 +286,7 @@ double tallest_m(const Group& group) {
 void list_source(const Scene& scene, const Ways& ways, size_t group, const Source& source,
                  uint32_t entrance, uint64_t first_id, std::vector<Person>& people) {
   double time_s = source.start_s;
+  const size_t first = people.size();
   for (int i = 0; i < source.count; ++i) {
     const uint64_t id = first_id + static_cast<uint64_t>(i);
     Person person = person_of(scene, group, id);
@@ -217,9 +300,38 @@ void list_source(const Scene& scene, const Ways& ways, size_t group, const Sourc
     stand_at(source.area.middle_m(), ways.route(group).front(), person);
     people.push_back(person);
   }
+  // A party comes as one, with its first.
+  for (int i = 0; i < source.count;) {
+    const uint64_t id = first_id + static_cast<uint64_t>(i);
+    const int size = draw_party(scene.groups[group], scene.seed, id, source.count - i);
+    const std::span<Person> party =
+        std::span(people).subspan(first + static_cast<size_t>(i), static_cast<size_t>(size));
+    join(party, id);
+    for (Person& person : party) person.enters_s = party.front().enters_s;
+    i += size;
+  }
 }
 
 }  // namespace
+
+int draw_party(const Group& group, uint64_t seed, uint64_t id, int left) {
+  if (!group.companions || left < 2) return 1;
+  const Companions& c = *group.companions;
+  double parties = 0, people = 0;
+  for (size_t i = 0; i < c.sizes.size(); ++i) {
+    parties += c.sizes[i];
+    people += static_cast<double>(i + 2) * c.sizes[i];
+  }
+  // Of parties and people alone so many are parties that their share of the people is as asked.
+  const double are_parties = c.share * parties / (c.share * parties + (1 - c.share) * people);
+  const RandomKey key{seed, id, 0, Purpose::kCompany};
+  if (random_uniform(key, 0) >= are_parties) return 1;
+  double where = random_uniform(key, 1) * parties;
+  int size = 2;
+  for (size_t i = 0; i + 1 < c.sizes.size() && where >= c.sizes[i]; ++i, ++size)
+    where -= c.sizes[i];
+  return std::min(size, left);
+}
 
 Person person_of(const Scene& scene, size_t group_index, uint64_t id) {
   const Group& group = scene.groups[group_index];
@@ -268,15 +380,10 @@ Spawned spawn(const Scene& scene, const Ways& ways, std::span<const Person> led)
     int placed = 0;
     if (group.density_per_m2 > 0) {
       placed = place_closely(scene, g, ways, id, widest_m, places, out.people);
-      id += static_cast<uint64_t>(group.count);
+    } else {
+      placed = place_apart(scene, g, ways, id, places, out.people);
     }
-    for (int i = 0; group.density_per_m2 == 0 && i < group.count; ++i, ++id) {
-      Person person = person_of(scene, g, id);
-      if (!find_place(scene, group, ways, id, out.people, places, person)) continue;
-      places.add(person.position_m, out.people.size());
-      out.people.push_back(person);
-      ++placed;
-    }
+    id += static_cast<uint64_t>(group.count);
     for (const Source& source : group.sources) {
       list_source(scene, ways, g, source, entrance++, id, out.people);
       id += static_cast<uint64_t>(source.count);

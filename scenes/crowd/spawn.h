@@ -38,8 +38,11 @@ struct Person {  // NOLINT(clang-analyzer-optin.performance.Padding): by meaning
   /// room after that; until then the place is the middle of that area.
   uint32_t entrance = kFromTheStart;
   double enters_s = 0;
+  /// Those of one party, who have consecutive ids, have the same number here.
+  uint32_t party = kAlone;
 
   static constexpr uint32_t kFromTheStart = UINT32_MAX;
+  static constexpr uint32_t kAlone = UINT32_MAX;
 };
 
 struct Spawned {
@@ -53,6 +56,10 @@ struct Spawned {
 /// People who enter later are listed, not placed: of each group first those who stand there, then
 /// those of its sources, in the order they enter.
 Spawned spawn(const Scene& scene, const Ways& ways, std::span<const Person> led = {});
+
+/// How many walk together, beginning with somebody of a group that has `left` people left, itself
+/// included; 1: it walks alone.
+int draw_party(const Group& group, uint64_t seed, uint64_t id, int left);
 
 /// Somebody of a group: size, speed and gait as the seed draws them for `id`.
 Person person_of(const Scene& scene, size_t group, uint64_t id);

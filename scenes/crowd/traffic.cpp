@@ -11,6 +11,8 @@ namespace {
 constexpr double kGap_m = 0.1;
 /// Places tried a decision for one person; then the next decision tries.
 constexpr uint32_t kTries = 24;
+/// Whoever comes with others takes a place so near to one of them, if there is room.
+constexpr double kBeside_m = 1;
 
 /// True if a way leads to the stop from somewhere in an area. Where none does, people enter all the
 /// same and are reported as stranded.
@@ -33,6 +35,8 @@ Traffic::Traffic(const Ways& ways, std::span<const Person> people, uint64_t seed
   for (uint32_t id = 0; id < people.size(); ++id) {
     const Person& person = people[id];
     groups_.push_back(person.group);
+    follows_.push_back(id > 0 && person.party != Person::kAlone &&
+                       people[id - 1].party == person.party);
     radii_m_.push_back(person.radius_m);
     wall_gaps_m_.push_back(wall_gap_m(person.radius_m, person.height_m));
     widest_m_ = std::max(widest_m_, person.radius_m);
@@ -97,9 +101,16 @@ bool Traffic::find_place(const Entrance& entrance, std::span<Eigen::Vector2d> po
   const Stop& goal = ways_.route(groups_[id]).front();
   for (uint32_t attempt = 0; attempt < kTries; ++attempt) {
     const RandomKey key{seed_, id, decision, Purpose::kEmission};
+    Rectangle where = entrance.area;
+    // Of the tries two thirds.
+    if (follows_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kTries / 3) {
+      const Eigen::Vector2d near = positions_m[id - 1].cwiseMax(where.min_m).cwiseMin(where.max_m);
+      where.min_m = where.min_m.cwiseMax(near - Eigen::Vector2d::Constant(kBeside_m));
+      where.max_m = where.max_m.cwiseMin(near + Eigen::Vector2d::Constant(kBeside_m));
+    }
     const Eigen::Vector2d point(
-        random_uniform(key, entrance.area.min_m.x(), entrance.area.max_m.x(), 2 * attempt + 1),
-        random_uniform(key, entrance.area.min_m.y(), entrance.area.max_m.y(), 2 * attempt + 2));
+        random_uniform(key, where.min_m.x(), where.max_m.x(), 2 * attempt + 1),
+        random_uniform(key, where.min_m.y(), where.max_m.y(), 2 * attempt + 2));
     const bool is_taken = std::any_of(near_.begin(), near_.end(), [&](uint32_t other) {
       const double apart_m = radii_m_[id] + radii_m_[other] + kGap_m;
       return (positions_m[other] - point).squaredNorm() < apart_m * apart_m;

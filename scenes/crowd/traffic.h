@@ -61,6 +61,7 @@ class Traffic {
   bool is_open_ = false;
   std::vector<Entrance> entrances_;
   std::vector<uint32_t> groups_;  ///< by person
+  std::vector<uint8_t> follows_;  ///< 1: comes with the one before
   std::vector<double> radii_m_;
   std::vector<double> wall_gaps_m_;
   double widest_m_ = 0;

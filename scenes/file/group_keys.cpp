@@ -76,8 +76,8 @@ void read_driven(Reading&, Fields& fields, Group& group) {
                      "an LCM channel of your own for 'driven': 1 to 63 letters, digits or '_', "
                      "not beginning with THRONG_",
                      fmt::format("'{}'", group.driven));
-  for (const char* key :
-       {"goals", "on_arrival", "sources", "delay_s", "face", "after", "density_per_m2"})
+  for (const char* key : {"goals", "on_arrival", "sources", "delay_s", "face", "after",
+                          "density_per_m2", "companions"})
     if (const YamlNode* other = fields.find(key))
       throw InputError(fields.where(*other), "no goals and no sources for a driven group",
                        fmt::format("'{}'", key));
@@ -89,6 +89,14 @@ void read_face(Reading&, Fields& fields, Group& group) {
   const std::vector<double> point =
       fields.numbers("face", 2, {-kMaxCoordinate_m, kMaxCoordinate_m});
   group.face_m = {point[0], point[1]};
+}
+
+void read_company(Reading& reading, Fields& fields, Group& group) {
+  const YamlNode* node = fields.find("companions");
+  if (node == nullptr) return;
+  if (has_density(fields))
+    throw InputError(fields.where(*node), "either 'companions' or 'density_per_m2'", "both");
+  group.companions = read_companions(reading, fields.file(), *node);
 }
 
 void read_delay(Reading&, Fields& fields, Group& group) {
@@ -280,13 +288,21 @@ std::vector<Key<Group>> later_rows_of_groups() {
           })
           .hashing([](Hasher& hash, const Group& group) { add_cue(hash, *group.after); });
   after.is_default = [](const Group& group) { return !group.after; };
+  Key<Group> companions =
+      own_key<Group>("companions", "who walks with whom, see [Companions](#companions)",
+                     "everybody walks alone", map_rule("companions"))
+          .reading(read_company)
+          .hashing([](Hasher& hash, const Group& group) {
+            add_keys(companion_keys(), hash, *group.companions);
+          });
+  companions.is_default = [](const Group& group) { return !group.companions; };
   return {face,
           number("density_per_m2",
                  "how close together they stand at the start, at most 6: what `spawn` has of free "
                  "ground says how many they are; bodies are placed, not discs",
                  &Group::density_per_m2, {0, kMaxDensity_per_m2, true})
               .stating("`count` says how many"),
-          after};
+          after, companions};
 }
 
 }  // namespace

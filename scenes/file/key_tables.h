@@ -14,6 +14,7 @@ const KeyTable<Group>& group_keys();
 const KeyTable<Goal>& goal_keys();
 const KeyTable<Source>& source_keys();
 const KeyTable<Cue>& cue_keys();
+const KeyTable<Companions>& companion_keys();
 const KeyTable<Door>& door_keys();
 const KeyTable<Obstacle>& obstacle_keys();
 const KeyTable<PartsBox>& box_keys();
@@ -25,6 +26,9 @@ const KeyTable<Scene>& recording_keys();
 Cue read_cue(Reading& reading, const std::string& file, const YamlNode& node);
 void require_cues(const Reading& reading);
 void add_cue(Hasher& hash, const Cue& cue);
+
+/// A map of companion_keys(), or the share of the people as one number.
+Companions read_companions(Reading& reading, const std::string& file, const YamlNode& node);
 
 /// A list of maps.
 template <typename T>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -50,6 +51,16 @@ struct Cue {
 /// What people do who reached their last goal.
 enum class OnArrival : uint8_t { kLoop, kStay, kLeave };
 
+/// Who of a group walks with whom: in parties of two to four, whose members are companions.
+struct Companions {
+  double share = 0.6;  ///< of the people, how many walk in a party
+  /// How many parties of two, of three and of four there are, relative to each other; at least one
+  /// is above 0.
+  std::array<double, 3> sizes = {0.75, 0.21, 0.04};
+
+  static constexpr int kMost = 4;  ///< people in a party
+};
+
 /// Where people of a group enter while the scene runs.
 struct Source {
   Rectangle area;
@@ -74,6 +85,7 @@ struct Group {
   OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
   Distribution delay_s{0, 0, 0, 0};         ///< standing still before setting out
   std::optional<Cue> after;                 ///< nobody sets out before; the delay begins with it
+  std::optional<Companions> companions;     ///< none: everybody walks alone
   AgeShares ages = kAdultsOnly;
   std::optional<Distribution> speed_mps;  ///< free speed; none: by age
   std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()

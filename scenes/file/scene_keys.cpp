@@ -302,6 +302,7 @@ std::vector<MapText> scene_maps() {
           text_of(goal_keys()),
           text_of(source_keys()),
           text_of(cue_keys()),
+          text_of(companion_keys()),
           text_of(obstacle_keys()),
           text_of(door_keys()),
           text_of(box_keys()),

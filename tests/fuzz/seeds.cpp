@@ -87,6 +87,10 @@ void add_scenes(std::vector<Bytes>& out) {
   out.push_back(bytes_of(repeated("{a: ", 10'000)));
   out.push_back(bytes_of("a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n"));
   out.push_back(bytes_of("name: x\nground: {min_m: [-1e308, -1e308], max_m: [1e308, 1e308]}\n"));
+  out.push_back(
+      bytes_of("ground: {min_m: [0, 0], max_m: [9, 9]}\ngroups: [{count: 5, companions: {share: 1, "
+               "pairs: 0, threes: 2, fours: 1e6}, spawn: {min_m: [1, 1], max_m: [8, 3]}, goals: "
+               "[{min_m: [1, 6], max_m: [8, 8]}]}]\n"));
   out.push_back(bytes_of("name: x\nstep_s: .nan\nduration_s: -.inf\nseed: -1\n"));
 }
 

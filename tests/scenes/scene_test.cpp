@@ -128,6 +128,34 @@ TEST_F(SceneFile, ComplainsOfCuesDoorsAndDensities) {
             "s.yaml:13: expected the name of a group of the scene, found 'c' (did you mean 'a'?)");
 }
 
+TEST_F(SceneFile, SaysWhoWalksWithWhom) {
+  const Scene alone = load(kTwoGroups);
+  EXPECT_FALSE(alone.groups[1].companions);
+  const Scene usual = load(kTwoGroups + "    companions: {}\n");
+  EXPECT_EQ(usual.groups[1].companions->share, 0.6);
+  EXPECT_NE(usual.content_hash, alone.content_hash);
+  EXPECT_EQ(load(kTwoGroups + "    companions: 0.6\n").content_hash, usual.content_hash);
+  const Scene some = load(kTwoGroups + "    companions: {share: 1/4, pairs: 0, fours: 3}\n");
+  EXPECT_EQ(some.groups[1].companions->share, 0.25);
+  EXPECT_EQ(some.groups[1].companions->sizes, (std::array<double, 3>{0, 0.21, 3}));
+  EXPECT_NE(some.content_hash, usual.content_hash);
+  const auto group = [](const std::string& lines) { return kTwoGroups + lines; };
+  EXPECT_EQ(complaint(group("    companions: 2\n")),
+            "s.yaml:13: expected 'companions' from 0 to 1, found 2");
+  EXPECT_EQ(complaint(group("    companions: [2]\n")),
+            "s.yaml:13: expected companions (a map of keys), found a list of 1");
+  EXPECT_EQ(complaint(group("    companions: {pairs: 0, threes: 0, fours: 0}\n")),
+            "s.yaml:13: expected one of 'pairs', 'threes' and 'fours' above 0, found none");
+  EXPECT_EQ(complaint(group("    companions: {pair: 1}\n")).substr(0, 40),
+            "s.yaml:13: expected a key of companions,");
+  EXPECT_EQ(complaint(kGround + "groups:\n"
+                                "  - density_per_m2: 3\n"
+                                "    companions: 0.5\n"
+                                "    spawn: {min_m: [1, 1], max_m: [4, 9]}\n"
+                                "    goals: [{min_m: [15, 1], max_m: [19, 9]}]\n"),
+            "s.yaml:4: expected either 'companions' or 'density_per_m2', found both");
+}
+
 TEST_F(SceneFile, SaysWhatItSays) {
   const Scene scene = load(
       "name: test\ndescription: a test\nseed: 7\nstep_s: 1/50\nduration_s: 2.5\n" + kGround +
