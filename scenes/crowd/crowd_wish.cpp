@@ -11,10 +11,12 @@ namespace throng {
 
 Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const uint32_t id = grid_.order()[slot];
-  Eigen::Vector2d direction = journeys_.direction(id, walkers_.position_m[slot]);
+  const bool has_companions = parties_.has(id);
+  Eigen::Vector2d direction =
+      has_companions ? parties_.alone(id) : journeys_.direction(id, walkers_.position_m[slot]);
   walkers_.facing[slot] = direction;
   const double room = doorkeeper_.has_doors() ? pace(slot, direction) : 1;
-  direction = parties_.way(id, direction);
+  if (has_companions) direction = parties_.way(id);
   if (room != 1) direction *= room;
   const double stalled_s = stalled_s_of(slot);
   if (traits_.is_nudged && stalled_s > tuning::kStuck_s) {
@@ -26,7 +28,7 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
     direction += side * Eigen::Vector2d(-direction.y(), direction.x());
     if (direction.squaredNorm() > 0) direction.normalize();
   }
-  if (parties_.any()) direction *= parties_.pace(id);
+  if (has_companions) direction *= parties_.pace(id);
   const double share = traits_.eases ? 1 : period_s_ / (tuning::kRelaxation_s + period_s_);
   Eigen::Vector2d& intent = walkers_.intent_mps[slot];
   intent += share * (walkers_.free_speed_mps[slot] * direction - intent);

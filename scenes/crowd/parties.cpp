@@ -26,6 +26,8 @@ constexpr double kFile_m = 0.45, kBeside_m = 0.75, kRows_m = 1.4, kLine_m = 1.9;
 constexpr double kLoose_per_m2 = 0.3, kDense_per_m2 = 1.3;
 /// A shoulder keeps so far from walls.
 constexpr double kShoulder_m = 0.3;
+/// Ways bend around walls that are nearer.
+constexpr double kBends_m = 1.6;
 /// How far ahead they look for room, in so many steps.
 constexpr double kProbe_m = 0.75;
 constexpr int kProbes = 4;
@@ -33,6 +35,8 @@ constexpr int kProbes = 4;
 /// Companions so near, whose ways are within 60 degrees (the cosine), walk beside each other.
 constexpr double kRow_m = 4;
 constexpr double kSameWay = 0.5;
+/// Where all of a party are as near as this to the first, nobody is behind.
+constexpr double kNear_m = 2.5;
 /// Whose way parts from that of the first of the party within sight follows them: the cosine.
 constexpr double kParts = 0.3;
 constexpr double kSight_m = 6;
@@ -149,12 +153,12 @@ void Parties::archive(Archive& a) {
       a.refuse("progress of somebody with companions", "something else");
 }
 
-Eigen::Vector2d Parties::way(uint32_t id, const Eigen::Vector2d& alone) const {
-  if (!any() || alone.isZero()) return alone;
+Eigen::Vector2d Parties::way(uint32_t id) const {
   const Wish& wish = wishes_[id];
-  const Eigen::Vector2d way = wish.towards.isZero() ? alone + wish.aside : wish.towards;
+  if (wish.alone.isZero()) return wish.alone;
+  const Eigen::Vector2d way = wish.towards.isZero() ? wish.alone + wish.aside : wish.towards;
   const double length = way.norm();
-  return length > 0 ? Eigen::Vector2d(way / length) : alone;
+  return length > 0 ? Eigen::Vector2d(way / length) : wish.alone;
 }
 
 void Parties::gather(const Journeys& journeys, std::span<const Eigen::Vector2d> positions_m,
@@ -164,6 +168,9 @@ void Parties::gather(const Journeys& journeys, std::span<const Eigen::Vector2d> 
   workers.for_blocks(static_cast<int>(blocks), [&](int block, int) {
     const size_t begin = static_cast<size_t>(block) * kAtOnce;
     const size_t end = std::min(begin + kAtOnce, parties_.size());
+    // What they read of the fields is there when it is needed.
+    for (uint32_t id = parties_[begin].begin; id < parties_[end - 1].end; ++id)
+      if (in_party_[id] != 0) journeys.prefetch(id, positions_m[id]);
     for (size_t i = begin; i < end; ++i) gather(parties_[i], journeys, positions_m, now_s);
   });
 }
@@ -172,11 +179,23 @@ void Parties::gather(const Party& party, const Journeys& journeys,
                      std::span<const Eigen::Vector2d> positions_m, double now_s) {
   std::array<Member, Companions::kMost> all;
   size_t count = 0;
+  bool are_near = true;
   for (uint32_t id = party.begin; id < party.end; ++id) {
     wishes_[id] = {};
     const Doing doing = journeys.doing(id);
-    if (doing == Doing::kWalking || doing == Doing::kWaiting)
-      all[count++] = member(id, journeys, positions_m[id], now_s);
+    if (doing != Doing::kWalking && doing != Doing::kWaiting) continue;
+    all[count] = member(id, journeys, positions_m[id]);
+    wishes_[id].alone = all[count].way;
+    const Member &m = all[count++], &first = all[0];
+    are_near &= m.is_on_way && m.visits == first.visits &&
+                (m.at_m - first.at_m).squaredNorm() < kNear_m * kNear_m;
+  }
+  // Who is near is awaited, whatever the progress.
+  for (size_t i = 0; i < count; ++i) {
+    if (are_near)
+      visits_[all[i].id] = UINT32_MAX;
+    else
+      watch_progress(all[i], journeys.doing(all[i].id) == Doing::kWaiting, now_s);
   }
   const std::span<const Member> members(all.data(), count);
   Row row;
@@ -190,22 +209,24 @@ void Parties::gather(const Party& party, const Journeys& journeys,
   }
 }
 
-Parties::Member Parties::member(uint32_t id, const Journeys& journeys, const Eigen::Vector2d& at_m,
-                                double now_s) {
-  const bool walks = journeys.doing(id) == Doing::kWalking;
+Parties::Member Parties::member(uint32_t id, const Journeys& journeys,
+                                const Eigen::Vector2d& at_m) const {
   const Stop& stop = journeys.stop(id);
   Member m{.id = id, .visits = journeys.visits(id), .at_m = at_m, .field = stop.field};
   m.way = journeys.direction(id, at_m);
-  m.to_go_m = stop.field->distance_m(at_m);
-  m.is_on_way = walks && !stop.contains(at_m);
-  // Waiting at a goal, or to set out, ends by itself.
-  if (!walks || m.visits != visits_[id] || m.to_go_m < nearest_m_[id] - kProgress_m) {
-    visits_[id] = m.visits;
-    nearest_m_[id] = m.to_go_m;
-    since_s_[id] = now_s;
-  }
-  m.is_awaited = now_s - since_s_[id] < kPatience_s;
+  m.is_on_way = journeys.doing(id) == Doing::kWalking && !stop.contains(at_m);
   return m;
+}
+
+void Parties::watch_progress(Member& m, bool waits, double now_s) {
+  m.to_go_m = m.field->distance_m(m.at_m);
+  // Waiting at a goal, or to set out, ends by itself.
+  if (waits || m.visits != visits_[m.id] || m.to_go_m < nearest_m_[m.id] - kProgress_m) {
+    visits_[m.id] = m.visits;
+    nearest_m_[m.id] = m.to_go_m;
+    since_s_[m.id] = now_s;
+  }
+  m.is_awaited = now_s - since_s_[m.id] < kPatience_s;
 }
 
 /// Those beside whom somebody walks, the same for all who see the same ones: then `row` knows the
@@ -266,6 +287,7 @@ double Parties::room_m(const Row& row, const FlowField& field, double wanted_m) 
       least_m = std::min(least_m, free_m(at_m, left) + free_m(at_m, -left));
     }
     at_m += kProbe_m * way;
+    if (clear_m > kBends_m) continue;
     const Eigen::Vector2d next = field.direction(at_m);
     if (!next.isZero()) way = next;
   }

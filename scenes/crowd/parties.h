@@ -24,7 +24,7 @@ class Parties {
 
   /// True if anybody has companions: otherwise all of this costs nothing.
   bool any() const { return !parties_.empty(); }
-  bool has(uint32_t id) const { return in_party_[id] != 0; }
+  bool has(uint32_t id) const { return any() && in_party_[id] != 0; }
 
   /// Everything that gather() may have changed and that the next one depends on.
   void archive(Archive& a);
@@ -37,8 +37,10 @@ class Parties {
   void gather(const Journeys& journeys, std::span<const Eigen::Vector2d> positions_m, double now_s,
               Workers& workers);
 
-  /// The way of somebody who would go `alone` (a unit vector, or zero) without companions.
-  Eigen::Vector2d way(uint32_t id, const Eigen::Vector2d& alone) const;
+  /// The way that somebody of a party would go alone, of Journeys::direction().
+  const Eigen::Vector2d& alone(uint32_t id) const { return wishes_[id].alone; }
+  /// And the way with companions: a unit vector, or zero.
+  Eigen::Vector2d way(uint32_t id) const;
   /// Of the free speed: below 1 ahead of the others, above it behind them.
   double pace(uint32_t id) const { return any() ? wishes_[id].pace : 1; }
   /// True if somebody who walks is slow or stands because a companion is behind.
@@ -57,6 +59,7 @@ class Parties {
     uint32_t begin = 0, end = 0;  ///< ids
   };
   struct Wish {
+    Eigen::Vector2d alone = Eigen::Vector2d::Zero();
     Eigen::Vector2d aside = Eigen::Vector2d::Zero();    ///< added to the way
     Eigen::Vector2d towards = Eigen::Vector2d::Zero();  ///< instead of the way, unless it is zero
     Eigen::Vector2d behind_m = Eigen::Vector2d::Zero();
@@ -69,16 +72,17 @@ class Parties {
     Eigen::Vector2d at_m = Eigen::Vector2d::Zero();
     Eigen::Vector2d way = Eigen::Vector2d::Zero();
     const FlowField* field = nullptr;
-    double to_go_m = 0;
-    bool is_awaited = false;  ///< gets on, or will
-    bool is_on_way = false;   ///< walks, and is not at the goal yet
+    double to_go_m = 0;      ///< of those who are not all near each other
+    bool is_awaited = true;  ///< gets on, or will
+    bool is_on_way = false;  ///< walks, and is not at the goal yet
   };
   /// Those of a party who walk side by side, and the frame in which they do.
   struct Row;
 
   void gather(const Party& party, const Journeys& journeys,
               std::span<const Eigen::Vector2d> positions_m, double now_s);
-  Member member(uint32_t id, const Journeys& journeys, const Eigen::Vector2d& at_m, double now_s);
+  Member member(uint32_t id, const Journeys& journeys, const Eigen::Vector2d& at_m) const;
+  void watch_progress(Member& m, bool waits, double now_s);
   void find_row(std::span<const Member> members, size_t who, Row& row) const;
   double room_m(const Row& row, const FlowField& field, double wanted_m) const;
   bool sees(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const;
