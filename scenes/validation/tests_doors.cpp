@@ -120,8 +120,8 @@ struct NeckResult {
   std::string densities;          ///< time, before the neck, before the exit
 };
 
-NeckResult pass_a_neck(SteeringKind model, double width_m, Outcome& outcome) {
-  Plan plan("neck", {{0, 0}, {27, 10}}, {model}, 1);
+NeckResult pass_a_neck(SteeringKind model, double width_m, uint64_t seed, Outcome& outcome) {
+  Plan plan("neck", {{0, 0}, {27, 10}}, {model}, seed);
   plan.wall(10, 0, 15, 5 - 0.5 * width_m);
   plan.wall(10, 5 + 0.5 * width_m, 15, 10);
   plan.wall_along_y(0, 10, 25.1, {5}, 1);
@@ -162,12 +162,24 @@ Outcome neck_flow(SteeringKind model) {
   std::vector<NeckResult> results;
   std::string flows, list, script, plots;
   bool grows = true, all_through = true;
+  double last_flow = 0;
+  constexpr int kSeeds = 3;
   const double widths_m[] = {0.8, 1.0, 1.2};
   for (const double width_m : widths_m) {
-    NeckResult result = pass_a_neck(model, width_m, outcome);
-    const double flow = flow_per_s(result.neck_s);
-    if (!results.empty()) grows = grows && flow > flow_per_s(results.back().neck_s);
-    all_through = all_through && result.exit_s.size() == 150;
+    NeckResult result;  // of the first seed; flows and densities are means
+    double flow = 0, before_neck_per_m2 = 0, before_exit_per_m2 = 0;
+    for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      NeckResult each = pass_a_neck(model, width_m, seed, outcome);
+      flow += flow_per_s(each.neck_s) / kSeeds;
+      before_neck_per_m2 += each.before_neck_per_m2 / kSeeds;
+      before_exit_per_m2 += each.before_exit_per_m2 / kSeeds;
+      all_through = all_through && each.exit_s.size() == 150;
+      if (seed == 1) result = std::move(each);
+    }
+    result.before_neck_per_m2 = before_neck_per_m2;
+    result.before_exit_per_m2 = before_exit_per_m2;
+    grows = grows && flow > last_flow;
+    last_flow = flow;
     list += fmt::format("{}{:.2f}/s through {} m", list.empty() ? "" : ", ", flow, width_m);
     script += fmt::format("$w{:.0f} << EOD\n{}EOD\n", 10 * width_m, cumulative(result.neck_s));
     plots += fmt::format("{}$w{:.0f} with steps linewidth 2 linecolor rgb '{}' title '{} m'",
@@ -225,7 +237,7 @@ std::vector<Test> door_tests() {
        "150 people in the first of two rooms of 10 m x 10 m, a neck of 5 m between them 0.8, 1.0 "
        "and 1.2 m wide, an exit of 1 m out of the second.",
        "the flow grows with the width; with 1 m people jam (2 per m2 over 10 s) before the neck "
-       "but not before the exit",
+       "but not before the exit (means of three seeds)",
        neck_flow}};
 }
 

@@ -99,7 +99,7 @@ obstacles:
   - {name: kiosk, kind: box, position_m: [6, 3], size_m: [0.6, 0.6, 2]}
 groups:
   - name: visitors
-    count: 12
+    count: 30
     spawn: {min_m: [3, 1], max_m: [9, 5]}
     sources:
       - {area: {min_m: [0, 1], max_m: [2, 5]}, count: 6, rate_per_s: 4, random: true}

@@ -138,7 +138,7 @@ TEST(ContactMeasures, AreTheStatisticsOfTheRunWhereNoGapIsBridged) {
     Scene scene = load_scene("corridor");
     scene.exact = true;
     scene.yielding = false;  // many contacts to count
-    scene.duration_s = 4;
+    scene.duration_s = 20;
     scene.seed = seed;
     Simulation simulation(std::move(scene), {.threads = 2});
     Both both;
