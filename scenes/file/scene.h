@@ -74,18 +74,18 @@ struct Source {
 struct Group {
   std::string name;
   std::filesystem::path model;  ///< a URDF, absolute; "adult" in the file means the bundled one
-  std::shared_ptr<const Model> body;  ///< what `model` holds; load_scene() fills it
-  int count = 0;                      ///< at the start
+  std::shared_ptr<const Model> body;        ///< what `model` holds; load_scene() fills it
+  int count = 0;                            ///< at the start
+  OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
   /// How close together they stand then, on the ground that is free to stand on: `count` follows
   /// from it (see count_by_density()), and bodies are placed, not discs. 0: by darts.
   double density_per_m2 = 0;
-  Rectangle spawn;                          ///< where they stand then
-  std::vector<Source> sources;              ///< of people who enter later
-  std::vector<Goal> goals;                  ///< visited in order
-  OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
-  Distribution delay_s{0, 0, 0, 0};         ///< standing still before setting out
-  std::optional<Cue> after;                 ///< nobody sets out before; the delay begins with it
-  std::optional<Companions> companions;     ///< none: everybody walks alone
+  Rectangle spawn;                       ///< where they stand then
+  std::vector<Source> sources;           ///< of people who enter later
+  std::vector<Goal> goals;               ///< visited in order
+  Distribution delay_s{0, 0, 0, 0};      ///< standing still before setting out
+  std::optional<Cue> after;              ///< nobody sets out before; the delay begins with it
+  std::optional<Companions> companions;  ///< none: everybody walks alone
   AgeShares ages = kAdultsOnly;
   std::optional<Distribution> speed_mps;  ///< free speed; none: by age
   std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()

@@ -151,8 +151,8 @@ TEST(OutputPlan, TheCheckpointThatIsReadIsWrittenByItsOwnRunOnly) {
   const std::string resumed = "throng run my.yaml --seconds 0.2 --lcm off --resume c.csv ";
   for (const std::string& option : commands()[0].outputs) {
     if (option == "--checkpoint") continue;
-    expect_refused(place, resumed + option + " c.csv", kTwice);
-    expect_refused(place, resumed + "--checkpoint c.csv " + option + " c.csv", kTwice);
+    expect_refused(place, fmt::format("{}{} c.csv", resumed, option), kTwice);
+    expect_refused(place, fmt::format("{}--checkpoint c.csv {} c.csv", resumed, option), kTwice);
   }
   EXPECT_EQ(shell(resumed + "--log off --checkpoint c.csv --every 0.05", place.folder()).exit_code,
             0);
@@ -269,8 +269,9 @@ TEST(OutputPlan, OneOutputThatCannotBeLeavesTheOthersAsTheyWere) {
   for (const std::string& option : commands()[0].outputs) {
     const std::string last = option == "--trajectory" ? long_name + ".csv" : long_name;
     std::string line = std::string("throng run my.yaml --lcm off --seconds 0.1") + kAllOutputs;
-    if (option != "--trajectory") line = std::regex_replace(line, std::regex(option + " \\S+"), "");
-    expect_refused(place, line + " " + option + " " + last, "File name too long", 3);
+    if (option != "--trajectory")
+      line = std::regex_replace(line, std::regex(fmt::format("{} \\S+", option)), "");
+    expect_refused(place, fmt::format("{} {} {}", line, option, last), "File name too long", 3);
   }
 }
 

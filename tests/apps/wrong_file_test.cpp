@@ -1,4 +1,5 @@
 // Asking for help, and asking for what cannot be: both are answered before any work.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -102,11 +103,11 @@ TEST(Info, FindsItsWayAlongALongThinGround) {
     const std::string length = std::to_string(length_m), near = std::to_string(length_m - 4);
     write_file(
         folder / "thin.yaml",
-        "ground: {min_m: [0, 0], max_m: [" + length +
-            ", 0.5]}\nduration_s: 1\ngroups:\n"
-            "  - name: walkers\n    count: 2\n    spawn: {min_m: [0, 0.1], max_m: [4, 0.4]}\n"
-            "    goals:\n      - {min_m: [" +
-            near + ", 0.1], max_m: [" + length + ", 0.4]}\n");
+        fmt::format(
+            "ground: {{min_m: [0, 0], max_m: [{0}, 0.5]}}\nduration_s: 1\ngroups:\n"
+            "  - name: walkers\n    count: 2\n    spawn: {{min_m: [0, 0.1], max_m: [4, 0.4]}}\n"
+            "    goals:\n      - {{min_m: [{1}, 0.1], max_m: [{0}, 0.4]}}\n",
+            length, near));
     const Outcome outcome = shell("throng info thin.yaml", folder);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(

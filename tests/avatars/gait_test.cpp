@@ -346,7 +346,7 @@ TEST(Gait, AvatarsOfManyStylesInABatchGetTheBitsOfSingleCalls) {
   std::vector<const Gait*> gaits;
   std::vector<float> phases, speeds, scales;
   for (uint32_t i = 0; i < kAvatars; ++i) {
-    gaits.push_back(&Walking::styles()[(i * 5) % kGaitStyleCount].gait);
+    gaits.push_back(&Walking::styles()[(size_t{i} * 5) % kGaitStyleCount].gait);
     phases.push_back(random_float(3 * i, 0, 1));
     speeds.push_back(random_float(3 * i + 1, 0, 2.5f));
     scales.push_back(random_float(3 * i + 2, 0.8f, 1.2f));

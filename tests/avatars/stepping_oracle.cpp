@@ -256,7 +256,7 @@ SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, 
     for (const int next_phase : {0, 1}) {
       const double share = (next_speed == 1 ? v : 1 - v) * (next_phase == 1 ? u : 1 - u);
       const WalkerPose::Foot& foot = cycles_[static_cast<size_t>(cell + next_speed)]
-                                            [static_cast<size_t>((phase + next_phase) % kPhases)]
+                                            [static_cast<size_t>(phase + next_phase) % kPhases]
                                                 .feet[side];
       const double rolled = leg.roll_m(foot.target.pitch_rad);
       hip += share * foot.hip_m;

@@ -117,7 +117,7 @@ TEST(Deadline, NeverMakesMoreTestsThanItsBudget) {
         const uint64_t made = tests(budget);
         EXPECT_LE(made, budget);
         // What a wave cannot use goes to the next one: little is left unused.
-        EXPECT_GE(made, std::min(all, budget - std::min<uint64_t>(budget, 37 * 37)));
+        EXPECT_GE(made, std::min(all, budget - std::min(budget, uint64_t{37} * 37)));
       }
     }
   }

@@ -54,23 +54,23 @@ class Dressing : public testing::Test {
  protected:
   // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
   static void SetUpTestSuite() {
-    model_ = load_model(adult_urdf());
-    gait_ = std::make_unique<Gait>(*model_);
-    head_ = std::make_unique<HeadPlace>(*model_, *gait_);
+    adult_model = load_model(adult_urdf());
+    adult_gait = std::make_unique<Gait>(*adult_model);
+    adult_head = std::make_unique<HeadPlace>(*adult_model, *adult_gait);
   }
   // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
   static void TearDownTestSuite() {
-    head_.reset();
-    gait_.reset();
-    model_.reset();
+    adult_head.reset();
+    adult_gait.reset();
+    adult_model.reset();
   }
   static Wearer wearer(TrackedPoint tracked, float scale = 1) {
-    return {tracked, gait_.get(), head_.get(), scale};
+    return {tracked, adult_gait.get(), adult_head.get(), scale};
   }
 
-  static inline std::shared_ptr<const Model> model_;
-  static inline std::unique_ptr<Gait> gait_;
-  static inline std::unique_ptr<HeadPlace> head_;
+  static inline std::shared_ptr<const Model> adult_model;
+  static inline std::unique_ptr<Gait> adult_gait;
+  static inline std::unique_ptr<HeadPlace> adult_head;
 };
 
 TEST_F(Dressing, CentresAreKeptToTheLastDigitAndHeadsToACentimetre) {
@@ -212,9 +212,9 @@ int carrying(double phase, double stance) {
 
 TEST_F(Dressing, TheSwayOfHeadsTellsWhichFootCarries) {
   const double leg_m =
-      std::pow(static_cast<double>(gait_->stride_length_m(1, 1)) / kStridePerRootSpeed, 2);
+      std::pow(static_cast<double>(adult_gait->stride_length_m(1, 1)) / kStridePerRootSpeed, 2);
   for (const double fps : {25.0, 16.0}) {
-    Simulation simulation(lanes(fps, model_), {});
+    Simulation simulation(lanes(fps, adult_model), {});
     const size_t people = simulation.info().model_of_avatar.size();
     std::vector<std::vector<Sample>> tracks(people);
     std::vector<std::vector<double>> phases(people);
@@ -224,7 +224,7 @@ TEST_F(Dressing, TheSwayOfHeadsTellsWhichFootCarries) {
       for (size_t id = 0; id < people; ++id) {
         const Eigen::Vector2d off(noise(1, id, 2 * number), noise(1, id, 2 * number + 1));
         tracks[id].push_back(
-            {number / fps, head_of(*model_, frame, bodies, id) + 0.005 * off, kNone, kNone});
+            {number / fps, head_of(*adult_model, frame, bodies, id) + 0.005 * off, kNone, kNone});
         phases[id].push_back(static_cast<double>(bodies.phases[id]));
       }
     }
