@@ -352,10 +352,8 @@ void Parties::wait_for_others(std::span<const Member> members, size_t who, const
       lag_m = m.visits < self.visits ? away_m : -away_m;
     else if (m.is_on_way && self.is_on_way && away_m < kRow_m && m.way.dot(self.way) > kSameWay)
       lag_m = (self.at_m - m.at_m).dot(row.way);  // both are in the row
-    else if (!(std::abs(lag_m) < kFar))  // who is pressed to a wall is on no cell of the field
-      lag_m = 0;
-    else if (!self.is_on_way)
-      lag_m = 0;  // at the goal already
+    else if (!self.is_on_way || !(std::abs(lag_m) < kFar))
+      lag_m = 0;  // at the goal already, or pressed to a wall, on no cell of the field
     if (std::abs(lag_m) > kLost_m) continue;
     ahead_m = std::max(ahead_m, -lag_m);
     if (!m.is_awaited || lag_m <= behind_m) continue;
