@@ -212,7 +212,7 @@ void Parties::gather(const Party& party, const Journeys& journeys,
 Parties::Member Parties::member(uint32_t id, const Journeys& journeys,
                                 const Eigen::Vector2d& at_m) const {
   const Stop& stop = journeys.stop(id);
-  Member m{.id = id, .visits = journeys.visits(id), .at_m = at_m, .field = stop.field};
+  Member m{.id = id, .visits = journeys.visits(id), .at_m = at_m, .field = &journeys.field(id)};
   m.way = journeys.direction(id, at_m);
   m.is_on_way = journeys.doing(id) == Doing::kWalking && !stop.contains(at_m);
   return m;
