@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 namespace throng::validation {
 namespace {
@@ -13,12 +12,6 @@ namespace {
 constexpr double kMostOff = 0.15;
 constexpr double kLeastInBand = 0.7;
 constexpr double kLeastBins = 0.5;
-
-const RecordedDoor& door_of(double width_m) {
-  for (const RecordedDoor& door : recorded_doors())
-    if (std::abs(door.width_m - width_m) < 1e-9) return door;
-  throw std::out_of_range(fmt::format("no recorded door of {} m", width_m));
-}
 
 std::vector<double> shares_of(std::span<const double> lanes) {
   const double sum = std::accumulate(lanes.begin(), lanes.end(), 0.0);
@@ -39,7 +32,7 @@ Judgement judge_doors(std::span<const DoorFlow> flows) {
   int near = 0, falls = 0, blocked = 0;
   double before_per_s = 0;
   for (const DoorFlow& flow : flows) {
-    const double theirs = door_of(flow.width_m).mean_per_s();
+    const double theirs = recorded_door(flow.width_m).mean_per_s();
     const double low = (1 - kMostOff) * theirs, high = (1 + kMostOff) * theirs;
     const bool is_near = flow.flow_per_s >= low && flow.flow_per_s <= high;
     const bool rises = flow.flow_per_s >= before_per_s;

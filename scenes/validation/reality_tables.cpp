@@ -1,6 +1,9 @@
 #include "scenes/validation/reality_tables.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 
@@ -155,6 +158,12 @@ const std::vector<RecordedDoor>& recorded_doors() {
       {2.5, {5.12}},
   };
   return doors;
+}
+
+const RecordedDoor& recorded_door(double width_m) {
+  for (const RecordedDoor& door : recorded_doors())
+    if (std::abs(door.width_m - width_m) < 1e-9) return door;
+  throw std::out_of_range(fmt::format("no recorded door of {} m", width_m));
 }
 
 }  // namespace throng::validation

@@ -38,6 +38,8 @@ struct RecordedDoor {
   double mean_per_s() const;
 };
 const std::vector<RecordedDoor>& recorded_doors();
+/// Throws std::out_of_range where no experiment had that width.
+const RecordedDoor& recorded_door(double width_m);
 extern const char* const kRecordedDoorsSource;
 
 }  // namespace throng::validation

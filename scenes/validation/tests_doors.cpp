@@ -31,25 +31,16 @@ std::vector<double> leave_by_one_door(const SteeringRule& steering, Outcome& out
 
 constexpr double kAllowed_per_m_and_s = 1.33;
 
-/// Mean of the experiments with a door of that width.
-double recorded_flow(double width_m) {
-  const std::vector<RecordedDoor>& doors = recorded_doors();
-  const auto found = std::find_if(doors.begin(), doors.end(), [&](const RecordedDoor& door) {
-    return door.width_m == width_m;
-  });
-  return found->mean_per_s();
-}
-
 Outcome exit_flow(SteeringKind model) {
   Outcome outcome;
   const std::vector<double> times_s = leave_by_one_door({model}, outcome);
-  const double flow = flow_per_s(times_s);
+  const double flow = flow_per_s(times_s), recorded_per_s = recorded_door(1).mean_per_s();
   outcome.passed = times_s.size() == 100;
   outcome.differs = outcome.passed && flow > kAllowed_per_m_and_s;
   outcome.measured = fmt::format(
       "{} of 100 left, {:.2f} people/(m s) from the first to the last; in experiments "
       "{:.2f}",
-      times_s.size(), flow, recorded_flow(1.0));
+      times_s.size(), flow, recorded_per_s);
   outcome.figures.push_back(
       {"imo_4", "IMO 4: people who have left by the door of 1 m", "",
        "$crowd << EOD\n" + cumulative(times_s) +
@@ -60,7 +51,7 @@ Outcome exit_flow(SteeringKind model) {
                "{2:.2f} * (x - {1:.2f}) with lines dashtype 3 linecolor rgb '#999999' title "
                "'{2:.2f}, "
                "recorded', $crowd with steps linewidth 2 linecolor rgb '{3}' title 'the crowd'\n",
-               kAllowed_per_m_and_s, times_s.empty() ? 0.0 : times_s.front(), recorded_flow(1.0),
+               kAllowed_per_m_and_s, times_s.empty() ? 0.0 : times_s.front(), recorded_per_s,
                kFigureColours[0])});
   return outcome;
 }

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "tests/scenes/crowd_world.h"
+#include "tests/scenes/same_walk.h"
 
 namespace throng {
 namespace {
@@ -307,29 +308,7 @@ TEST_P(CompanionsOf, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
   for (Group& each : scene.groups) each.companions = Companions{0.8, {1, 1, 1}};
   scene.groups[0].sources = {{{{-14, 11}, {14, 14.5}}, 30, 4, 1, true}};
   scene.groups[1].on_arrival = OnArrival::kLeave;
-  std::vector<Eigen::Vector2d> expected;
-  std::vector<uint8_t> state;
-  const auto walk = [](SmallWorld& world, int steps) {
-    for (int step = 0; step < steps; ++step) world.crowd.step();
-    return std::vector<Eigen::Vector2d>(world.crowd.positions_m().begin(),
-                                        world.crowd.positions_m().end());
-  };
-  for (const int threads : {1, 2, 5}) {
-    SmallWorld world(scene, threads);
-    walk(world, 400);
-    if (threads == 2) {
-      Archive out;
-      world.crowd.archive(out);
-      state = out.bytes();
-    }
-    const std::vector<Eigen::Vector2d> found = walk(world, 400);
-    if (threads == 1) expected = found;
-    EXPECT_EQ(found, expected) << threads << " threads, seed 7";
-  }
-  SmallWorld resumed(scene, 1);
-  Archive in(state, "test");
-  resumed.crowd.archive(in);
-  EXPECT_EQ(walk(resumed, 400), expected);
+  expect_same_walk(scene, 400, 400);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, CompanionsOf,

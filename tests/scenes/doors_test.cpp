@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/scenes/crowd_world.h"
+#include "tests/scenes/same_walk.h"
 
 namespace throng {
 namespace {
@@ -181,29 +182,7 @@ TEST_P(Doors, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
       door({{4, "", 0}}, {{1, "first", 1}}),
   };
   scene.doors[0].opens.push_back({3, "first", 1});
-  std::vector<Eigen::Vector2d> expected;
-  std::vector<uint8_t> state;
-  for (const int threads : {1, 2, 5}) {
-    SmallWorld world(scene, threads);
-    walk(world, 12);
-    if (threads == 2) {
-      Archive out;
-      world.crowd.archive(out);
-      state = out.bytes();
-    }
-    walk(world, 20);
-    const std::vector<Eigen::Vector2d> found(world.crowd.positions_m().begin(),
-                                             world.crowd.positions_m().end());
-    if (threads == 1) expected = found;
-    EXPECT_EQ(found, expected) << threads << " threads, seed 7";
-  }
-  SmallWorld resumed(scene, 1);
-  Archive in(state, "test");
-  resumed.crowd.archive(in);
-  walk(resumed, 20);
-  EXPECT_EQ(std::vector<Eigen::Vector2d>(resumed.crowd.positions_m().begin(),
-                                         resumed.crowd.positions_m().end()),
-            expected);
+  expect_same_walk(scene, 12 * kStepsASecond, 20 * kStepsASecond);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Doors,

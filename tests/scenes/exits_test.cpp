@@ -10,6 +10,7 @@
 
 #include "base/random.h"
 #include "tests/scenes/crowd_world.h"
+#include "tests/scenes/same_walk.h"
 
 namespace throng {
 namespace {
@@ -171,33 +172,7 @@ TEST_P(Choice, NobodyDithers) {
 
 TEST_P(Choice, IsTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
   const Scene scene = this->scene(4, 150, kNearHalf, kTwoDoors);
-  const auto walk = [](SmallWorld& world, int seconds) {
-    for (int step = 0; step < seconds * kStepsASecond + 3; ++step) world.crowd.step();
-  };
-  const auto places = [](const SmallWorld& world) {
-    return std::vector<Eigen::Vector2d>(world.crowd.positions_m().begin(),
-                                        world.crowd.positions_m().end());
-  };
-  std::vector<Eigen::Vector2d> expected;
-  std::vector<uint8_t> state;
-  for (const int threads : {1, 2, 5}) {
-    SmallWorld world(scene, threads);
-    walk(world, 12);
-    if (threads == 2) {
-      Archive out;
-      world.crowd.archive(out);
-      state = out.bytes();
-    }
-    walk(world, 15);
-    if (threads == 1) expected = places(world);
-    EXPECT_EQ(places(world), expected) << threads << " threads, seed 4";
-  }
-  SmallWorld resumed(scene, 1);
-  Archive in(state, "test");
-  resumed.crowd.archive(in);
-  in.expect_end();
-  walk(resumed, 15);
-  EXPECT_EQ(places(resumed), expected);
+  expect_same_walk(scene, 12 * kStepsASecond + 3, 15 * kStepsASecond + 3);
 }
 
 TEST_P(Choice, ADoorInTheOppositeWallIsTakenByAThirdAtLeast) {
