@@ -29,13 +29,16 @@ Examples:
   throng validate
   throng validate --only rimea_4 --out out/validation
   throng validate --json validation.json
-  throng validate --reality --only doors --out out/doors)";
+  throng validate --reality --only doors --out out/doors
+  throng validate --reality --seeds 5)";
 
 struct ValidateOptions {
   std::string out;
   std::string json;
   std::vector<std::string> only;
   bool reality = false;
+  uint64_t seed = 1;
+  uint64_t seeds = 1;
   std::string steering{name_of(SteeringRule{}.model)};
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 };
@@ -58,36 +61,53 @@ std::vector<ValidationRun> chosen(const ValidateOptions& options) {
     for (const validation::Test& test :
          reality ? validation::reality_tests() : validation::all_tests())
       if (options.only.empty() ? reality == options.reality : named(test))
-        runs.push_back({&test, {}, 0});
+        runs.push_back({&test, {}});
   return runs;
 }
 
 /// Shared with the thread that carries the tests out, and may be left behind.
 struct Session {
   std::mutex mutex;
-  std::vector<ValidationRun> runs;  ///< each written by its experiment until it is done
-  std::vector<char> done;
+  std::vector<ValidationRun> runs;
+  uint64_t seeds = 1;
 
+  /// With the seeds that are done, in their order; without those of which none is.
   std::vector<ValidationRun> finished() {
     const std::lock_guard lock(mutex);
     std::vector<ValidationRun> out;
-    for (size_t i = 0; i < done.size(); ++i)
-      if (done[i]) out.push_back(runs[i]);
+    for (const ValidationRun& run : runs) {
+      if (run.seeds.empty()) continue;
+      ValidationRun& done = out.emplace_back(run);
+      std::sort(done.seeds.begin(), done.seeds.end(),
+                [](const auto& a, const auto& b) { return a.seed < b.seed; });
+      done.outcome = validation::across_seeds(done.seeds);
+    }
     return out;
   }
+  size_t done() {
+    const std::lock_guard lock(mutex);
+    size_t count = 0;
+    for (const ValidationRun& run : runs) count += run.seeds.size();
+    return count;
+  }
+  size_t asked() const { return runs.size() * seeds; }
 };
 
-void carry_out_all(Session& session, SteeringKind model, int threads) {
+void carry_out_all(Session& session, const validation::Conditions& conditions, int threads) {
   Workers workers(threads);
-  workers.for_blocks(static_cast<int>(session.runs.size()), [&](int index, int) {
+  workers.for_blocks(static_cast<int>(session.asked()), [&](int index, int) {
     const auto i = static_cast<size_t>(index);
-    ValidationRun& run = session.runs[i];
+    ValidationRun& run = session.runs[i / session.seeds];
+    validation::Conditions own = conditions;
+    own.seed += i % session.seeds;
     const auto start = std::chrono::steady_clock::now();
-    run.outcome = carry_out(*run.test, model);
-    run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    validation::SeedOutcome done{own.seed, carry_out(*run.test, own), 0};
+    done.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::lock_guard lock(session.mutex);
-    session.done[i] = 1;
-    say("{:<9} {} ({:.1f} s)\n", run.test->ids.front(), verdict_of(run.outcome), run.wall_s);
+    say("{:<9} {}{} ({:.1f} s)\n", run.test->ids.front(),
+        session.seeds > 1 ? fmt::format("seed {}: ", own.seed) : "",
+        name_of(done.outcome.verdict()), done.wall_s);
+    run.seeds.push_back(std::move(done));
   });
 }
 
@@ -100,14 +120,15 @@ int validate(const ValidateOptions& options) {
   const OpenOutputs outputs = plan.open();
   const auto session = std::make_shared<Session>();
   session->runs = chosen(options);
-  session->done.resize(session->runs.size());
-  const SteeringKind model = steering_kind_of(options.steering).value();
-  const bool all = done_before_a_signal(
-      [session, model, threads = options.threads] { carry_out_all(*session, model, threads); });
+  session->seeds = options.seeds;
+  const validation::Conditions conditions{steering_kind_of(options.steering).value(), options.seed};
+  const bool all = done_before_a_signal([session, conditions, threads = options.threads] {
+    carry_out_all(*session, conditions, threads);
+  });
   const std::vector<ValidationRun> runs = session->finished();
   if (!all)
-    say("stopped by {}: {} of {} experiments were finished\n", StopSignal::name(), runs.size(),
-        session->runs.size());
+    say("stopped by {}: {} of {} experiments were finished\n", StopSignal::name(), session->done(),
+        session->asked());
   show_beside_json(options.json, verdict_table(runs));
   write_json_output(options.json, validation_json(runs, !all));
   if (!options.out.empty()) {
@@ -139,6 +160,13 @@ Command add_validate_command(CommandLine& parent) {
          fmt::format("The model that steers: {} [{}]", steering_choices(), options->steering))
       ->check(name_option(steering_names()))
       ->type_name("MODEL");
+  app->add_option("--seed", options->seed, "The first seed [1]")
+      ->check(whole_option(1, INT64_MAX / 1000, "a whole number from 1"))
+      ->type_name("N");
+  app->add_option("--seeds", options->seeds,
+                  "Run each test with N seeds; a test passes if it passes with each [1]")
+      ->check(whole_option(1, 1000, "1 to 1000 seeds"))
+      ->type_name("N");
   app->add_option("--threads", options->threads, "Tests at once [all cores]")
       ->check(whole_option(1, 256, "1 to 256 threads"))
       ->type_name("N");

@@ -15,9 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using validation::Outcome;
 using validation::Reading;
+using validation::SeedOutcome;
 using validation::Test;
+using validation::Verdict;
 
 constexpr const char* kWallsId = "walls";
 constexpr const char* kWallsTitle = "No wall is crossed in any of the tests";
@@ -48,21 +49,38 @@ std::string anchor(const Test& test) {
 std::string number(double value) { return std::isnan(value) ? "" : fmt::format("{:.4g}", value); }
 
 /// A row a number, if the test has any.
-std::string readings_table(const std::vector<Reading>& readings) {
+std::string readings_table(const ValidationRun& run) {
+  const std::vector<Reading>& readings = run.outcome.readings;
   if (readings.empty()) return "";
-  std::string text =
-      "| where | what | simulated | recorded | from | to | |\n|---|---|---|---|---|---|---|\n";
+  const bool several = run.seeds.size() > 1;
+  std::string text = several ? "| where | what | mean | worst | recorded | from | to | |\n"
+                               "|---|---|---|---|---|---|---|---|\n"
+                             : "| where | what | simulated | recorded | from | to | "
+                               "|\n|---|---|---|---|---|---|---|\n";
   for (const Reading& each : readings)
-    append(text, "| {} | {}{} | {} | {} | {} | {} | {} |\n", each.at, each.what,
-           each.unit.empty() ? "" : ", " + each.unit, number(each.ours), number(each.theirs),
-           number(each.low), number(each.high),
-           each.met ? (*each.met ? "met" : "**not met**") : "not judged");
+    append(text, "| {} | {}{} | {} | {}{} | {} | {} | {} |\n", each.at, each.what,
+           each.unit.empty() ? "" : ", " + each.unit, number(each.ours),
+           several ? number(each.worst) + " | " : "", number(each.theirs), number(each.low),
+           number(each.high), each.met ? (*each.met ? "met" : "**not met**") : "not judged");
   return text + "\n";
 }
 
-Json readings_json(const std::vector<Reading>& readings) {
+/// What each seed has there; null where it has nothing.
+Json by_seed(const ValidationRun& run, const Reading& like) {
   Json out = Json::array();
-  for (const Reading& each : readings)
+  for (const SeedOutcome& seed : run.seeds) {
+    Json value;
+    for (const Reading& each : seed.outcome.readings)
+      if (each.at == like.at && each.what == like.what) value = each.ours;
+    out.push_back(value);
+  }
+  return out;
+}
+
+Json readings_json(const ValidationRun& run) {
+  const bool several = run.seeds.size() > 1;
+  Json out = Json::array();
+  for (const Reading& each : run.outcome.readings) {
     out.push_back({{"at", each.at},
                    {"what", each.what},
                    {"unit", each.unit},
@@ -71,7 +89,41 @@ Json readings_json(const std::vector<Reading>& readings) {
                    {"from", each.low},
                    {"to", each.high},
                    {"met", each.met ? Json(*each.met) : Json()}});
+    if (!several) continue;
+    out.back()["worst"] = each.worst;
+    out.back()["by_seed"] = by_seed(run, each);
+  }
   return out;
+}
+
+Json seeds_json(const ValidationRun& run) {
+  Json out = Json::array();
+  for (const SeedOutcome& seed : run.seeds)
+    out.push_back({{"seed", seed.seed},
+                   {"verdict", name_of(seed.outcome.verdict())},
+                   {"measured", seed.outcome.measured},
+                   {"wall_crossings", seed.outcome.wall_crossings},
+                   {"unplaced", seed.outcome.unplaced},
+                   {"deepest_overlap_m", seed.outcome.deepest_overlap_m},
+                   {"wall_s", seed.wall_s}});
+  return out;
+}
+
+double wall_s(const ValidationRun& run) {
+  double sum = 0;
+  for (const SeedOutcome& seed : run.seeds) sum += seed.wall_s;
+  return sum;
+}
+
+/// "seed 1", "seeds 1 to 5"
+std::string seeds_of(const std::vector<ValidationRun>& runs) {
+  uint64_t first = UINT64_MAX, last = 0;
+  for (const ValidationRun& run : runs)
+    for (const SeedOutcome& seed : run.seeds) {
+      first = std::min(first, seed.seed);
+      last = std::max(last, seed.seed);
+    }
+  return first >= last ? fmt::format("seed {}", last) : fmt::format("seeds {} to {}", first, last);
 }
 
 std::string section(const ValidationRun& run) {
@@ -83,9 +135,10 @@ std::string section(const ValidationRun& run) {
       text += fmt::format("{} {}", i == 1 ? "" : " and", test.titles[i]);
     text += ".\n\n";
   }
-  text += fmt::format("- Set-up: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n",
-                      test.setup, test.criterion, run.outcome.measured, verdict_of(run.outcome));
-  text += readings_table(run.outcome.readings);
+  text +=
+      fmt::format("- Set-up: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n",
+                  test.setup, test.criterion, run.outcome.measured, name_of(run.outcome.verdict()));
+  text += readings_table(run);
   for (const Figure& figure : run.outcome.figures)
     text += fmt::format("![{}]({}.svg)\n\n*{}* {}\n\n", figure.title, figure.id, figure.title,
                         figure.caption);
@@ -94,17 +147,24 @@ std::string section(const ValidationRun& run) {
 
 }  // namespace
 
-const char* verdict_of(const Outcome& outcome) {
-  return outcome.differs ? "differs" : verdict(outcome.passed);
-}
-
 ValidationCount count_of(const std::vector<ValidationRun>& runs) {
   ValidationCount count;
   for (const ValidationRun& run : runs) {
-    int& of_verdict = run.outcome.differs  ? count.differ
-                      : run.outcome.passed ? count.passed
-                                           : count.failed;
-    of_verdict += static_cast<int>(run.test->ids.size());
+    const auto tests = static_cast<int>(run.test->ids.size());
+    switch (run.outcome.verdict()) {
+      case Verdict::kPass:
+        count.passed += tests;
+        break;
+      case Verdict::kFail:
+        count.failed += tests;
+        break;
+      case Verdict::kDiffers:
+        count.differ += tests;
+        break;
+      case Verdict::kSkipped:
+        count.skipped += tests;
+        break;
+    }
   }
   if (!runs.empty()) ++(walls_crossed(runs) == 0 ? count.passed : count.failed);
   return count;
@@ -118,13 +178,14 @@ std::string verdict_table(const std::vector<ValidationRun>& runs) {
   };
   for (const ValidationRun& run : runs)
     for (size_t i = 0; i < run.test->ids.size(); ++i)
-      row(verdict_of(run.outcome), run.test->ids[i], run.test->titles[i],
+      row(name_of(run.outcome.verdict()), run.test->ids[i], run.test->titles[i],
           i == 0 ? run.outcome.measured : "as " + run.test->ids[0]);
   if (!runs.empty())
     row(verdict(walls_crossed(runs) == 0), kWallsId, kWallsTitle, walls_measured(runs));
   const ValidationCount count = count_of(runs);
   text += fmt::format("\n{} passed, {} failed", count.passed, count.failed);
   if (count.differ > 0) text += fmt::format(", {} differ as recorded people do", count.differ);
+  if (count.skipped > 0) text += fmt::format(", {} skipped", count.skipped);
   return text + "\n";
 }
 
@@ -134,16 +195,16 @@ std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped
     for (size_t i = 0; i < run.test->ids.size(); ++i) {
       tests.push_back({{"id", run.test->ids[i]},
                        {"title", run.test->titles[i]},
-                       {"verdict", verdict_of(run.outcome)},
+                       {"verdict", name_of(run.outcome.verdict())},
                        {"measured", run.outcome.measured},
                        {"criterion", run.test->criterion},
                        {"setup", run.test->setup},
                        {"wall_crossings", run.outcome.wall_crossings},
                        {"unplaced", run.outcome.unplaced},
                        {"deepest_overlap_m", run.outcome.deepest_overlap_m},
-                       {"wall_s", run.wall_s}});
-      if (!run.outcome.readings.empty())
-        tests.back()["readings"] = readings_json(run.outcome.readings);
+                       {"wall_s", wall_s(run)}});
+      if (run.seeds.size() > 1) tests.back()["seeds"] = seeds_json(run);
+      if (!run.outcome.readings.empty()) tests.back()["readings"] = readings_json(run);
     }
   if (!runs.empty())
     tests.push_back({{"id", kWallsId},
@@ -154,7 +215,8 @@ std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped
   const ValidationCount count = count_of(runs);
   const Json json = {{"throng", version_json()}, {"stopped_early", stopped_early},
                      {"tests", tests},           {"passed", count.passed},
-                     {"failed", count.failed},   {"differ", count.differ}};
+                     {"failed", count.failed},   {"differ", count.differ},
+                     {"skipped", count.skipped}};
   return json.dump(2) + "\n";
 }
 
@@ -162,13 +224,15 @@ void write_validation_report(const std::vector<ValidationRun>& runs, const fs::p
   const ValidationCount count = count_of(runs);
   std::string text = fmt::format(
       "# Validation report\n\nWritten by `throng validate --out`; docs/validation.md explains it. "
-      "{} of {} tests pass{}.\n\n| test | verdict | measured | criterion |\n|---|---|---|---|\n",
+      "{} of {} tests pass{}{}. Of {}.\n\n| test | verdict | measured | criterion "
+      "|\n|---|---|---|---|\n",
       count.passed, count.passed + count.failed,
-      count.differ == 0 ? "" : fmt::format("; {} differ as recorded people do", count.differ));
+      count.differ == 0 ? "" : fmt::format("; {} differ as recorded people do", count.differ),
+      count.skipped == 0 ? "" : fmt::format("; {} skipped", count.skipped), seeds_of(runs));
   for (const ValidationRun& run : runs)
     for (size_t i = 0; i < run.test->ids.size(); ++i)
       text += fmt::format("| [{}](#{}) | {} | {} | {} |\n", run.test->titles[i], run.test->ids[i],
-                          verdict_in_table(verdict_of(run.outcome)),
+                          verdict_in_table(name_of(run.outcome.verdict())),
                           i == 0 ? run.outcome.measured : "the same run", run.test->criterion);
   text += fmt::format("| {} | {} | {} | {} |\n\n", kWallsTitle,
                       verdict_in_table(verdict(walls_crossed(runs) == 0)), walls_measured(runs),

@@ -6,14 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "scenes/validation/across_seeds.h"
 #include "scenes/validation/validation.h"
 
 namespace throng {
 
 struct ValidationRun {
   const validation::Test* test = nullptr;
-  validation::Outcome outcome;
-  double wall_s = 0;
+  std::vector<validation::SeedOutcome> seeds;
+  validation::Outcome outcome{};  ///< of all seeds
 };
 
 /// How many of the standards' tests (one experiment may be several) passed, failed, and were only
@@ -22,16 +23,14 @@ struct ValidationCount {
   int passed = 0;
   int failed = 0;
   int differ = 0;
+  int skipped = 0;
 };
-/// "pass", "fail" or "differs".
-const char* verdict_of(const validation::Outcome& outcome);
-
 ValidationCount count_of(const std::vector<ValidationRun>& runs);
 
 /// A line a test, and one for the walls.
 std::string verdict_table(const std::vector<ValidationRun>& runs);
-/// {throng, stopped_early, tests: [{id title verdict measured criterion ... readings}], passed,
-/// failed, differ}
+/// {throng, stopped_early, tests: [{id title verdict measured criterion ... seeds readings}],
+/// passed, failed, differ, skipped}
 std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early);
 
 /// Writes report.md and an SVG a figure into a folder that is there. Throws EnvironmentError.

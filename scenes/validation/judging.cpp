@@ -49,6 +49,9 @@ Judgement judge_doors(std::span<const DoorFlow> flows) {
                             Reading::kNone, people, people, all_through});
   }
   const auto count = static_cast<int>(flows.size());
+  out.readings.push_back({"all widths", "widths within 15 %", "", static_cast<double>(near),
+                          Reading::kNone, static_cast<double>(count), static_cast<double>(count),
+                          near == count, true});
   out.passed = count > 0 && near == count && falls == 0 && blocked == 0;
   out.summary = fmt::format(
       "{} of {} widths within 15 % of the experiments' mean; the flow falls {} times from a width "
@@ -92,11 +95,11 @@ Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed>
   const double share = measured > 0 ? static_cast<double>(inside) / measured : 0;
   const bool enough = measured >= kLeastBins * bins;
   out.readings.push_back({"all bins", "mean error, of free speed", "", off, Reading::kNone, 0,
-                          kMostOff, off <= kMostOff});
+                          kMostOff, off <= kMostOff, true});
   out.readings.push_back({"all bins", "share in the band", "", share, Reading::kNone, kLeastInBand,
-                          1, share >= kLeastInBand});
+                          1, share >= kLeastInBand, true});
   out.readings.push_back({"all bins", "bins with 20 samples", "", static_cast<double>(measured),
-                          Reading::kNone, kLeastBins * bins, bins, enough});
+                          Reading::kNone, kLeastBins * bins, bins, enough, true});
   out.passed = enough && off <= kMostOff && share >= kLeastInBand;
   out.summary = fmt::format(
       "means {:.0f} % of the free speed off on average, {} of {} bins inside the band ({:.0f} %); "
@@ -113,6 +116,9 @@ Judgement judge_fullest_lane(std::span<const double> lanes, double most_share) {
     out.readings.push_back({lane_name(i), "share of person-seconds", "", shares[i], Reading::kNone,
                             Reading::kNone, most_share, shares[i] <= most_share});
   out.passed = fullest != shares.end() && *fullest > 0 && *fullest <= most_share;
+  out.readings.push_back({"fullest lane", "share of person-seconds", "",
+                          fullest == shares.end() ? 0 : *fullest, Reading::kNone, Reading::kNone,
+                          most_share, out.passed, true});
   out.summary =
       fmt::format("the fullest lane holds {:.0f} % of the person-seconds, {} m from the inner wall",
                   fullest == shares.end() ? 0 : 100 * *fullest,
@@ -140,7 +146,7 @@ Judgement judge_used_lanes(std::span<const double> lanes, int least_lanes, doubl
   out.passed = used >= least_lanes;
   out.readings.push_back({"all lanes", "lanes with enough", "", static_cast<double>(used),
                           Reading::kNone, static_cast<double>(least_lanes), Reading::kNone,
-                          out.passed});
+                          out.passed, true});
   out.summary = fmt::format("{} lanes with {:.0f} % or more; from the inside: {} %", used,
                             100 * least_share, list);
   return out;
@@ -160,8 +166,8 @@ Judgement judge_overtaking(std::span<const Overtaking> starts) {
   const double share = starts.empty() ? 0 : good / count;
   out.passed = share >= kLeast;
   out.readings = {
-      {"all starts", "pass and lose at most 10 %", "", share, Reading::kNone, kLeast, 1,
-       out.passed},
+      {"all starts", "pass and lose at most 10 %", "", share, Reading::kNone, kLeast, 1, out.passed,
+       true},
       {"all starts", "pass", "", starts.empty() ? 0 : past / count, Reading::kNone, kLeast, 1, {}},
       {"all starts",
        "mean share of time lost",
@@ -190,7 +196,7 @@ Judgement judge_two_way(std::span<const double> flows_per_m_s) {
                                 static_cast<double>(flows_per_m_s.size());
   const auto least = std::min_element(flows_per_m_s.begin(), flows_per_m_s.end());
   out.readings.push_back({"all minutes", "flow both ways", "1/(m s)", mean, Reading::kNone, kLeast,
-                          Reading::kNone, mean >= kLeast});
+                          Reading::kNone, mean >= kLeast, true});
   out.passed = mean >= kLeast && *least >= kGridlock;
   out.summary =
       fmt::format("{:.2f} people/(m s) both ways together over {} min, {:.2f} in the worst minute",
@@ -204,10 +210,10 @@ Judgement judge_far_exit(int near, int far, int people) {
   const double share = near + far > 0 ? static_cast<double>(far) / (near + far) : 0;
   const bool all_out = near + far == people;
   out.passed = share >= kLeast && all_out;
-  out.readings = {
-      {"far exit", "share", "", share, Reading::kNone, kLeast, Reading::kNone, share >= kLeast},
-      {"both exits", "people", "", static_cast<double>(near + far), Reading::kNone,
-       static_cast<double>(people), static_cast<double>(people), all_out}};
+  out.readings = {{"far exit", "share", "", share, Reading::kNone, kLeast, Reading::kNone,
+                   share >= kLeast, true},
+                  {"both exits", "people", "", static_cast<double>(near + far), Reading::kNone,
+                   static_cast<double>(people), static_cast<double>(people), all_out}};
   out.summary = fmt::format("{} of {} by the far exit ({:.0f} %), {} by the near one", far, people,
                             100 * share, near);
   return out;

@@ -46,7 +46,7 @@ Crossing cross(SteeringKind model, int against, uint64_t seed, Outcome& outcome)
   return out;
 }
 
-Outcome counterflow(SteeringKind model) {
+Outcome counterflow(const Conditions& conditions) {
   constexpr uint64_t kSeeds = 3;
   Outcome outcome;
   bool everybody = true, grows = true;
@@ -55,8 +55,9 @@ Outcome counterflow(SteeringKind model) {
   for (const int against : kAgainst) {
     double sum_s = 0;
     std::string runs;
-    for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
-      const Crossing crossing = cross(model, against, seed, outcome);
+    for (uint64_t run = 0; run < kSeeds; ++run) {
+      const uint64_t seed = conditions.seed_of_run(run, kSeeds);
+      const Crossing crossing = cross(conditions.model, against, seed, outcome);
       everybody = everybody && crossing.arrived == 100 &&
                   crossing.arrived_against == static_cast<size_t>(against);
       sum_s += crossing.last_s;

@@ -48,8 +48,8 @@ int best_rows(double per_metre) {
   return best;
 }
 
-Point measure(double asked_per_m2, const SteeringRule& steering, Outcome& outcome) {
-  Plan plan("corridor", {{0, 0}, {kLength_m + 30, 2}}, steering, 1);
+Point measure(double asked_per_m2, const Conditions& conditions, Outcome& outcome) {
+  Plan plan("corridor", {{0, 0}, {kLength_m + 30, 2}}, {conditions.model}, conditions.seed);
   const int rows = best_rows(2 * asked_per_m2);
   const auto columns = static_cast<int>(std::lround(asked_per_m2 * 2 * kLength_m / rows));
   plan.people_in_rows(rows, columns, {{0, 0}, {kLength_m, 2}},
@@ -150,12 +150,12 @@ std::vector<Figure> diagrams(const std::vector<Point>& points, const std::vector
            data + "set ylabel 'flow, people/(m s)'\n" + plot(3, 4)}};
 }
 
-Outcome fundamental_diagram(SteeringKind model) {
+Outcome fundamental_diagram(const Conditions& conditions) {
   Outcome outcome;
   const std::vector<Band> bands = recorded_bands();
   std::vector<Point> points;
   for (const double density : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0})
-    points.push_back(measure(density, {model}, outcome));
+    points.push_back(measure(density, conditions, outcome));
   int judged = 0, inside = 0;
   std::string list;
   for (const Point& point : points) {

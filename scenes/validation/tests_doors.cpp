@@ -18,8 +18,8 @@ std::string cumulative(const std::vector<double>& times_s) {
   return text;
 }
 
-std::vector<double> leave_by_one_door(const SteeringRule& steering, Outcome& outcome) {
-  Plan plan("exit", {{0, 0}, {12, 5}}, steering, 1);
+std::vector<double> leave_by_one_door(const Conditions& conditions, Outcome& outcome) {
+  Plan plan("exit", {{0, 0}, {12, 5}}, {conditions.model}, conditions.seed);
   plan.wall_along_y(0, 5, 8.1, {2.5}, 1);
   plan.people_in_rows(10, 10, {{0, 0}, {8, 5}}, {{{10.5, 0}, {12, 5}}});
   Trial trial(plan);
@@ -31,9 +31,9 @@ std::vector<double> leave_by_one_door(const SteeringRule& steering, Outcome& out
 
 constexpr double kAllowed_per_m_and_s = 1.33;
 
-Outcome exit_flow(SteeringKind model) {
+Outcome exit_flow(const Conditions& conditions) {
   Outcome outcome;
-  const std::vector<double> times_s = leave_by_one_door({model}, outcome);
+  const std::vector<double> times_s = leave_by_one_door(conditions, outcome);
   const double flow = flow_per_s(times_s), recorded_per_s = recorded_door(1).mean_per_s();
   outcome.passed = times_s.size() == 100;
   outcome.differs = outcome.passed && flow > kAllowed_per_m_and_s;
@@ -56,9 +56,9 @@ Outcome exit_flow(SteeringKind model) {
   return outcome;
 }
 
-std::vector<double> leave_a_hall(SteeringKind model, int doors, Outcome& outcome) {
+std::vector<double> leave_a_hall(const Conditions& conditions, int doors, Outcome& outcome) {
   // Doors in the long sides, at a quarter and three quarters.
-  Plan plan("hall", {{0, -2}, {30, 22}}, {model}, 1);
+  Plan plan("hall", {{0, -2}, {30, 22}}, {conditions.model}, conditions.seed);
   const std::vector<double> middles = {7.5, 22.5};
   plan.wall_along_x(0, 30, -0.1, middles, 1);
   plan.wall_along_x(0, 30, 20.1, doors == 4 ? middles : std::vector<double>(), 1);
@@ -80,10 +80,10 @@ std::vector<double> leave_a_hall(SteeringKind model, int doors, Outcome& outcome
   return times;
 }
 
-Outcome large_room(SteeringKind model) {
+Outcome large_room(const Conditions& conditions) {
   Outcome outcome;
-  const std::vector<double> four = leave_a_hall(model, 4, outcome);
-  const std::vector<double> two = leave_a_hall(model, 2, outcome);
+  const std::vector<double> four = leave_a_hall(conditions, 4, outcome);
+  const std::vector<double> two = leave_a_hall(conditions, 2, outcome);
   const bool all_left = four.size() == 1000 && two.size() == 1000;
   const double ratio = all_left ? two.back() / four.back() : 0;
   outcome.passed = all_left && ratio >= 1.6 && ratio <= 2.4;
@@ -148,24 +148,25 @@ NeckResult pass_a_neck(SteeringKind model, double width_m, uint64_t seed, Outcom
   return result;
 }
 
-Outcome neck_flow(SteeringKind model) {
+Outcome neck_flow(const Conditions& conditions) {
   Outcome outcome;
   std::vector<NeckResult> results;
   std::string flows, list, script, plots;
   bool grows = true, all_through = true;
   double last_flow = 0;
-  constexpr int kSeeds = 3;
+  constexpr uint64_t kSeeds = 3;
   const double widths_m[] = {0.8, 1.0, 1.2};
   for (const double width_m : widths_m) {
     NeckResult result;  // of the first seed; flows and densities are means
     double flow = 0, before_neck_per_m2 = 0, before_exit_per_m2 = 0;
-    for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
-      NeckResult each = pass_a_neck(model, width_m, seed, outcome);
+    for (uint64_t run = 0; run < kSeeds; ++run) {
+      NeckResult each =
+          pass_a_neck(conditions.model, width_m, conditions.seed_of_run(run, kSeeds), outcome);
       flow += flow_per_s(each.neck_s) / kSeeds;
       before_neck_per_m2 += each.before_neck_per_m2 / kSeeds;
       before_exit_per_m2 += each.before_exit_per_m2 / kSeeds;
       all_through = all_through && each.exit_s.size() == 150;
-      if (seed == 1) result = std::move(each);
+      if (run == 0) result = std::move(each);
     }
     result.before_neck_per_m2 = before_neck_per_m2;
     result.before_exit_per_m2 = before_exit_per_m2;

@@ -25,19 +25,22 @@ constexpr Oval kTwoWay = {15, 3, 3};
 constexpr double kTwoWay_per_m2 = 2;
 constexpr int kTwoWayMinutes = 10;
 
-Outcome overtaking(SteeringKind model) {
+Outcome overtaking(const Conditions& conditions) {
   Outcome outcome;
   std::vector<Overtaking> starts;
-  for (uint64_t seed = 1; seed <= kStarts / kLanes; ++seed) {
-    const std::vector<Overtaking> more = overtake(kLanes, model, seed, outcome);
+  constexpr uint64_t kRuns = kStarts / kLanes;
+  for (uint64_t run = 0; run < kRuns; ++run) {
+    const std::vector<Overtaking> more =
+        overtake(kLanes, conditions.model, conditions.seed_of_run(run, kRuns), outcome);
     starts.insert(starts.end(), more.begin(), more.end());
   }
   return judged(std::move(outcome), judge_overtaking(starts));
 }
 
-Outcome two_way(SteeringKind model) {
+Outcome two_way(const Conditions& conditions) {
   Outcome outcome;
-  const std::vector<double> flows = walk_two_ways(kTwoWayMinutes, model, 1, outcome);
+  const std::vector<double> flows =
+      walk_two_ways(kTwoWayMinutes, conditions.model, conditions.seed, outcome);
   return judged(std::move(outcome), judge_two_way(flows));
 }
 

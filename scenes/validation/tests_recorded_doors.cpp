@@ -36,11 +36,11 @@ Figure figure_of(const std::vector<DoorFlow>& flows) {
                   kFigureColours[0], kFigureColours[1])};
 }
 
-Outcome doors(SteeringKind model) {
+Outcome doors(const Conditions& conditions) {
   Outcome outcome;
   std::vector<DoorFlow> flows;
   for (const RecordedDoor& door : recorded_doors())
-    flows.push_back(pass_a_door(door.width_m, kPeople, model, 1, outcome));
+    flows.push_back(pass_a_door(door.width_m, kPeople, conditions.model, conditions.seed, outcome));
   outcome.figures = {figure_of(flows)};
   return judged(std::move(outcome), judge_doors(flows));
 }

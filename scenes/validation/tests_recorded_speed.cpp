@@ -38,12 +38,13 @@ Figure figure_of(const RecordedCurve& curve, const std::vector<Reading>& reading
                   kFigureColours[1])};
 }
 
-Outcome speed_against_density(const std::string& id, const std::string& title, SteeringKind model) {
+Outcome speed_against_density(const std::string& id, const std::string& title,
+                              const Conditions& conditions) {
   Outcome outcome;
   std::vector<DensitySpeed> samples;
   for (int index = 0; index < recorded_runs(id); ++index) {
     const std::vector<DensitySpeed> more =
-        speeds_of(recorded_run(id, index, model, 1), id, outcome);
+        speeds_of(recorded_run(id, index, conditions.model, conditions.seed), id, outcome);
     samples.insert(samples.end(), more.begin(), more.end());
   }
   const RecordedCurve& curve = recorded_curve(id);
@@ -95,8 +96,9 @@ std::vector<Test> recorded_speed_tests() {
                      "speed off, 70 % of them between 10 and 90 % of the recording, half of its "
                      "bins reached; source: {}",
                      curve.unit, curve.source),
-         [id = std::string(each.id), title = std::string(each.title)](SteeringKind model) {
-           return speed_against_density(id, title, model);
+         [id = std::string(each.id),
+          title = std::string(each.title)](const Conditions& conditions) {
+           return speed_against_density(id, title, conditions);
          }});
   }
   return out;

@@ -42,9 +42,9 @@ Figure figure_of(const std::string& id, const std::string& title,
                           kFigureColours[0])};
 }
 
-Outcome ring(SteeringKind model) {
+Outcome ring(const Conditions& conditions) {
   Outcome outcome;
-  Trial trial(ring_plan(model, 1));
+  Trial trial(ring_plan(conditions.model, conditions.seed));
   std::vector<double> lanes(static_cast<size_t>(std::lround(kRing.width_m / kLane_m)), 0);
   while (trial.step(kRingEnd_s)) {
     outcome.wall_crossings += kRing.strays(trial);
@@ -57,9 +57,9 @@ Outcome ring(SteeringKind model) {
   return judged(std::move(outcome), judge_fullest_lane(lanes, 0.35));
 }
 
-Outcome corner(SteeringKind model) {
+Outcome corner(const Conditions& conditions) {
   Outcome outcome;
-  Trial trial(corner_plan(model, 1));
+  Trial trial(corner_plan(conditions.model, conditions.seed));
   std::vector<double> lanes(static_cast<size_t>(std::lround(kCorner_m / kLane_m)), 0);
   while (trial.step(300))
     for (size_t id = 0; id < trial.size(); ++id) {
@@ -73,9 +73,9 @@ Outcome corner(SteeringKind model) {
   return judged(std::move(outcome), judge_used_lanes(lanes, 5, 0.05));
 }
 
-Outcome two_exits(SteeringKind model) {
+Outcome two_exits(const Conditions& conditions) {
   Outcome outcome;
-  Trial trial(two_exits_plan(model, 1));
+  Trial trial(two_exits_plan(conditions.model, conditions.seed));
   Gate near(Gate::Along::kY, -0.1, 0, 15, false);
   Gate far(Gate::Along::kY, -0.1, 15, 30, false);
   while (trial.step(1200)) {

@@ -13,9 +13,9 @@ namespace throng::validation {
 namespace {
 
 /// Time from x = 0 to x = 40 m of one person in a corridor of 2 m.
-Outcome walk_a_corridor(SteeringKind model, double speed_mps,
+Outcome walk_a_corridor(const Conditions& conditions, double speed_mps,
                         const std::function<bool(double)>& passes, const char* format) {
-  Plan plan("corridor", {{-2, 0}, {44, 2}}, {model}, 1);
+  Plan plan("corridor", {{-2, 0}, {44, 2}}, {conditions.model}, conditions.seed);
   Group& walker = plan.people(1, {{-1.2, 0.9}, {-1, 1.1}}, {{{42, 0}, {44, 2}}});
   walker.speed_mps = fixed(speed_mps);
   Trial trial(plan);
@@ -37,9 +37,9 @@ Outcome walk_a_corridor(SteeringKind model, double speed_mps,
   return outcome;
 }
 
-Outcome start_on_time(SteeringKind model) {
+Outcome start_on_time(const Conditions& conditions) {
   // Room 8 x 5 m, door of 1 m in the middle of the short wall; outside 4 m more.
-  Plan plan("delays", {{0, 0}, {12, 5}}, {model}, 1);
+  Plan plan("delays", {{0, 0}, {12, 5}}, {conditions.model}, conditions.seed);
   plan.wall_along_y(0, 5, 8.1, {2.5}, 1);
   constexpr int kPeople = 10;
   for (int i = 0; i < kPeople; ++i) {
@@ -86,9 +86,9 @@ Outcome start_on_time(SteeringKind model) {
   return outcome;
 }
 
-Outcome turn_a_corner(SteeringKind model) {
+Outcome turn_a_corner(const Conditions& conditions) {
   // The corridor is the ground less one block.
-  Plan plan("corner", {{0, 0}, {12, 12}}, {model}, 1);
+  Plan plan("corner", {{0, 0}, {12, 12}}, {conditions.model}, conditions.seed);
   plan.wall(0, 2, 10, 12);
   plan.people(20, {{0.2, 0.2}, {6, 1.8}}, {{{10, 11.3}, {12, 12}}});
   Trial trial(plan);
@@ -170,7 +170,7 @@ std::vector<double> speeds_of(SteeringKind model, const std::vector<Group>& walk
   return out;
 }
 
-Outcome speeds_by_age(SteeringKind model) {
+Outcome speeds_by_age(const Conditions& conditions) {
   std::vector<Group> walkers;
   for (const AgeRange& range : kAges) {
     Group walker;
@@ -178,7 +178,7 @@ Outcome speeds_by_age(SteeringKind model) {
     walkers.insert(walkers.end(), static_cast<size_t>(range.count), walker);
   }
   Outcome outcome;
-  const std::vector<double> speeds = speeds_of(model, walkers, 1, outcome);
+  const std::vector<double> speeds = speeds_of(conditions.model, walkers, conditions.seed, outcome);
   int inside = 0;
   size_t id = 0;
   std::string data, ranges;
@@ -206,15 +206,15 @@ Outcome speeds_by_age(SteeringKind model) {
   return outcome;
 }
 
-Outcome speed_distribution(SteeringKind model) {
+Outcome speed_distribution(const Conditions& conditions) {
   constexpr uint64_t kRuns = 5;
   Outcome outcome;
   std::vector<double> all;
   Group walker;
   walker.speed_mps = Distribution{1.2, 0.2, 0.4, 2.0};
-  for (uint64_t seed = 1; seed <= kRuns; ++seed) {
-    const std::vector<double> speeds =
-        speeds_of(model, std::vector<Group>(100, walker), seed, outcome);
+  for (uint64_t run = 0; run < kRuns; ++run) {
+    const std::vector<double> speeds = speeds_of(conditions.model, std::vector<Group>(100, walker),
+                                                 conditions.seed_of_run(run, kRuns), outcome);
     all.insert(all.end(), speeds.begin(), speeds.end());
   }
   double sum = 0, squares = 0;
@@ -253,17 +253,18 @@ std::vector<Test> walking_tests() {
        {"RiMEA 1: keeping the set speed in a corridor"},
        "Corridor 40 m x 2 m, one person with a free speed of 1.33 m/s.",
        "26 to 34 s for the 40 m",
-       [](SteeringKind model) {
+       [](const Conditions& conditions) {
          return walk_a_corridor(
-             model, 1.33, [](double time_s) { return time_s >= 26 && time_s <= 34; }, "{:.2f} s");
+             conditions, 1.33, [](double time_s) { return time_s >= 26 && time_s <= 34; },
+             "{:.2f} s");
        }},
       {{"imo_1", "iso_2"},
        {"IMO 1: keeping the set speed in a corridor", "ISO 20414 2: speed in a corridor"},
        "Corridor 40 m x 2 m, one person with a free speed of 1.0 m/s.",
        "1.0 m/s, give or take 0.05",
-       [](SteeringKind model) {
+       [](const Conditions& conditions) {
          return walk_a_corridor(
-             model, 1.0, [](double time_s) { return std::abs(40 / time_s - 1) <= 0.05; },
+             conditions, 1.0, [](double time_s) { return std::abs(40 / time_s - 1) <= 0.05; },
              "{:.2f} s, {:.3f} m/s");
        }},
       {{"rimea_5", "imo_5"},

@@ -8,12 +8,32 @@
 
 namespace throng::validation {
 
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return "pass";
+    case Verdict::kFail:
+      return "fail";
+    case Verdict::kDiffers:
+      return "differs";
+    case Verdict::kSkipped:
+      return "skipped";
+  }
+  return "";
+}
+
+Verdict Outcome::verdict() const {
+  if (skipped) return Verdict::kSkipped;
+  if (differs) return Verdict::kDiffers;
+  return passed ? Verdict::kPass : Verdict::kFail;
+}
+
 bool Test::has(const std::string& id) const {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-Outcome carry_out(const Test& test, SteeringKind model) {
-  Outcome outcome = test.run(model);
+Outcome carry_out(const Test& test, const Conditions& conditions) {
+  Outcome outcome = test.run(conditions);
   if (outcome.unplaced > 0) {
     outcome.passed = false;
     outcome.measured += fmt::format("; {} people found no room at the start", outcome.unplaced);

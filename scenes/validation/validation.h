@@ -4,6 +4,7 @@
 // fails is reported as failed.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -26,18 +27,40 @@ struct Reading {
   double low = kNone;  ///< what is accepted, or the band that is reported
   double high = kNone;
   std::optional<bool> met{};  ///< none: not judged
+  bool headline = false;      ///< sums up the others
+  double worst = kNone;       ///< of several seeds, whose mean `ours` then is
 };
+
+enum class Verdict : uint8_t {
+  kPass,
+  kFail,
+  kDiffers,  ///< measured only: recorded people do not meet the criterion either
+  kSkipped   ///< what it needs is not there
+};
+/// "pass", "fail", "differs", "skipped".
+const char* name_of(Verdict verdict);
 
 struct Outcome {
   bool passed = false;
-  /// Measured only: recorded people do not meet the criterion either.
   bool differs = false;
+  bool skipped = false;
   std::string measured;  ///< in a sentence, with units
   int wall_crossings = 0;
   int unplaced = 0;              ///< people whom the test asks for and who found no room
   double deepest_overlap_m = 0;  ///< of two steering discs
   std::vector<Figure> figures;
   std::vector<Reading> readings;
+
+  Verdict verdict() const;
+};
+
+/// What a test is run with; the same for all of them.
+struct Conditions {
+  SteeringKind model = SteeringRule{}.model;
+  uint64_t seed = 1;
+
+  /// Of a test that makes several runs: none of its seeds is another seed's.
+  uint64_t seed_of_run(uint64_t run, uint64_t runs) const { return (seed - 1) * runs + run + 1; }
 };
 
 /// One experiment; standards that share it share its outcome.
@@ -46,13 +69,13 @@ struct Test {
   std::vector<std::string> titles;  ///< by id: "RiMEA 6: ..."
   std::string setup;                ///< geometry, people, how they steer
   std::string criterion;
-  std::function<Outcome(SteeringKind)> run;
+  std::function<Outcome(const Conditions&)> run;
 
   bool has(const std::string& id) const;
 };
 
-/// Runs a test with a steering model. It fails if somebody found no room.
-Outcome carry_out(const Test& test, SteeringKind model);
+/// Runs a test. It fails if somebody found no room.
+Outcome carry_out(const Test& test, const Conditions& conditions);
 
 /// The standards' tests, in the order of the report.
 const std::vector<Test>& all_tests();

@@ -47,6 +47,28 @@ TEST(Validate, WhatIsHeldAgainstRecordedPeopleComesWithEveryNumber) {
   EXPECT_THAT(read_file(folder / "report/corner.svg"), HasSubstr("</svg>"));
 }
 
+TEST(Validate, SeveralSeedsGiveOneVerdictAndEachTheirFigures) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell(
+      "throng validate --only overtaking --seed 3 --seeds 2 --json v.json --out report", folder);
+  const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
+  const auto& test = json["tests"][0];
+  EXPECT_EQ(outcome.exit_code, test["verdict"] == "pass" ? 0 : 1) << outcome.err;
+  ASSERT_EQ(test["seeds"].size(), 2u);
+  bool all_pass = true;
+  double sum = 0;
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(test["seeds"][i]["seed"], 3 + i);
+    all_pass = all_pass && test["seeds"][i]["verdict"] == "pass";
+    sum += test["readings"][0]["by_seed"][i].get<double>();
+  }
+  EXPECT_EQ(test["verdict"], all_pass ? "pass" : "fail");
+  EXPECT_NEAR(test["readings"][0]["simulated"].get<double>(), sum / 2, 1e-12);
+  EXPECT_TRUE(test["readings"][0].contains("worst"));
+  EXPECT_THAT(outcome.out, HasSubstr("of 2 seeds pass"));
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("Of seeds 3 to 4."));
+}
+
 TEST(Validate, UnknownTestsAreBadInput) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng validate --only rimea_13", folder);

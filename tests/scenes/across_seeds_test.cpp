@@ -1,0 +1,91 @@
+// What several seeds say together: nobody hides a bad one among good ones.
+#include "scenes/validation/across_seeds.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace throng::validation {
+namespace {
+
+/// 1.0 to 1.2 is accepted.
+Reading flow(double ours, bool headline = true) {
+  return {"door", "flow", "1/s", ours, 1.1, 1.0, 1.2, ours >= 1.0 && ours <= 1.2, headline};
+}
+
+SeedOutcome seed_with(uint64_t seed, double ours) {
+  SeedOutcome out{seed, {}, 1};
+  out.outcome.readings = {flow(ours)};
+  out.outcome.passed = *out.outcome.readings[0].met;
+  out.outcome.measured = "flow of seed " + std::to_string(seed);
+  return out;
+}
+
+TEST(AcrossSeeds, OneSeedSaysWhatItMeasured) {
+  const std::vector<SeedOutcome> seeds = {seed_with(7, 1.1)};
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.verdict(), Verdict::kPass);
+  EXPECT_EQ(outcome.measured, "flow of seed 7");
+  EXPECT_TRUE(std::isnan(outcome.readings[0].worst));
+}
+
+TEST(AcrossSeeds, ATestFailsWhereOneSeedFails) {
+  const std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.3), seed_with(3, 1.05)};
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.verdict(), Verdict::kFail);
+  EXPECT_EQ(outcome.readings[0].met, false);
+  EXPECT_THAT(outcome.measured, testing::HasSubstr("2 of 3 seeds pass; worst, seed 2: flow"));
+}
+
+TEST(AcrossSeeds, ReadingsAreTheMeanAndTheOneFarthestOff) {
+  const std::vector<SeedOutcome> seeds = {seed_with(1, 1.02), seed_with(2, 1.1),
+                                          seed_with(3, 1.15)};
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.verdict(), Verdict::kPass);
+  EXPECT_NEAR(outcome.readings[0].ours, 1.09, 1e-12);
+  EXPECT_EQ(outcome.readings[0].worst, 1.02) << "0.02 from the bound, others 0.05";
+}
+
+TEST(AcrossSeeds, ASeedWithoutAReadingIsNoZero) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
+  seeds[0].outcome.readings[0].ours = Reading::kNone;
+  seeds[0].outcome.readings[0].met.reset();
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.readings[0].ours, 1.1);
+  EXPECT_EQ(outcome.readings[0].met, true);
+}
+
+TEST(AcrossSeeds, AllOthersCountForWallsAndPlaces) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
+  seeds[1].outcome.wall_crossings = 3;
+  seeds[1].outcome.unplaced = 2;
+  EXPECT_EQ(across_seeds(seeds).wall_crossings, 3);
+  EXPECT_EQ(across_seeds(seeds).unplaced, 2);
+}
+
+TEST(AcrossSeeds, FailingOutweighsDifferingAndSkipping) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
+  seeds[0].outcome.differs = true;
+  EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kDiffers);
+  seeds[1].outcome.passed = false;
+  EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kFail);
+  for (SeedOutcome& each : seeds) {
+    each.outcome = {};
+    each.outcome.skipped = true;
+  }
+  EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kSkipped);
+}
+
+TEST(Conditions, SeedsOfSeveralRunsNeverMeet) {
+  EXPECT_EQ(Conditions{}.seed_of_run(0, 3), 1u);
+  EXPECT_EQ(Conditions{}.seed_of_run(2, 3), 3u);
+  Conditions second;
+  second.seed = 2;
+  EXPECT_EQ(second.seed_of_run(0, 3), 4u);
+}
+
+}  // namespace
+}  // namespace throng::validation
