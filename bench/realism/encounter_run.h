@@ -10,11 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "bench/realism/encounter.h"
 #include "scenes/measures/part_group.h"
 #include "scenes/run/sink.h"
+#include "scenes/validation/encounter.h"
 
 namespace throng::realism {
+
+using validation::Encounter;
+using validation::EncounterKind;
+using validation::kEncounterKinds;
 
 struct EncounterResult {
   uint64_t number = 0;

@@ -5,11 +5,16 @@
 
 #include <span>
 
-#include "bench/realism/encounter.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/world.h"
+#include "scenes/validation/encounter.h"
 
 namespace throng::realism {
+
+using validation::Encounter;
+using validation::EncounterKind;
+using validation::kEncounterKinds;
+using validation::Passer;
 
 /// People of encounter i are 2 i and 2 i + 1. The ground holds these encounters.
 Scene encounter_scene(std::span<const Encounter> encounters);

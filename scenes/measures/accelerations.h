@@ -18,6 +18,8 @@ class Accelerations {
   void take(const RecentCrowd& crowd);
 
   MeasureTable table() const;
+  /// Of bodies, in m/s2.
+  const Histogram& of_bodies() const { return roots_mps2_; }
 
  private:
   double sample_s_;

@@ -37,6 +37,9 @@ class ContactMeasures {
 
   uint64_t contacts() const;
   double person_s() const { return person_s_; }
+  /// By level of density.
+  const std::array<uint64_t, kLevels>& contacts_at() const { return contacts_; }
+  const std::array<double, kLevels>& person_s_at() const { return person_s_at_; }
   MeasureTable contact_table() const;
   MeasureTable depth_table() const;
 

@@ -166,4 +166,14 @@ const RecordedDoor& recorded_door(double width_m) {
   throw std::out_of_range(fmt::format("no recorded door of {} m", width_m));
 }
 
+const char* const kRecordedContactsSource =
+    "three recordings of the Pedestrian Dynamics Data Archive (corridor of 1.8 m twice, bottleneck "
+    "of 0.5 m) on whose tracks bodies of ours walk (docs/realism.md)";
+
+const std::vector<RecordedContacts>& recorded_contacts() {
+  static const std::vector<RecordedContacts> levels = {
+      {0, 0.43, 0.8}, {0.43, 1, 5.4}, {1, 2, 11.3}, {2, 3.57, 34.7}, {3.57, 5, 58.3}};
+  return levels;
+}
+
 }  // namespace throng::validation

@@ -42,4 +42,14 @@ const std::vector<RecordedDoor>& recorded_doors();
 const RecordedDoor& recorded_door(double width_m);
 extern const char* const kRecordedDoorsSource;
 
+/// Contacts a person and minute of recorded people, from so many people per m2 to so many.
+struct RecordedContacts {
+  double from_per_m2 = 0;
+  double to_per_m2 = 0;
+  double per_person_min = 0;
+};
+/// Ascending; the levels of ContactMeasures from the first on.
+const std::vector<RecordedContacts>& recorded_contacts();
+extern const char* const kRecordedContactsSource;
+
 }  // namespace throng::validation

@@ -43,13 +43,19 @@ Trial::Trial(const Plan& plan)
       step_s_(plan.scene.step_s) {
   take(simulation_.step());
   before_m_ = positions_m_;
+  headings_before_ = headings_;
   was_present_ = present_;
 }
 
 void Trial::take(const Frame& frame) {
   positions_m_.resize(frame.roots.size());
-  for (size_t id = 0; id < positions_m_.size(); ++id)
-    positions_m_[id] = frame.roots[id].position_m.head<2>();
+  headings_.resize(frame.roots.size());
+  for (size_t id = 0; id < positions_m_.size(); ++id) {
+    const RootPose& root = frame.roots[id];
+    positions_m_[id] = root.position_m.head<2>();
+    const Eigen::Vector3f ahead = root.world_from_root * Eigen::Vector3f::UnitX();
+    headings_[id] = ahead.head<2>().cast<double>().normalized();
+  }
   if (frame.present.empty())
     present_.assign(positions_m_.size(), 1);
   else
@@ -65,6 +71,7 @@ bool Trial::crosses_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to)
 bool Trial::step(double until_s) {
   if (now_s_ >= until_s || present() == 0) return false;
   before_m_ = positions_m_;
+  headings_before_ = headings_;
   was_present_ = present_;
   take(simulation_.step());
   now_s_ += step_s_;

@@ -34,6 +34,10 @@ class Trial {
   Eigen::Vector2d velocity_mps(size_t id) const {
     return (positions_m_[id] - before_m_[id]) / step_s_;
   }
+  /// The way that somebody's body faces; unit.
+  const Eigen::Vector2d& heading(size_t id) const { return headings_[id]; }
+  const Eigen::Vector2d& heading_before(size_t id) const { return headings_before_[id]; }
+  const RunInfo& info() const { return simulation_.info(); }
   /// Moves so far that ended in a wall, went through one or left the ground.
   int wall_crossings() const { return wall_crossings_; }
   /// Of two discs, so far.
@@ -50,6 +54,8 @@ class Trial {
   double now_s_ = 0;
   std::vector<Eigen::Vector2d> positions_m_;
   std::vector<Eigen::Vector2d> before_m_;
+  std::vector<Eigen::Vector2d> headings_;
+  std::vector<Eigen::Vector2d> headings_before_;
   std::vector<uint8_t> present_;
   std::vector<uint8_t> was_present_;
   int wall_crossings_ = 0;

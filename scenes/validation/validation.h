@@ -92,6 +92,8 @@ std::vector<Test> recorded_door_tests();
 std::vector<Test> recorded_speed_tests();
 std::vector<Test> passing_tests();
 std::vector<Test> spreading_tests();
+std::vector<Test> behaviour_tests();
+std::vector<Test> contact_tests();
 
 /// "RiMEA 6", "rimea-6" and "rimea_6" are the same.
 std::string normal_id(const std::string& id);

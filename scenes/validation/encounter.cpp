@@ -1,4 +1,4 @@
-#include "bench/realism/encounter.h"
+#include "scenes/validation/encounter.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "base/random.h"
 #include "scenes/file/people.h"
 
-namespace throng::realism {
+namespace throng::validation {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -137,4 +137,4 @@ std::string Encounter::description() const {
                      offset_m_);
 }
 
-}  // namespace throng::realism
+}  // namespace throng::validation

@@ -1,4 +1,5 @@
 // Two people who meet on otherwise empty ground: who they are and the ways they take.
+// Dressed, they show what bodies make of a path; steered from where they begin, what steering does.
 // One rule: an encounter is a function of seed and number, whatever else is run beside it, and its
 // ways keep the discs of the two apart by themselves: what touches are bodies on sound paths.
 #pragma once
@@ -10,7 +11,7 @@
 
 #include "avatars/gait/gait_style.h"
 
-namespace throng::realism {
+namespace throng::validation {
 
 enum class EncounterKind : uint8_t { kHeadOn, kCrossing, kSameWay };
 inline constexpr size_t kEncounterKinds = 3;
@@ -69,4 +70,4 @@ class Encounter {
   int rejected_ = 0;
 };
 
-}  // namespace throng::realism
+}  // namespace throng::validation

@@ -1,0 +1,225 @@
+#include "scenes/validation/judging_behaviour.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace throng::validation {
+namespace {
+
+constexpr double kNone = Reading::kNone;
+
+}  // namespace
+
+Judgement judge_accelerations(std::span<const Accelerated> scenes) {
+  constexpr double kMost_mps2 = 5;
+  Judgement out;
+  double worst_mps2 = 0;
+  uint64_t samples = 0;
+  std::string worst_where;
+  out.passed = !scenes.empty();
+  for (const Accelerated& scene : scenes) {
+    const bool met = scene.samples > 0 && scene.at_999_mps2 < kMost_mps2;
+    out.passed = out.passed && met;
+    samples += scene.samples;
+    out.readings.push_back({scene.where, "acceleration, 99.9 % are at most", "m/s2",
+                            scene.at_999_mps2, kNone, kNone, kMost_mps2, met});
+    if (scene.at_999_mps2 < worst_mps2) continue;
+    worst_mps2 = scene.at_999_mps2;
+    worst_where = scene.where;
+  }
+  out.readings.push_back({"worst scene", "acceleration, 99.9 % are at most", "m/s2", worst_mps2,
+                          kNone, kNone, kMost_mps2, out.passed, true});
+  out.summary =
+      fmt::format("99.9 % are at most {:.2f} m/s2 where they are fastest ({}); {} accelerations",
+                  worst_mps2, worst_where, samples);
+  return out;
+}
+
+Judgement judge_queues(std::span<const Queued> queues) {
+  constexpr double kMostTurns_per_min = 1;
+  constexpr double kLeastWaited_s = 300;
+  Judgement out;
+  out.passed = !queues.empty();
+  double most = 0;
+  for (const Queued& queue : queues) {
+    const double minutes = queue.waited_s / 60;
+    const double net = minutes > 0 ? queue.net_turns / minutes : kNone;
+    const bool met = queue.waited_s >= kLeastWaited_s && net <= kMostTurns_per_min;
+    out.passed = out.passed && met;
+    most = std::max(most, net);
+    out.readings.push_back(
+        {queue.where, "turns, net", "1/min", net, kNone, kNone, kMostTurns_per_min, met});
+    out.readings.push_back({queue.where,
+                            "turns, there and back",
+                            "1/min",
+                            minutes > 0 ? queue.all_turns / minutes : kNone,
+                            kNone,
+                            kNone,
+                            kNone,
+                            {}});
+    out.readings.push_back({queue.where, "waited", "person s", queue.waited_s, kNone,
+                            kLeastWaited_s, kNone, queue.waited_s >= kLeastWaited_s});
+    out.summary +=
+        fmt::format("{}{}: {:.2f} turns a minute net, {:.2f} there and back",
+                    out.summary.empty() ? "" : "; ", queue.where, net, queue.all_turns / minutes);
+  }
+  out.readings.push_back({"worst queue", "turns, net", "1/min", most, kNone, kNone,
+                          kMostTurns_per_min, out.passed, true});
+  return out;
+}
+
+Judgement judge_audience(std::span<const double> facing_shares) {
+  constexpr double kLeast = 0.95;
+  Judgement out;
+  const double least =
+      facing_shares.empty() ? 0 : *std::min_element(facing_shares.begin(), facing_shares.end());
+  const double mean = facing_shares.empty()
+                          ? 0
+                          : std::accumulate(facing_shares.begin(), facing_shares.end(), 0.0) /
+                                static_cast<double>(facing_shares.size());
+  out.passed = least >= kLeast;
+  out.readings = {
+      {"worst moment", "share that faces the stage", "", least, kNone, kLeast, 1, out.passed, true},
+      {"all moments", "share that faces the stage", "", mean, kNone, kLeast, 1, {}}};
+  out.summary = fmt::format(
+      "{:.1f} % face the stage within 20 degrees on average, {:.1f} % at the worst moment",
+      100 * mean, 100 * least);
+  return out;
+}
+
+Judgement judge_standing(std::span<const Standing> crowds) {
+  constexpr double kOff = 0.01, kMostOverlap_m = 0.01;
+  Judgement out;
+  out.passed = !crowds.empty();
+  for (const Standing& crowd : crowds) {
+    const std::string at = fmt::format("{:g} per m2", crowd.asked_per_m2);
+    const double low = (1 - kOff) * crowd.asked_per_m2, high = (1 + kOff) * crowd.asked_per_m2;
+    const bool placed = crowd.placed_per_m2 >= low && crowd.placed_per_m2 <= high;
+    const bool clear = crowd.deepest_overlap_m < kMostOverlap_m;
+    out.passed = out.passed && placed && clear;
+    out.readings.push_back(
+        {at, "placed", "1/m2", crowd.placed_per_m2, kNone, low, high, placed, true});
+    out.readings.push_back({at, "deepest overlap of bodies", "m", crowd.deepest_overlap_m, kNone,
+                            kNone, kMostOverlap_m, clear});
+    out.summary += fmt::format("{}{:g} asked, {:.2f} placed ({:.1f} mm in each other)",
+                               out.summary.empty() ? "" : ", ", crowd.asked_per_m2,
+                               crowd.placed_per_m2, 1000 * std::max(0.0, crowd.deepest_overlap_m));
+  }
+  return out;
+}
+
+Judgement judge_encounters(std::span<const MetTwo> met) {
+  Judgement out;
+  struct Sum {
+    int all = 0, touch = 0, near = 0;
+    double nearest_m = 1e9;
+  };
+  std::array<Sum, kEncounterKinds + 1> sums;
+  for (const MetTwo& each : met)
+    for (Sum* const sum : {&sums[static_cast<size_t>(each.kind)], &sums[kEncounterKinds]}) {
+      ++sum->all;
+      sum->touch += each.touched;
+      sum->near += each.nearest_m < Encounter::kDisc_m;
+      sum->nearest_m = std::min(sum->nearest_m, each.nearest_m);
+    }
+  const Sum& all = sums[kEncounterKinds];
+  out.passed = all.all > 0 && all.touch == 0;
+  for (size_t i = 0; i <= kEncounterKinds; ++i) {
+    const Sum& sum = sums[i];
+    if (sum.all == 0) continue;
+    const bool is_all = i == kEncounterKinds;
+    const std::string at = is_all ? "all" : name_of(static_cast<EncounterKind>(i));
+    const auto count = static_cast<double>(sum.all);
+    out.readings.push_back(
+        {at, "share that touch", "", sum.touch / count, kNone, 0, 0, sum.touch == 0, is_all});
+    out.readings.push_back({at,
+                            fmt::format("share nearer than {:g} m", Encounter::kDisc_m),
+                            "",
+                            sum.near / count,
+                            kNone,
+                            kNone,
+                            kNone,
+                            {},
+                            is_all});
+    out.readings.push_back({at, "nearest middles", "m", sum.nearest_m, kNone, kNone, kNone, {}});
+  }
+  out.summary = fmt::format(
+      "{} of {} touch ({} head-on, {} crossing, {} the same way); in {} middles come nearer than "
+      "{:g} m, {:.2f} m at the nearest",
+      all.touch, all.all, sums[0].touch, sums[1].touch, sums[2].touch, all.near, Encounter::kDisc_m,
+      all.all > 0 ? all.nearest_m : kNone);
+  return out;
+}
+
+double LevelContacts::per_person_min() const {
+  // Both people have it.
+  return person_s > 0 ? 2 * 60 * static_cast<double>(contacts) / person_s : kNone;
+}
+
+namespace {
+
+/// How many standard errors a level has fewer than the one below it: counts are Poisson's.
+double fall_in_errors(const LevelContacts& below, const LevelContacts& level) {
+  const double fall = below.per_person_min() - level.per_person_min();
+  const auto error = [](const LevelContacts& each) {
+    return each.per_person_min() /
+           std::sqrt(std::max<double>(1, static_cast<double>(each.contacts)));
+  };
+  const double both = std::hypot(error(below), error(level));
+  return both > 0 ? fall / both : 0;
+}
+
+}  // namespace
+
+Judgement judge_contacts(std::span<const LevelContacts> levels) {
+  constexpr double kMostAlone = 1, kLow = 0.5, kHigh = 1.5, kWithin = 0.5;
+  constexpr double kChance = 1.645;  // one-sided, 95 %
+  constexpr size_t kLeastLevels = 3;
+  Judgement out;
+  size_t reached = 0, as_recorded = 0;
+  const LevelContacts* below = nullptr;
+  bool falls = false;
+  std::string list;
+  for (size_t i = 0; i < levels.size() && i < recorded_contacts().size(); ++i) {
+    const RecordedContacts& theirs = recorded_contacts()[i];
+    const double low =
+        i == 0 ? 0 : std::min(kLow * theirs.per_person_min, theirs.per_person_min - kWithin);
+    const double high =
+        i == 0 ? kMostAlone
+               : std::max(kHigh * theirs.per_person_min, theirs.per_person_min + kWithin);
+    const std::string at = fmt::format("{:g} to {:g} per m2", theirs.from_per_m2, theirs.to_per_m2);
+    const double ours = levels[i].per_person_min();
+    Reading reading{at,   "contacts", "a person and minute", ours, theirs.per_person_min, low,
+                    high, {}};
+    if (levels[i].person_s >= 60 * kLeastPersonMinutes) {
+      const double fall = below == nullptr ? 0 : fall_in_errors(*below, levels[i]);
+      falls = falls || fall > kChance;
+      reading.met = ours >= low && ours <= high && fall <= kChance;
+      reading.headline = true;
+      as_recorded += ours >= low && ours <= high;
+      below = &levels[i];
+      ++reached;
+      list += fmt::format("{}{:.2f}", list.empty() ? "" : ", ", ours);
+    }
+    out.readings.push_back(reading);
+    out.readings.push_back({at,
+                            "watched",
+                            "person min",
+                            levels[i].person_s / 60,
+                            kNone,
+                            kLeastPersonMinutes,
+                            kNone,
+                            {}});
+  }
+  out.passed = reached >= kLeastLevels && as_recorded == reached && !falls;
+  out.summary = fmt::format(
+      "{} of {} levels of density reached as recorded; {} contacts a person and minute from the "
+      "lowest on{}",
+      as_recorded, reached, list, falls ? "; fewer where it is denser" : "");
+  return out;
+}
+
+}  // namespace throng::validation

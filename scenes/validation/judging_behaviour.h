@@ -1,0 +1,71 @@
+// Verdicts on how people move, stand and meet: accelerations, queues, audiences, contacts.
+// One rule: as judging.h, numbers in, readings and a verdict out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "scenes/validation/encounter.h"
+#include "scenes/validation/judging.h"
+
+namespace throng::validation {
+
+/// Accelerations over 0.1 s of the people of a scene.
+struct Accelerated {
+  std::string where;
+  double at_999_mps2 = 0;  ///< of 99.9 % at most
+  uint64_t samples = 0;
+};
+/// Below 5 m/s2 in 99.9 % everywhere.
+Judgement judge_accelerations(std::span<const Accelerated> scenes);
+
+/// Of the people who wait before a door: how far round they turned, in turns.
+struct Queued {
+  std::string where;
+  double net_turns = 0;  ///< there and back is nothing; of each person, whatever the direction
+  double all_turns = 0;  ///< every turning, there and back
+  double waited_s = 0;   ///< person-seconds
+};
+/// Net at most one turn a person and minute; less than 5 person-minutes of waiting say nothing.
+Judgement judge_queues(std::span<const Queued> queues);
+
+/// Shares of an audience that face the stage within 20 degrees, moment by moment: at no moment less
+/// than 95 %.
+Judgement judge_audience(std::span<const double> facing_shares);
+
+/// People who stand as close as a scene asks.
+struct Standing {
+  double asked_per_m2 = 0;
+  double placed_per_m2 = 0;
+  double deepest_overlap_m = 0;  ///< of two bodies, seen from above
+};
+/// As many as asked, to within one in a hundred, bodies less than a centimetre in each other.
+Judgement judge_standing(std::span<const Standing> crowds);
+
+/// Two who met with nobody else near.
+struct MetTwo {
+  EncounterKind kind = EncounterKind::kHeadOn;
+  double nearest_m = 0;  ///< of their middles
+  bool touched = false;
+};
+/// None of them touch.
+Judgement judge_encounters(std::span<const MetTwo> met);
+
+/// Contacts of two people at a level of density.
+struct LevelContacts {
+  uint64_t contacts = 0;
+  double person_s = 0;
+
+  double per_person_min() const;
+};
+/// Fewer person-minutes say nothing about a level.
+inline constexpr double kLeastPersonMinutes = 30;
+/// At the lowest level at most 1 a person and minute; at the others 0.5 to 1.5 times as many as
+/// recorded people have or within 0.5 of them; and no fewer than at the level below, but for
+/// chance (5 % of the time if they were equal). Levels as in recorded_contacts(). Three of them at
+/// least must have been reached.
+Judgement judge_contacts(std::span<const LevelContacts> levels);
+
+}  // namespace throng::validation

@@ -1,0 +1,139 @@
+// How people move, stand and meet: every criterion can fail, and the instruments see what is there.
+#include "scenes/validation/behaviour.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace throng::validation {
+namespace {
+
+TEST(AccelerationsOfPeople, FailWhereOneSceneJerks) {
+  EXPECT_TRUE(judge_accelerations(std::vector<Accelerated>{{"a", 4.9, 1000}}).passed);
+  EXPECT_FALSE(
+      judge_accelerations(std::vector<Accelerated>{{"a", 3, 1000}, {"b", 5.1, 1000}}).passed);
+  EXPECT_FALSE(judge_accelerations({}).passed);
+}
+
+TEST(Queues, FailForPeopleWhoSpinAndForTooFewOfThem) {
+  EXPECT_TRUE(judge_queues(std::vector<Queued>{{"a", 9, 99, 600}}).passed);
+  EXPECT_FALSE(judge_queues(std::vector<Queued>{{"a", 11, 99, 600}}).passed);
+  EXPECT_FALSE(judge_queues(std::vector<Queued>{{"a", 0, 0, 299}}).passed);
+  EXPECT_FALSE(judge_queues({}).passed);
+}
+
+TEST(Audience, FailsForOneMomentOfLookingAway) {
+  EXPECT_TRUE(judge_audience(std::vector<double>{1, 0.96, 1}).passed);
+  EXPECT_FALSE(judge_audience(std::vector<double>{1, 0.94, 1}).passed);
+  EXPECT_FALSE(judge_audience({}).passed);
+}
+
+TEST(StandingClose, FailsForTooFewAndForBodiesInEachOther) {
+  EXPECT_TRUE(judge_standing(std::vector<Standing>{{4, 3.97, 0.005}}).passed);
+  EXPECT_FALSE(judge_standing(std::vector<Standing>{{4, 3.9, -0.1}}).passed);
+  EXPECT_FALSE(judge_standing(std::vector<Standing>{{4, 4, 0.02}}).passed);
+}
+
+TEST(Encounters, FailForASingleTouch) {
+  std::vector<MetTwo> met(100, {EncounterKind::kCrossing, 0.4, false});
+  EXPECT_TRUE(judge_encounters(met).passed) << "bodies give way at 0.4 m";
+  met[50].touched = true;
+  EXPECT_FALSE(judge_encounters(met).passed);
+  EXPECT_FALSE(judge_encounters({}).passed);
+}
+
+/// As recorded people have them, with an hour at each level.
+std::vector<LevelContacts> recorded_levels() {
+  std::vector<LevelContacts> levels;
+  for (const RecordedContacts& theirs : recorded_contacts())
+    levels.push_back({static_cast<uint64_t>(30 * theirs.per_person_min), 3600});
+  return levels;
+}
+
+TEST(ContactsByDensity, PassForThoseOfRecordedPeople) {
+  const Judgement judgement = judge_contacts(recorded_levels());
+  EXPECT_TRUE(judgement.passed) << judgement.summary;
+}
+
+TEST(ContactsByDensity, FailForTooManyAndTooFewAtAnyLevel) {
+  for (size_t i = 0; i < recorded_levels().size(); ++i)
+    for (const double factor : {0.3, 1.7}) {
+      if (i == 0 && factor < 1) continue;  // nobody has to touch where there is room
+      std::vector<LevelContacts> levels = recorded_levels();
+      levels[i].contacts = static_cast<uint64_t>(factor * static_cast<double>(levels[i].contacts));
+      EXPECT_FALSE(judge_contacts(levels).passed) << "level " << i << ", " << factor;
+    }
+}
+
+TEST(ContactsByDensity, FailWhereTheyFallByMoreThanChance) {
+  std::vector<LevelContacts> levels = recorded_levels();
+  // 43 a minute at 2 to 3.57 per m2 and 40 at 3.57 to 5: both as recorded, each for itself.
+  levels[3] = {static_cast<uint64_t>(30 * 50), 3600};
+  levels[4] = {static_cast<uint64_t>(30 * 32), 3600};
+  EXPECT_FALSE(judge_contacts(levels).passed);
+  levels[4] = {static_cast<uint64_t>(30 * 49), 3600};
+  EXPECT_TRUE(judge_contacts(levels).passed) << "2 % is chance";
+}
+
+TEST(ContactsByDensity, FailForACrowdThatIsNeverDense) {
+  std::vector<LevelContacts> levels = recorded_levels();
+  levels.resize(2);
+  EXPECT_FALSE(judge_contacts(levels).passed);
+}
+
+TEST(Behaviour, AWalkerWhoTurnsBackAccelerates) {
+  Plan plan("alone", {{0, 0}, {20, 2}}, {}, 1);
+  Group& group = plan.people(1, {{1, 0.9}, {1.2, 1.1}}, {{{18, 0}, {20, 2}}});
+  Outcome outcome;
+  const Accelerated straight = accelerations_of("alone", plan, 10, outcome);
+  EXPECT_EQ(straight.samples, 99u);
+  EXPECT_LT(straight.at_999_mps2, 0.1);
+  group.goals[0].areas = {{{6, 0}, {8, 2}}};
+  group.goals.push_back(group.goals[0]);
+  group.goals[1].areas = {{{0, 0}, {1, 2}}};
+  const Accelerated found = accelerations_of("alone", plan, 10, outcome);
+  EXPECT_GT(found.at_999_mps2, 0.5);
+  EXPECT_LT(found.at_999_mps2, 5);
+}
+
+TEST(Behaviour, AQueueIsThatBeforeTheDoor) {
+  Plan plan("closed", {{0, 0}, {10, 4}}, {}, 1);
+  plan.wall_along_y(0, 4, 8, {2}, 0.7);
+  plan.people(30, {{0.5, 0.5}, {7, 3.5}}, {{{9, 0}, {10, 4}}});
+  Outcome outcome;
+  const Queued before = queue_in("before", plan, {{0, 0}, {8, 4}}, 20, outcome);
+  const Queued behind = queue_in("behind", plan, {{8.2, 0}, {10, 4}}, 20, outcome);
+  EXPECT_GT(before.waited_s, 30);
+  EXPECT_LT(behind.waited_s, 0.1 * before.waited_s);
+  EXPECT_GE(before.all_turns, before.net_turns);
+}
+
+TEST(Behaviour, WhoStandsFacesWhatTheGroupFaces) {
+  Plan plan("hall", {{0, 0}, {20, 20}}, {}, 1);
+  Group& group = plan.people(20, {{4, 4}, {16, 16}}, {{{0, 0}, {20, 2}}});
+  group.delay_s = fixed(100);
+  group.face_m = Eigen::Vector2d(10, 25);
+  Outcome outcome;
+  const std::vector<double> shares = facing_shares(plan, 2, outcome);
+  ASSERT_EQ(shares.size(), 21u);
+  for (const double share : shares) EXPECT_GE(share, 0.95);
+  plan.scene.groups[0].face_m.reset();
+  EXPECT_TRUE(facing_shares(plan, 2, outcome).empty()) << "no audience";
+}
+
+TEST(Behaviour, EncountersBeginWhereTheyAreDrawnAndAreTheSameAgain) {
+  const std::vector<MetTwo> met = meet(10, {});
+  ASSERT_EQ(met.size(), 10u);
+  for (size_t i = 0; i < met.size(); ++i) {
+    EXPECT_EQ(met[i].kind, Encounter(1, i).kind());
+    EXPECT_GT(met[i].nearest_m, 0.2) << i;
+    EXPECT_LT(met[i].nearest_m, 4) << i << ": they hardly met";
+  }
+  const std::vector<MetTwo> again = meet(10, {});
+  for (size_t i = 0; i < met.size(); ++i) EXPECT_EQ(met[i].nearest_m, again[i].nearest_m);
+}
+
+}  // namespace
+}  // namespace throng::validation
