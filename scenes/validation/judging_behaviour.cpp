@@ -154,6 +154,31 @@ Judgement judge_encounters(std::span<const MetTwo> met) {
   return out;
 }
 
+Judgement judge_companions(std::span<const Together> places, const PartyExits& exits) {
+  constexpr double kLeast = 0.95;
+  Judgement out;
+  out.passed = !places.empty();
+  for (const Together& place : places) {
+    const bool met = place.moments > 0 && place.share() >= kLeast;
+    out.passed = out.passed && met;
+    out.readings.push_back({place.where, "share of the time within 3 m of a companion", "",
+                            place.share(), kNone, kLeast, 1, met, true});
+    out.summary += fmt::format("{}{}: within 3 m of a companion {:.1f} % of the time",
+                               out.summary.empty() ? "" : "; ", place.where, 100 * place.share());
+  }
+  const double share = exits.parties > 0 ? static_cast<double>(exits.by_one) / exits.parties : 0;
+  const bool one_exit = exits.parties > 0 && share >= kLeast;
+  out.readings.push_back({"two exits", "share of the parties that leave by one", "", share, kNone,
+                          kLeast, 1, one_exit, true});
+  out.readings.push_back({"two exits", "people left behind", "",
+                          static_cast<double>(exits.left_behind), kNone, 0, 0,
+                          exits.left_behind == 0});
+  out.passed = out.passed && one_exit && exits.left_behind == 0;
+  out.summary += fmt::format("; {} of {} parties leave by one exit, {} people do not leave",
+                             exits.by_one, exits.parties, exits.left_behind);
+  return out;
+}
+
 double LevelContacts::per_person_min() const {
   // Both people have it.
   return person_s > 0 ? 2 * 60 * static_cast<double>(contacts) / person_s : kNone;

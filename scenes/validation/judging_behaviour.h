@@ -53,6 +53,26 @@ struct MetTwo {
 /// None of them touch.
 Judgement judge_encounters(std::span<const MetTwo> met);
 
+/// People who walk in parties of two to four.
+struct Together {
+  std::string where;
+  uint64_t moments = 0;  ///< of a person with a companion who is there, too
+  uint64_t near = 0;     ///< of these, with one within 3 m
+
+  double share() const {
+    return moments > 0 ? static_cast<double>(near) / static_cast<double>(moments) : 0;
+  }
+};
+/// Parties that left by one of several exits all together, and those that did not.
+struct PartyExits {
+  int parties = 0;
+  int by_one = 0;
+  int left_behind = 0;  ///< people
+};
+/// Near a companion 95 % of the time everywhere; 95 % of the parties leave by one exit, and
+/// everybody leaves.
+Judgement judge_companions(std::span<const Together> places, const PartyExits& exits);
+
 /// Contacts of two people at a level of density.
 struct LevelContacts {
   uint64_t contacts = 0;

@@ -44,7 +44,8 @@ Outcome carry_out(const Test& test, const Conditions& conditions) {
 const std::vector<Test>& all_tests() {
   static const std::vector<Test> tests = [] {
     std::vector<Test> all;
-    for (const auto& part : {walking_tests(), density_tests(), door_tests(), counterflow_tests()})
+    for (const auto& part :
+         {walking_tests(), density_tests(), door_tests(), counterflow_tests(), route_tests()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();
@@ -54,8 +55,9 @@ const std::vector<Test>& all_tests() {
 const std::vector<Test>& reality_tests() {
   static const std::vector<Test> tests = [] {
     std::vector<Test> all;
-    for (const auto& part : {recorded_door_tests(), recorded_speed_tests(), passing_tests(),
-                             spreading_tests(), behaviour_tests(), contact_tests()})
+    for (const auto& part :
+         {recorded_door_tests(), recorded_speed_tests(), passing_tests(), spreading_tests(),
+          behaviour_tests(), contact_tests(), companion_tests()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();

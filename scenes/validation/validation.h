@@ -88,12 +88,14 @@ std::vector<Test> walking_tests();
 std::vector<Test> density_tests();
 std::vector<Test> door_tests();
 std::vector<Test> counterflow_tests();
+std::vector<Test> route_tests();
 std::vector<Test> recorded_door_tests();
 std::vector<Test> recorded_speed_tests();
 std::vector<Test> passing_tests();
 std::vector<Test> spreading_tests();
 std::vector<Test> behaviour_tests();
 std::vector<Test> contact_tests();
+std::vector<Test> companion_tests();
 
 /// "RiMEA 6", "rimea-6" and "rimea_6" are the same.
 std::string normal_id(const std::string& id);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "scenes/validation/companions.h"
+
 namespace throng::validation {
 namespace {
 
@@ -81,6 +83,41 @@ TEST(ContactsByDensity, FailForACrowdThatIsNeverDense) {
   std::vector<LevelContacts> levels = recorded_levels();
   levels.resize(2);
   EXPECT_FALSE(judge_contacts(levels).passed);
+}
+
+TEST(CompanionsTogether, FailForPartiesThatScatterAndForThoseThatPart) {
+  const std::vector<Together> near = {{"a", 1000, 960}}, far = {{"a", 1000, 960}, {"b", 1000, 940}};
+  EXPECT_TRUE(judge_companions(near, {100, 96, 0}).passed);
+  EXPECT_FALSE(judge_companions(far, {100, 96, 0}).passed);
+  EXPECT_FALSE(judge_companions(near, {100, 94, 0}).passed);
+  EXPECT_FALSE(judge_companions(near, {100, 100, 1}).passed);
+  EXPECT_FALSE(judge_companions({}, {100, 100, 0}).passed);
+}
+
+TEST(CompanionsTogether, EveryPartyIsAGroupAndFindsRoom) {
+  for (const Plan& plan : {crossing_parties_plan(SteeringRule{}.model, 1),
+                           parties_at_a_door_plan(SteeringRule{}.model, 1),
+                           parties_with_two_exits_plan(SteeringRule{}.model, 1)}) {
+    const Trial trial(plan);
+    EXPECT_EQ(trial.unplaced(), 0) << plan.scene.name;
+    for (size_t id = 1; id < trial.size(); ++id) {
+      if (trial.group(id) != trial.group(id - 1)) continue;
+      EXPECT_LT((trial.position_m(id) - trial.position_m(id - 1)).norm(), 3) << plan.scene.name;
+    }
+  }
+}
+
+TEST(CompanionsTogether, TwoWhoAreNoCompanionsPart) {
+  Plan plan("apart", {{-20, -4}, {20, 4}}, {}, 1);
+  Group& group = plan.people(2, {{-1, -1}, {1, 1}}, {{{15, -4}, {20, 4}}});
+  group.companions = Companions{1, {1, 0, 0}};
+  Outcome outcome;
+  EXPECT_GT(stay_together("together", plan, 30, outcome).share(), 0.95);
+  // Of one group, and nobody's companions: one is fast.
+  group.companions.reset();
+  group.speed_mps = Distribution{1.2, 0.6, 0.5, 2};
+  plan.scene.seed = 3;
+  EXPECT_LT(stay_together("apart", plan, 30, outcome).share(), 0.95);
 }
 
 TEST(Behaviour, AWalkerWhoTurnsBackAccelerates) {
