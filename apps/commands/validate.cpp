@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -35,6 +36,7 @@ Examples:
 struct ValidateOptions {
   std::string out;
   std::string json;
+  std::string recordings;
   std::vector<std::string> only;
   bool reality = false;
   uint64_t seed = 1;
@@ -111,8 +113,18 @@ void carry_out_all(Session& session, const validation::Conditions& conditions, i
   });
 }
 
+/// What is missing has to be told before anything runs.
+void require_recordings(const std::string& folder) {
+  if (folder.empty()) return;
+  for (const std::string& name : validation::recording_files())
+    if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / name))
+      throw InputError("--recordings", fmt::format("a folder with {}", name),
+                       fmt::format("'{}' without it", folder));
+}
+
 int validate(const ValidateOptions& options) {
   const StopSignal stop;
+  require_recordings(options.recordings);
   OutputPlan plan;
   plan.writes_json(options.json);
   plan.fills("--out", options.out, {"report.md", "*.svg"});
@@ -121,7 +133,8 @@ int validate(const ValidateOptions& options) {
   const auto session = std::make_shared<Session>();
   session->runs = chosen(options);
   session->seeds = options.seeds;
-  const validation::Conditions conditions{steering_kind_of(options.steering).value(), options.seed};
+  const validation::Conditions conditions{steering_kind_of(options.steering).value(), options.seed,
+                                          options.recordings};
   const bool all = done_before_a_signal([session, conditions, threads = options.threads] {
     carry_out_all(*session, conditions, threads);
   });
@@ -160,6 +173,11 @@ Command add_validate_command(CommandLine& parent) {
          fmt::format("The model that steers: {} [{}]", steering_choices(), options->steering))
       ->check(name_option(steering_names()))
       ->type_name("MODEL");
+  app->add_option(
+         "--recordings", options->recordings,
+         "The folder of recordings (docs/recordings.md) for --reality; without it what needs "
+         "them is skipped")
+      ->type_name("DIR");
   app->add_option("--seed", options->seed, "The first seed [1]")
       ->check(whole_option(1, INT64_MAX / 1000, "a whole number from 1"))
       ->type_name("N");

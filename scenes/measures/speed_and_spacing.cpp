@@ -112,6 +112,24 @@ MeasureTable SpeedAndSpacing::speed_table() const {
   return table;
 }
 
+std::vector<SpeedAndSpacing::Spacing> SpeedAndSpacing::spacings() const {
+  std::vector<Spacing> out;
+  for (size_t level = 0; level <= kSpacingBounds_per_m2.size(); ++level)
+    for (const Side side : {kAhead, kBeside}) {
+      const Histogram& distances_m = spacing_m_[level * kSides + side];
+      Spacing& cell = out.emplace_back();
+      cell.at = range_text(level == 0 ? 0 : kSpacingBounds_per_m2[level - 1],
+                           level < kSpacingBounds_per_m2.size()
+                               ? std::optional(kSpacingBounds_per_m2[level])
+                               : std::nullopt);
+      cell.is_ahead = side == kAhead;
+      cell.pairs = distances_m.count();
+      for (size_t i = 0; i < kQuantiles.size(); ++i)
+        cell.quantiles_m[i] = distances_m.quantile(kQuantiles[i]);
+    }
+  return out;
+}
+
 MeasureTable SpeedAndSpacing::spacing_table() const {
   MeasureTable table{"spacing",
                      "Spacing ahead and beside",

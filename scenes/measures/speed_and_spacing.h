@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "scenes/measures/histogram.h"
@@ -32,6 +33,17 @@ class SpeedAndSpacing {
 
   /// The people of one moment.
   void take(const Moment& moment, const Velocities& velocities);
+
+  /// How near others are ahead or beside, at a level of density.
+  struct Spacing {
+    std::string at;  ///< "1 to 2"
+    bool is_ahead = false;
+    uint64_t pairs = 0;
+    std::array<double, 3> quantiles_m{};  ///< kQuantiles
+  };
+  static constexpr std::array<double, 3> kQuantiles = {0.01, 0.05, 0.25};
+  /// All cells, those without a pair included.
+  std::vector<Spacing> spacings() const;
 
   MeasureTable speed_table() const;
   MeasureTable spacing_table() const;

@@ -154,6 +154,54 @@ Judgement judge_encounters(std::span<const MetTwo> met) {
   return out;
 }
 
+Judgement judge_spacing(std::span<const SpeedAndSpacing::Spacing> ours,
+                        std::span<const SpeedAndSpacing::Spacing> theirs) {
+  constexpr std::array<double, 3> kWithin_m = {0.12, 0.08, 0.08};
+  Judgement out;
+  int asked = 0, reached = 0, met = 0;
+  double most_m = 0;
+  for (size_t i = 0; i < theirs.size(); ++i) {
+    if (theirs[i].pairs < kLeastPairs) continue;
+    ++asked;
+    const bool is_reached = ours[i].pairs >= kLeastPairs;
+    reached += is_reached;
+    bool is_near = true;
+    for (size_t k = 0; k < kWithin_m.size(); ++k) {
+      const double recorded_m = theirs[i].quantiles_m[k];
+      Reading reading{
+          fmt::format("{} per m2, {}", theirs[i].at, theirs[i].is_ahead ? "ahead" : "beside"),
+          fmt::format("{:g} % nearer than", 100 * SpeedAndSpacing::kQuantiles[k]),
+          "m",
+          kNone,
+          recorded_m,
+          recorded_m - kWithin_m[k],
+          recorded_m + kWithin_m[k],
+          {}};
+      if (is_reached) {
+        const double off_m = ours[i].quantiles_m[k] - recorded_m;
+        reading.ours = ours[i].quantiles_m[k];
+        reading.met = std::abs(off_m) <= kWithin_m[k];
+        is_near = is_near && *reading.met;
+        if (std::abs(off_m) > std::abs(most_m)) most_m = off_m;
+      }
+      out.readings.push_back(std::move(reading));
+    }
+    met += is_reached && is_near;
+  }
+  const bool enough = asked > 0 && 2 * reached >= asked;
+  out.passed = enough && met == reached;
+  out.readings.push_back({"all cells", "cells as recorded", "", static_cast<double>(met), kNone,
+                          static_cast<double>(reached), static_cast<double>(reached),
+                          met == reached && enough, true});
+  out.readings.push_back({"all cells", "cells reached", "", static_cast<double>(reached), kNone,
+                          0.5 * asked, static_cast<double>(asked), enough});
+  out.summary = fmt::format(
+      "{} of {} cells of density and side as recorded, {} of the recording's {} reached; at most "
+      "{:+.2f} m off",
+      met, reached, reached, asked, most_m);
+  return out;
+}
+
 Judgement judge_companions(std::span<const Together> places, const PartyExits& exits) {
   constexpr double kLeast = 0.95;
   Judgement out;

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "scenes/measures/speed_and_spacing.h"
 #include "scenes/validation/encounter.h"
 #include "scenes/validation/judging.h"
 
@@ -52,6 +53,14 @@ struct MetTwo {
 };
 /// None of them touch.
 Judgement judge_encounters(std::span<const MetTwo> met);
+
+/// Fewer pairs say nothing about a cell of spacing.
+inline constexpr uint64_t kLeastPairs = 500;
+/// How near others are, by density, ahead and beside: 5 and 25 % within 0.08 m of the recording, 1
+/// % within 0.12 m, in cells with enough pairs of both. Half of the recording's cells at least have
+/// to be reached. Cells in the same order.
+Judgement judge_spacing(std::span<const SpeedAndSpacing::Spacing> ours,
+                        std::span<const SpeedAndSpacing::Spacing> theirs);
 
 /// People who walk in parties of two to four.
 struct Together {

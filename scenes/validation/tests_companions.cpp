@@ -13,7 +13,8 @@ constexpr double kPatience_s = 300;
 constexpr double kNear_m = 3;
 
 Outcome companions(const Conditions& conditions) {
-  const auto [model, seed] = conditions;
+  const SteeringKind model = conditions.model;
+  const uint64_t seed = conditions.seed;
   Outcome outcome;
   const std::vector<Together> places = {
       stay_together("crossing", crossing_parties_plan(model, seed), kPatience_s, outcome),

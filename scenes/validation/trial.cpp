@@ -69,7 +69,8 @@ bool Trial::crosses_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to)
 }
 
 bool Trial::step(double until_s) {
-  if (now_s_ >= until_s || present() == 0) return false;
+  const bool all_came = simulation_.traffic().entered >= size();
+  if (now_s_ >= until_s || (present() == 0 && all_came)) return false;
   before_m_ = positions_m_;
   headings_before_ = headings_;
   was_present_ = present_;

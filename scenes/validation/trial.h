@@ -17,7 +17,7 @@ class Trial {
  public:
   explicit Trial(const Plan& plan);
 
-  /// Advances by a step; false once the time is over or everybody has left.
+  /// Advances by a step; false once the time is over or everybody has come and left.
   bool step(double until_s);
 
   double now_s() const { return now_s_; }

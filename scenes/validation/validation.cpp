@@ -57,7 +57,7 @@ const std::vector<Test>& reality_tests() {
     std::vector<Test> all;
     for (const auto& part :
          {recorded_door_tests(), recorded_speed_tests(), passing_tests(), spreading_tests(),
-          behaviour_tests(), contact_tests(), companion_tests()})
+          behaviour_tests(), contact_tests(), companion_tests(), spacing_tests()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -58,6 +59,8 @@ struct Outcome {
 struct Conditions {
   SteeringKind model = SteeringRule{}.model;
   uint64_t seed = 1;
+  /// The folder of the recordings that some tests are held against; empty: these are skipped.
+  std::filesystem::path recordings{};
 
   /// Of a test that makes several runs: none of its seeds is another seed's.
   uint64_t seed_of_run(uint64_t run, uint64_t runs) const { return (seed - 1) * runs + run + 1; }
@@ -96,6 +99,10 @@ std::vector<Test> spreading_tests();
 std::vector<Test> behaviour_tests();
 std::vector<Test> contact_tests();
 std::vector<Test> companion_tests();
+std::vector<Test> spacing_tests();
+
+/// Files that have to lie in Conditions::recordings.
+std::vector<std::string> recording_files();
 
 /// "RiMEA 6", "rimea-6" and "rimea_6" are the same.
 std::string normal_id(const std::string& id);

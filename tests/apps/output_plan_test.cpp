@@ -39,7 +39,7 @@ const std::vector<CommandLine>& commands() {
       {"view", "a.lcmlog", {"--html"}, {}, {"a.lcmlog"}},
       {"paper", "--frames 10", {"--json", "--out"}, {}},
       {"bench", "--avatars 20 --engines none --frames 1", {"--json", "--csv"}, {}},
-      {"validate", "--only rimea_1", {"--json", "--out"}, {}},
+      {"validate", "--only rimea_1", {"--json", "--out"}, {"--recordings"}},
       {"compare", "my.yaml my.yaml --seconds 0.1", {"--json", "--out"}, {}, {"my.yaml"}},
       {"monitor", "a.lcmlog", {}, {}},
       {"info", "a.lcmlog", {}, {}},

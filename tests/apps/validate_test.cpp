@@ -69,6 +69,24 @@ TEST(Validate, SeveralSeedsGiveOneVerdictAndEachTheirFigures) {
   EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("Of seeds 3 to 4."));
 }
 
+TEST(Validate, WhatNeedsRecordingsIsSkippedWithoutThem) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell("throng validate --only spacing_door --json v.json", folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
+  EXPECT_EQ(json["tests"][0]["verdict"], "skipped");
+  EXPECT_EQ(json["skipped"], 1);
+  EXPECT_THAT(outcome.out, HasSubstr("1 skipped"));
+}
+
+TEST(Validate, AFolderWithoutTheRecordingsIsBadInput) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell("throng validate --only spacing_door --recordings . --json v.json", folder);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--recordings: expected a folder with uo-180-180-120.txt"));
+}
+
 TEST(Validate, UnknownTestsAreBadInput) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng validate --only rimea_13", folder);

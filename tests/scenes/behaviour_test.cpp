@@ -4,10 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include "scenes/validation/companions.h"
+#include "scenes/validation/recorded_inflow.h"
 
 namespace throng::validation {
 namespace {
@@ -118,6 +121,68 @@ TEST(CompanionsTogether, TwoWhoAreNoCompanionsPart) {
   group.speed_mps = Distribution{1.2, 0.6, 0.5, 2};
   plan.scene.seed = 3;
   EXPECT_LT(stay_together("apart", plan, 30, outcome).share(), 0.95);
+}
+
+std::vector<SpeedAndSpacing::Spacing> cells(double shift_m) {
+  return {{"1 to 2", true, 600, {0.4 + shift_m, 0.5 + shift_m, 0.7 + shift_m}},
+          {"1 to 2", false, 600, {0.3, 0.4, 0.6}},
+          {"2 to 3", true, 499, {0.1, 0.1, 0.1}}};
+}
+
+TEST(Spacing, FailsNineCentimetresOffAndForACrowdThatIsNeverSoDense) {
+  EXPECT_TRUE(judge_spacing(cells(0.07), cells(0)).passed);
+  EXPECT_FALSE(judge_spacing(cells(0.09), cells(0)).passed);
+  EXPECT_FALSE(judge_spacing(cells(-0.09), cells(0)).passed);
+  auto few = cells(0);
+  few[0].pairs = 499;
+  EXPECT_TRUE(judge_spacing(few, cells(0)).passed) << "half of the cells is enough";
+  few[1].pairs = 499;
+  EXPECT_FALSE(judge_spacing(few, cells(0)).passed);
+}
+
+TEST(Spacing, OfOnePercentMayBeFartherOff) {
+  auto ours = cells(0);
+  ours[0].quantiles_m[0] += 0.11;
+  EXPECT_TRUE(judge_spacing(ours, cells(0)).passed);
+  ours[0].quantiles_m[0] += 0.02;
+  EXPECT_FALSE(judge_spacing(ours, cells(0)).passed);
+}
+
+TEST(Spacing, IsSkippedWithoutTheRecordings) {
+  for (const validation::Test& test : spacing_tests()) {
+    const Outcome outcome = carry_out(test, {});
+    EXPECT_EQ(outcome.verdict(), Verdict::kSkipped);
+    EXPECT_THAT(outcome.measured, testing::HasSubstr("--recordings"));
+  }
+}
+
+/// With the recordings, where they are at hand.
+TEST(Spacing, EverybodyOfARecordingComesInWhenAndWhereTheyDid) {
+  const char* const folder = std::getenv("THRONG_RECORDINGS");
+  if (folder == nullptr) GTEST_SKIP() << "THRONG_RECORDINGS names no folder of recordings";
+  for (const char* id : {"spacing_corridor", "spacing_door"}) {
+    InflowSite site = inflow_site(id, {});
+    site.reading.file = std::filesystem::path(folder) / site.file;
+    const auto recording = read_recording(site.reading);
+    const Plan plan = with_inflow(site, *recording);
+    Trial trial(plan);
+    ASSERT_EQ(trial.size(), recording->people().size()) << id;
+    std::vector<double> came_s(trial.size(), -1);
+    while (trial.step(120))
+      for (size_t i = 0; i < trial.size(); ++i)
+        if (trial.is_present(i) && came_s[i] < 0) came_s[i] = trial.now_s();
+    std::vector<double> firsts_s;
+    for (const RecordedPerson& person : recording->people()) firsts_s.push_back(person.first_s);
+    std::sort(firsts_s.begin(), firsts_s.end());
+    std::sort(came_s.begin(), came_s.end());
+    double sum_s = 0;
+    for (size_t i = 0; i < came_s.size(); ++i) {
+      EXPECT_GE(came_s[i], firsts_s[i] - 0.06) << id;
+      sum_s += came_s[i] - firsts_s[i];
+    }
+    EXPECT_LT(sum_s / static_cast<double>(came_s.size()), 1) << id;
+    EXPECT_EQ(trial.present(), 0u) << id;
+  }
 }
 
 TEST(Behaviour, AWalkerWhoTurnsBackAccelerates) {

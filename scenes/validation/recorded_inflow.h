@@ -1,0 +1,43 @@
+// Experiments walked again: everybody enters when and where a recorded person did, and both crowds
+// are measured alike.
+// One rule: geometry, times and places are the recording's; how people steer is what everybody
+// gets.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scenes/measures/speed_and_spacing.h"
+#include "scenes/recorded/recording.h"
+#include "scenes/validation/plan.h"
+#include "scenes/validation/validation.h"
+
+namespace throng::validation {
+
+/// Where a recording was made.
+struct InflowSite {
+  std::string id;
+  std::string file;
+  /// Read with these; its folder comes from the conditions.
+  RecordingOptions reading;
+  Plan plan;       ///< without people
+  Rectangle goal;  ///< where they leave
+  std::optional<Distribution> speed_mps;
+};
+/// `spacing_corridor` or `spacing_door`; throws std::out_of_range for others.
+InflowSite inflow_site(const std::string& id, const Conditions& conditions);
+
+/// One of the plan's people for each of the recording: enters at its first instant and place, or as
+/// soon as there is room. Those of the very first instant stand as dense as they stood, in bands of
+/// 2 m along y.
+Plan with_inflow(const InflowSite& site, const Recording& recording);
+
+/// Ten times a second.
+std::vector<SpeedAndSpacing::Spacing> recorded_spacing(const Scene& scene,
+                                                       const Recording& recording);
+std::vector<SpeedAndSpacing::Spacing> steered_spacing(const Plan& plan, double seconds,
+                                                      Outcome& outcome);
+
+}  // namespace throng::validation

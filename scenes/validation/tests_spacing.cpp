@@ -1,0 +1,57 @@
+// How near people walk, in experiments walked again with the recording's own inflow.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "scenes/validation/judging_behaviour.h"
+#include "scenes/validation/recorded_inflow.h"
+
+namespace throng::validation {
+namespace {
+
+constexpr double kPatience_s = 300;
+
+Outcome spacing(const std::string& id, const Conditions& conditions) {
+  Outcome outcome;
+  InflowSite site = inflow_site(id, conditions);
+  if (conditions.recordings.empty()) {
+    outcome.skipped = true;
+    outcome.measured = fmt::format("needs {}: --recordings FOLDER names where it lies", site.file);
+    return outcome;
+  }
+  site.reading.file = conditions.recordings / site.file;
+  const auto recording = read_recording(site.reading);
+  const auto theirs = recorded_spacing(site.plan.scene, *recording);
+  const auto ours = steered_spacing(with_inflow(site, *recording), kPatience_s, outcome);
+  return judged(std::move(outcome), judge_spacing(ours, theirs));
+}
+
+constexpr const char* kCriterion =
+    "of the distances to others within 1.2 m, by density and side, 5 and 25 % within 0.08 m of the "
+    "recording and 1 % within 0.12 m, in cells with 500 pairs, half of the recording's reached; "
+    "source: {} of the Pedestrian Dynamics Data Archive";
+
+}  // namespace
+
+std::vector<std::string> recording_files() {
+  return {inflow_site("spacing_corridor", {}).file, inflow_site("spacing_door", {}).file};
+}
+
+std::vector<Test> spacing_tests() {
+  return {
+      {{"spacing_corridor"},
+       {"Spacing in a corridor with an exit of 1.2 m"},
+       "A corridor of 8 m x 1.8 m with an exit of 1.2 m behind a room; 170 people enter when and "
+       "where those of the recording did. Places of centres beside recorded heads, ten times a "
+       "second.",
+       fmt::format(fmt::runtime(kCriterion), "uo-180-180-120 (Hermes project)"),
+       [](const Conditions& conditions) { return spacing("spacing_corridor", conditions); }},
+      {{"spacing_door"},
+       {"Spacing before a door of 0.5 m"},
+       "A door of 0.5 m in a barrier; 75 people who begin as dense as those of the recording, in "
+       "bands of 2 m.",
+       fmt::format(fmt::runtime(kCriterion), "040_c_56_h- (Wuppertal 2018)"),
+       [](const Conditions& conditions) { return spacing("spacing_door", conditions); }}};
+}
+
+}  // namespace throng::validation
