@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -55,7 +54,7 @@ InflowSite door(const Conditions& conditions) {
     corner.mesh = box_mesh(corner.size_m);
     plan.solid(std::move(corner));
   }
-  return {"spacing_door", "040_c_56_h-.txt", {}, std::move(plan), {{-3, -3}, {3, -2}}, {}};
+  return {"spacing_door", "040_c_56_h-.txt", {}, std::move(plan), {{-3, -3}, {3, -2}}, {}, 0.3};
 }
 
 /// Measures a crowd moment by moment.
@@ -92,28 +91,27 @@ Plan with_inflow(const InflowSite& site, const Recording& recording) {
   // Heads lean towards each other and towards walls farther than discs may.
   const Eigen::Vector2d slack = Eigen::Vector2d::Constant(0.15);
   std::vector<Sample> samples;
-  // Those of the first instant, closer together than discs can be placed: as many in each band.
-  constexpr double kBand_m = 2;
-  std::map<int, int> at_first;
-  double west_m = 1e9, east_m = -1e9;
+  // Those of the first instant stand closer together than discs can be placed.
+  int at_first = 0;
+  Rectangle around = {Eigen::Vector2d::Constant(1e9), Eigen::Vector2d::Constant(-1e9)};
   for (size_t person = 0; person < recording.people().size(); ++person) {
     recording.read(person, samples);
     const Sample& first = samples.front();
     const Rectangle place = {first.position_m - slack, first.position_m + slack};
     if (first.time_s < kSlack_s) {
-      ++at_first[static_cast<int>(std::floor(first.position_m.y() / kBand_m))];
-      west_m = std::min(west_m, first.position_m.x());
-      east_m = std::max(east_m, first.position_m.x());
+      ++at_first;
+      around.min_m = around.min_m.cwiseMin(place.min_m);
+      around.max_m = around.max_m.cwiseMax(place.max_m);
       continue;
     }
     Group& one = plan.people(0, place, {site.goal});
     one.sources = {{place, 1, 1, first.time_s, false}};
     one.speed_mps = site.speed_mps;
   }
-  for (const auto& [band, count] : at_first) {
-    Group& group =
-        plan.people(count, {{west_m, band * kBand_m}, {east_m, (band + 1) * kBand_m}}, {site.goal});
-    group.density_per_m2 = count / group.spawn.area_m2();
+  if (at_first > 0) {
+    around.min_m.y() = std::max(around.min_m.y(), site.least_y);
+    Group& group = plan.people(at_first, around, {site.goal});
+    group.density_per_m2 = at_first / around.area_m2();
     group.speed_mps = site.speed_mps;
   }
   return plan;

@@ -25,13 +25,14 @@ struct InflowSite {
   Plan plan;       ///< without people
   Rectangle goal;  ///< where they leave
   std::optional<Distribution> speed_mps;
+  double least_y = -1e9;  ///< nobody stands nearer to the barrier at first
 };
 /// `spacing_corridor` or `spacing_door`; throws std::out_of_range for others.
 InflowSite inflow_site(const std::string& id, const Conditions& conditions);
 
 /// One of the plan's people for each of the recording: enters at its first instant and place, or as
-/// soon as there is room. Those of the very first instant stand as dense as they stood, in bands of
-/// 2 m along y.
+/// soon as there is room. Those of the very first instant, if there are several, stand anywhere in
+/// the rectangle around them.
 Plan with_inflow(const InflowSite& site, const Recording& recording);
 
 /// Ten times a second.

@@ -48,8 +48,8 @@ std::vector<Test> spacing_tests() {
        [](const Conditions& conditions) { return spacing("spacing_corridor", conditions); }},
       {{"spacing_door"},
        {"Spacing before a door of 0.5 m"},
-       "A door of 0.5 m in a barrier; 75 people who begin as dense as those of the recording, in "
-       "bands of 2 m.",
+       "A door of 0.5 m in a barrier; 75 people who begin in the rectangle in which those of the "
+       "recording did.",
        fmt::format(fmt::runtime(kCriterion), "040_c_56_h- (Wuppertal 2018)"),
        [](const Conditions& conditions) { return spacing("spacing_door", conditions); }}};
 }
