@@ -177,12 +177,13 @@ TEST(SetUps, OfSpeedAgainstDensityPlaceEverybody) {
 }
 
 TEST(SetUps, OfSituationsPlaceEverybody) {
-  for (const Plan& plan :
-       {door_plan(0.5, 180, kModel, 1), overtaking_plan(20, kModel, 1), two_way_plan(kModel, 1),
-        ring_plan(kModel, 1), corner_plan(kModel, 1), two_exits_plan(kModel, 1)}) {
-    const Trial trial(plan);
-    EXPECT_EQ(trial.unplaced(), 0) << plan.scene.name;
-  }
+  for (uint64_t seed = 1; seed <= 5; ++seed)
+    for (const Plan& plan : {door_plan(0.5, 180, kModel, seed), overtaking_plan(20, kModel, seed),
+                             two_way_plan(kModel, seed), ring_plan(kModel, seed),
+                             corner_plan(kModel, seed), two_exits_plan(kModel, seed)}) {
+      const Trial trial(plan);
+      EXPECT_EQ(trial.unplaced(), 0) << plan.scene.name << ", seed " << seed;
+    }
 }
 
 TEST(SetUps, AnOvalIsTheSameThereAndBack) {
