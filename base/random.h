@@ -25,6 +25,7 @@ enum class Purpose : uint32_t {
   kStanding = 14,
   kPatience = 15,
   kCompany = 16,
+  kWaiting = 17,
 };
 
 /// The names of one stream of numbers.

@@ -96,6 +96,16 @@ void add_door(std::string& text, const Door& door) {
   for (const Cue& cue : door.closes) append(text, "    closes   {}\n", describe(cue));
 }
 
+void add_queues(std::string& text, const Group& group) {
+  for (size_t i = 0; i < group.goals.size(); ++i) {
+    const Goal& goal = group.goals[i];
+    if (!goal.is_limited()) continue;
+    append(text, "    queue    for goal {}, which takes {} at once", i + 1, goal.most_inside());
+    if (goal.areas.size() > 1) append(text, " in each of {} areas", goal.areas.size());
+    append(text, ", {:g} m apart\n", goal.queue.spacing_m);
+  }
+}
+
 void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   append(text, "  {}: {} of '{}', {} parts each, {} goals\n", group.name, group.total(),
          group.body->name, group.body->part_count(), group.goals.size());
@@ -114,6 +124,7 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
     append(text, "    driven   by messages on the LCM channel {}; nothing else moves it\n",
            group.driven);
   if (group.driven.empty()) add_way(text, group, mesh);
+  add_queues(text, group);
   append(text, "    size     {}\n", describe_size(group));
   add_people(text, group);
 }

@@ -56,6 +56,8 @@ Json schema_of(const Rule& rule) {
       return {{"enum", rule.words}};
     case Rule::Kind::kNumbers:
       return list(number(rule.range), rule);
+    case Rule::Kind::kPoints:
+      return list(list(number(rule.range), {.least = 2, .most = 2}), rule);
     case Rule::Kind::kMap:
       return reference(rule.map);
     case Rule::Kind::kList:

@@ -35,6 +35,7 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       doorkeeper_(ways, radii_of(people), workers),
       exits_(ways, people, options.seed),
       parties_(ways, people),
+      queues_(ways, people),
       grid_(ways.walkable().ground(), people.size(), options.simd) {
   steps_a_decision_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
@@ -131,6 +132,7 @@ void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
 void Crowd::archive(Archive& a) {
   a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, occasions_, doorkeeper_,
     exits_, parties_, counters_);
+  queues_.archive(a, journeys_);
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
       if (journeys_.is_present(id) && !ways_.walkable().ground().contains(positions_m_[id]))
@@ -236,8 +238,9 @@ void Crowd::move(size_t slot) {
       period_s_ * (2 * tuning::kHaste * w.free_speed_mps[slot] + tuning::kMaxDrift_mps);
   if (w.clearance_m[slot] < reach_m + tuning::kWallGap_m)
     to = ways_.walkable().slide(from, to, tuning::kWallGap_m);
-  w.position_m[slot] = to;
   const uint32_t id = grid_.order()[slot];
+  if (queues_.any()) to = queues_.keep_out(id, from, to, journeys_);
+  w.position_m[slot] = to;
   walked_m_[id] = (to - from).norm();
   positions_m_[id] = to;
   velocities_mps_[id] = w.velocity_mps[slot];

@@ -22,6 +22,7 @@
 #include "scenes/crowd/neighbours/neighbour_grid.h"
 #include "scenes/crowd/occasions.h"
 #include "scenes/crowd/parties.h"
+#include "scenes/crowd/queues.h"
 #include "scenes/crowd/spawn.h"
 #include "scenes/crowd/steering/steering.h"
 #include "scenes/crowd/traffic.h"
@@ -61,6 +62,7 @@ class Crowd {
   size_t size() const { return positions_m_.size(); }
   const Journeys& journeys() const { return journeys_; }
   const Traffic& traffic() const { return traffic_; }
+  const Queues& queues() const { return queues_; }
   std::span<const Eigen::Vector2d> positions_m() const { return positions_m_; }
   /// Unit vectors: the way the body faces.
   std::span<const Eigen::Vector2d> headings() const { return headings_; }
@@ -173,6 +175,7 @@ class Crowd {
   Doorkeeper doorkeeper_;
   Exits exits_;
   Parties parties_;
+  Queues queues_;
 
   NeighbourGrid grid_;
   std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere

@@ -55,6 +55,7 @@ void Crowd::change_people() {
   if (exits_.has_any())
     exits_.choose(static_cast<uint64_t>(steps_ / steps_a_decision_), positions_m_, grid_.order(),
                   walkers_.queuing, journeys_, workers_);
+  if (queues_.any()) queues_.follow(traffic_.present(), positions_m_, journeys_, workers_);
   for (const uint32_t id : traffic_.entered()) {
     const Eigen::Vector2d way = journeys_.direction(id, positions_m_[id]);
     if (way.squaredNorm() > 0) headings_[id] = way;
@@ -369,6 +370,7 @@ double Crowd::watch_progress(size_t slot) {
 
 bool Crowd::is_queuing(size_t slot) const {
   const uint32_t id = grid_.order()[slot];
+  if (journeys_.doing(id) == Doing::kQueuing) return true;
   if (journeys_.doing(id) != Doing::kWalking) return false;
   const double slow_mps = tuning::kQueueSpeed * walkers_.free_speed_mps[slot];
   if (walkers_.velocity_mps[slot].squaredNorm() > slow_mps * slow_mps) return false;

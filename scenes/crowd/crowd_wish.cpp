@@ -11,7 +11,8 @@ namespace throng {
 
 Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const uint32_t id = grid_.order()[slot];
-  const bool has_companions = parties_.has(id);
+  const bool has_companions =
+      parties_.has(id) && journeys_.doing(id) != Doing::kQueuing;  // each has a place of their own
   Eigen::Vector2d direction =
       has_companions ? parties_.alone(id) : journeys_.direction(id, walkers_.position_m[slot]);
   walkers_.facing[slot] = direction;
@@ -89,9 +90,12 @@ void Crowd::find_facing(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   if (journeys_.doing(id) == Doing::kWalking && !parties_.stands(id)) return;
   const Eigen::Vector2d& position = walkers_.position_m[slot];
-  const Eigen::Vector2d facing = parties_.stands(id) ? parties_.waits_for_m(id) - position
-                                 : faces_m_[id]      ? *faces_m_[id] - position
-                                                     : journeys_.facing(id, position);
+  const bool looks_ahead = queues_.any() && !queues_.facing(id).isZero() &&
+                           (!faces_m_[id] || journeys_.doing(id) == Doing::kQueuing);
+  const Eigen::Vector2d facing = looks_ahead           ? queues_.facing(id)
+                                 : parties_.stands(id) ? parties_.waits_for_m(id) - position
+                                 : faces_m_[id]        ? *faces_m_[id] - position
+                                                       : journeys_.facing(id, position);
   const double length = facing.norm();
   walkers_.facing[slot] = length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
 }

@@ -45,6 +45,10 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
   stops_.assign(people.size(), 0);
   exits_.assign(people.size(), kNoExit);
   visits_.assign(people.size(), 0);
+  if (!ways.queues().empty()) {
+    areas_.assign(people.size(), kNoArea);
+    guides_.resize(people.size());
+  }
   for (size_t group = 0; group < ways.groups(); ++group)
     sets_out_s_.push_back(ways.after(group) ? kNever : 0);
   for (uint32_t id = 0; id < people.size(); ++id) {
@@ -57,7 +61,7 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
 }
 
 void Journeys::archive(Archive& a) {
-  a(doing_, next_, until_s_, stops_, exits_, visits_, targets_m_, sets_out_s_);
+  a(doing_, next_, until_s_, stops_, exits_, visits_, targets_m_, areas_, sets_out_s_);
   if (!a.is_reading()) return;
   for (const double time_s : sets_out_s_)
     if (!(time_s >= 0)) a.refuse("a time from the start on", "another");
@@ -71,6 +75,12 @@ void Journeys::archive(Archive& a) {
       a.refuse("nobody with an exit who does not walk to one", "somebody");
     if (exits_[id] < kOpen && exits_[id] - stop(id).first_exit >= stop(id).exits)
       a.refuse("an exit of the goal", "another");
+    if (doing_[id] == Doing::kQueuing && (areas_.empty() || !stop(id).queue))
+      a.refuse("somebody in a queue where there is one", "somebody elsewhere");
+    if (!areas_.empty() && areas_[id] != kNoArea &&
+        (doing_[id] != Doing::kWalking || !stop(id).queue ||
+         areas_[id] >= stop(id).goal.areas.size()))
+      a.refuse("an area of a goal with a queue", "another");
     // Written so that NaN is refused, too.
     if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
       a.refuse("a place", "one out of the world");
@@ -94,9 +104,29 @@ void Journeys::set_out(uint32_t id, const Eigen::Vector2d& position_m) {
   choose_target(id, position_m);
 }
 
+void Journeys::let_in(uint32_t id, uint32_t area, const Eigen::Vector2d& position_m) {
+  doing_[id] = Doing::kWalking;
+  areas_[id] = area;
+  choose_target(id, position_m);
+}
+
+/// The areas of a goal with a queue are told apart.
+bool Journeys::is_inside(uint32_t id, const Eigen::Vector2d& position_m) const {
+  const Stop& to = stop(id);
+  if (areas_.empty() || !to.queue) return to.contains(position_m);
+  return areas_[id] != kNoArea && to.goal.areas[areas_[id]].contains(position_m);
+}
+
+const FlowField& Journeys::queue_field(uint32_t id) const {
+  const Stop& to = stop(id);
+  if (areas_[id] != kNoArea) return *ways_.queues()[*to.queue].to_areas[areas_[id]];
+  return guides_[id].field != nullptr ? *guides_[id].field : *to.field;
+}
+
 void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Stop& to = stop(id);
-  const Rectangle* area = &to.area_near(position_m);
+  const Rectangle* area = !areas_.empty() && areas_[id] != kNoArea ? &to.goal.areas[areas_[id]]
+                                                                   : &to.area_near(position_m);
   const Eigen::Vector2d rim = (0.25 * area->size_m()).cwiseMin(kRim_m);
   const uint32_t first = firsts_[id];
   for (uint32_t attempt = 0; attempt < kTries; ++attempt) {
@@ -130,7 +160,7 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
   }
   if (doing_[id] != Doing::kWalking) return;
   const Stop& to = stop(id);
-  if (!to.contains(position_m)) return;
+  if (!is_inside(id, position_m)) return;
   const bool is_last = stops_[id] + 1 == ways_.route(groups_[id]).size();
   const OnArrival after = ways_.on_arrival(groups_[id]);
   const bool leaves = is_last && after == OnArrival::kLeave;
@@ -139,7 +169,7 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
     until_s_[id] = now_s + tuning::kPatience_s;
     if (to.goal.areas.size() > 1) choose_target(id, position_m);
   }
-  const bool stays = to.goal.wait_s > 0 || (is_last && after == OnArrival::kStay);
+  const bool stays = to.goal.wait_s.max > 0 || (is_last && after == OnArrival::kStay);
   const double near_m = stays ? kStop_m : tuning::kArrival_m;
   const bool is_there = (targets_m_[id] - position_m).norm() < near_m;
   if (is_there || to.goal.pass || (leaves && !stays) || now_s >= until_s_[id])
@@ -149,9 +179,10 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
 void Journeys::arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
   const size_t stops = ways_.route(groups_[id]).size();
   const bool is_last = stops_[id] + 1 == stops;
-  const double wait_s = stop(id).goal.wait_s;
+  const double wait_s = draw_wait_s(id);
   ++visits_[id];
   exits_[id] = kNoExit;
+  if (!areas_.empty()) areas_[id] = kNoArea;
   Doing next = Doing::kWalking;
   if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kStay) next = Doing::kStaying;
   if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kLeave) next = Doing::kLeaving;
@@ -167,10 +198,14 @@ void Journeys::arrive(uint32_t id, const Eigen::Vector2d& position_m, double now
   }
 }
 
+double Journeys::draw_wait_s(uint32_t id) const {
+  return draw(stop(id).goal.wait_s, seed_, id, Purpose::kWaiting, visits_[id]);
+}
+
 Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position_m) const {
+  if (doing_[id] == Doing::kQueuing || seeks_queue(id)) return guides_[id].way;
   if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
-  const Stop& to = stop(id);
-  if (!to.contains(position_m)) {
+  if (!is_inside(id, position_m)) {
     Eigen::Vector2d way = field(id).direction(position_m);
     if (way.squaredNorm() > 0) return way;
   }

@@ -20,6 +20,7 @@ enum class Doing : uint8_t {
   kOutside,  ///< has not entered yet
   kWaiting,  ///< stands still until a time: before setting out, or at a goal
   kWalking,
+  kQueuing,   ///< has a place in the queue for a goal
   kStaying,   ///< at the last goal, for good
   kStranded,  ///< no way leads from here to the goal
   kLeaving,   ///< at the last goal; to be taken out of the scene
@@ -82,9 +83,30 @@ class Journeys {
   static constexpr uint32_t kOpen = UINT32_MAX - 1;
   /// From now on somebody who has to choose, or has chosen, walks to that one.
   void take_exit(uint32_t id, uint32_t exit) { exits_[id] = exit; }
+  /// True of somebody who walks to a goal with a queue and has no place in it yet.
+  bool seeks_queue(uint32_t id) const {
+    return doing_[id] == Doing::kWalking && !areas_.empty() && areas_[id] == kNoArea &&
+           stop(id).queue;
+  }
+  /// True of somebody who may go into a goal with a queue, until they have been there; and into
+  /// which area.
+  bool is_let_in(uint32_t id) const { return areas_[id] != kNoArea; }
+  uint32_t area(uint32_t id) const { return areas_[id]; }
+  /// Of somebody who seeks a queue: from now on they have a place in it.
+  void join_queue(uint32_t id) { doing_[id] = Doing::kQueuing; }
+  /// From now on somebody in a queue walks to that area of the goal.
+  void let_in(uint32_t id, uint32_t area, const Eigen::Vector2d& position_m);
+  /// Where somebody goes who seeks a queue, or stands in one, at this decision: a direction, no
+  /// longer than 1, and the field that leads there.
+  void guide(uint32_t id, const Eigen::Vector2d& way, const FlowField& field) {
+    guides_[id] = {way, &field};
+  }
+
   /// The way that somebody follows. As long as the exit is open, the one to the nearest.
   const FlowField& field(uint32_t id) const {
-    return exits_[id] < kOpen ? *ways_.exits()[exits_[id]].field : *stop(id).field;
+    if (exits_[id] < kOpen) return *ways_.exits()[exits_[id]].field;
+    if (!areas_.empty() && stop(id).queue) return queue_field(id);
+    return *stop(id).field;
   }
 
   /// Everybody who is stranded now, by group and stop. One caller at a time.
@@ -93,6 +115,9 @@ class Journeys {
  private:
   void set_out(uint32_t id, const Eigen::Vector2d& position_m);
   void arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
+  bool is_inside(uint32_t id, const Eigen::Vector2d& position_m) const;
+  double draw_wait_s(uint32_t id) const;
+  const FlowField& queue_field(uint32_t id) const;
   void choose_target(uint32_t id, const Eigen::Vector2d& position_m);
 
   const Ways& ways_;
@@ -109,7 +134,16 @@ class Journeys {
   std::vector<uint32_t> exits_;   ///< see exit()
   std::vector<uint32_t> visits_;  ///< goals reached so far: what choosing a place draws by
   std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
-  std::vector<double> sets_out_s_;          ///< by group: infinity until its moment is known
+  static constexpr uint32_t kNoArea = UINT32_MAX;
+  /// Of a decision: where to, for those whom Queues guide.
+  struct Guide {
+    Eigen::Vector2d way = Eigen::Vector2d::Zero();
+    const FlowField* field = nullptr;
+  };
+  // Empty where there are no queues.
+  std::vector<uint32_t> areas_;  ///< of the goal, that they have been let into
+  std::vector<Guide> guides_;
+  std::vector<double> sets_out_s_;  ///< by group: infinity until its moment is known
 };
 
 /// A line for the user: who cannot reach what from where, and what is in the way.

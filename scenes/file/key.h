@@ -23,10 +23,20 @@ namespace throng {
 
 /// What may stand at a key.
 struct Rule {
-  enum class Kind : uint8_t { kText, kWhole, kNumber, kFlag, kWord, kNumbers, kMap, kList };
+  enum class Kind : uint8_t {
+    kText,
+    kWhole,
+    kNumber,
+    kFlag,
+    kWord,
+    kNumbers,
+    kPoints,
+    kMap,
+    kList
+  };
   Kind kind = Kind::kText;
-  Range range{};                        ///< kNumber; each of kNumbers
-  int64_t least = 0, most = 0;          ///< kWhole; how many in kNumbers and kList, `most` 0: any
+  Range range{};                ///< kNumber; each of kNumbers; coordinates of kPoints
+  int64_t least = 0, most = 0;  ///< kWhole; how many in kNumbers, kPoints and kList, `most` 0: any
   std::vector<std::string> words = {};  ///< kWord
   std::string map = {};                 ///< kMap, and each of kList: its name in scene_maps()
   std::string pattern = {};             ///< kText, where not every text will do
@@ -63,6 +73,8 @@ struct Reading {
   std::set<std::string> door_names;
   /// What waits for somebody, and where the file says so.
   std::vector<std::pair<std::string, Cue>> cues;
+  /// Goals with a queue, and where the file says so.
+  std::vector<std::pair<std::string, Goal>> limited;
   int64_t people = 0;  ///< of the groups so far
 };
 

@@ -12,6 +12,7 @@ inline constexpr Range kTimeRange{0, 1e7};
 const KeyTable<Scene>& scene_keys();
 const KeyTable<Group>& group_keys();
 const KeyTable<Goal>& goal_keys();
+const KeyTable<QueueRule>& queue_keys();
 const KeyTable<Source>& source_keys();
 const KeyTable<Cue>& cue_keys();
 const KeyTable<Companions>& companion_keys();
@@ -26,6 +27,10 @@ const KeyTable<Scene>& recording_keys();
 Cue read_cue(Reading& reading, const std::string& file, const YamlNode& node);
 void require_cues(const Reading& reading);
 void add_cue(Hasher& hash, const Cue& cue);
+
+/// Whether lines of queues lie on free ground, and goals of the same areas have one queue, is asked
+/// when all of the scene is known.
+void require_lines(const Reading& reading);
 
 /// A map of companion_keys(), or the share of the people as one number.
 Companions read_companions(Reading& reading, const std::string& file, const YamlNode& node);

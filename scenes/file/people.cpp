@@ -75,11 +75,12 @@ std::array<double, kCount> only(size_t index) {
 
 }  // namespace
 
-double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose) {
+double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose,
+            uint64_t time) {
   if (distribution.deviation == 0) return distribution.mean;
   for (uint64_t attempt = 0; attempt < kDraws; ++attempt) {
-    const double value =
-        random_normal({seed, id, attempt, purpose}, distribution.mean, distribution.deviation);
+    const double value = random_normal({seed, id, kDraws * time + attempt, purpose},
+                                       distribution.mean, distribution.deviation);
     if (value >= distribution.min && value <= distribution.max) return value;
   }
   return distribution.mean;

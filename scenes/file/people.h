@@ -22,10 +22,14 @@ struct Distribution {
   double deviation = 0;
   double min = 0;
   double max = 0;
+
+  bool operator==(const Distribution&) const = default;
 };
 
-/// A draw from a distribution: repeated until it lies inside.
-double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose);
+/// A draw from a distribution: repeated until it lies inside. `time` tells several draws of one
+/// person for the same purpose apart.
+double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose,
+            uint64_t time = 0);
 
 /// In the order of the columns of AgeShares; append only, the order is part of every draw.
 enum class Age : uint8_t { kAdult, kChild, kYoung, kMiddleAged, kElderly, kImpaired };

@@ -23,9 +23,51 @@ void read_areas(Reading& reading, Fields& fields, Goal& goal) {
   require_on_ground(fields.where(), "a goal", goal.areas.back(), ground);
 }
 
+void read_queue(Reading& reading, Fields& fields, Goal& goal) {
+  const YamlNode* node = fields.find("queue");
+  if (node == nullptr) return;
+  Fields inner(fields.file(), *node, queue_keys().title);
+  read_keys(queue_keys(), reading, inner, goal.queue);
+  goal.has_queue = true;
+}
+
 void add_areas(Hasher& hash, const Goal& goal) {
   hash.add(uint64_t{goal.areas.size()});
   for (const Rectangle& area : goal.areas) add_value(hash, area);
+}
+
+void read_wait(Reading&, Fields& fields, Goal& goal) {
+  if (const YamlNode* node = fields.find("wait_s"))
+    goal.wait_s =
+        read_distribution(fields.file(), *node, "wait_s", {0, 0, 0, kTimeRange.max}, kTimeRange);
+}
+
+/// One number adds what it added before there were others.
+void add_wait(Hasher& hash, const Goal& goal) {
+  hash.add(goal.wait_s.mean);
+  if (goal.wait_s.deviation > 0)
+    hash.add(goal.wait_s.deviation).add(goal.wait_s.min).add(goal.wait_s.max);
+}
+
+std::vector<Key<Goal>> later_rows_of_goals() {
+  Key<Goal> queue =
+      own_key<Goal>("queue",
+                    "people come in one after another, in the order in which they came, see "
+                    "[Queues](#queues)",
+                    "none, unless there is a `capacity`", map_rule("queue"))
+          .reading(read_queue)
+          .hashing(
+              [](Hasher& hash, const Goal& goal) { add_keys(queue_keys(), hash, goal.queue); });
+  queue.is_default = [](const Goal& goal) { return !goal.has_queue; };
+  return {whole("capacity",
+                "how many are in each of its areas at once; the others [queue](#queues) outside",
+                &Goal::capacity, 1, kMaxBodies)
+              .stating("any number; 1 with a `queue`"),
+          queue};
+}
+
+void complete(Reading& reading, const Fields& fields, Goal& goal) {
+  if (goal.is_limited()) reading.limited.emplace_back(fields.where(), goal);
 }
 
 KeyTable<Goal> make_goal_keys() {
@@ -35,21 +77,27 @@ KeyTable<Goal> make_goal_keys() {
                .meaning = "A rectangle to go to, or one of several",
                .choices = {{"min_m", "max_m"}, {"nearest_of"}}},
       .title = "a goal",
-      .keys = {
-          own_key<Goal>("min_m", corners[0].meaning, "required, or `nearest_of`", corners[0].rule),
-          own_key<Goal>("max_m", corners[1].meaning, "required, or `nearest_of`", corners[1].rule),
-          own_key<Goal>(
-              "nearest_of",
-              "any one of these areas, for everybody the one that they expect to be through first",
-              "required, or one area", list_rule("area", 1))
-              .reading(read_areas)
-              .hashing(add_areas),
-          number("wait_s", "how long everybody stands there before going on", &Goal::wait_s,
-                 kTimeRange),
-          flag("pass",
-               "a point on the way: reached on entering it. Otherwise people walk to a place of "
-               "their own inside",
-               &Goal::pass)}};
+      .keys =
+          {own_key<Goal>("min_m", corners[0].meaning, "required, or `nearest_of`", corners[0].rule),
+           own_key<Goal>("max_m", corners[1].meaning, "required, or `nearest_of`", corners[1].rule),
+           own_key<Goal>(
+               "nearest_of",
+               "any one of these areas, for everybody the one that they expect to be through first",
+               "required, or one area", list_rule("area", 1))
+               .reading(read_areas)
+               .hashing(add_areas),
+           own_key<Goal>("wait_s",
+                         "how long they stand there before going on: `{mean, deviation, min, "
+                         "max}`, or one number for everybody",
+                         "0", map_rule("distribution"))
+               .reading(read_wait)
+               .hashing(add_wait),
+           flag("pass",
+                "a point on the way: reached on entering it. Otherwise people walk to a place of "
+                "their own inside",
+                &Goal::pass)},
+      .later = later_rows_of_goals(),
+      .complete = complete};
 }
 
 KeyTable<Source> make_source_keys() {

@@ -21,14 +21,31 @@
 
 namespace throng {
 
+/// How people stand who wait for their turn at a goal.
+struct QueueRule {
+  double spacing_m = 0.9;  ///< from one to the next, middle to middle
+  /// From where the first stands to the last, at least two corners; none: straight back.
+  std::vector<Eigen::Vector2d> line_m;
+
+  bool operator==(const QueueRule&) const = default;
+};
+
 /// Somewhere to go: into any one of the areas, whichever has the shortest way.
 struct Goal {
   Goal() = default;
   Goal(const Rectangle& area) : areas{area} {}
 
   std::vector<Rectangle> areas;  ///< at least one
-  double wait_s = 0;             ///< how long everybody stands there before going on
+  Distribution wait_s{};         ///< how long they stand there before going on
   bool pass = false;  ///< reached on entering it; otherwise people walk to a place inside
+  int capacity = 0;   ///< of each area: how many are inside at once; 0: any number
+  bool has_queue = false;  ///< the file says so; a capacity says so, too
+  QueueRule queue{};
+
+  /// People come in one after another, in the order in which they came.
+  bool is_limited() const { return capacity > 0 || has_queue; }
+  /// Of an area of a limited goal: without a capacity it is a counter, for one at a time.
+  int most_inside() const { return capacity > 0 ? capacity : 1; }
 
   bool contains(const Eigen::Vector2d& point) const {
     for (const Rectangle& area : areas)

@@ -154,6 +154,21 @@ std::vector<double> Fields::numbers(const std::string& key, int count, const Ran
   return values;
 }
 
+std::vector<Eigen::Vector2d> Fields::points(const std::string& key, size_t least,
+                                            const Range& range) const {
+  const YamlNode& node = require(key);
+  if (node.kind != YamlNode::Kind::kList || node.items.size() < least)
+    throw InputError(where(node), fmt::format("a list of at least {} points for '{}'", least, key),
+                     describe(node));
+  std::vector<Eigen::Vector2d> points;
+  for (const YamlNode& item : node.items) {
+    if (item.kind != YamlNode::Kind::kList || item.items.size() != 2)
+      throw InputError(where(item), fmt::format("a point [x, y] in '{}'", key), describe(item));
+    points.emplace_back(to_number(key, item.items[0], range), to_number(key, item.items[1], range));
+  }
+  return points;
+}
+
 void Fields::expect_keys(const std::vector<std::string>& keys) const {
   for (const YamlEntry& entry : node_.entries)
     if (std::find(keys.begin(), keys.end(), entry.key) == keys.end())

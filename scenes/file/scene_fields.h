@@ -2,6 +2,7 @@
 // One rule: every complaint names file:line, what was expected and what was found.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -44,6 +45,9 @@ class Fields {
   bool boolean_or(const std::string& key, bool fallback) const;
   /// `count` numbers in a list.
   std::vector<double> numbers(const std::string& key, int count, const Range& range) const;
+  /// At least `least` points in a list, each a list of two numbers.
+  std::vector<Eigen::Vector2d> points(const std::string& key, size_t least,
+                                      const Range& range) const;
   /// Which of the words stands there; none if the key is absent.
   std::optional<size_t> word(const std::string& key, const std::vector<std::string>& words) const;
   /// The items of a list; none if the key is absent. A required list has at least one.

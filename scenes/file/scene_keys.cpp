@@ -300,6 +300,7 @@ std::vector<MapText> scene_maps() {
           ages_text(),
           styles_text(),
           text_of(goal_keys()),
+          text_of(queue_keys()),
           text_of(source_keys()),
           text_of(cue_keys()),
           text_of(companion_keys()),
@@ -319,6 +320,7 @@ Scene read_scene(const std::filesystem::path& file, const YamlNode& root) {
   Fields fields(name, root, scene_keys().title);
   read_keys(scene_keys(), reading, fields, reading.scene);
   require_cues(reading);
+  require_lines(reading);
   count_by_densities(reading, fields.where());
   reading.scene.content_hash = content_hash_of(reading.scene);
   return std::move(reading.scene);

@@ -92,8 +92,11 @@ void grow_plan(Scene& scene, double factor) {
     grow(group.spawn);
     if (group.face_m) group.face_m = middle + factor * (*group.face_m - middle);
     for (Source& source : group.sources) grow(source.area);
-    for (Goal& goal : group.goals)
+    for (Goal& goal : group.goals) {
       for (Rectangle& area : goal.areas) grow(area);
+      for (Eigen::Vector2d& corner : goal.queue.line_m)
+        corner = middle + factor * (corner - middle);
+    }
   }
   for (Door& door : scene.doors)
     for (Eigen::Vector2d* end : {&door.from_m, &door.to_m})

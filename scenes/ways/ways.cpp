@@ -44,25 +44,135 @@ void put(FlowField&& field, std::unique_ptr<FlowField>& place) {
 
 Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walkable_) {
   for (const Group& group : scene.groups)
-    for (const Goal& goal : group.goals)
-      if (std::find(goals_.begin(), goals_.end(), goal.areas) == goals_.end())
-        goals_.push_back(goal.areas);
+    for (const Goal& goal : group.goals) add_goal(goal);
   fields_.resize(goals_.size());
   // Nobody walks in a box of parts.
   if (scene.groups.empty()) return;
+  add_queues(scene);
   look_up_cues(scene);
   build_fields(workers);
+  for (QueueWays& queue : queues_) find_spots(queue);
   for (const Group& group : scene.groups) {
     std::vector<Stop>& route = routes_.emplace_back();
     for (const Goal& goal : group.goals) {
-      const auto at =
-          static_cast<size_t>(std::find(goals_.begin(), goals_.end(), goal.areas) - goals_.begin());
-      route.push_back({goal, fields_[at].get(), pieces_of(*nav_mesh_, goal), first_exits_[at],
-                       first_exits_[at + 1] - first_exits_[at]});
+      const uint32_t at = add_goal(goal);
+      Stop& stop = route.emplace_back();
+      stop = {goal,
+              fields_[at].get(),
+              pieces_of(*nav_mesh_, goal),
+              first_exits_[at],
+              first_exits_[at + 1] - first_exits_[at],
+              {}};
+      if (!goal.is_limited()) continue;
+      stop.exits = 0;
+      stop.queue = queue_of(goal);
     }
     on_arrival_.push_back(group.on_arrival);
     for (const Source& source : group.sources) entrances_.push_back(source.area);
   }
+}
+
+/// Its index; each once.
+uint32_t Ways::add_goal(const Goal& goal) {
+  const auto at = std::find(goals_.begin(), goals_.end(), goal.areas);
+  const auto index = static_cast<uint32_t>(at - goals_.begin());
+  if (at == goals_.end()) {
+    goals_.push_back(goal.areas);
+    may_have_exits_.push_back(0);
+  }
+  if (!goal.is_limited()) may_have_exits_[index] = 1;
+  return index;
+}
+
+/// Before cues are looked up, so that all doors are open.
+void Ways::add_queues(const Scene& scene) {
+  for (const Group& group : scene.groups)
+    for (const Goal& goal : group.goals) {
+      if (!goal.is_limited() || queue_of(goal) < queues_.size()) continue;
+      int64_t people = 0;
+      for (const Group& other : scene.groups)
+        if (std::any_of(other.goals.begin(), other.goals.end(), [&](const Goal& each) {
+              return each.is_limited() && each.areas == goal.areas;
+            }))
+          people += other.total();
+      QueueWays& queue = queues_.emplace_back(QueueWays{{goal, walkable_, people}, {}, {}});
+      queue.to_areas.resize(queue.plan.areas.size());
+      queue.to_corners.resize(queue.plan.line.corners_m().size());
+    }
+}
+
+/// Its index, or how many there are.
+uint32_t Ways::queue_of(const Goal& goal) const {
+  const auto at = std::find_if(queues_.begin(), queues_.end(), [&](const QueueWays& queue) {
+    return queue.plan.areas == goal.areas;
+  });
+  return static_cast<uint32_t>(at - queues_.begin());
+}
+
+void Ways::build_queues(Workers& workers) {
+  for (QueueWays& queue : queues_) {
+    const std::vector<Eigen::Vector2d>& corners_m = queue.plan.line.corners_m();
+    const size_t areas = queue.plan.areas.size();
+    workers.for_blocks(static_cast<int>(areas + corners_m.size()), [&](int block, int) {
+      const auto index = static_cast<size_t>(block);
+      if (index < areas) {
+        const std::span<const Rectangle> area(&queue.plan.areas[index], 1);
+        put(FlowField(grid_, area, closed_, shun_but(area)), queue.to_areas[index]);
+        return;
+      }
+      const Eigen::Vector2d half = Eigen::Vector2d::Constant(grid_.cell_m());
+      const Eigen::Vector2d& corner = corners_m[index - areas];
+      const Rectangle around{corner - half, corner + half};
+      put(FlowField(grid_, {&around, 1}, closed_, shun_but({})), queue.to_corners[index - areas]);
+    });
+  }
+}
+
+/// Where others are served nobody goes through who can go round. Nothing, if there are no queues.
+std::vector<KeepOff> Ways::shun_but(std::span<const Rectangle> areas) const {
+  std::vector<KeepOff> shun;
+  if (queues_.empty()) return shun;
+  const Eigen::Vector2d body = Eigen::Vector2d::Constant(0.2);
+  const auto is_in = [&](const Rectangle& area, const Eigen::Vector2d& point) {
+    return Rectangle{area.min_m - body, area.max_m + body}.contains(point);
+  };
+  shun.resize(grid_.cell_count(), KeepOff::kNo);
+  for (size_t cell = 0; cell < shun.size(); ++cell) {
+    const Eigen::Vector2d centre = grid_.centre_m(cell);
+    for (const QueueWays& queue : queues_)
+      for (const Rectangle& area : queue.plan.areas)
+        if (is_in(area, centre)) shun[cell] = KeepOff::kShun;
+    for (const Rectangle& area : areas)
+      if (is_in(area, centre)) shun[cell] = KeepOff::kNo;
+  }
+  return shun;
+}
+
+/// On a grid around the end of the line, as far as the last of them needs.
+void Ways::find_spots(QueueWays& queue) const {
+  QueuePlan& plan = queue.plan;
+  const auto needed = std::max<int64_t>(0, plan.people - static_cast<int64_t>(plan.places));
+  const Eigen::Vector2d end = plan.line.corners_m().back();
+  const FlowField& to_end = *queue.to_corners.back();
+  const double spacing_m = plan.spacing_m;
+  const Eigen::Vector2d size = walkable_.ground().size_m();
+  const int most_rings = static_cast<int>(std::ceil(size.norm() / spacing_m));
+  std::vector<std::pair<double, Eigen::Vector2d>> found;
+  // A ring is as far as its sides; who is at its corners may be behind others of the next.
+  for (int ring = 1, enough = 0; ring <= most_rings && enough < 2; ++ring) {
+    for (int i = -ring; i <= ring; ++i)
+      for (int k = -ring; k <= ring; ++k) {
+        if (std::max(std::abs(i), std::abs(k)) != ring) continue;
+        const Eigen::Vector2d point = end + spacing_m * Eigen::Vector2d(i, k);
+        if (!plan.has_room(walkable_, point) || !to_end.reaches(point)) continue;
+        found.emplace_back(to_end.distance_m(point), point);
+      }
+    if (static_cast<int64_t>(found.size()) >= needed) ++enough;
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (static_cast<int64_t>(found.size()) > needed) found.resize(static_cast<size_t>(needed));
+  for (const auto& [way_m, point] : found) plan.spots_m.push_back(point);
 }
 
 /// Of all goals, as the doors are; with them the mesh, where there is none yet.
@@ -76,8 +186,9 @@ void Ways::build_fields(Workers& workers) {
       return;
     }
     const auto goal = static_cast<size_t>(block - 1);
-    put(FlowField(grid_, goals_[goal], closed_), fields_[goal]);
+    put(FlowField(grid_, goals_[goal], closed_, shun_but(goals_[goal])), fields_[goal]);
   });
+  if (!queues_.empty()) build_queues(workers);
   if (first_exits_.empty()) find_exits(workers);
   if (!exits_.empty()) build_exits(workers);
 }
@@ -87,6 +198,7 @@ void Ways::find_exits(Workers& workers) {
   std::vector<std::vector<Doorway>> doorways(goals_.size());
   workers.for_blocks(static_cast<int>(goals_.size()), [&](int block, int) {
     const auto goal = static_cast<size_t>(block);
+    if (may_have_exits_[goal] == 0) return;
     doorways[goal] = closed_.empty() ? doorways_before(grid_, *fields_[goal])
                                      : doorways_before(grid_, FlowField(grid_, goals_[goal]));
   });
@@ -98,7 +210,7 @@ void Ways::find_exits(Workers& workers) {
   first_exits_.push_back(0);
   for (size_t goal = 0; goal < goals_.size(); ++goal) {
     for (Doorway& doorway : doorways[goal]) add(goal, doorway.width_m, std::move(doorway.cells));
-    if (doorways[goal].empty() && goals_[goal].size() > 1)
+    if (may_have_exits_[goal] != 0 && doorways[goal].empty() && goals_[goal].size() > 1)
       for (const Rectangle& area : goals_[goal]) add(goal, area.size_m().maxCoeff(), {});
     first_exits_.push_back(static_cast<uint32_t>(exits_.size()));
   }
@@ -132,8 +244,9 @@ void Ways::build_exits(Workers& workers) {
 }
 
 std::vector<KeepOff> Ways::keep_off_others(uint32_t exit) const {
-  std::vector<KeepOff> keep_off(grid_.cell_count(), KeepOff::kNo);
   const size_t goal = goal_of_exit_[exit];
+  std::vector<KeepOff> keep_off = shun_but(goals_[goal]);
+  keep_off.resize(grid_.cell_count(), KeepOff::kNo);
   for (uint32_t other = first_exits_[goal]; other < first_exits_[goal + 1]; ++other) {
     if (other == exit) continue;
     for (const size_t cell : doorways_[other]) keep_off[cell] = KeepOff::kBar;

@@ -16,6 +16,7 @@
 #include "scenes/ways/doorways.h"
 #include "scenes/ways/flow_field.h"
 #include "scenes/ways/nav_mesh.h"
+#include "scenes/ways/queue_plan.h"
 #include "scenes/ways/walkable.h"
 
 namespace throng {
@@ -38,10 +39,18 @@ struct Stop {
   /// Which of Ways::exits() are this goal's: none, or several.
   uint32_t first_exit = 0;
   uint32_t exits = 0;
+  /// Which of Ways::queues() people wait in: then the goal has no exits.
+  std::optional<uint32_t> queue;
 
   bool contains(const Eigen::Vector2d& point) const { return goal.contains(point); }
   /// The area of the goal that is nearest as the crow flies.
   const Rectangle& area_near(const Eigen::Vector2d& point) const;
+};
+
+/// A queue, and the ways to it and from it.
+struct QueueWays {
+  QueuePlan plan;
+  std::vector<std::unique_ptr<FlowField>> to_areas, to_corners;  ///< of the goal; of the line
 };
 
 enum class DoorState : uint8_t {
@@ -74,6 +83,8 @@ class Ways {
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
   /// Goal by goal.
   const std::vector<Exit>& exits() const { return exits_; }
+  /// Of goals that people come into one after another, each once: groups often share them.
+  const std::vector<QueueWays>& queues() const { return queues_; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
   /// Of a scene with groups; a box of parts has none.
   const NavMesh& nav_mesh() const { return *nav_mesh_; }
@@ -102,6 +113,12 @@ class Ways {
   void show_doors();
   uint32_t add_occasion(const Scene& scene, const Cue& cue);
   void build_fields(Workers& workers);
+  uint32_t add_goal(const Goal& goal);
+  uint32_t queue_of(const Goal& goal) const;
+  void add_queues(const Scene& scene);
+  void build_queues(Workers& workers);
+  std::vector<KeepOff> shun_but(std::span<const Rectangle> areas) const;
+  void find_spots(QueueWays& queue) const;
   void find_exits(Workers& workers);
   void build_exits(Workers& workers);
   std::vector<KeepOff> keep_off_others(uint32_t exit) const;
@@ -111,7 +128,9 @@ class Ways {
   std::unique_ptr<const NavMesh> nav_mesh_;
   std::vector<std::vector<Rectangle>> goals_;       ///< each once: groups often share them
   std::vector<std::unique_ptr<FlowField>> fields_;  ///< by goal
+  std::vector<uint8_t> may_have_exits_;             ///< by goal: not everybody queues for it
   std::vector<uint32_t> first_exits_;               ///< by goal, and the end
+  std::vector<QueueWays> queues_;
   // By exit.
   std::vector<Exit> exits_;
   std::vector<size_t> goal_of_exit_;

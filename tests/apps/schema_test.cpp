@@ -167,6 +167,14 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
       {"a goal without a corner", with_group("goals: [{min_m: [15, 1]}]")},
       {"a goal that waits for nothing", with_group("goals: [{wait_s: 3}]")},
       {"a negative wait", with_group("goals: [{min_m: [15, 1], max_m: [19, 9], wait_s: -1}]")},
+      {"a goal that holds nobody",
+       with_group("goals: [{min_m: [15, 1], max_m: [19, 9], capacity: 0}]")},
+      {"a queue along one corner",
+       with_group("goals: [{min_m: [15, 1], max_m: [19, 9], queue: {line: [[9, 5]]}}]")},
+      {"a corner that is none",
+       with_group("goals: [{min_m: [15, 1], max_m: [19, 9], queue: {line: [[9, 5], [8]]}}]")},
+      {"people on top of each other",
+       with_group("goals: [{min_m: [15, 1], max_m: [19, 9], queue: {spacing_m: 0.1}}]")},
       {"a source without a rate",
        with_group(goals + ", sources: [{area: {min_m: [1, 1], max_m: [4, 9]}, count: 3}]")},
       {"a source at rate 0",
@@ -209,7 +217,7 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
       "    goals:\n"
       "      - {min_m: [9, 1], max_m: [10, 9], pass: true}\n"
       "      - {nearest_of: [{min_m: [15, 1], max_m: [19, 4]}, {min_m: [15, 6], max_m: [19, 9]}], "
-      "wait_s: 2}\n"
+      "wait_s: 2, capacity: 3, queue: {spacing_m: 1/2, line: [[14, 5], [11, 5], [11, 8]]}}\n"
       "    on_arrival: leave\n"
       "    delay_s: {mean: 2, deviation: 1, min: 0, max: 5}\n"
       "    ages: {young: 1/2, elderly: 1}\n"
@@ -236,7 +244,10 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
   ASSERT_EQ(group.goals.size(), 2u);
   EXPECT_TRUE(group.goals[0].pass);
   EXPECT_EQ(group.goals[1].areas.size(), 2u);
-  EXPECT_EQ(group.goals[1].wait_s, 2);
+  EXPECT_EQ(group.goals[1].wait_s.mean, 2);
+  EXPECT_EQ(group.goals[1].capacity, 3);
+  EXPECT_EQ(group.goals[1].queue.spacing_m, 0.5);
+  EXPECT_EQ(group.goals[1].queue.line_m.size(), 3u);
   EXPECT_EQ(group.on_arrival, OnArrival::kLeave);
   EXPECT_EQ(group.delay_s.max, 5);
   EXPECT_EQ(group.ages, (AgeShares{0, 0, 0.5, 0, 1, 0}));

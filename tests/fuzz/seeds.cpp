@@ -91,6 +91,10 @@ void add_scenes(std::vector<Bytes>& out) {
       bytes_of("ground: {min_m: [0, 0], max_m: [9, 9]}\ngroups: [{count: 5, companions: {share: 1, "
                "pairs: 0, threes: 2, fours: 1e6}, spawn: {min_m: [1, 1], max_m: [8, 3]}, goals: "
                "[{min_m: [1, 6], max_m: [8, 8]}]}]\n"));
+  out.push_back(
+      bytes_of("ground: {min_m: [0, 0], max_m: [9, 9]}\ngroups: [{count: 5, spawn: {min_m: [1, 1], "
+               "max_m: [8, 3]}, goals: [{min_m: [1, 6], max_m: [8, 8], capacity: 2, wait_s: {mean: "
+               "3, deviation: 1}, queue: {spacing_m: 1, line: [[4, 5], [4, 3], [8, 3]]}}]}]\n"));
   out.push_back(bytes_of("name: x\nstep_s: .nan\nduration_s: -.inf\nseed: -1\n"));
 }
 

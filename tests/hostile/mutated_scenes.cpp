@@ -42,7 +42,7 @@ groups:
     count: 6
     spawn: {min_m: [-11, -8], max_m: [-4, 8]}
     sources: [{area: {min_m: [-11.5, -2], max_m: [-10.5, 2]}, count: 3, rate_per_s: 2, start_s: 0.5, random: true}]
-    goals: [{min_m: [2, -2], max_m: [4, 2], wait_s: 1, pass: false}, {nearest_of: [{min_m: [9, -8], max_m: [11, -5]}, {min_m: [9, 5], max_m: [11, 8]}], pass: true}]
+    goals: [{min_m: [2, -2], max_m: [4, 2], wait_s: {mean: 1, deviation: 0.5, min: 0, max: 2}, pass: false, capacity: 2, queue: {spacing_m: 0.8, line: [[1, 0], [1, 3], [-1, 3]]}}, {nearest_of: [{min_m: [9, -8], max_m: [11, -5]}, {min_m: [9, 5], max_m: [11, 8]}], pass: true}]
     on_arrival: leave
     delay_s: {mean: 1, deviation: 0.5, min: 0, max: 3}
     model: adult

@@ -168,7 +168,7 @@ TEST(StandingPeople, WhoWaitsAtAGoalFacesTheNextOne) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 20}};
   scene.groups = {group(4, {{4, 9}, {6, 11}}, {{{8, 8}, {11, 11}}, {{9, 18}, {11, 20}}})};
-  scene.groups[0].goals[0].wait_s = 30;
+  scene.groups[0].goals[0].wait_s = {30, 0, 30, 30};
   SmallWorld world(scene, 1);
   for (int step = 0; step < 20 * 60; ++step) world.crowd.step();
   for (uint32_t id = 0; id < world.crowd.size(); ++id) {

@@ -34,6 +34,7 @@ TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
   expect_no_uncounted_growth(load_scene("corridor"), "corridor");
   // Between the opening and the closing of its doors.
   expect_no_uncounted_growth(load_scene("metro"), "metro");
+  expect_no_uncounted_growth(load_scene("ticket_office"), "ticket_office");
   Scene together = load_scene("corridor");
   for (Group& group : together.groups) group.companions = Companions{};
   expect_no_uncounted_growth(together, "companions");

@@ -172,7 +172,7 @@ TEST(Journeys, WaypointsArePassedGoalsWaitedAtAndTheLastStayedAt) {
   Group walker =
       group(1, {{1, 2}, {2, 4}}, {{{8, 1}, {9, 5}}, {{15, 1}, {18, 5}}, {{24, 1}, {28, 5}}});
   walker.goals[0].pass = true;
-  walker.goals[1].wait_s = 5;
+  walker.goals[1].wait_s = {5, 0, 5, 5};
   walker.on_arrival = OnArrival::kStay;
   scene.groups = {walker};
   SmallWorld world(scene, 1);
