@@ -37,8 +37,8 @@ struct Goal {
 
   std::vector<Rectangle> areas;  ///< at least one
   Distribution wait_s{};         ///< how long they stand there before going on
-  bool pass = false;  ///< reached on entering it; otherwise people walk to a place inside
-  int capacity = 0;   ///< of each area: how many are inside at once; 0: any number
+  bool pass = false;       ///< reached on entering it; otherwise people walk to a place inside
+  int capacity = 0;        ///< of each area: how many are inside at once; 0: any number
   bool has_queue = false;  ///< the file says so; a capacity says so, too
   QueueRule queue{};
 
