@@ -255,9 +255,10 @@ SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, 
   for (const int next_speed : {0, 1})
     for (const int next_phase : {0, 1}) {
       const double share = (next_speed == 1 ? v : 1 - v) * (next_phase == 1 ? u : 1 - u);
-      const WalkerPose::Foot& foot = cycles_[static_cast<size_t>(cell + next_speed)]
-                                            [static_cast<size_t>(phase + next_phase) % kPhases]
-                                                .feet[side];
+      const WalkerPose::Foot& foot =
+          cycles_[static_cast<size_t>(cell) + static_cast<size_t>(next_speed)]
+                 [(static_cast<size_t>(phase) + static_cast<size_t>(next_phase)) % kPhases]
+                     .feet[side];
       const double rolled = leg.roll_m(foot.target.pitch_rad);
       hip += share * foot.hip_m;
       ground_x += share * (foot.ground_m.x() - rolled * std::cos(foot.target.heading_rad));

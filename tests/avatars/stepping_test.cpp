@@ -148,21 +148,22 @@ class Path {
     was_[side] = root * lowest;
   }
 
-  const Walking& walking_ = Walking::adult();
+  // In an order without gaps between them.
   WalkChunk chunk_{};
-  QuietStanding standing_;
-  double heading_rad_ = 0;
   Eigen::Vector2d position_m_ = Eigen::Vector2d::Zero();
-  std::vector<float> row_;
-  std::vector<PartPose> poses_;
-  std::array<Vector3d, 2> was_;
-  std::array<size_t, 2> contact_{};
-  std::array<bool, 2> was_planted_{};
-  std::array<double, 2> slid_m_{};
-  std::vector<double> slides_m_;
+  const Walking& walking_ = Walking::adult();
+  double heading_rad_ = 0;
   double deepest_m_ = 0;
   double highest_m_ = 0;
+  std::array<size_t, 2> contact_{};
+  std::array<double, 2> slid_m_{};
+  std::vector<float> row_;
+  std::vector<PartPose> poses_;
+  std::vector<double> slides_m_;
+  std::array<Vector3d, 2> was_;
   int out_of_reach_ = 0;
+  QuietStanding standing_;
+  std::array<bool, 2> was_planted_{};
 };
 
 void expect_firm(const Path& path, const Pace& pace) {

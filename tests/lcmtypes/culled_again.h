@@ -14,7 +14,7 @@
 namespace throng {
 
 /// What a frame of a run was.
-struct Moment {
+struct CulledFrame {
   std::vector<RootPose> roots;
   std::vector<float> postures;
   std::vector<uint8_t> present;
@@ -22,7 +22,7 @@ struct Moment {
   uint64_t hash = 0;
 };
 
-inline Moment moment_of(const Frame& frame) {
+inline CulledFrame culled_frame_of(const Frame& frame) {
   return {{frame.roots.begin(), frame.roots.end()},
           {frame.postures.begin(), frame.postures.end()},
           {frame.present.begin(), frame.present.end()},
@@ -43,17 +43,18 @@ inline Scene small_scene(const std::string& name, uint64_t seed, int avatars = 8
 using Drive = std::function<void(Simulation&)>;
 
 /// Runs a scene, logs it, and returns its frames.
-inline std::vector<Moment> logged(const Scene& scene, int frames, const std::filesystem::path& log,
-                                  const LogOptions& options = {}, const Drive& drive = {}) {
+inline std::vector<CulledFrame> logged(const Scene& scene, int frames,
+                                       const std::filesystem::path& log,
+                                       const LogOptions& options = {}, const Drive& drive = {}) {
   Simulation simulation(scene, {});
   LogSink sink(log, options);
   sink.begin(simulation.info());
-  std::vector<Moment> moments;
+  std::vector<CulledFrame> moments;
   for (int i = 0; i < frames; ++i) {
     if (drive) drive(simulation);
     const Frame& frame = simulation.step();
     sink.frame(simulation.info(), frame);
-    moments.push_back(moment_of(frame));
+    moments.push_back(culled_frame_of(frame));
   }
   sink.end(simulation.info(), simulation.finish());
   return moments;
@@ -67,11 +68,12 @@ inline SimulationOptions options_of(const LogRun& run, int threads = 1) {
   return options;
 }
 
-inline std::vector<Moment> culled_again(const std::filesystem::path& log, int threads = 1) {
+inline std::vector<CulledFrame> culled_again(const std::filesystem::path& log, int threads = 1) {
   const LogRun run = read_log_run(log);
   Simulation simulation(run.scene, options_of(run, threads));
-  std::vector<Moment> moments;
-  for (int64_t i = 0; i < run.facts.frames; ++i) moments.push_back(moment_of(simulation.step()));
+  std::vector<CulledFrame> moments;
+  for (int64_t i = 0; i < run.facts.frames; ++i)
+    moments.push_back(culled_frame_of(simulation.step()));
   return moments;
 }
 

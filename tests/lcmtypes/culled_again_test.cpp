@@ -51,9 +51,9 @@ TEST_P(CulledAgain, HasThePairsOfItsRunButForThoseThatNearlyTouch) {
   // Fewer who give way, or keep a side of their own, hardly touch.
   scene.yielding = GetParam().avatars > 100;
   if (!scene.yielding) scene.steering.model = SteeringKind::kOrca;
-  const std::vector<Moment> run = logged(scene, kFrames, log.path(), {},
-                                         [](Simulation& s) { drive_wildly(s, GetParam().seed); });
-  const std::vector<Moment> again = culled_again(log.path(), 2);
+  const std::vector<CulledFrame> run = logged(
+      scene, kFrames, log.path(), {}, [](Simulation& s) { drive_wildly(s, GetParam().seed); });
+  const std::vector<CulledFrame> again = culled_again(log.path(), 2);
   ASSERT_EQ(again.size(), run.size());
   const Simulation shape(scene, {});
   const Placed placed(shape);
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, CulledAgain,
 TEST(CulledAgainBound, TwoPeopleAreOffByLessThanHalfAMillimetreTogether) {
   const ScratchFile log;
   const Scene scene = small_scene("plaza", 1);
-  const std::vector<Moment> run = logged(scene, 100, log.path());
+  const std::vector<CulledFrame> run = logged(scene, 100, log.path());
   const Simulation shape(scene, {});
   const Placed placed(shape);
   double tallest_m = 0, most_m = 0;

@@ -92,7 +92,7 @@ TEST(LogWorld, WithFewerStatesThanFramesIsCulledAtItsStates) {
     const Scene scene = small_scene("plaza", 6);
     LogOptions options;
     options.state_every = every;
-    const std::vector<Moment> run = logged(scene, 97, log.path(), options);
+    const std::vector<CulledFrame> run = logged(scene, 97, log.path(), options);
     const std::vector<size_t> frames = frames_with_states(97, every);
     const LogRun source = read_log_run(log.path());
     EXPECT_NEAR(source.scene.step_s, every * scene.step_s, 0.03 * every * scene.step_s);
@@ -100,7 +100,7 @@ TEST(LogWorld, WithFewerStatesThanFramesIsCulledAtItsStates) {
     const Simulation shape(scene, {});
     EXPECT_THAT(Simulation(source.scene, options_of(source)).notes(),
                 Contains(HasSubstr("frames apart: culled at those")));
-    const std::vector<Moment> again = culled_again(log.path());
+    const std::vector<CulledFrame> again = culled_again(log.path());
     ASSERT_EQ(again.size(), frames.size());
     const Placed placed(shape);
     for (size_t i = 0; i < frames.size(); ++i) expect_near(placed, run[frames[i]], again[i]);
@@ -110,12 +110,12 @@ TEST(LogWorld, WithFewerStatesThanFramesIsCulledAtItsStates) {
 TEST(LogWorld, ATornLogIsCulledAsFarAsItIsWhole) {
   const ScratchFile log, torn;
   logged(small_scene("plaza", 7, 40), 40, log.path());
-  const std::vector<Moment> whole = culled_again(log.path());
+  const std::vector<CulledFrame> whole = culled_again(log.path());
   const std::vector<uint8_t> bytes = bytes_of(log.path());
   int shorter = 0;
   for (size_t cut = 1; cut < 20; ++cut) {
     write_bytes(torn.path(), std::span(bytes).first(bytes.size() * cut / 20 + cut));
-    std::vector<Moment> found;
+    std::vector<CulledFrame> found;
     try {
       found = culled_again(torn.path());
     } catch (const InputError& error) {
@@ -142,7 +142,7 @@ std::pair<size_t, size_t> message_at(const std::filesystem::path& log, Channel c
 TEST(LogWorld, StatesThatChecksumsDisproveAreNotUsed) {
   const ScratchFile log, hurt;
   logged(small_scene("plaza", 8, 40), 40, log.path());
-  const std::vector<Moment> whole = culled_again(log.path());
+  const std::vector<CulledFrame> whole = culled_again(log.path());
   std::vector<uint8_t> bytes = bytes_of(log.path());
   for (const int frame : {11, 12, 30}) {
     const auto [offset, size] = message_at(log.path(), Channel::kStates, frame);
@@ -153,7 +153,7 @@ TEST(LogWorld, StatesThatChecksumsDisproveAreNotUsed) {
   ASSERT_EQ(run.facts.odd.size(), 1u);
   EXPECT_EQ(run.facts.odd[0].count, 3);
   EXPECT_EQ(run.facts.odd[0].first, "behind frame 10");
-  const std::vector<Moment> found = culled_again(hurt.path());
+  const std::vector<CulledFrame> found = culled_again(hurt.path());
   ASSERT_EQ(found.size(), whole.size());
   for (size_t i = 0; i < found.size(); ++i) {
     const size_t shown = i == 11 || i == 12 ? 10 : i == 30 ? 29 : i;
@@ -168,12 +168,12 @@ TEST(LogWorld, StatesThatChecksumsDisproveAreNotUsed) {
 TEST(LogWorld, GoesOnBehindBytesThatAreNoMessage) {
   const ScratchFile log, hurt;
   logged(small_scene("plaza", 9, 40), 40, log.path());
-  const std::vector<Moment> whole = culled_again(log.path());
+  const std::vector<CulledFrame> whole = culled_again(log.path());
   std::vector<uint8_t> bytes = bytes_of(log.path());
   const size_t from = message_at(log.path(), Channel::kStates, 20).first;
   std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(from), 100, uint8_t{0});
   write_bytes(hurt.path(), bytes);
-  const std::vector<Moment> found = culled_again(hurt.path());
+  const std::vector<CulledFrame> found = culled_again(hurt.path());
   ASSERT_EQ(found.size(), whole.size());
   for (size_t i = 0; i < found.size(); ++i)
     EXPECT_EQ(found[i].pairs, whole[i == 20 ? 19 : i].pairs) << "frame " << i;
@@ -206,7 +206,7 @@ TEST(LogWorld, OfSeveralRunsTheFirstIsCulled) {
     const std::vector<uint8_t> more = bytes_of(other->path());
     bytes.insert(bytes.end(), more.begin(), more.end());
     write_bytes(both.path(), bytes);
-    const std::vector<Moment> found = culled_again(both.path());
+    const std::vector<CulledFrame> found = culled_again(both.path());
     EXPECT_EQ(found.size(), 20u);
     EXPECT_EQ(found.back().hash, hash);
     EXPECT_THAT(survey_log(both.path()).notes, Contains(HasSubstr("more than one run")));
@@ -220,18 +220,18 @@ TEST(LogWorld, OfAResumedRunBeginsWhereThatWentOn) {
   for (int i = 0; i < 30; ++i) before.step();
   Simulation rest(scene, {});
   rest.resume(before.saved(), "test");
-  std::vector<Moment> run;
+  std::vector<CulledFrame> run;
   {
     LogSink sink(log.path());
     sink.begin(rest.info());
     for (int i = 30; i < 60; ++i) {
       const Frame& frame = rest.step();
       sink.frame(rest.info(), frame);
-      run.push_back(moment_of(frame));
+      run.push_back(culled_frame_of(frame));
     }
     sink.end(rest.info(), rest.finish());
   }
-  const std::vector<Moment> again = culled_again(log.path());
+  const std::vector<CulledFrame> again = culled_again(log.path());
   ASSERT_EQ(again.size(), run.size());
   const Simulation shape(scene, {});
   const Placed placed(shape);
@@ -243,7 +243,7 @@ TEST(LogWorld, OfAResumedRunBeginsWhereThatWentOn) {
 TEST(LogWorld, ALogOfALogHasItsPairs) {
   const ScratchFile log, twice;
   const Scene scene = small_scene("station_platform", 4);
-  const std::vector<Moment> run = logged(scene, 60, log.path());
+  const std::vector<CulledFrame> run = logged(scene, 60, log.path());
   const LogRun first = read_log_run(log.path());
   {
     Simulation simulation(first.scene, options_of(first));
@@ -253,7 +253,8 @@ TEST(LogWorld, ALogOfALogHasItsPairs) {
     sink.end(simulation.info(), simulation.finish());
   }
   EXPECT_TRUE(check_log(twice.path()).is_sound());
-  const std::vector<Moment> once = culled_again(log.path()), again = culled_again(twice.path());
+  const std::vector<CulledFrame> once = culled_again(log.path()),
+                                 again = culled_again(twice.path());
   const Simulation shape(scene, {});
   const Placed placed(shape);
   for (size_t i = 0; i < run.size(); ++i) {

@@ -69,7 +69,7 @@ class Placed {
   double scale(uint32_t body) const { return static_cast<double>(info_.scale_of_avatar[body]); }
   const Model& model(uint32_t body) const { return *info_.models[info_.model_of_avatar[body]]; }
 
-  double error_m(const Moment& moment, uint32_t body) const {
+  double error_m(const CulledFrame& moment, uint32_t body) const {
     if (!is_avatar(body)) return 0;
     const RootPose& root = moment.roots[body];
     const Eigen::Quaternionf& q = root.world_from_root;
@@ -84,7 +84,7 @@ class Placed {
     }
     return quantisation_m(model(body), scale(body), is_upright, lever_m);
   }
-  Eigen::Affine3d pose(const Moment& moment, uint32_t body, uint32_t part) const {
+  Eigen::Affine3d pose(const CulledFrame& moment, uint32_t body, uint32_t part) const {
     if (!is_avatar(body)) {
       const Obstacle& there = obstacle(body);
       return Eigen::Translation3d(there.centre_m) *
@@ -115,13 +115,13 @@ class Placed {
 
 /// Checks that pairs which one of the two frames has alone are nearly touching in the other, and
 /// returns how many there are.
-inline int expect_near(const Placed& placed, const Moment& run, const Moment& again) {
+inline int expect_near(const Placed& placed, const CulledFrame& run, const CulledFrame& again) {
   std::vector<PairKey> only;
   std::set_symmetric_difference(run.pairs.begin(), run.pairs.end(), again.pairs.begin(),
                                 again.pairs.end(), std::back_inserter(only));
   for (const PairKey& pair : only) {
     const bool was = std::binary_search(run.pairs.begin(), run.pairs.end(), pair);
-    const Moment& apart = was ? again : run;
+    const CulledFrame& apart = was ? again : run;
     const double bound_m = placed.error_m(run, pair.a()) + placed.error_m(run, pair.b());
     const double gap_m = meshes_m(
         placed.mesh(pair.a(), pair.part_a()), placed.pose(apart, pair.a(), pair.part_a()),
@@ -133,7 +133,7 @@ inline int expect_near(const Placed& placed, const Moment& run, const Moment& ag
   return static_cast<int>(only.size());
 }
 
-inline std::set<size_t> absent(const Moment& moment) {
+inline std::set<size_t> absent(const CulledFrame& moment) {
   std::set<size_t> out;
   for (size_t i = 0; i < moment.present.size(); ++i)
     if (moment.present[i] == 0) out.insert(i);
