@@ -116,11 +116,13 @@ class Spreading {
   }
 
  private:
-  bool is_ground(const Eigen::Vector2d& point) const {
-    if (!where_.area.contains(point) || where_.walkable.clearance_m(point) < where_.wall_gap_m)
+  /// Up to `slack_m` too near to something counts as clear of it.
+  bool is_ground(const Eigen::Vector2d& point, double slack_m = 0) const {
+    if (!where_.area.contains(point) ||
+        where_.walkable.clearance_m(point) < where_.wall_gap_m - slack_m)
       return false;
     return std::none_of(where_.others.begin(), where_.others.end(), [&](const StandingDisc& other) {
-      return (other.place_m - point).norm() < other.radius_m;
+      return (other.place_m - point).norm() < other.radius_m - slack_m;
     });
   }
 
@@ -203,7 +205,8 @@ class Spreading {
   void leave_out_the_deep(const Lists& lists) {
     for (size_t i = 0; i < bodies_.size(); ++i) {
       if (has_place_[i] == 0) continue;
-      if (!is_ground(bodies_[i].place_m)) has_place_[i] = 0;
+      // Whoever was moved off a wall stands at its border, give or take rounding.
+      if (!is_ground(bodies_[i].place_m, kClear_m)) has_place_[i] = 0;
       lists.for_later(bodies_, i, [&](uint32_t k) {
         if (has_place_[i] != 0 && has_place_[k] != 0 &&
             overlap_m(bodies_[i], bodies_[k]) > kDeepest_m)

@@ -55,9 +55,7 @@ Plan door_plan(double width_m, int people, SteeringKind model, uint64_t seed) {
                       {{kRoom_m, -0.5 * width_m}, {end_x, 0.5 * width_m}},
                       {{end_x, -kHalf_m}, {end_x + 5, kHalf_m}}},
                      {model}, seed);
-  const Eigen::Vector2d off = Eigen::Vector2d::Constant(0.3);  // from walls
-  Group& crowd = plan.people(people, {room.min_m + off, room.max_m - off},
-                             {{{end_x + 4, -kHalf_m}, {end_x + 5, kHalf_m}}});
+  Group& crowd = plan.people(people, room, {{{end_x + 4, -kHalf_m}, {end_x + 5, kHalf_m}}});
   // Chance does not find room for all of them with every seed.
   crowd.density_per_m2 = people / crowd.spawn.area_m2();
   return plan;

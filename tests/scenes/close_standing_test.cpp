@@ -113,6 +113,20 @@ TEST(CloseStanding, KeepsOffWallsAndOthersAndCountsFreeGroundOnly) {
   }
 }
 
+/// Of a room that is full to its walls nobody is left out for standing at one.
+TEST(CloseStanding, FillsARoomToItsWalls) {
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Scene scene = close(1.9, seed);
+    scene.obstacles = {box(-3.1, 0, 0.2, 6), box(3.1, 0, 0.2, 6), box(0, 3.1, 6, 0.2)};
+    SmallWorld world(scene, 1);
+    EXPECT_EQ(world.spawned.unplaced[0], 0);
+    EXPECT_EQ(world.spawned.people.size(), static_cast<size_t>(scene.groups[0].count));
+    for (const Person& person : world.spawned.people)
+      EXPECT_GT(world.ways.walkable().clearance_m(person.position_m), 0.2);
+  }
+}
+
 /// Steering discs overlap by far at first: nobody is thrown apart for it, standing or setting out.
 TEST(CloseStanding, NobodyStartsWithAJerk) {
   for (const SteeringKind model : all_steering_kinds())
