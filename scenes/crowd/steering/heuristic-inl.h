@@ -91,6 +91,12 @@ float square(float x) { return x * x; }
 /// x / (1 + x^4)^(1/4): x where it is small, 1 where it is large.
 float saturated(float x) { return x / std::sqrt(std::sqrt(1 + square(square(x)))); }
 
+/// The direction in the middle of two that are not against each other.
+Eigen::Vector2f between(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+  const Eigen::Vector2f sum = a + b;
+  return sum / std::sqrt(sum.x() * sum.x() + sum.y() * sum.y());
+}
+
 /// Somebody else, as seen by the one who decides.
 struct Other {
   float x_m, y_m;        ///< from there
@@ -267,19 +273,23 @@ class Decision {
     return way;
   }
 
+  /// Whoever goes the same way is ahead or aside as seen along the mean of both ways: two who come
+  /// to a door from its sides walk through it beside each other.
   float speed_on(const Eigen::Vector2f& way) const {
     float gap_m = kFar_m;
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
-      const float ahead_m = o.x_m * way.x() + o.y_m * way.y();
-      const float aside_m = std::abs(o.x_m * way.y() - o.y_m * way.x());
+      const bool same_way = way.x() * o.way_x + way.y() * o.way_y > kSameWay;
+      const Eigen::Vector2f along = same_way ? between(way, {o.way_x, o.way_y}) : way;
+      const float ahead_m = o.x_m * along.x() + o.y_m * along.y();
+      const float aside_m = std::abs(o.x_m * along.y() - o.y_m * along.x());
       const float other_mps = o.vx_mps * way.x() + o.vy_mps * way.y();
       const bool is_met = other_mps < kOncoming_mps || is_against(o);
       const float shoulders_m =
           (is_met ? kTuning.passing_m * (1 - o.urge) : kTuning.shoulders_m) * o.size;
       if (ahead_m <= 0 || aside_m >= shoulders_m) continue;
       // Of two who are ahead of one another, the one that has the other more ahead waits.
-      if (-(o.x_m * o.way_x + o.y_m * o.way_y) > ahead_m) continue;
+      if (!same_way && -(o.x_m * o.way_x + o.y_m * o.way_y) > ahead_m) continue;
       const float round = std::sqrt(std::sqrt(1 - square(square(aside_m / shoulders_m))));
       gap_m = std::min(gap_m, ahead_m - kTuning.stand_m * o.size * round +
                                   kTuning.ahead_s * std::max(other_mps - speed_mps_, 0.0f));
