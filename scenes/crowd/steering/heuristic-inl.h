@@ -50,8 +50,8 @@ constexpr Tuning kTuning;
 constexpr float kOncoming_mps = -0.1f, kWants_mps = 0.015f;
 /// Cosine of ways that are against each other.
 constexpr float kAgainst = -0.5f;
-/// Cosine of ways that count as the same.
-constexpr float kSameWay = 0.3f;
+/// Cosines of ways that count as the same, and that do so wholly.
+constexpr float kSameWay = 0.3f, kAlong = 0.7f;
 /// At a wall a shoulder turned is nearer than the disc by this share of its radius.
 constexpr float kTurned = 0.2f;
 
@@ -91,7 +91,7 @@ float square(float x) { return x * x; }
 /// x / (1 + x^4)^(1/4): x where it is small, 1 where it is large.
 float saturated(float x) { return x / std::sqrt(std::sqrt(1 + square(square(x)))); }
 
-/// The direction in the middle of two that are not against each other.
+/// The direction in the middle of two, of which the second counts by its length.
 Eigen::Vector2f between(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   const Eigen::Vector2f sum = a + b;
   return sum / std::sqrt(sum.x() * sum.x() + sum.y() * sum.y());
@@ -273,14 +273,20 @@ class Decision {
     return way;
   }
 
+  /// 1 of those who go along with a way, 0 of those who go across or against it.
+  static float share_of_same_way(const Eigen::Vector2f& way, const Other& o) {
+    const float cosine = way.x() * o.way_x + way.y() * o.way_y;
+    return std::clamp((cosine - kSameWay) / (kAlong - kSameWay), 0.0f, 1.0f);
+  }
+
   /// Whoever goes the same way is ahead or aside as seen along the mean of both ways: two who come
   /// to a door from its sides walk through it beside each other.
   float speed_on(const Eigen::Vector2f& way) const {
     float gap_m = kFar_m;
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
-      const bool same_way = way.x() * o.way_x + way.y() * o.way_y > kSameWay;
-      const Eigen::Vector2f along = same_way ? between(way, {o.way_x, o.way_y}) : way;
+      const float same = share_of_same_way(way, o);
+      const Eigen::Vector2f along = between(way, same * Eigen::Vector2f(o.way_x, o.way_y));
       const float ahead_m = o.x_m * along.x() + o.y_m * along.y();
       const float aside_m = std::abs(o.x_m * along.y() - o.y_m * along.x());
       const float other_mps = o.vx_mps * way.x() + o.vy_mps * way.y();
@@ -289,7 +295,7 @@ class Decision {
           (is_met ? kTuning.passing_m * (1 - o.urge) : kTuning.shoulders_m) * o.size;
       if (ahead_m <= 0 || aside_m >= shoulders_m) continue;
       // Of two who are ahead of one another, the one that has the other more ahead waits.
-      if (!same_way && -(o.x_m * o.way_x + o.y_m * o.way_y) > ahead_m) continue;
+      if (same == 0 && -(o.x_m * o.way_x + o.y_m * o.way_y) > ahead_m) continue;
       const float round = std::sqrt(std::sqrt(1 - square(square(aside_m / shoulders_m))));
       gap_m = std::min(gap_m, ahead_m - kTuning.stand_m * o.size * round +
                                   kTuning.ahead_s * std::max(other_mps - speed_mps_, 0.0f));
