@@ -48,7 +48,7 @@ TEST(TrajectoryFiles, OtherNamesAreBadInput) {
 TEST(ContactFiles, SayTheSameAsTheRun) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
-      "throng run corridor --seconds 3 --lcm off --log off --contacts c --json r.json", folder);
+      "throng run corridor --seconds 10 --lcm off --log off --contacts c --json r.json", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto contacts = nlohmann::json::parse(read_file(folder / "r.json"))["contacts"];
   EXPECT_GT(contacts["people"], 0);

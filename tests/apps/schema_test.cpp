@@ -217,7 +217,7 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
       "    goals:\n"
       "      - {min_m: [9, 1], max_m: [10, 9], pass: true}\n"
       "      - {nearest_of: [{min_m: [15, 1], max_m: [19, 4]}, {min_m: [15, 6], max_m: [19, 9]}], "
-      "wait_s: 2, capacity: 3, queue: {spacing_m: 1/2, line: [[14, 5], [11, 5], [11, 8]]}}\n"
+      "wait_s: 2, capacity: 3, queue: {spacing_m: 1/2, line: [[14, 5], [14, 7], [11, 8]]}}\n"
       "    on_arrival: leave\n"
       "    delay_s: {mean: 2, deviation: 1, min: 0, max: 5}\n"
       "    ages: {young: 1/2, elderly: 1}\n"
