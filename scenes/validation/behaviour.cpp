@@ -163,8 +163,9 @@ Scene steered(const std::vector<Encounter>& encounters, const Conditions& condit
   for (size_t i = 0; i < encounters.size(); ++i)
     for (size_t who = 0; who < 2; ++who) {
       const Passer& passer = encounters[i].people()[who];
-      const Eigen::Vector2d place(static_cast<double>(i % kColumns) + 0.5,
-                                  static_cast<double>(i / kColumns) + 0.5);
+      const uint64_t column = i % kColumns, row = i / kColumns;
+      const Eigen::Vector2d place(static_cast<double>(column) + 0.5,
+                                  static_cast<double>(row) + 0.5);
       const Eigen::Vector2d middle = (kApart_m * place).array() - half_m;
       const SinCos turn = sin_cos(passer.heading_rad);
       const Eigen::Vector2d from = middle + encounters[i].place_m(who, 0);

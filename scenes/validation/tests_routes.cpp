@@ -25,15 +25,15 @@ constexpr double kWall_m = Plan::kWall_m;
 
 struct Cabin {
   double from_x, to_x;
-  bool is_above;
   int people;
+  bool is_above;
   bool by_main;  ///< assigned to the main exit
 };
 constexpr Cabin kCabins[] = {
-    {0, 3, true, 2, true},   {3, 6, true, 2, true},     {7.2, 9, true, 1, true},
-    {9, 12, true, 2, true},  {12, 15, true, 2, false},  {15, 18, true, 2, false},
-    {0, 3, false, 2, true},  {3, 6, false, 2, true},    {6, 9, false, 2, true},
-    {9, 12, false, 2, true}, {12, 15, false, 2, false}, {15, 18, false, 2, false},
+    {0, 3, 2, true, true},   {3, 6, 2, true, true},     {7.2, 9, 1, true, true},
+    {9, 12, 2, true, true},  {12, 15, 2, true, false},  {15, 18, 2, true, false},
+    {0, 3, 2, false, true},  {3, 6, 2, false, true},    {6, 9, 2, false, true},
+    {9, 12, 2, false, true}, {12, 15, 2, false, false}, {15, 18, 2, false, false},
 };
 
 Rectangle inside(const Cabin& cabin) {

@@ -51,8 +51,9 @@ std::string chain_urdf(int links) {
   std::string out = "<robot name=\"chain\"><link name=\"l0\"/>";
   for (int i = 1; i < links; ++i) {
     const std::string n = std::to_string(i);
-    out += "<link name=\"l" + n + "\"/><joint name=\"j" + n + "\" type=\"fixed\"><parent link=\"l" +
-           std::to_string(i - 1) + "\"/><child link=\"l" + n + "\"/></joint>";
+    out.append("<link name=\"l").append(n).append("\"/><joint name=\"j").append(n);
+    out.append("\" type=\"fixed\"><parent link=\"l").append(std::to_string(i - 1));
+    out.append("\"/><child link=\"l").append(n).append("\"/></joint>");
   }
   return out + "</robot>";
 }
