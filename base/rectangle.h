@@ -16,6 +16,15 @@ struct Rectangle {
   bool contains(const Eigen::Vector2d& point) const {
     return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
   }
+  /// The point of the rectangle that is nearest to another.
+  Eigen::Vector2d nearest_m(const Eigen::Vector2d& point) const {
+    return point.cwiseMax(min_m).cwiseMin(max_m);
+  }
+  /// Wider by a margin on every side.
+  Rectangle grown(double margin_m) const {
+    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(margin_m);
+    return {min_m - margin, max_m + margin};
+  }
   bool operator==(const Rectangle&) const = default;
 };
 

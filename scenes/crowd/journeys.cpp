@@ -77,9 +77,8 @@ void Journeys::archive(Archive& a) {
       a.refuse("an exit of the goal", "another");
     if (doing_[id] == Doing::kQueuing && (areas_.empty() || !stop(id).queue))
       a.refuse("somebody in a queue where there is one", "somebody elsewhere");
-    if (!areas_.empty() && areas_[id] != kNoArea &&
-        (doing_[id] != Doing::kWalking || !stop(id).queue ||
-         areas_[id] >= stop(id).goal.areas.size()))
+    if (is_let_in(id) && (doing_[id] != Doing::kWalking || !stop(id).queue ||
+                          areas_[id] >= stop(id).goal.areas.size()))
       a.refuse("an area of a goal with a queue", "another");
     // Written so that NaN is refused, too.
     if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
@@ -114,19 +113,18 @@ void Journeys::let_in(uint32_t id, uint32_t area, const Eigen::Vector2d& positio
 bool Journeys::is_inside(uint32_t id, const Eigen::Vector2d& position_m) const {
   const Stop& to = stop(id);
   if (areas_.empty() || !to.queue) return to.contains(position_m);
-  return areas_[id] != kNoArea && to.goal.areas[areas_[id]].contains(position_m);
+  return is_let_in(id) && to.goal.areas[areas_[id]].contains(position_m);
 }
 
 const FlowField& Journeys::queue_field(uint32_t id) const {
   const Stop& to = stop(id);
-  if (areas_[id] != kNoArea) return *ways_.queues()[*to.queue].to_areas[areas_[id]];
+  if (is_let_in(id)) return *ways_.queues()[*to.queue].to_areas[areas_[id]];
   return guides_[id].field != nullptr ? *guides_[id].field : *to.field;
 }
 
 void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Stop& to = stop(id);
-  const Rectangle* area = !areas_.empty() && areas_[id] != kNoArea ? &to.goal.areas[areas_[id]]
-                                                                   : &to.area_near(position_m);
+  const Rectangle* area = is_let_in(id) ? &to.goal.areas[areas_[id]] : &to.area_near(position_m);
   const Eigen::Vector2d rim = (0.25 * area->size_m()).cwiseMin(kRim_m);
   const uint32_t first = firsts_[id];
   for (uint32_t attempt = 0; attempt < kTries; ++attempt) {

@@ -85,12 +85,11 @@ class Journeys {
   void take_exit(uint32_t id, uint32_t exit) { exits_[id] = exit; }
   /// True of somebody who walks to a goal with a queue and has no place in it yet.
   bool seeks_queue(uint32_t id) const {
-    return doing_[id] == Doing::kWalking && !areas_.empty() && areas_[id] == kNoArea &&
-           stop(id).queue;
+    return doing_[id] == Doing::kWalking && !areas_.empty() && !is_let_in(id) && stop(id).queue;
   }
   /// True of somebody who may go into a goal with a queue, until they have been there; and into
   /// which area.
-  bool is_let_in(uint32_t id) const { return areas_[id] != kNoArea; }
+  bool is_let_in(uint32_t id) const { return !areas_.empty() && areas_[id] != kNoArea; }
   uint32_t area(uint32_t id) const { return areas_[id]; }
   /// Of somebody who seeks a queue: from now on they have a place in it.
   void join_queue(uint32_t id) { doing_[id] = Doing::kQueuing; }

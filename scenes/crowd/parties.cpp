@@ -40,6 +40,9 @@ constexpr double kNear_m = 2.5;
 /// Whose way parts from that of the first of the party within sight follows them: the cosine.
 constexpr double kParts = 0.3;
 constexpr double kSight_m = 6;
+/// They see who is there if nothing that stops people is so near to the straight way, by samples.
+constexpr double kBody_m = 0.2;
+constexpr int kSamples = 8;
 
 // Taking a place: the most that a way is bent for it (the tangent) and from how far off; the
 // distance along the way for which somebody hurries by all of it, and the bounds of that.
@@ -294,15 +297,6 @@ double Parties::room_m(const Row& row, const FlowField& field, double wanted_m) 
   return least_m;
 }
 
-/// True if nothing that stops people is on the straight way.
-bool Parties::sees(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const {
-  constexpr int kSamples = 8;
-  for (int i = 1; i < kSamples; ++i)
-    if (ways_.walkable().clearance_m(from_m + (i / double{kSamples}) * (to_m - from_m)) < 0.2)
-      return false;
-  return true;
-}
-
 /// Returns how far the last of the row should be behind.
 double Parties::keep_place(const Row& row, const Member& self, Wish& wish) const {
   const Eigen::Vector2d left = left_of(row.way);
@@ -364,7 +358,8 @@ void Parties::wait_for_others(std::span<const Member> members, size_t who, const
   const Member& first = members.front();
   if (first.id != self.id && first.is_on_way && self.is_on_way && first.visits == self.visits &&
       first.way.dot(self.way) < kParts &&
-      (first.at_m - self.at_m).squaredNorm() < kSight_m * kSight_m && sees(self.at_m, first.at_m))
+      (first.at_m - self.at_m).squaredNorm() < kSight_m * kSight_m &&
+      ways_.walkable().is_clear_between(self.at_m, first.at_m, kBody_m, kSamples))
     wish.towards = (first.at_m - self.at_m).normalized();
   if (last == nullptr) return;
   const double too_far_m = behind_m - length_m - kLeads_m;

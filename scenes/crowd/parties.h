@@ -85,7 +85,6 @@ class Parties {
   void watch_progress(Member& m, bool waits, double now_s);
   void find_row(std::span<const Member> members, size_t who, Row& row) const;
   double room_m(const Row& row, const FlowField& field, double wanted_m) const;
-  bool sees(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const;
   double keep_place(const Row& row, const Member& self, Wish& wish) const;
   void wait_for_others(std::span<const Member> members, size_t who, const Row& row, double length_m,
                        Wish& wish) const;

@@ -138,9 +138,7 @@ void Queues::see_out(uint32_t queue, std::span<const uint8_t> present,
     const bool is_served = stands && journeys.visits(id) == guest.visits + 1;
     const bool goes_in = journeys.is_let_in(id) && journeys.stop(id).queue == queue;
     if (is_served) facings_[id] = ways_.queues()[queue].plan.fronts[guest.area];
-    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(stands ? 0 : kOut_m);
-    const Rectangle& area = areas[guest.area];
-    const Rectangle around{area.min_m - margin, area.max_m + margin};
+    const Rectangle around = areas[guest.area].grown(stands ? 0 : kOut_m);
     if (present[id] != 0 && (goes_in || is_served || around.contains(positions_m[id])))
       return false;
     --q.guest_counts[guest.area];
@@ -161,7 +159,7 @@ void Queues::find_comers(std::span<const Eigen::Vector2d> positions_m, const Jou
     bool joins = away_m < kJoins_m && sees(queue, at_m, end), goes_in = false;
     if (!joins && queues_[queue].waiting.empty() && has_free_area(queue)) {
       const Rectangle& area = journeys.stop(id).area_near(at_m);
-      const Eigen::Vector2d rim = at_m.cwiseMax(area.min_m).cwiseMin(area.max_m);
+      const Eigen::Vector2d rim = area.nearest_m(at_m);
       away_m = (rim - at_m).norm();
       joins = goes_in = away_m < kJoins_m && sees(queue, at_m, rim);
     }
@@ -359,15 +357,11 @@ Eigen::Vector2d Queues::end_m(uint32_t queue) const {
 /// True if nothing that stops people is on the straight way, nor anybody who is served.
 bool Queues::sees(uint32_t queue, const Eigen::Vector2d& from_m,
                   const Eigen::Vector2d& to_m) const {
-  const std::vector<Rectangle>& areas = ways_.queues()[queue].plan.areas;
-  const double away_m = (to_m - from_m).norm();
-  const int samples = static_cast<int>(std::ceil(away_m / kSample_m));
-  for (int i = 1; i < samples; ++i) {
-    const Eigen::Vector2d point = from_m + (i / double(samples)) * (to_m - from_m);
-    if (ways_.walkable().clearance_m(point) < kBody_m) return false;
-    for (const Rectangle& area : areas)
-      if (area.contains(point)) return false;
-  }
+  const int pieces = static_cast<int>(std::ceil((to_m - from_m).norm() / kSample_m));
+  if (!ways_.walkable().is_clear_between(from_m, to_m, kBody_m, pieces)) return false;
+  for (const Rectangle& area : ways_.queues()[queue].plan.areas)
+    for (int i = 1; i < pieces; ++i)
+      if (area.contains(from_m + (i / double(pieces)) * (to_m - from_m))) return false;
   return true;
 }
 

@@ -203,8 +203,7 @@ int place_apart(const Scene& scene, size_t group_index, const Ways& ways, uint64
 
 /// The discs of those who stand in an area already, or reach into it.
 std::vector<StandingDisc> discs_near(const Rectangle& area, const std::vector<Person>& people) {
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(kMaxRadius_m + 1);
-  const Rectangle around{area.min_m - reach, area.max_m + reach};
+  const Rectangle around = area.grown(kMaxRadius_m + 1);
   std::vector<StandingDisc> discs;
   for (const Person& person : people)
     if (person.entrance == Person::kFromTheStart && around.contains(person.position_m))

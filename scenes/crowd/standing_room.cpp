@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/random.h"
@@ -197,9 +198,9 @@ class Spreading {
       if (distance_m < apart_m && distance_m > 0)
         place += (apart_m - distance_m) / distance_m * way;
     }
-    place = place.cwiseMax(where_.area.min_m).cwiseMin(where_.area.max_m);
+    place = where_.area.nearest_m(place);
     place = where_.walkable.slide(place, place, where_.wall_gap_m);
-    place = place.cwiseMax(where_.area.min_m).cwiseMin(where_.area.max_m);
+    place = where_.area.nearest_m(place);
   }
 
   void leave_out_the_deep(const Lists& lists) {
@@ -237,6 +238,14 @@ double overlap_m(const StandingBody& a, const StandingBody& b) {
   const Eigen::Vector2d towards =
       distance_m > 0 ? Eigen::Vector2d(way / distance_m) : Eigen::Vector2d::UnitX();
   return a.radius_m(towards) + b.radius_m(towards) - distance_m;
+}
+
+double deepest_overlap_m(std::span<const StandingBody> bodies) {
+  double deepest_m = -std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < bodies.size(); ++i)
+    for (size_t k = i + 1; k < bodies.size(); ++k)
+      deepest_m = std::max(deepest_m, overlap_m(bodies[i], bodies[k]));
+  return deepest_m;
 }
 
 std::vector<uint8_t> stand(const StandingArea& where, uint64_t seed,

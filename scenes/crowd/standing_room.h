@@ -33,6 +33,9 @@ struct StandingBody {
 /// face the same way. Negative where they are apart.
 double overlap_m(const StandingBody& a, const StandingBody& b);
 
+/// Of any two of them; minus infinity of fewer than two.
+double deepest_overlap_m(std::span<const StandingBody> bodies);
+
 /// Somebody else who stands there already.
 struct StandingDisc {
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();

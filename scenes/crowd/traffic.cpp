@@ -88,8 +88,7 @@ bool Traffic::has_due(double now_s) const {
 }
 
 void Traffic::list_near(const Entrance& entrance, std::span<const Eigen::Vector2d> positions_m) {
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(2 * widest_m_ + kGap_m);
-  const Rectangle around{entrance.area.min_m - reach, entrance.area.max_m + reach};
+  const Rectangle around = entrance.area.grown(2 * widest_m_ + kGap_m);
   near_.clear();
   for (uint32_t id = 0; id < present_.size(); ++id)
     if (present_[id] != 0 && around.contains(positions_m[id])) near_.push_back(id);
@@ -104,7 +103,7 @@ bool Traffic::find_place(const Entrance& entrance, std::span<Eigen::Vector2d> po
     Rectangle where = entrance.area;
     // Of the tries two thirds.
     if (follows_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kTries / 3) {
-      const Eigen::Vector2d near = positions_m[id - 1].cwiseMax(where.min_m).cwiseMin(where.max_m);
+      const Eigen::Vector2d near = where.nearest_m(positions_m[id - 1]);
       where.min_m = where.min_m.cwiseMax(near - Eigen::Vector2d::Constant(kBeside_m));
       where.max_m = where.max_m.cwiseMin(near + Eigen::Vector2d::Constant(kBeside_m));
     }

@@ -16,8 +16,7 @@ constexpr double kMostSamples = 4e6;
 }  // namespace
 
 double standing_room_m2(const Scene& scene, const Rectangle& area) {
-  const Eigen::Vector2d gap = Eigen::Vector2d::Constant(kWallGap_m);
-  const Rectangle reach{area.min_m - gap, area.max_m + gap};
+  const Rectangle reach = area.grown(kWallGap_m);
   std::vector<std::vector<Eigen::Vector2d>> near;
   for (const Obstacle& obstacle : scene.obstacles) {
     if (!blocks_people(obstacle)) continue;
@@ -30,7 +29,7 @@ double standing_room_m2(const Scene& scene, const Rectangle& area) {
     if ((low.array() <= reach.max_m.array()).all() && (high.array() >= reach.min_m.array()).all())
       near.push_back(std::move(footprint));
   }
-  const Rectangle inside{scene.ground.min_m + gap, scene.ground.max_m - gap};
+  const Rectangle inside = scene.ground.grown(-kWallGap_m);
   const Eigen::Vector2d size = area.size_m();
   const double sample_m = std::max(kSample_m, std::sqrt(area.area_m2() / kMostSamples));
   const int columns = std::max(1, static_cast<int>(std::ceil(size.x() / sample_m)));

@@ -83,8 +83,7 @@ void complete(Reading& reading, const Fields& fields, Obstacle& obstacle) {
   const bool is_mesh = obstacle.kind == Obstacle::Kind::kMesh;
   obstacle.centre_m.z() += is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
   const Rectangle& ground = reading.scene.ground;
-  const Eigen::Vector2d rounding = Eigen::Vector2d::Constant(kRounding_m);
-  const Rectangle reach{ground.min_m - rounding, ground.max_m + rounding};
+  const Rectangle reach = ground.grown(kRounding_m);
   for (const Eigen::Vector2d& corner : footprint_of(obstacle))
     if (!reach.contains(corner))
       throw InputError(

@@ -66,9 +66,7 @@ struct Footprint {
 /// Every point where somebody may have to stand.
 void require_free(const Scene& scene, const std::vector<Footprint>& footprints,
                   const std::string& where, const Goal& goal, const Eigen::Vector2d& point) {
-  const Eigen::Vector2d body = Eigen::Vector2d::Constant(kBody_m);
-  const Rectangle inside{scene.ground.min_m + body, scene.ground.max_m - body};
-  if (!inside.contains(point))
+  if (!scene.ground.grown(-kBody_m).contains(point))
     throw InputError(where, fmt::format("a line within the ground ({})", show(scene.ground)),
                      show(point));
   if (goal.contains(point))

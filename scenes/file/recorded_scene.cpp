@@ -96,8 +96,7 @@ Rectangle ground_of(const RecordingFacts& facts, const std::vector<AreaPolygon>&
       ground.min_m = ground.min_m.cwiseMin(corner);
       ground.max_m = ground.max_m.cwiseMax(corner);
     }
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMargin_m);
-  return {ground.min_m - margin, ground.max_m + margin};
+  return ground.grown(kMargin_m);
 }
 
 void add_geometry(Scene& scene, const std::string& where) {

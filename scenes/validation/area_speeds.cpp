@@ -26,15 +26,8 @@ AreaSpeeds::AreaSpeeds(const Trial& trial, CellOf cell, std::vector<Rectangle> a
     : cell_(std::move(cell)), areas_(std::move(areas)), crowd_(trial.size(), 3) {}
 
 void AreaSpeeds::watch(const Trial& trial, bool counts) {
-  constexpr double kSlack_s = 1e-9;
-  if (trial.now_s() < next_s_ - kSlack_s) return;
-  next_s_ += kSample_s;
-  Moment& next = crowd_.next();
-  next.time_s = trial.now_s();
-  for (size_t id = 0; id < trial.size(); ++id) {
-    next.heads_m[id] = next.roots_m[id] = trial.position_m(id);
-    next.present[id] = trial.is_present(id);
-  }
+  if (!clock_.is_due(trial.now_s())) return;
+  take(trial, crowd_.next());
   crowd_.pushed();
   if (!counts) return;
   const Moment& moment = crowd_.ago(1);

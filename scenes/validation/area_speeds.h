@@ -7,10 +7,10 @@
 #include <functional>
 #include <vector>
 
-#include "scenes/measures/recent_crowd.h"
 #include "scenes/measures/speed_and_spacing.h"
 #include "scenes/validation/judging.h"
 #include "scenes/validation/trial.h"
+#include "scenes/validation/trial_moments.h"
 
 namespace throng::validation {
 
@@ -36,7 +36,7 @@ class AreaSpeeds {
   std::vector<Rectangle> areas_;
   RecentCrowd crowd_;
   Velocities velocities_;
-  double next_s_ = 0;
+  Every clock_{kSample_s};
   std::vector<DensitySpeed> samples_;
 };
 

@@ -10,32 +10,18 @@
 #include "scenes/file/density.h"
 #include "scenes/measures/accelerations.h"
 #include "scenes/measures/contact_measures.h"
-#include "scenes/measures/recent_crowd.h"
+#include "scenes/validation/trial_moments.h"
 
 namespace throng::validation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSample_s = 0.1;
-constexpr double kSlack_s = 1e-9;
 
 /// From one direction to another, in turns: in (-0.5, 0.5].
 double turn_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to)) / (2 * kPi);
 }
-
-/// True about ten times a second.
-class TenASecond {
- public:
-  bool is_due(double now_s) {
-    if (now_s < next_s_ - kSlack_s) return false;
-    next_s_ += kSample_s;
-    return true;
-  }
-
- private:
-  double next_s_ = 0;
-};
 
 }  // namespace
 
@@ -52,15 +38,10 @@ Accelerated accelerations_of(const std::string& where, const Plan& plan, double 
   Trial trial(plan);
   RecentCrowd crowd(trial.size(), 3);
   Accelerations accelerations(kSample_s);
-  TenASecond clock;
+  Every clock(kSample_s);
   do {
     if (!clock.is_due(trial.now_s())) continue;
-    Moment& next = crowd.next();
-    next.time_s = trial.now_s();
-    for (size_t id = 0; id < trial.size(); ++id) {
-      next.heads_m[id] = next.roots_m[id] = trial.position_m(id);
-      next.present[id] = trial.is_present(id);
-    }
+    take(trial, crowd.next());
     crowd.pushed();
     accelerations.take(crowd);
   } while (trial.step(seconds));
@@ -96,7 +77,7 @@ Queued queue_in(const std::string& where, const Plan& plan, const Rectangle& are
 std::vector<double> facing_shares(const Plan& plan, double seconds, Outcome& outcome) {
   constexpr double kWithin_turns = 20.0 / 360;
   Trial trial(plan);
-  TenASecond clock;
+  Every clock(kSample_s);
   std::vector<double> shares;
   do {
     if (!clock.is_due(trial.now_s())) continue;
@@ -132,11 +113,7 @@ Standing stand_close(double per_m2, const Conditions& conditions, Outcome& outco
     if (trial.is_present(id) && area.contains(trial.position_m(id)))
       bodies.push_back({trial.position_m(id), trial.heading(id), height_m / 1.70});
   }
-  double deepest_m = -1;
-  for (size_t i = 0; i < bodies.size(); ++i)
-    for (size_t k = i + 1; k < bodies.size(); ++k)
-      deepest_m = std::max(deepest_m, overlap_m(bodies[i], bodies[k]));
-  return {per_m2, static_cast<double>(bodies.size()) / area.area_m2(), deepest_m};
+  return {per_m2, static_cast<double>(bodies.size()) / area.area_m2(), deepest_overlap_m(bodies)};
 }
 
 namespace {

@@ -87,6 +87,12 @@ Group& Plan::people(int count, const Rectangle& from, const std::vector<Rectangl
   return group;
 }
 
+Group& Plan::people_packed(int count, const Rectangle& from, const std::vector<Rectangle>& to) {
+  Group& group = people(count, from, to);
+  group.density_per_m2 = count / from.area_m2();
+  return group;
+}
+
 void Plan::people_in_rows(int rows, int columns, const Rectangle& from,
                           const std::vector<Rectangle>& to) {
   // All of one size, so that a place fits everybody.

@@ -28,6 +28,9 @@ struct Plan {
   /// People who walk from an area to the nearest of others and leave there.
   Group& people(int count, const Rectangle& from, const std::vector<Rectangle>& to);
 
+  /// The same with room for all of them with every seed: as close as it takes, no body in another.
+  Group& people_packed(int count, const Rectangle& from, const std::vector<Rectangle>& to);
+
   /// The same with everybody in a place of one's own, rows along x shifted by half a place: more
   /// people than chance finds room for. `rows` times `columns` of them, each a group.
   void people_in_rows(int rows, int columns, const Rectangle& from,

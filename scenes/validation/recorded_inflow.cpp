@@ -10,7 +10,7 @@
 #include "scenes/measures/recent_crowd.h"
 #include "scenes/validation/reality_tables.h"
 #include "scenes/validation/set_ups.h"
-#include "scenes/validation/trial.h"
+#include "scenes/validation/trial_moments.h"
 
 namespace throng::validation {
 namespace {
@@ -110,9 +110,7 @@ Plan with_inflow(const InflowSite& site, const Recording& recording) {
   }
   if (at_first > 0) {
     around.min_m.y() = std::max(around.min_m.y(), site.least_y);
-    Group& group = plan.people(at_first, around, {site.goal});
-    group.density_per_m2 = at_first / around.area_m2();
-    group.speed_mps = site.speed_mps;
+    plan.people_packed(at_first, around, {site.goal}).speed_mps = site.speed_mps;
   }
   return plan;
 }
@@ -152,20 +150,12 @@ std::vector<SpeedAndSpacing::Spacing> steered_spacing(const Plan& plan, double s
                                                       Outcome& outcome) {
   Trial trial(plan);
   SpacingMeter meter(plan.scene, trial.size());
-  double next_s = 0;
-  for (;;) {
-    if (trial.now_s() >= next_s - kSlack_s) {
-      next_s += kSample_s;
-      Moment& next = meter.next();
-      next.time_s = trial.now_s();
-      for (size_t id = 0; id < trial.size(); ++id) {
-        next.heads_m[id] = next.roots_m[id] = trial.position_m(id);
-        next.present[id] = trial.is_present(id);
-      }
-      meter.pushed();
-    }
-    if (!trial.step(seconds)) break;
-  }
+  Every clock(kSample_s);
+  do {
+    if (!clock.is_due(trial.now_s())) continue;
+    take(trial, meter.next());
+    meter.pushed();
+  } while (trial.step(seconds));
   note(outcome, trial);
   return meter.spacings();
 }

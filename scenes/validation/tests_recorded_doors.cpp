@@ -55,9 +55,7 @@ Plan door_plan(double width_m, int people, SteeringKind model, uint64_t seed) {
                       {{kRoom_m, -0.5 * width_m}, {end_x, 0.5 * width_m}},
                       {{end_x, -kHalf_m}, {end_x + 5, kHalf_m}}},
                      {model}, seed);
-  Group& crowd = plan.people(people, room, {{{end_x + 4, -kHalf_m}, {end_x + 5, kHalf_m}}});
-  // Chance does not find room for all of them with every seed.
-  crowd.density_per_m2 = people / crowd.spawn.area_m2();
+  plan.people_packed(people, room, {{{end_x + 4, -kHalf_m}, {end_x + 5, kHalf_m}}});
   return plan;
 }
 

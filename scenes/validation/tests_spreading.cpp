@@ -112,9 +112,7 @@ Plan two_exits_plan(SteeringKind model, uint64_t seed) {
   for (const double middle : {7.5, 22.5})
     open.push_back({{middle - 0.5 * kDoor_m, -Plan::kWall_m}, {middle + 0.5 * kDoor_m, 0}});
   Plan plan = carved("two_exits", open, {model}, seed);
-  Group& crowd = plan.people(kHallPeople, {{0, 0}, {15, 20}}, {{{0, -kOut_m}, {30, 0.8 - kOut_m}}});
-  // Chance does not find room for all of them with every seed.
-  crowd.density_per_m2 = kHallPeople / crowd.spawn.area_m2();
+  plan.people_packed(kHallPeople, {{0, 0}, {15, 20}}, {{{0, -kOut_m}, {30, 0.8 - kOut_m}}});
   return plan;
 }
 

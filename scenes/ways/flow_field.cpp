@@ -261,7 +261,7 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
     const Eigen::Vector2d centre = grid_->centre_m(cell);
     double away = 1e300;
     for (const Rectangle& area : areas)
-      away = std::min(away, (centre - centre.cwiseMax(area.min_m).cwiseMin(area.max_m)).norm());
+      away = std::min(away, (centre - area.nearest_m(centre)).norm());
     if (away > 0.71 * grid_->cell_m()) continue;
     distance_m_[cell] = static_cast<float>(away);
     queue.emplace(distance_m_[cell], cell);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace throng {
 namespace {
@@ -129,11 +130,34 @@ QueuePlan::QueuePlan(const Goal& goal, const Walkable& walkable, int64_t people_
                                     : Eigen::Vector2d(Eigen::Vector2d::Zero()));
 }
 
+/// On a grid around the end of the line, as far as the last of them needs.
+void QueuePlan::gather(const Walkable& walkable, const FlowField& to_end) {
+  const int64_t needed = std::max<int64_t>(0, people - static_cast<int64_t>(places));
+  const Eigen::Vector2d end = line.corners_m().back();
+  const int most_rings = static_cast<int>(std::ceil(walkable.ground().size_m().norm() / spacing_m));
+  std::vector<std::pair<double, Eigen::Vector2d>> found;
+  // A ring is as far as its sides; who is at its corners may be behind others of the next.
+  for (int ring = 1, enough = 0; ring <= most_rings && enough < 2; ++ring) {
+    for (int i = -ring; i <= ring; ++i)
+      for (int k = -ring; k <= ring; ++k) {
+        if (std::max(std::abs(i), std::abs(k)) != ring) continue;
+        const Eigen::Vector2d point = end + spacing_m * Eigen::Vector2d(i, k);
+        if (!has_room(walkable, point) || !to_end.reaches(point)) continue;
+        found.emplace_back(to_end.distance_m(point), point);
+      }
+    if (static_cast<int64_t>(found.size()) >= needed) ++enough;
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (static_cast<int64_t>(found.size()) > needed) found.resize(static_cast<size_t>(needed));
+  for (const auto& [way_m, point] : found) spots_m.push_back(point);
+}
+
 /// Off the walls, the line and the goal.
 bool QueuePlan::has_room(const Walkable& walkable, const Eigen::Vector2d& point) const {
   if (walkable.clearance_m(point) < kWall_m) return false;
   for (const Rectangle& area : areas)
-    if ((point - point.cwiseMax(area.min_m).cwiseMin(area.max_m)).norm() < kBefore_m) return false;
+    if ((point - area.nearest_m(point)).norm() < kBefore_m) return false;
   const double along_m = line.nearest_m(point, 0, line.length_m());
   return (line.at(along_m) - point).norm() >= spacing_m - 1e-9;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scenes/file/scene.h"
+#include "scenes/ways/flow_field.h"
 #include "scenes/ways/walkable.h"
 
 namespace throng {
@@ -49,7 +50,12 @@ struct QueuePlan {
   /// Elsewhere: the nearest to the end first, by the way on foot. Found by gather().
   std::vector<Eigen::Vector2d> spots_m;
 
+  /// Finds `spots_m`; `to_end` leads to the end of the line.
+  void gather(const Walkable& walkable, const FlowField& to_end);
+
   double along_m(size_t place) const { return spacing_m * static_cast<double>(place); }
+
+ private:
   bool has_room(const Walkable& walkable, const Eigen::Vector2d& point) const;
 };
 

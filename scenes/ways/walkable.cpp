@@ -156,6 +156,13 @@ double Walkable::clearance_m(const Eigen::Vector2d& point) const {
   return std::min(edge, obstacle_clearance_m(point));
 }
 
+bool Walkable::is_clear_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                double gap_m, int pieces) const {
+  for (int i = 1; i < pieces; ++i)
+    if (clearance_m(from + (i / double(pieces)) * (to - from)) < gap_m) return false;
+  return true;
+}
+
 double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
   double clearance = kReach_m;
   for (const uint32_t footprint : near(point))

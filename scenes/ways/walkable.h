@@ -60,7 +60,11 @@ class Walkable {
   /// Distance to the nearest footprint or edge of the ground, at most kReach_m; negative inside a
   /// footprint or off the ground.
   double clearance_m(const Eigen::Vector2d& point) const;
-  /// The same, edges of the ground left out.
+  /// True if the clearance is at least `gap_m` at all inner points that cut a straight way into so
+  /// many pieces.
+  bool is_clear_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double gap_m,
+                        int pieces) const;
+  /// The same as clearance_m, edges of the ground left out.
   double obstacle_clearance_m(const Eigen::Vector2d& point) const;
   /// The narrowest gap that a point lies in: between two walls (or edges of the ground) on opposite
   /// sides of it, each nearer than `reach_m`, at least one of them an obstacle.

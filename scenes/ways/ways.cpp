@@ -8,7 +8,7 @@ namespace throng {
 
 const Rectangle& Stop::area_near(const Eigen::Vector2d& point) const {
   const auto square_m2 = [&](const Rectangle& area) {
-    return (point - point.cwiseMax(area.min_m).cwiseMin(area.max_m)).squaredNorm();
+    return (point - area.nearest_m(point)).squaredNorm();
   };
   return *std::min_element(
       goal.areas.begin(), goal.areas.end(),
@@ -51,7 +51,7 @@ Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walka
   add_queues(scene);
   look_up_cues(scene);
   build_fields(workers);
-  for (QueueWays& queue : queues_) find_spots(queue);
+  for (QueueWays& queue : queues_) queue.plan.gather(walkable_, *queue.to_corners.back());
   for (const Group& group : scene.groups) {
     std::vector<Stop>& route = routes_.emplace_back();
     for (const Goal& goal : group.goals) {
@@ -132,47 +132,17 @@ void Ways::build_queues(Workers& workers) {
 std::vector<KeepOff> Ways::shun_but(std::span<const Rectangle> areas) const {
   std::vector<KeepOff> shun;
   if (queues_.empty()) return shun;
-  const Eigen::Vector2d body = Eigen::Vector2d::Constant(0.2);
-  const auto is_in = [&](const Rectangle& area, const Eigen::Vector2d& point) {
-    return Rectangle{area.min_m - body, area.max_m + body}.contains(point);
-  };
+  constexpr double kBody_m = 0.2;
   shun.resize(grid_.cell_count(), KeepOff::kNo);
   for (size_t cell = 0; cell < shun.size(); ++cell) {
     const Eigen::Vector2d centre = grid_.centre_m(cell);
     for (const QueueWays& queue : queues_)
       for (const Rectangle& area : queue.plan.areas)
-        if (is_in(area, centre)) shun[cell] = KeepOff::kShun;
+        if (area.grown(kBody_m).contains(centre)) shun[cell] = KeepOff::kShun;
     for (const Rectangle& area : areas)
-      if (is_in(area, centre)) shun[cell] = KeepOff::kNo;
+      if (area.grown(kBody_m).contains(centre)) shun[cell] = KeepOff::kNo;
   }
   return shun;
-}
-
-/// On a grid around the end of the line, as far as the last of them needs.
-void Ways::find_spots(QueueWays& queue) const {
-  QueuePlan& plan = queue.plan;
-  const auto needed = std::max<int64_t>(0, plan.people - static_cast<int64_t>(plan.places));
-  const Eigen::Vector2d end = plan.line.corners_m().back();
-  const FlowField& to_end = *queue.to_corners.back();
-  const double spacing_m = plan.spacing_m;
-  const Eigen::Vector2d size = walkable_.ground().size_m();
-  const int most_rings = static_cast<int>(std::ceil(size.norm() / spacing_m));
-  std::vector<std::pair<double, Eigen::Vector2d>> found;
-  // A ring is as far as its sides; who is at its corners may be behind others of the next.
-  for (int ring = 1, enough = 0; ring <= most_rings && enough < 2; ++ring) {
-    for (int i = -ring; i <= ring; ++i)
-      for (int k = -ring; k <= ring; ++k) {
-        if (std::max(std::abs(i), std::abs(k)) != ring) continue;
-        const Eigen::Vector2d point = end + spacing_m * Eigen::Vector2d(i, k);
-        if (!plan.has_room(walkable_, point) || !to_end.reaches(point)) continue;
-        found.emplace_back(to_end.distance_m(point), point);
-      }
-    if (static_cast<int64_t>(found.size()) >= needed) ++enough;
-  }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (static_cast<int64_t>(found.size()) > needed) found.resize(static_cast<size_t>(needed));
-  for (const auto& [way_m, point] : found) plan.spots_m.push_back(point);
 }
 
 /// Of all goals, as the doors are; with them the mesh, where there is none yet.

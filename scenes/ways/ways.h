@@ -118,7 +118,6 @@ class Ways {
   void add_queues(const Scene& scene);
   void build_queues(Workers& workers);
   std::vector<KeepOff> shun_but(std::span<const Rectangle> areas) const;
-  void find_spots(QueueWays& queue) const;
   void find_exits(Workers& workers);
   void build_exits(Workers& workers);
   std::vector<KeepOff> keep_off_others(uint32_t exit) const;
