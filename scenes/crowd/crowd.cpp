@@ -37,9 +37,9 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       parties_(ways, people),
       queues_(ways, people),
       grid_(ways.walkable().ground(), people.size(), options.simd) {
-  steps_a_decision_ =
+  steps_a_period_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
-  period_s_ = steps_a_decision_ * options.step_s;
+  period_s_ = steps_a_period_ * options.step_s;
   const SinCos largest = sin_cos(tuning::kMaxTurn_radps * options.step_s);
   turn_cos_ = largest.cos;
   turn_sin_ = largest.sin;
@@ -58,6 +58,8 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
   walked_m_.assign(count, 0);
   looks_rad_.assign(count, 0);
   slot_of_.assign(count, kNowhere);
+  deciders_.resize(count);
+  first_deciders_.assign(static_cast<size_t>(steps_a_period_) + 1, 0);
   walkers_.resize(count);
   carried_.resize(count);
   slots_.resize(count, kMaxNeighbours, static_cast<size_t>(block_count(count)));
@@ -69,12 +71,17 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
     walls.starts.reserve(kPeopleABlock + 1);
   }
   block_values_.resize(static_cast<size_t>(block_count(count)));
+  block_ways_m_.resize(block_values_.size() + 1, 0);
   seat_people();
 }
 
 /// Everybody takes a slot with all that is known of them; who has just entered starts walking.
 void Crowd::seat_people() {
   grid_.rebuild(positions_m_, traffic_.present());
+  take_slots();
+}
+
+void Crowd::take_slots() {
   std::swap(walkers_, carried_);
   for_slots([this](size_t begin, size_t end, int) {
     for (size_t slot = begin; slot < end; ++slot) {
@@ -83,6 +90,7 @@ void Crowd::seat_people() {
         start_walking(slot);
       else
         walkers_.carry(carried_, from, slot);
+      show(slot);
     }
   });
   if (traffic_.is_open()) std::fill(slot_of_.begin(), slot_of_.end(), kNowhere);
@@ -90,6 +98,38 @@ void Crowd::seat_people() {
     for (size_t slot = begin; slot < end; ++slot)
       slot_of_[grid_.order()[slot]] = static_cast<uint32_t>(slot);
   });
+  list_deciders();
+}
+
+/// By counting: each phase in the order of slots.
+void Crowd::list_deciders() {
+  const std::span<const uint32_t> ids = grid_.order();
+  const auto phases = static_cast<uint32_t>(steps_a_period_);
+  std::fill(first_deciders_.begin(), first_deciders_.end(), 0);
+  for (size_t slot = 0; slot < ids.size(); ++slot) {
+    slots_.phase[slot] = static_cast<uint8_t>(parties_.first_of_party(ids[slot]) % phases);
+    ++first_deciders_[slots_.phase[slot] + size_t{1}];
+  }
+  for (size_t phase = 1; phase <= phases; ++phase)
+    first_deciders_[phase] += first_deciders_[phase - 1];
+  // Filling moves each first to the end of its phase: shift back after, as cells are.
+  for (size_t slot = 0; slot < ids.size(); ++slot)
+    deciders_[first_deciders_[slots_.phase[slot]]++] = static_cast<uint32_t>(slot);
+  std::move_backward(first_deciders_.begin(), first_deciders_.end() - 1, first_deciders_.end());
+  first_deciders_.front() = 0;
+}
+
+/// What others see of somebody.
+void Crowd::show(size_t slot) {
+  const Walkers& w = walkers_;
+  Eigen::Vector2f velocity = w.velocity_mps[slot].cast<float>();
+  // People who are stuck show where to, so that others can make way.
+  if (traits_.is_nudged)
+    velocity += static_cast<float>(tuning::kShownIntent) * w.urge[slot] *
+                (Eigen::Vector2f(w.wanted_x_mps[slot], w.wanted_y_mps[slot]) - velocity);
+  slots_.vx_mps[slot] = velocity.x();
+  slots_.vy_mps[slot] = velocity.y();
+  slots_.radius_m[slot] = static_cast<float>(w.radius_m[slot]) * w.squeeze[slot];
 }
 
 /// Whoever is on the way already walks at the free speed, but for those who stand too close
@@ -116,6 +156,8 @@ void Crowd::start_walking(size_t slot) {
   w.queuing[slot] = 0;
   w.held[slot] = 0;
   w.squeeze[slot] = squeezes_[id];
+  w.urge[slot] = 0;
+  wish_for(slot, velocities_mps_[id].cast<float>());
 }
 
 template <typename Value>
@@ -133,12 +175,14 @@ void Crowd::archive(Archive& a) {
   a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, occasions_, doorkeeper_,
     exits_, parties_, counters_);
   queues_.archive(a, journeys_);
+  grid_.archive(a);
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
       if (journeys_.is_present(id) && !ways_.walkable().ground().contains(positions_m_[id]))
         a.refuse("a place on the ground", "one outside");
     std::fill(slot_of_.begin(), slot_of_.end(), kNowhere);
-    seat_people();
+    grid_.rebuild_as_read(positions_m_);
+    take_slots();
   }
   a(velocities_mps_, looks_rad_);
   walkers_.for_each_field([&](auto& values, Saved saved) {
@@ -148,6 +192,7 @@ void Crowd::archive(Archive& a) {
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
     walkers_.velocity_mps[slot] = velocities_mps_[grid_.order()[slot]];
   check_read(a);
+  for (size_t slot = 0; slot < grid_.order().size(); ++slot) show(slot);
 }
 
 /// Comparisons are written so that NaN is refused, too.
@@ -175,6 +220,13 @@ void Crowd::check_read(Archive& a) {
       if (saved == Saved::kAsShare)
         for (size_t slot = 0; slot < grid_.order().size(); ++slot)
           if (!(values[slot] > 0 && values[slot] <= 1)) a.refuse("a share of a disc", "another");
+      for (size_t slot = 0; slot < grid_.order().size(); ++slot) {
+        if (saved == Saved::kAsPart && !(values[slot] >= 0 && values[slot] <= 1))
+          a.refuse("a share", "another");
+        if (saved == Saved::kAsPace &&
+            !(std::abs(values[slot]) <= static_cast<float>(kLargest_mps)))
+          a.refuse("the speed of a person", "another");
+      }
     } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
       if (saved != Saved::kAsSpeed) return;
       for (const Eigen::Vector2d& speed : values) check_speed(speed);
@@ -184,24 +236,31 @@ void Crowd::check_read(Archive& a) {
 
 void Crowd::step() {
   if (size() == 0) return;
-  if (steps_ % steps_a_decision_ == 0) decide();
-  const std::span<const double> turned = by_block([this](size_t begin, size_t end) {
-    double turned_rad = 0;
+  const auto phase = static_cast<int>(steps_ % steps_a_period_);
+  if (phase == 0) begin_period();
+  decide(phase);
+  for_slots([this](size_t begin, size_t end, int) {
+    double turned_rad = 0, farthest_m = 0;
     for (size_t slot = begin; slot < end; ++slot) {
-      move(slot);
+      farthest_m = std::max(farthest_m, move(slot));
       turned_rad += turn(slot);
       look(slot);
     }
-    return turned_rad;
+    block_values_[begin / kPeopleABlock] = turned_rad;
+    block_ways_m_[begin / kPeopleABlock] = farthest_m;
   });
-  for (const double each : turned) counters_.turned_rad += each;
+  const size_t blocks = in_blocks(grid_.order().size()).size();
+  for (size_t block = 0; block < blocks; ++block) counters_.turned_rad += block_values_[block];
+  grid_.add_slack_m(*std::max_element(block_ways_m_.begin(),
+                                      block_ways_m_.begin() + static_cast<ptrdiff_t>(blocks)));
   counters_.walked_s += options_.step_s * static_cast<double>(grid_.order().size());
   ++steps_;
 }
 
 void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
                   const Eigen::Vector2d& velocity_mps) {
-  walked_m_[id] = (position_m - positions_m_[id]).norm();
+  const double way_m = (position_m - positions_m_[id]).norm();
+  walked_m_[id] = way_m;
   positions_m_[id] = position_m;
   headings_[id] = heading;
   velocities_mps_[id] = velocity_mps;
@@ -214,6 +273,9 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   w.old_mps[slot] = w.next_mps[slot] = velocity_mps;
   w.drift_mps[slot].setZero();
   w.turn_radps[slot] = 0;
+  grid_.move(slot, position_m);
+  grid_.add_slack_m(way_m);
+  show(slot);
   // A driven avatar is not stuck, however long it stands.
   w.anchor_m[slot] = position_m;
   w.anchor_step[slot] = steps_;
@@ -224,13 +286,15 @@ void Crowd::lead(uint32_t id, bool is_there) {
   journeys_.lead(id, is_there);
 }
 
-void Crowd::move(size_t slot) {
+/// Returns how far. The velocity goes over to the one chosen within a period of one's own.
+double Crowd::move(size_t slot) {
   Walkers& w = walkers_;
-  const auto part = static_cast<double>(steps_ % steps_a_decision_);
+  const size_t steps = static_cast<size_t>(steps_a_period_);
+  const auto part = static_cast<double>((phase_ + steps - slots_.phase[slot]) % steps);
   const Eigen::Vector2d change = w.next_mps[slot] - w.old_mps[slot];
   const Eigen::Vector2d midway =
-      w.old_mps[slot] + (part + 0.5) / steps_a_decision_ * change + w.drift_mps[slot];
-  w.velocity_mps[slot] = w.old_mps[slot] + (part + 1) / steps_a_decision_ * change;
+      w.old_mps[slot] + (part + 0.5) / steps_a_period_ * change + w.drift_mps[slot];
+  w.velocity_mps[slot] = w.old_mps[slot] + (part + 1) / steps_a_period_ * change;
   const Eigen::Vector2d from = w.position_m[slot];
   Eigen::Vector2d to = from + options_.step_s * midway;
   // Far from any wall at the decision, nobody reaches one before the next.
@@ -241,9 +305,13 @@ void Crowd::move(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   if (queues_.any()) to = queues_.keep_out(id, from, to, journeys_);
   w.position_m[slot] = to;
-  walked_m_[id] = (to - from).norm();
   positions_m_[id] = to;
   velocities_mps_[id] = w.velocity_mps[slot];
+  grid_.move(slot, to);
+  show(slot);
+  const double way_m = (to - from).norm();
+  walked_m_[id] = way_m;
+  return way_m;
 }
 
 void Crowd::look(size_t slot) {

@@ -1,8 +1,9 @@
 // People who walk: a steering model ten times a second, smooth motion at every step in between.
 // One rule: each pass reads the old state and writes the new, so that the same crowd walks the same
-// way for any number of threads. People near each other in space are near in memory: state lies by
-// slot, the order of cells of the latest decision (see NeighbourGrid), and is carried along to a
-// new one.
+// way for any number of threads. A period is the time between two decisions of a person; who
+// decides in which of its steps is fixed by id, so that no step takes much longer than another.
+// People near each other in space are near in memory: state lies by slot, the order of cells at the
+// beginning of the period (see NeighbourGrid), and is carried along to a new one.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,7 +56,7 @@ class Crowd {
   /// Everything that the next step depends on and that the constructor does not know.
   void archive(Archive& a);
 
-  /// One decision of everybody, without moving: what step() does ten times a second.
+  /// One decision of everybody, without moving: what the steps of a period do.
   void decide();
 
   /// Everybody there may ever be; who is in the scene now says traffic().present().
@@ -91,39 +92,51 @@ class Crowd {
   template <typename Body>
   void for_slots(const Body& body);  // body(begin, end, worker)
   template <typename Body>
-  std::span<const double> by_block(const Body& body);  // body(begin, end) of all blocks
+  void for_deciders(const Body& body);  // body(block of slots, block, worker)
+  std::span<const double> in_blocks(size_t people) const;
   template <typename Body>
-  double largest(const Body& body);
+  double largest(const Body& body);  // body(block of deciders, block)
 
-  // Each for the people of a block.
-  void look_around(size_t begin, size_t end);
-  double wish(size_t begin, size_t end);
-  void limit_wishes(size_t begin, size_t end, Walls& walls);
-  void choose(size_t begin, size_t end, Walls& walls);
-  double find_close(size_t begin, size_t end);
-  double sweep(size_t begin, size_t end);
-  void set_drift(size_t begin, size_t end);
+  // Each for a block of those who decide now.
+  using Slots = std::span<const uint32_t>;
+  void look_around(Slots slots);
+  double wish(Slots slots);
+  void limit_wishes(Slots slots, Walls& walls);
+  void choose(Slots slots, Walls& walls);
+  double find_close(Slots slots, size_t block);
+  double sweep(size_t block);
+  void set_drift(Slots slots);
 
+  void begin_period();
+  void decide(int phase);
+  Slots deciders() const {
+    return {deciders_.data() + first_deciders_[phase_],
+            deciders_.data() + first_deciders_[phase_ + 1]};
+  }
   void change_people();
   void seat_people();
+  void take_slots();
+  void list_deciders();
   void start_walking(size_t slot);
   template <typename Value>
   void archive_by_id(Archive& a, std::vector<Value>& by_slot);
   void check_read(Archive& a);
   bool is_queuing(size_t slot) const;
-  void keep_together();
   double strangers_per_m2(size_t slot) const;
   void overlook_companions(size_t slot);
   double pace(size_t slot, const Eigen::Vector2d& way);
   void stretch(size_t slot);
+  bool stands(size_t slot) const { return walkers_.way_x[slot] == 0 && walkers_.way_y[slot] == 0; }
   bool stands_among_standing(size_t slot) const;
   Eigen::Vector2d wanted_mps(size_t slot);
+  void wish_for(size_t slot, const Eigen::Vector2f& wanted_mps);
+  void show(size_t slot);
   void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;
-  SteeringView view_with_walls(size_t begin, size_t end, Walls& walls);
+  SteeringView view_with_walls(Slots slots, Walls& walls);
   bool limits_wishes() const;
   void limit_to_gap(size_t slot);
-  void limit_to_density(const SteeringView& people, size_t slot);
+  void limit_to_density(const SteeringView& people, size_t i, uint32_t slot);
   void limit_forward(size_t slot);
   void relax_discs();
   bool is_settled(size_t slot) const;
@@ -131,9 +144,10 @@ class Crowd {
   float apart_m(size_t slot, size_t other) const {
     return traits_.core * (slots_.radius_m[slot] + slots_.radius_m[other]);
   }
+  Eigen::Vector2f expected_m(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
-  void move(size_t slot);
+  double move(size_t slot);
   double turn(size_t slot);  ///< by how much, in radians
   double turn_into_way(size_t slot, const Eigen::Vector2d& to);
   double turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to);
@@ -148,11 +162,12 @@ class Crowd {
   CrowdOptions options_;
   std::unique_ptr<const SteeringModel> model_;
   SteeringTraits traits_;
-  int steps_a_decision_ = 6;
+  int steps_a_period_ = 6;
   double period_s_ = 0.1;
   double turn_cos_ = 1;  ///< the largest turn in a step
   double turn_sin_ = 0;
   int64_t steps_ = 0;
+  size_t phase_ = 0;  ///< the step of the period: those of it decide
 
   // What never changes, by person.
   std::vector<double> radii_m_;
@@ -178,12 +193,14 @@ class Crowd {
   Queues queues_;
 
   NeighbourGrid grid_;
-  std::vector<uint32_t> slot_of_;  ///< by person, or kNowhere
+  std::vector<uint32_t> slot_of_;         ///< by person, or kNowhere
+  std::vector<uint32_t> deciders_;        ///< slots, phase by phase
+  std::vector<uint32_t> first_deciders_;  ///< by phase, and the end
   Walkers walkers_;
   Walkers carried_;  ///< the slots before, while people take their new ones
   Decisions slots_;
-  std::vector<Walls> walls_;          ///< one a worker
-  std::vector<double> block_values_;  ///< one a block, reduced in order
+  std::vector<Walls> walls_;                         ///< one a worker
+  std::vector<double> block_values_, block_ways_m_;  ///< one a block, reduced in order
   SteeringCounters counters_;
 };
 

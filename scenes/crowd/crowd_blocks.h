@@ -27,18 +27,27 @@ void Crowd::for_slots(const Body& body) {
   });
 }
 
+/// Those who decide now, neighbours in space together.
 template <typename Body>
-std::span<const double> Crowd::by_block(const Body& body) {
-  for_slots([&](size_t begin, size_t end, int) {
-    block_values_[begin / kPeopleABlock] = body(begin, end);
+void Crowd::for_deciders(const Body& body) {
+  const Slots all = deciders();
+  workers_.for_blocks(block_count(all.size()), [&](int index, int worker) {
+    const auto block = static_cast<size_t>(index);
+    const size_t begin = block * kPeopleABlock;
+    body(all.subspan(begin, std::min(kPeopleABlock, all.size() - begin)), block, worker);
   });
-  return {block_values_.data(), static_cast<size_t>(block_count(grid_.order().size()))};
+}
+
+/// What the blocks of so many people have written.
+inline std::span<const double> Crowd::in_blocks(size_t people) const {
+  return {block_values_.data(), static_cast<size_t>(block_count(people))};
 }
 
 template <typename Body>
 double Crowd::largest(const Body& body) {
+  for_deciders([&](Slots slots, size_t block, int) { block_values_[block] = body(slots, block); });
   double value = 0;
-  for (const double each : by_block(body)) value = std::max(value, each);
+  for (const double each : in_blocks(deciders().size())) value = std::max(value, each);
   return value;
 }
 

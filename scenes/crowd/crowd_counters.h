@@ -11,14 +11,14 @@ namespace throng {
 
 /// What steering went through.
 struct SteeringCounters {
-  // In the latest decision.
+  // Of those who decided in the latest step.
   int sweeps = 0;                ///< of disc relaxation
   double deepest_overlap_m = 0;  ///< of two discs, where people stand now
   double longest_stall_s = 0;    ///< how long the most stuck walker has not moved kStall_m, the
                                  ///< time of queuing taken off
-  uint64_t queuing = 0;          ///< people held up by others ahead who go the same way
+  uint64_t queuing = 0;          ///< of all: held up by others ahead who go the same way
   // So far.
-  uint64_t rounds = 0;     ///< decisions of everybody
+  uint64_t rounds = 0;     ///< times that some decided
   uint64_t decisions = 0;  ///< of all people together
   uint64_t all_sweeps = 0;
   int max_sweeps = 0;

@@ -11,26 +11,38 @@
 namespace throng {
 
 void Crowd::decide() {
+  begin_period();
+  for (int phase = 0; phase < steps_a_period_; ++phase) decide(phase);
+}
+
+/// What is for everybody at once.
+void Crowd::begin_period() {
   change_people();
   seat_people();
-  walkers_.old_mps.swap(walkers_.next_mps);
-  if (parties_.any()) keep_together();
-  counters_.longest_stall_s =
-      largest([this](size_t begin, size_t end) { return wish(begin, end); });
-  if (doorkeeper_.has_doors()) walkers_.held.swap(slots_.next_held);
+}
+
+/// Those of a phase look around, wish, choose and are kept out of each other.
+void Crowd::decide(int phase) {
+  phase_ = static_cast<size_t>(phase);
+  if (parties_.any()) {
+    for_deciders([this](Slots slots, size_t, int) { look_around(slots); });
+    parties_.gather(static_cast<uint32_t>(phase), static_cast<uint32_t>(steps_a_period_), journeys_,
+                    positions_m_, options_.step_s * static_cast<double>(steps_), workers_);
+  }
+  counters_.longest_stall_s = largest([this](Slots slots, size_t) { return wish(slots); });
   counters_.queuing = 0;
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
     counters_.queuing += walkers_.queuing[slot];
   if (limits_wishes())
-    for_slots([this](size_t begin, size_t end, int worker) {
-      limit_wishes(begin, end, walls_[static_cast<size_t>(worker)]);
+    for_deciders([this](Slots slots, size_t, int worker) {
+      limit_wishes(slots, walls_[static_cast<size_t>(worker)]);
     });
-  for_slots([this](size_t begin, size_t end, int worker) {
-    choose(begin, end, walls_[static_cast<size_t>(worker)]);
+  for_deciders([this](Slots slots, size_t, int worker) {
+    choose(slots, walls_[static_cast<size_t>(worker)]);
   });
   relax_discs();
   ++counters_.rounds;
-  counters_.decisions += grid_.order().size();
+  counters_.decisions += deciders().size();
 }
 
 /// Goals are reached, and people come and go, before anybody looks around.
@@ -53,7 +65,7 @@ void Crowd::change_people() {
     traffic_.admit(now_s, journeys_, positions_m_);
   }
   if (exits_.has_any())
-    exits_.choose(static_cast<uint64_t>(steps_ / steps_a_decision_), positions_m_, grid_.order(),
+    exits_.choose(static_cast<uint64_t>(steps_ / steps_a_period_), positions_m_, grid_.order(),
                   walkers_.queuing, journeys_, workers_);
   if (queues_.any()) queues_.follow(traffic_.present(), positions_m_, journeys_, workers_);
   for (const uint32_t id : traffic_.entered()) {
@@ -62,25 +74,19 @@ void Crowd::change_people() {
   }
 }
 
-void Crowd::look_around(size_t begin, size_t end) {
+void Crowd::look_around(Slots slots) {
   // The fields are too large for the caches: fetched now, they are there after the search.
-  for (size_t slot = begin; slot < end; ++slot)
+  for (const uint32_t slot : slots)
     journeys_.prefetch(grid_.order()[slot], walkers_.position_m[slot]);
-  grid_.nearest(begin, end, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
+  grid_.nearest(slots, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
                 slots_.neighbour_counts.data());
-}
-
-/// Companions look at each other before anybody of them wishes anything.
-void Crowd::keep_together() {
-  for_slots([this](size_t begin, size_t end, int) {
-    look_around(begin, end);
-    for (size_t slot = begin; slot < end; ++slot) {
-      if (!parties_.has(grid_.order()[slot])) continue;
-      parties_.see(grid_.order()[slot], strangers_per_m2(slot));
-      overlook_companions(slot);
-    }
-  });
-  parties_.gather(journeys_, positions_m_, options_.step_s * static_cast<double>(steps_), workers_);
+  if (!parties_.any()) return;
+  for (const uint32_t slot : slots) {
+    const uint32_t id = grid_.order()[slot];
+    if (!parties_.has(id)) continue;
+    parties_.see(id, strangers_per_m2(slot));
+    overlook_companions(slot);
+  }
 }
 
 /// Companions who walk beside each other do not avoid each other: each knows where the other goes.
@@ -121,38 +127,35 @@ double Crowd::strangers_per_m2(size_t slot) const {
 }
 
 /// Returns the longest stall.
-double Crowd::wish(size_t begin, size_t end) {
-  if (!parties_.any()) look_around(begin, end);
+double Crowd::wish(Slots slots) {
+  if (!parties_.any()) look_around(slots);
   double longest_s = 0;
-  for (size_t slot = begin; slot < end; ++slot) {
+  for (const uint32_t slot : slots) {
+    Walkers& w = walkers_;
+    w.old_mps[slot] = w.velocity_mps[slot];
     longest_s = std::max(longest_s, watch_progress(slot));
-    const Eigen::Vector2f wanted = wanted_mps(slot).cast<float>();
-    Eigen::Vector2f velocity = walkers_.old_mps[slot].cast<float>();
+    wish_for(slot, wanted_mps(slot).cast<float>());
     const double stalled_s = stalled_s_of(slot);
-    const double stuck = std::clamp(
-        (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0);
-    const auto urge = static_cast<float>(stuck);
-    // People who are stuck show where to, so that others can make way.
-    if (traits_.is_nudged)
-      velocity += static_cast<float>(tuning::kShownIntent) * urge * (wanted - velocity);
-    slots_.vx_mps[slot] = velocity.x();
-    slots_.vy_mps[slot] = velocity.y();
+    w.urge[slot] = static_cast<float>(std::clamp(
+        (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0));
     stretch(slot);
-    slots_.radius_m[slot] = static_cast<float>(walkers_.radius_m[slot]) * walkers_.squeeze[slot];
-    slots_.wanted_x_mps[slot] = wanted.x();
-    slots_.wanted_y_mps[slot] = wanted.y();
-    const float length = std::sqrt(wanted.x() * wanted.x() + wanted.y() * wanted.y());
-    const bool walks = length >= static_cast<float>(tuning::kWish_mps);
-    slots_.way_x[slot] = walks ? wanted.x() / length : 0.0f;
-    slots_.way_y[slot] = walks ? wanted.y() / length : 0.0f;
+    show(slot);
     find_facing(slot);
-    walkers_.look_to_rad[slot] = look_to_rad(slot);
-    slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * walkers_.free_speed_mps[slot]);
+    w.look_to_rad[slot] = look_to_rad(slot);
+    slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * w.free_speed_mps[slot]);
     slots_.horizon_s[slot] = static_cast<float>(
         stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s : tuning::kHorizon_s);
-    slots_.urge[slot] = urge;
   }
   return longest_s;
+}
+
+void Crowd::wish_for(size_t slot, const Eigen::Vector2f& wanted_mps) {
+  walkers_.wanted_x_mps[slot] = wanted_mps.x();
+  walkers_.wanted_y_mps[slot] = wanted_mps.y();
+  const float length = std::sqrt(wanted_mps.x() * wanted_mps.x() + wanted_mps.y() * wanted_mps.y());
+  const bool walks = length >= static_cast<float>(tuning::kWish_mps);
+  walkers_.way_x[slot] = walks ? wanted_mps.x() / length : 0.0f;
+  walkers_.way_y[slot] = walks ? wanted_mps.y() / length : 0.0f;
 }
 
 SteeringView Crowd::view() const {
@@ -162,13 +165,13 @@ SteeringView Crowd::view() const {
   view.vx_mps = slots_.vx_mps.data();
   view.vy_mps = slots_.vy_mps.data();
   view.radius_m = slots_.radius_m.data();
-  view.wanted_x_mps = slots_.wanted_x_mps.data();
-  view.wanted_y_mps = slots_.wanted_y_mps.data();
-  view.way_x = slots_.way_x.data();
-  view.way_y = slots_.way_y.data();
+  view.wanted_x_mps = walkers_.wanted_x_mps.data();
+  view.wanted_y_mps = walkers_.wanted_y_mps.data();
+  view.way_x = walkers_.way_x.data();
+  view.way_y = walkers_.way_y.data();
   view.max_speed_mps = slots_.max_speed_mps.data();
   view.horizon_s = slots_.horizon_s.data();
-  view.urge = slots_.urge.data();
+  view.urge = walkers_.urge.data();
   view.neighbours = slots_.neighbours.data();
   view.neighbour_counts = slots_.neighbour_counts.data();
   view.period_s = static_cast<float>(period_s_);
@@ -176,12 +179,12 @@ SteeringView Crowd::view() const {
   return view;
 }
 
-SteeringView Crowd::view_with_walls(size_t begin, size_t end, Walls& walls) {
+SteeringView Crowd::view_with_walls(Slots slots, Walls& walls) {
   walls.x.clear();
   walls.y.clear();
   walls.clearance_m.clear();
   walls.starts.assign(1, 0);
-  for (size_t slot = begin; slot < end; ++slot) {
+  for (const uint32_t slot : slots) {
     find_walls(slot, walls);
     walls.starts.push_back(static_cast<uint32_t>(walls.x.size()));
   }
@@ -190,58 +193,57 @@ SteeringView Crowd::view_with_walls(size_t begin, size_t end, Walls& walls) {
   people.wall_y = walls.y.data();
   people.wall_clearance_m = walls.clearance_m.data();
   people.wall_starts = walls.starts.data();
-  people.first_slot = begin;
   return people;
 }
 
-void Crowd::choose(size_t begin, size_t end, Walls& walls) {
-  const SteeringView people = view_with_walls(begin, end, walls);
-  model_->decide(people, begin, end, slots_.next_x_mps.data(), slots_.next_y_mps.data());
-  for (size_t slot = begin; limits_wishes() && slot < end; ++slot) limit_forward(slot);
+void Crowd::choose(Slots slots, Walls& walls) {
+  const SteeringView people = view_with_walls(slots, walls);
+  model_->decide(people, slots, slots_.next_x_mps.data(), slots_.next_y_mps.data());
+  const bool limits = limits_wishes(), has_doors = doorkeeper_.has_doors();
   const float half_period_s = 0.5f * people.period_s;
-  for (size_t slot = begin; slot < end; ++slot) {
+  for (const uint32_t slot : slots) {
+    if (limits) limit_forward(slot);
+    if (has_doors) walkers_.held[slot] = slots_.next_held[slot];
     if (stands_among_standing(slot)) slots_.next_x_mps[slot] = slots_.next_y_mps[slot] = 0;
     const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
     walkers_.next_mps[slot] = {static_cast<double>(x), static_cast<double>(y)};
     // By the velocity that people have, not by the one they show: they would be pushed apart in
     // places where they never are.
     const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
-    slots_.expected_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
-    slots_.expected_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
+    slots_.chosen_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
+    slots_.chosen_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
   }
 }
 
 /// A crowd that stands stays as close as it is, however much room a model of steering would give
 /// it. When somebody goes by, its people make way like others.
 bool Crowd::stands_among_standing(size_t slot) const {
-  const auto stands = [this](size_t each) {
-    return slots_.way_x[each] == 0 && slots_.way_y[each] == 0;
-  };
   constexpr double kStill_mps = 0.2;
   if (!stands(slot) || walkers_.old_mps[slot].squaredNorm() > kStill_mps * kStill_mps) return false;
   const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
-  return std::all_of(near, near + slots_.neighbour_counts[slot], stands);
+  return std::all_of(near, near + slots_.neighbour_counts[slot],
+                     [this](uint32_t each) { return stands(each); });
 }
 
 /// Density keeps people apart, and so do models that keep a gap.
 bool Crowd::limits_wishes() const { return options_.steering.density_speed || !traits_.keeps_gap; }
 
 /// Before anybody chooses, as models look at what others want.
-void Crowd::limit_wishes(size_t begin, size_t end, Walls& walls) {
+void Crowd::limit_wishes(Slots slots, Walls& walls) {
   if (!options_.steering.density_speed) {
-    for (size_t slot = begin; slot < end; ++slot) limit_to_gap(slot);
+    for (const uint32_t slot : slots) limit_to_gap(slot);
     return;
   }
-  const SteeringView people = view_with_walls(begin, end, walls);
-  for (size_t slot = begin; slot < end; ++slot) limit_to_density(people, slot);
+  const SteeringView people = view_with_walls(slots, walls);
+  for (size_t i = 0; i < slots.size(); ++i) limit_to_density(people, i, slots[i]);
 }
 
 /// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.
 /// Of two who are ahead of one another, the one that has the other more ahead keeps it.
 void Crowd::limit_to_gap(size_t slot) {
-  float& wanted_x = slots_.wanted_x_mps[slot];
-  float& wanted_y = slots_.wanted_y_mps[slot];
-  const float way_x = slots_.way_x[slot], way_y = slots_.way_y[slot];
+  float& wanted_x = walkers_.wanted_x_mps[slot];
+  float& wanted_y = walkers_.wanted_y_mps[slot];
+  const float way_x = walkers_.way_x[slot], way_y = walkers_.way_y[slot];
   const float wanted = wanted_x * way_x + wanted_y * way_y;
   const auto gap_s = static_cast<float>(tuning::kTimeGap_s);
   const float* x = grid_.x().data();
@@ -249,7 +251,7 @@ void Crowd::limit_to_gap(size_t slot) {
   const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
   const size_t count = slots_.neighbour_counts[slot];
   const auto same_way = [&](uint32_t other) {
-    return way_x * slots_.way_x[other] + way_y * slots_.way_y[other];
+    return way_x * walkers_.way_x[other] + way_y * walkers_.way_y[other];
   };
   const float reach_m = slots_.radius_m[slot] + widest_m_ + wanted * gap_s;
   float speed = wanted;
@@ -261,7 +263,7 @@ void Crowd::limit_to_gap(size_t slot) {
     const float ahead = dx * way_x + dy * way_y;
     const float aside = dx * way_y - dy * way_x;
     const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
-    const float ahead_of_other = -(dx * slots_.way_x[other] + dy * slots_.way_y[other]);
+    const float ahead_of_other = -(dx * walkers_.way_x[other] + dy * walkers_.way_y[other]);
     if (ahead <= 0 || ahead <= ahead_of_other || aside * aside >= radius_m * radius_m ||
         same_way(other) < static_cast<float>(tuning::kSameWay))
       continue;
@@ -279,13 +281,13 @@ void Crowd::limit_to_gap(size_t slot) {
 }
 
 /// Slows the wish; never so far that it has no direction.
-void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
-  float& x = slots_.wanted_x_mps[slot];
-  float& y = slots_.wanted_y_mps[slot];
+void Crowd::limit_to_density(const SteeringView& people, size_t i, uint32_t slot) {
+  float& x = walkers_.wanted_x_mps[slot];
+  float& y = walkers_.wanted_y_mps[slot];
   const float wanted = std::sqrt(x * x + y * y);
   if (!(wanted > 0)) return;
   const double free_mps = walkers_.free_speed_mps[slot];
-  const float density = density_ahead(people, slot, x / wanted, y / wanted);
+  const float density = density_ahead(people, i, slot, x / wanted, y / wanted);
   const float limit = std::max(static_cast<float>(2 * tuning::kWish_mps),
                                static_cast<float>(free_mps) * weidmann_share(density));
   if (wanted <= limit) return;
@@ -296,9 +298,9 @@ void Crowd::limit_to_density(const SteeringView& people, size_t slot) {
 /// Making way for those behind is no reason to walk faster than the people ahead allow, and a
 /// little to pass.
 void Crowd::limit_forward(size_t slot) {
-  const float way_x = slots_.way_x[slot], way_y = slots_.way_y[slot];
+  const float way_x = walkers_.way_x[slot], way_y = walkers_.way_y[slot];
   if (way_x == 0 && way_y == 0) return;
-  const float wanted = slots_.wanted_x_mps[slot] * way_x + slots_.wanted_y_mps[slot] * way_y;
+  const float wanted = walkers_.wanted_x_mps[slot] * way_x + walkers_.wanted_y_mps[slot] * way_y;
   const float excess = slots_.next_x_mps[slot] * way_x + slots_.next_y_mps[slot] * way_y -
                        static_cast<float>(tuning::kHaste) * wanted;
   if (excess <= 0) return;
@@ -363,7 +365,7 @@ double Crowd::watch_progress(size_t slot) {
     w.queued_steps[slot] = 0;
   }
   w.queuing[slot] = is_queuing(slot);
-  if (w.queuing[slot] != 0) w.queued_steps[slot] += steps_a_decision_;
+  if (w.queuing[slot] != 0) w.queued_steps[slot] += steps_a_period_;
   return std::max(0.0, options_.step_s * static_cast<double>(steps_ - w.anchor_step[slot] -
                                                              w.queued_steps[slot]));
 }

@@ -19,6 +19,8 @@ enum class Saved : uint8_t {
   kAsLook,   ///< refused if no head turns that far
   kAsTurn,   ///< refused if nobody turns that fast
   kAsShare,  ///< refused if it is not above 0 and at most 1
+  kAsPart,   ///< refused if it is not from 0 to 1
+  kAsPace,   ///< of an axis: refused if nobody is that fast
 };
 
 // FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
@@ -35,6 +37,10 @@ enum class Saved : uint8_t {
 //   queued_steps  since the anchor
 //   held          1: stands before a closed door, or behind somebody who does
 //   squeeze       of the disc's radius: what is left of it where bodies stand closer than discs do
+// And what others see of the latest decision:
+//   wanted_x_mps, wanted_y_mps
+//   way_x, way_y  where to: a unit vector, or zero
+//   urge          0 to 1: how much others make way
 #define THRONG_WALKER_FIELDS(FIELD)                \
   FIELD(Eigen::Vector2d, position_m, kElsewhere)   \
   FIELD(Eigen::Vector2d, velocity_mps, kElsewhere) \
@@ -55,32 +61,37 @@ enum class Saved : uint8_t {
   FIELD(int64_t, queued_steps, kPlainly)           \
   FIELD(uint8_t, queuing, kPlainly)                \
   FIELD(uint8_t, held, kPlainly)                   \
-  FIELD(float, squeeze, kAsShare)
+  FIELD(float, squeeze, kAsShare)                  \
+  FIELD(float, wanted_x_mps, kAsPace)              \
+  FIELD(float, wanted_y_mps, kAsPace)              \
+  FIELD(float, way_x, kAsPace)                     \
+  FIELD(float, way_y, kAsPace)                     \
+  FIELD(float, urge, kAsPart)
 
-// FIELD(type, name), one value a slot: what a decision works out.
-//   way_x, way_y     where to: a unit vector, or zero
+// FIELD(type, name), one value a slot: what follows from a walker, and what a decision works out.
+//   phase            the step of a period in which somebody decides
+//   vx_mps, vy_mps   the velocity that others see; and the radius
 //   next_held        what `held` of a walker becomes
 //   close_counts     of the neighbours, who may overlap; they come first
 //   crowded          of a block, from its first place on: slots with some
-//   expected_x_m...  where people will stand after the period, from the middle of the ground, and
-//   swept_x_m...     what the sweep found there; before and after a sweep
+//   chosen_x_m...    where those who decide will stand after a period, from the middle of the
+//   ground, expected_x_m...  the same as far as discs have been pushed apart, and swept_x_m... what
+//   the sweep found there; before and after a sweep
 #define THRONG_DECISION_FIELDS(FIELD) \
+  FIELD(uint8_t, phase)               \
   FIELD(float, vx_mps)                \
   FIELD(float, vy_mps)                \
   FIELD(float, radius_m)              \
-  FIELD(float, wanted_x_mps)          \
-  FIELD(float, wanted_y_mps)          \
   FIELD(float, max_speed_mps)         \
   FIELD(float, horizon_s)             \
-  FIELD(float, urge)                  \
-  FIELD(float, way_x)                 \
-  FIELD(float, way_y)                 \
   FIELD(float, next_x_mps)            \
   FIELD(float, next_y_mps)            \
   FIELD(uint8_t, next_held)           \
   FIELD(uint8_t, neighbour_counts)    \
   FIELD(uint8_t, close_counts)        \
   FIELD(uint32_t, crowded)            \
+  FIELD(float, chosen_x_m)            \
+  FIELD(float, chosen_y_m)            \
   FIELD(float, expected_x_m)          \
   FIELD(float, expected_y_m)          \
   FIELD(float, swept_x_m)             \

@@ -1,5 +1,5 @@
-// What is left of overlaps between discs after everybody has chosen: they are pushed apart, sweep
-// by sweep, until none is deeper than kSlop_m.
+// What is left of overlaps between discs after those of a phase have chosen: they are pushed apart,
+// sweep by sweep, until none is deeper than kSlop_m. Others go on as they have decided.
 #include <algorithm>
 #include <cmath>
 
@@ -18,14 +18,11 @@ constexpr uint8_t kOverlapping = 2;
 
 void Crowd::relax_discs() {
   counters_.deepest_overlap_m =
-      largest([this](size_t begin, size_t end) { return find_close(begin, end); });
-  slots_.swept_x_m = slots_.expected_x_m;
-  slots_.swept_y_m = slots_.expected_y_m;
-  slots_.swept_touched = slots_.touched;
+      largest([this](Slots slots, size_t block) { return find_close(slots, block); });
   counters_.sweeps = 0;
   double deepest_m = tuning::kSlop_m;
   while (deepest_m >= tuning::kSlop_m && counters_.sweeps < tuning::kSweeps) {
-    deepest_m = largest([this](size_t begin, size_t end) { return sweep(begin, end); });
+    deepest_m = largest([this](Slots, size_t block) { return sweep(block); });
     slots_.expected_x_m.swap(slots_.swept_x_m);
     slots_.expected_y_m.swap(slots_.swept_y_m);
     slots_.touched.swap(slots_.swept_touched);
@@ -33,47 +30,64 @@ void Crowd::relax_discs() {
   }
   counters_.all_sweeps += static_cast<uint64_t>(counters_.sweeps);
   counters_.max_sweeps = std::max(counters_.max_sweeps, counters_.sweeps);
-  for_slots([this](size_t begin, size_t end, int) { set_drift(begin, end); });
+  for_deciders([this](Slots slots, size_t, int) { set_drift(slots); });
+}
+
+/// Where somebody will stand after a period, as far as is known by now.
+Eigen::Vector2f Crowd::expected_m(size_t slot) const {
+  if (slots_.phase[slot] == phase_) return {slots_.expected_x_m[slot], slots_.expected_y_m[slot]};
+  const auto period_s = static_cast<float>(period_s_);
+  const Eigen::Vector2f velocity =
+      (walkers_.velocity_mps[slot] + walkers_.drift_mps[slot]).cast<float>();
+  return {grid_.x()[slot] + period_s * velocity.x(), grid_.y()[slot] + period_s * velocity.y()};
 }
 
 /// Brings those neighbours to the front who may overlap at the end of the period. Returns the
 /// deepest overlap of those who stand now.
-double Crowd::find_close(size_t begin, size_t end) {
+double Crowd::find_close(Slots slots, size_t block) {
   float deepest_m = 0;
   const float* x = grid_.x().data();
   const float* y = grid_.y().data();
   const auto moved_m = static_cast<float>(2 * period_s_ * tuning::kHaste * fastest_mps_);
   uint32_t crowded = 0;
-  for (size_t slot = begin; slot < end; ++slot) {
+  const uint32_t first = static_cast<uint32_t>(slots.data() - deciders().data());
+  for (const uint32_t slot : slots) {
     uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
     const float reach_m = slots_.radius_m[slot] + widest_m_ + margin_m + moved_m;
+    const Eigen::Vector2f expected(slots_.chosen_x_m[slot], slots_.chosen_y_m[slot]);
     size_t close = 0;
     for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
       const uint32_t other = near[k];
       const float dx = x[other] - x[slot], dy = y[other] - y[slot];
       const float square = dx * dx + dy * dy;
       if (square > reach_m * reach_m) break;  // they come nearest first
-      const float ex = slots_.expected_x_m[other] - slots_.expected_x_m[slot];
-      const float ey = slots_.expected_y_m[other] - slots_.expected_y_m[slot];
+      const Eigen::Vector2f to =
+          (slots_.phase[other] == phase_
+               ? Eigen::Vector2f(slots_.chosen_x_m[other], slots_.chosen_y_m[other])
+               : expected_m(other)) -
+          expected;
       const float radius_m = apart_m(slot, other);
       const float close_m = radius_m + margin_m;
       if (square < radius_m * radius_m)
         deepest_m = std::max(deepest_m, radius_m - std::sqrt(square));
-      if (ex * ex + ey * ey < close_m * close_m) std::swap(near[close++], near[k]);
+      if (to.x() * to.x() + to.y() * to.y() < close_m * close_m) std::swap(near[close++], near[k]);
     }
     slots_.close_counts[slot] = static_cast<uint8_t>(close);
-    slots_.touched[slot] = close > 0 ? kMoved : 0;  // the first sweep looks at all of them
-    if (close > 0) slots_.crowded[begin + crowded++] = static_cast<uint32_t>(slot);
+    slots_.expected_x_m[slot] = slots_.swept_x_m[slot] = expected.x();
+    slots_.expected_y_m[slot] = slots_.swept_y_m[slot] = expected.y();
+    // The first sweep looks at all of them.
+    slots_.touched[slot] = slots_.swept_touched[slot] = close > 0 ? kMoved : 0;
+    if (close > 0) slots_.crowded[first + crowded++] = slot;
   }
-  slots_.crowded_counts[begin / kPeopleABlock] = crowded;
+  slots_.crowded_counts[block] = crowded;
   return static_cast<double>(deepest_m);
 }
 
-double Crowd::sweep(size_t begin, size_t) {
+double Crowd::sweep(size_t block) {
   double deepest_m = 0;
-  const uint32_t* crowded = slots_.crowded.data() + begin;
-  const uint32_t* end_of_crowded = crowded + slots_.crowded_counts[begin / kPeopleABlock];
+  const uint32_t* crowded = slots_.crowded.data() + block * kPeopleABlock;
+  const uint32_t* end_of_crowded = crowded + slots_.crowded_counts[block];
   for (; crowded != end_of_crowded; ++crowded) {
     if (is_settled(*crowded))
       slots_.swept_touched[*crowded] = 0;
@@ -89,20 +103,17 @@ bool Crowd::is_settled(size_t slot) const {
   if (slots_.touched[slot] != 0) return false;
   const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
   for (size_t k = 0; k < slots_.close_counts[slot]; ++k)
-    if ((slots_.touched[near[k]] & kMoved) != 0) return false;
+    if (slots_.phase[near[k]] == phase_ && (slots_.touched[near[k]] & kMoved) != 0) return false;
   return true;
 }
 
 /// Those behind push nobody forward, beyond where one's own step would have led: a person who is
 /// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
 void Crowd::hold_back(size_t slot, float& to_x, float& to_y) const {
-  const float ahead_x = slots_.way_x[slot], ahead_y = slots_.way_y[slot];
+  const float ahead_x = walkers_.way_x[slot], ahead_y = walkers_.way_y[slot];
   if (ahead_x == 0 && ahead_y == 0) return;
   const float x = grid_.x()[slot], y = grid_.y()[slot];
-  const auto half_period_s = static_cast<float>(0.5 * period_s_);
-  const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
-  const float planned_x = half_period_s * (old.x() + slots_.next_x_mps[slot]);
-  const float planned_y = half_period_s * (old.y() + slots_.next_y_mps[slot]);
+  const float planned_x = slots_.chosen_x_m[slot] - x, planned_y = slots_.chosen_y_m[slot] - y;
   const float planned_m = std::max(0.0f, planned_x * ahead_x + planned_y * ahead_y);
   const float excess_m = (to_x - x) * ahead_x + (to_y - y) * ahead_y - planned_m;
   if (excess_m <= 0) return;
@@ -115,7 +126,8 @@ double Crowd::relax_disc(size_t slot) {
   float push_x = 0, push_y = 0, deepest_m = 0;
   for (size_t k = 0; k < slots_.close_counts[slot]; ++k) {
     const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
-    const float dx = x - slots_.expected_x_m[other], dy = y - slots_.expected_y_m[other];
+    const Eigen::Vector2f there = expected_m(other);
+    const float dx = x - there.x(), dy = y - there.y();
     const float radius_m = apart_m(slot, other);
     const float square = dx * dx + dy * dy;
     if (square >= radius_m * radius_m) continue;
@@ -150,17 +162,13 @@ double Crowd::relax_disc(size_t slot) {
 }
 
 /// The correction is spread over the period, so that nobody jumps.
-void Crowd::set_drift(size_t begin, size_t end) {
-  const auto half_period_s = static_cast<float>(0.5 * period_s_);
-  for (size_t slot = begin; slot < end; ++slot) {
+void Crowd::set_drift(Slots slots) {
+  for (const uint32_t slot : slots) {
     Eigen::Vector2d& drift = walkers_.drift_mps[slot];
     drift.setZero();
     if (slots_.close_counts[slot] == 0) continue;
-    const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
-    const float chosen_x = grid_.x()[slot] + half_period_s * (old.x() + slots_.next_x_mps[slot]);
-    const float chosen_y = grid_.y()[slot] + half_period_s * (old.y() + slots_.next_y_mps[slot]);
-    drift = {static_cast<double>(slots_.expected_x_m[slot] - chosen_x),
-             static_cast<double>(slots_.expected_y_m[slot] - chosen_y)};
+    drift = {static_cast<double>(slots_.expected_x_m[slot] - slots_.chosen_x_m[slot]),
+             static_cast<double>(slots_.expected_y_m[slot] - slots_.chosen_y_m[slot])};
     drift /= period_s_;
     const double length = drift.norm();
     if (length > tuning::kMaxDrift_mps) drift *= tuning::kMaxDrift_mps / length;

@@ -103,7 +103,7 @@ void Crowd::find_facing(size_t slot) {
 /// The sine of the angle from the heading to the way wanted does for it, as far as heads turn.
 float Crowd::look_to_rad(size_t slot) const {
   const Eigen::Vector2f heading = walkers_.heading[slot].cast<float>();
-  float x = slots_.way_x[slot], y = slots_.way_y[slot];
+  float x = walkers_.way_x[slot], y = walkers_.way_y[slot];
   if (x == 0 && y == 0) {  // stands
     x = static_cast<float>(walkers_.facing[slot].x());
     y = static_cast<float>(walkers_.facing[slot].y());

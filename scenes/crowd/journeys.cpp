@@ -61,7 +61,7 @@ Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t se
 }
 
 void Journeys::archive(Archive& a) {
-  a(doing_, next_, until_s_, stops_, exits_, visits_, targets_m_, areas_, sets_out_s_);
+  a(doing_, next_, until_s_, stops_, exits_, visits_, targets_m_, areas_, guides_, sets_out_s_);
   if (!a.is_reading()) return;
   for (const double time_s : sets_out_s_)
     if (!(time_s >= 0)) a.refuse("a time from the start on", "another");
@@ -81,6 +81,11 @@ void Journeys::archive(Archive& a) {
                           areas_[id] >= stop(id).goal.areas.size()))
       a.refuse("an area of a goal with a queue", "another");
     // Written so that NaN is refused, too.
+    if (!guides_.empty() && stop(id).queue &&
+        (!(guides_[id].way.norm() <= 1.001) ||
+         (guides_[id].corner != kNoCorner &&
+          guides_[id].corner >= ways_.queues()[*stop(id).queue].to_corners.size())))
+      a.refuse("the way to a queue", "another");
     if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
       a.refuse("a place", "one out of the world");
   }
@@ -119,7 +124,8 @@ bool Journeys::is_inside(uint32_t id, const Eigen::Vector2d& position_m) const {
 const FlowField& Journeys::queue_field(uint32_t id) const {
   const Stop& to = stop(id);
   if (is_let_in(id)) return *ways_.queues()[*to.queue].to_areas[areas_[id]];
-  return guides_[id].field != nullptr ? *guides_[id].field : *to.field;
+  const uint32_t corner = guides_[id].corner;
+  return corner != kNoCorner ? *ways_.queues()[*to.queue].to_corners[corner] : *to.field;
 }
 
 void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {

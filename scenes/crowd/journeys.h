@@ -95,10 +95,11 @@ class Journeys {
   void join_queue(uint32_t id) { doing_[id] = Doing::kQueuing; }
   /// From now on somebody in a queue walks to that area of the goal.
   void let_in(uint32_t id, uint32_t area, const Eigen::Vector2d& position_m);
-  /// Where somebody goes who seeks a queue, or stands in one, at this decision: a direction, no
-  /// longer than 1, and the field that leads there.
-  void guide(uint32_t id, const Eigen::Vector2d& way, const FlowField& field) {
-    guides_[id] = {way, &field};
+  static constexpr uint32_t kNoCorner = UINT32_MAX;
+  /// Where somebody goes who seeks a queue, or stands in one, in this period: a direction, no
+  /// longer than 1, and the corner of its line whose field leads there; none: that of the goal.
+  void guide(uint32_t id, const Eigen::Vector2d& way, uint32_t corner) {
+    guides_[id] = {way, corner};
   }
 
   /// The way that somebody follows. As long as the exit is open, the one to the nearest.
@@ -134,10 +135,11 @@ class Journeys {
   std::vector<uint32_t> visits_;  ///< goals reached so far: what choosing a place draws by
   std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
   static constexpr uint32_t kNoArea = UINT32_MAX;
-  /// Of a decision: where to, for those whom Queues guide.
+  /// Of a period: where to, for those whom Queues guide.
   struct Guide {
     Eigen::Vector2d way = Eigen::Vector2d::Zero();
-    const FlowField* field = nullptr;
+    uint32_t corner = kNoCorner;
+    void archive(Archive& a) { a(way, corner); }
   };
   // Empty where there are no queues.
   std::vector<uint32_t> areas_;  ///< of the goal, that they have been let into

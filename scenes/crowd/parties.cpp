@@ -164,17 +164,20 @@ Eigen::Vector2d Parties::way(uint32_t id) const {
   return length > 0 ? Eigen::Vector2d(way / length) : wish.alone;
 }
 
-void Parties::gather(const Journeys& journeys, std::span<const Eigen::Vector2d> positions_m,
-                     double now_s, Workers& workers) {
+void Parties::gather(uint32_t remainder, uint32_t parts, const Journeys& journeys,
+                     std::span<const Eigen::Vector2d> positions_m, double now_s, Workers& workers) {
   constexpr size_t kAtOnce = 32;
   const size_t blocks = (parties_.size() + kAtOnce - 1) / kAtOnce;
   workers.for_blocks(static_cast<int>(blocks), [&](int block, int) {
     const size_t begin = static_cast<size_t>(block) * kAtOnce;
     const size_t end = std::min(begin + kAtOnce, parties_.size());
+    const auto is_due = [&](const Party& party) { return party.begin % parts == remainder; };
     // What they read of the fields is there when it is needed.
-    for (uint32_t id = parties_[begin].begin; id < parties_[end - 1].end; ++id)
-      if (in_party_[id] != 0) journeys.prefetch(id, positions_m[id]);
-    for (size_t i = begin; i < end; ++i) gather(parties_[i], journeys, positions_m, now_s);
+    for (size_t i = begin; i < end; ++i)
+      for (uint32_t id = parties_[i].begin; is_due(parties_[i]) && id < parties_[i].end; ++id)
+        journeys.prefetch(id, positions_m[id]);
+    for (size_t i = begin; i < end; ++i)
+      if (is_due(parties_[i])) gather(parties_[i], journeys, positions_m, now_s);
   });
 }
 

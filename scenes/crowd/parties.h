@@ -32,10 +32,15 @@ class Parties {
   /// How many others who are no companions are near somebody; before gather().
   void see(uint32_t id, double strangers_per_m2) { strangers_per_m2_[id] = strangers_per_m2; }
 
-  /// Once a decision, when everybody has followed their journeys: what companions make of each
-  /// other. No allocation.
-  void gather(const Journeys& journeys, std::span<const Eigen::Vector2d> positions_m, double now_s,
-              Workers& workers);
+  /// Who decides when is fixed by this one of several ids: companions decide together.
+  uint32_t first_of_party(uint32_t id) const {
+    return has(id) ? parties_[in_party_[id] - 1].begin : id;
+  }
+
+  /// Of those whose first one's id leaves that remainder when divided by `parts`: what companions
+  /// make of each other, before they decide. No allocation.
+  void gather(uint32_t remainder, uint32_t parts, const Journeys& journeys,
+              std::span<const Eigen::Vector2d> positions_m, double now_s, Workers& workers);
 
   /// The way that somebody of a party would go alone, of Journeys::direction().
   const Eigen::Vector2d& alone(uint32_t id) const { return wishes_[id].alone; }

@@ -55,7 +55,7 @@ void Queues::archive(Archive& a, const Journeys& journeys) {
     a.resized(queue.waiting, queue.most);
     a.resized(queue.guests, queue.most);
   }
-  a(along_m_, steps_, spots_);
+  a(along_m_, steps_, spots_, facings_);
   if (!a.is_reading()) return;
   check_read(a, journeys);
   for (Queue& queue : queues_) {
@@ -87,6 +87,8 @@ void Queues::check_read(Archive& a, const Journeys& journeys) const {
   for (const uint32_t id : queuers_)
     if (journeys.doing(id) == Doing::kQueuing && is_known[id] == 0)
       a.refuse("somebody who queues in a queue", "somebody in none");
+  for (const Eigen::Vector2d& facing : facings_)
+    if (!(facing.norm() <= 1.001)) a.refuse("a direction", "another");
   // Whoever waits again may still be on the way out.
   for (uint32_t q = 0; q < queues_.size(); ++q) {
     std::fill(is_known.begin(), is_known.end(), uint8_t{0});
@@ -233,13 +235,12 @@ void Queues::line_up(uint32_t queue, std::span<const Eigen::Vector2d> positions_
     const Errand to = errand(queue, place, at_m);
     // Where the way is not straight, others have pushed them round a corner.
     const size_t corner = ways.plan.line.corner_near(along_m_[id]);
-    const FlowField& field = *ways.to_corners[corner];
     const double pace = std::min(1.0, to.left_m / tuning::kBrakes_m);
     Eigen::Vector2d way = Eigen::Vector2d::Zero();
     if (pace > tuning::kCreeps)
       way = sees(queue, at_m, to.to_m) ? Eigen::Vector2d((to.to_m - at_m).normalized())
-                                       : field.direction(at_m);
-    journeys.guide(id, pace * way, field);
+                                       : ways.to_corners[corner]->direction(at_m);
+    journeys.guide(id, pace * way, static_cast<uint32_t>(corner));
     face(queue, place, positions_m);
   }
 }
@@ -298,20 +299,22 @@ void Queues::lead_to_end(uint32_t id, const Eigen::Vector2d& position_m, Journey
   const uint32_t queue = *journeys.stop(id).queue;
   const QueueWays& ways = ways_.queues()[queue];
   const FlowField* field = journeys.stop(id).field;
+  uint32_t corner = Journeys::kNoCorner;
   Eigen::Vector2d to_m = journeys.stop(id).area_near(position_m).middle_m();
   bool goes_straight = false;
   if (!queues_[queue].waiting.empty() || !has_free_area(queue)) {
     to_m = end_m(queue);
     const double end_m =
         std::min(ways.plan.along_m(queues_[queue].waiting.size()), ways.plan.line.length_m());
-    field = ways.to_corners[ways.plan.line.corner_near(end_m)].get();
+    corner = static_cast<uint32_t>(ways.plan.line.corner_near(end_m));
+    field = ways.to_corners[corner].get();
     goes_straight =
         (to_m - position_m).squaredNorm() < kSees_m * kSees_m && sees(queue, position_m, to_m);
   }
   Eigen::Vector2d way = Eigen::Vector2d::Zero();
   if (!goes_straight) way = field->direction(position_m);
   if (way.isZero() && to_m != position_m) way = (to_m - position_m).normalized();
-  journeys.guide(id, way, *field);
+  journeys.guide(id, way, corner);
 }
 
 Eigen::Vector2d Queues::keep_out(uint32_t id, const Eigen::Vector2d& from_m,

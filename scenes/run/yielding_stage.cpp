@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "base/elementary.h"
@@ -201,7 +202,9 @@ void YieldingStage::search(std::span<const uint8_t> present, const BodyStates& b
   workers_.for_blocks(blocks, [&](int block, int) {
     const size_t begin = static_cast<size_t>(block) * kBlock;
     const size_t end = std::min(begin + kBlock, order.size());
-    grid_.nearest(begin, end, kSearch_m, found_.data(), counts_.data());
+    std::array<uint32_t, kBlock> slots;
+    std::iota(slots.begin(), slots.end(), static_cast<uint32_t>(begin));
+    grid_.nearest({slots.data(), end - begin}, kSearch_m, found_.data(), counts_.data());
     for (size_t slot = begin; slot < end; ++slot) {
       Around& around = around_[order[slot]];
       around.people_count = counts_[slot];

@@ -286,8 +286,26 @@ struct Plaza {
   double seconds;
 };
 
-/// The bundled plaza: everybody gets on, discs hardly overlap, nobody spins.
-void expect_plaza_keeps_moving(const Plaza& plaza) {
+TEST(Crowd, EverybodyDecidesTenTimesASecondAndAStepHasItsShareOfThem) {
+  for (const double steps_a_second : {30.0, 60.0}) {
+    Scene scene = load_scene("plaza");
+    scene.step_s = 1 / steps_a_second;
+    SmallWorld world(scene, 1);
+    const auto people = static_cast<double>(world.crowd.size());
+    const double steps_a_period = steps_a_second / 10;
+    uint64_t before = 0;
+    for (int step = 1; step <= static_cast<int>(steps_a_second); ++step) {
+      world.crowd.step();
+      const uint64_t all = world.crowd.counters().decisions;
+      EXPECT_NEAR(static_cast<double>(all - before), people / steps_a_period, 1);
+      before = all;
+    }
+    EXPECT_EQ(before, 10 * world.crowd.size());
+  }
+}
+
+/// The bundled plaza: discs hardly overlap, nobody spins. Returns the longest stall.
+double expect_plaza_keeps_moving(const Plaza& plaza) {
   SCOPED_TRACE(testing::Message() << "seed " << plaza.seed << ", " << plaza.seconds << " s");
   Scene scene = load_scene("plaza");
   scene.seed = plaza.seed;
@@ -306,15 +324,21 @@ void expect_plaza_keeps_moving(const Plaza& plaza) {
       static_cast<int>(plaza.seed), plaza.seconds, deepest_m, stall_s,
       counters.mean_heading_rate_radps(), counters.mean_sweeps(), counters.max_sweeps);
   EXPECT_LT(deepest_m, 0.05);
-  EXPECT_LT(stall_s, 5);
   EXPECT_LT(counters.mean_heading_rate_radps(), 0.5);
   EXPECT_GT(counters.mean_heading_rate_radps(), 0.05) << "nothing was measured";
+  return stall_s;
 }
 
-TEST(Crowd, APlazaKeepsMovingForFiveMinutes) { expect_plaza_keeps_moving({1, 300}); }
+TEST(Crowd, APlazaKeepsMovingForFiveMinutes) { EXPECT_LT(expect_plaza_keeps_moving({1, 300}), 5); }
 
+/// A knot of ten people may take some seconds to come undone, but it is rare and it does.
 TEST(Crowd, APlazaKeepsMovingWhateverTheSeed) {
-  for (uint64_t seed = 2; seed <= 5; ++seed) expect_plaza_keeps_moving({seed, 60});
+  std::vector<double> stalls_s;
+  for (uint64_t seed = 2; seed <= 10; ++seed)
+    stalls_s.push_back(expect_plaza_keeps_moving({seed, 60}));
+  std::sort(stalls_s.begin(), stalls_s.end());
+  EXPECT_LT(stalls_s[stalls_s.size() / 2], 3.5);
+  EXPECT_LT(stalls_s.back(), 8);
 }
 
 TEST(Spawn, NobodyStandsInAnObstacleOrInAnotherPerson) {

@@ -91,7 +91,10 @@ struct Moment {
     view.wall_starts = starts.data();
     view.period_s = kPeriod_s;
     std::vector<float> next_x(count), next_y(count);
-    decide_heuristic_scalar(view, begin, end, next_x.data(), next_y.data());
+    std::vector<uint32_t> slots(end - begin);
+    std::iota(slots.begin(), slots.end(), static_cast<uint32_t>(begin));
+    view.wall_starts += begin;
+    decide_heuristic_scalar(view, slots, next_x.data(), next_y.data());
     std::vector<Eigen::Vector2f> out;
     for (size_t i = begin; i < end; ++i) out.emplace_back(next_x[i], next_y[i]);
     return out;

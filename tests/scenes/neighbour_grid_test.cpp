@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "base/random.h"
 
@@ -49,10 +50,12 @@ TEST(NeighbourGrid, FindsWhatLookingAtEverybodyFindsOnEveryTarget) {
       for (const size_t expected_people : {points.size(), size_t{3}, size_t{5000}}) {
         NeighbourGrid grid(ground, expected_people, target);
         grid.rebuild(points);
+        std::vector<uint32_t> all(points.size());
+        std::iota(all.begin(), all.end(), 0);
         std::vector<uint32_t> found(points.size() * NeighbourGrid::kMost);
         std::vector<uint8_t> counts(points.size());
         for (const float reach_m : {0.7f, 2.0f, 5.0f}) {
-          grid.nearest(0, points.size(), reach_m, found.data(), counts.data());
+          grid.nearest(all, reach_m, found.data(), counts.data());
           for (uint32_t slot = 0; slot < points.size(); ++slot) {
             const auto first = found.begin() + static_cast<ptrdiff_t>(NeighbourGrid::kMost * slot);
             const std::vector<uint32_t> slots(first, first + counts[slot]);
@@ -63,6 +66,40 @@ TEST(NeighbourGrid, FindsWhatLookingAtEverybodyFindsOnEveryTarget) {
       }
     }
   }
+}
+
+TEST(NeighbourGrid, FindsThemWhereTheyHaveWalkedTo) {
+  for (const SimdTarget target : simd_targets_of_this_machine())
+    for (uint64_t seed = 1; seed <= 20; ++seed) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << name_of(target));
+      const Rectangle ground{{0, 0}, {20, 12}};
+      const std::vector<Eigen::Vector2d> points = scatter(seed, 200, ground);
+      NeighbourGrid grid(ground, points.size(), target);
+      grid.rebuild(points);
+      std::vector<uint32_t> slots(points.size());
+      std::iota(slots.begin(), slots.end(), 0);
+      std::vector<uint32_t> found(points.size() * NeighbourGrid::kMost);
+      std::vector<uint8_t> counts(points.size());
+      for (uint64_t step = 1; step <= 3; ++step) {
+        double farthest_m = 0;
+        for (uint32_t slot = 0; slot < points.size(); ++slot) {
+          const RandomKey key{seed, slot, step, Purpose::kBoxWorld};
+          const Eigen::Vector2d way(random_uniform(key, -0.5, 0.5, 0),
+                                    random_uniform(key, -0.5, 0.5, 1));
+          const Eigen::Vector2d from =
+              grid.middle_m() + Eigen::Vector2f(grid.x()[slot], grid.y()[slot]).cast<double>();
+          grid.move(slot, from + way);
+          farthest_m = std::max(farthest_m, way.norm());
+        }
+        grid.add_slack_m(farthest_m);
+        grid.nearest(slots, 2, found.data(), counts.data());
+        for (const uint32_t slot : slots) {
+          const auto first = found.begin() + static_cast<ptrdiff_t>(NeighbourGrid::kMost * slot);
+          ASSERT_EQ(std::vector<uint32_t>(first, first + counts[slot]), brute_force(grid, slot, 2))
+              << "slot " << slot << " after step " << step;
+        }
+      }
+    }
 }
 
 TEST(NeighbourGrid, WhoIsAbsentHasNoSlot) {

@@ -39,27 +39,33 @@ GridView NeighbourGrid::view() const {
   view.x = x_.data();
   view.y = y_.data();
   view.starts = starts_.data();
+  view.slack_m += static_cast<float>(slack_m_);
   return view;
 }
 
 void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m,
                             std::span<const uint8_t> present) {
-  constexpr uint32_t kAbsent = UINT32_MAX;
-  const size_t count = positions_m.size();
-  cells_.resize(count);
-  std::fill(starts_.begin(), starts_.end(), 0);
-  const auto local = [&](size_t id) -> Eigen::Vector2f {
-    return (positions_m[id] - middle_m_).cast<float>();
-  };
-  size_t slots = 0;
-  for (size_t id = 0; id < count; ++id) {
+  slack_m_ = 0;
+  cells_.resize(positions_m.size());
+  for (size_t id = 0; id < positions_m.size(); ++id) {
     cells_[id] = kAbsent;
     if (!present.empty() && present[id] == 0) continue;
-    const Eigen::Vector2f place = local(id);
+    const Eigen::Vector2f place = local(positions_m[id]);
     cells_[id] =
         static_cast<uint32_t>(row_of(shape_, place.y())) * static_cast<uint32_t>(shape_.columns) +
         static_cast<uint32_t>(column_of(shape_, place.x()));
-    ++starts_[cells_[id] + 1];
+  }
+  sort(positions_m);
+}
+
+/// By counting.
+void NeighbourGrid::sort(std::span<const Eigen::Vector2d> positions_m) {
+  const size_t count = cells_.size();
+  std::fill(starts_.begin(), starts_.end(), 0);
+  size_t slots = 0;
+  for (const uint32_t cell : cells_) {
+    if (cell == kAbsent) continue;
+    ++starts_[cell + 1];
     ++slots;
   }
   // Room for everybody from the start: who enters later must not make a step allocate.
@@ -72,28 +78,39 @@ void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m,
   for (size_t id = 0; id < count; ++id) {
     if (cells_[id] == kAbsent) continue;
     const uint32_t slot = starts_[cells_[id]]++;
-    const Eigen::Vector2f place = local(id);
     order_[slot] = static_cast<uint32_t>(id);
-    x_[slot] = place.x();
-    y_[slot] = place.y();
+    move(slot, positions_m[id]);
   }
   std::move_backward(starts_.begin(), starts_.end() - 1, starts_.end());
   starts_.front() = 0;
 }
 
-void NeighbourGrid::nearest(size_t begin, size_t end, float reach_m, uint32_t* found,
-                            uint8_t* counts) const {
-  search_(view(), begin, end, reach_m, found, counts);
+/// A comparison is written so that NaN is refused, too.
+void NeighbourGrid::archive(Archive& a) {
+  a(cells_, slack_m_);
+  if (!a.is_reading()) return;
+  for (const uint32_t cell : cells_)
+    if (cell != kAbsent && cell + 1 >= starts_.size()) a.refuse("a cell of the ground", "another");
+  if (!(slack_m_ >= 0)) a.refuse("a way of at least 0 m", "another");
 }
 
-void nearest_scalar(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                    uint8_t* counts) {
+void NeighbourGrid::rebuild_as_read(std::span<const Eigen::Vector2d> positions_m) {
+  sort(positions_m);
+}
+
+void NeighbourGrid::nearest(std::span<const uint32_t> slots, float reach_m, uint32_t* found,
+                            uint8_t* counts) const {
+  search_(view(), slots, reach_m, found, counts);
+}
+
+void nearest_scalar(const GridView& grid, std::span<const uint32_t> slots, float reach_m,
+                    uint32_t* found, uint8_t* counts) {
   struct Candidate {
     float square_m2;
     uint32_t slot;
   };
   constexpr size_t kMost = NeighbourGrid::kMost;
-  for (size_t own = begin; own < end; ++own) {
+  for (const uint32_t own : slots) {
     const Rings rings(grid, own);
     Candidate best[kMost];
     size_t count = 0;
@@ -117,7 +134,7 @@ void nearest_scalar(const GridView& grid, size_t begin, size_t end, float reach_
       if (count == kMost || !(covered_m < reach_m)) break;
     }
     counts[own] = static_cast<uint8_t>(count);
-    for (size_t k = 0; k < count; ++k) found[kMost * own + k] = best[k].slot;
+    for (size_t k = 0; k < count; ++k) found[kMost * size_t{own} + k] = best[k].slot;
   }
 }
 

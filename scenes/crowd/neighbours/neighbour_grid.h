@@ -1,5 +1,6 @@
 // Neighbours: which people stand near each other, by a uniform grid filled by counting sort.
-// One rule: the nearest others are the same, in the same order, on every SIMD target and thread.
+// One rule: the nearest others are the same, in the same order, on every SIMD target and thread,
+// and however far people have walked since they were sorted into cells.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/files/archive.h"
 #include "base/simd.h"
 #include "scenes/file/scene.h"
 
@@ -24,7 +26,7 @@ struct GridView {
   float cells_per_m = 1;
   float low_x = 0;
   float low_y = 0;
-  float slack_m = 0;  ///< what rounding can hide
+  float slack_m = 0;  ///< how far outside of their cells people may be
 };
 
 class NeighbourGrid {
@@ -42,6 +44,21 @@ class NeighbourGrid {
   /// `present` (one byte a point; empty: everybody is) gets no slot.
   void rebuild(std::span<const Eigen::Vector2d> positions_m, std::span<const uint8_t> present = {});
 
+  /// From now on that slot is there; it stays in its cell.
+  void move(size_t slot, const Eigen::Vector2d& position_m) {
+    const Eigen::Vector2f place = local(position_m);
+    x_[slot] = place.x();
+    y_[slot] = place.y();
+  }
+  /// Nobody has moved farther than this since the latest call, or rebuild(). Whoever searches next
+  /// looks into so much more of the cells around.
+  void add_slack_m(double most_m) { slack_m_ += most_m; }
+
+  /// Cells and slack; the points are found again by rebuild_as_read().
+  void archive(Archive& a);
+  /// After reading: the slots are those that were written.
+  void rebuild_as_read(std::span<const Eigen::Vector2d> positions_m);
+
   /// Ids by slot: neighbours in space lie near in memory.
   std::span<const uint32_t> order() const { return order_; }
   std::span<const float> x() const { return {x_.data(), order_.size()}; }
@@ -49,21 +66,28 @@ class NeighbourGrid {
   /// What x() and y() count from.
   const Eigen::Vector2d& middle_m() const { return middle_m_; }
 
-  /// For each slot in [begin, end) the nearest others within `reach_m` (at most kMost) as slots,
+  /// For each of the slots the nearest others within `reach_m` (at most kMost) as slots,
   /// ordered by (distance, slot): found[kMost * slot ...], counts[slot]. The arrays are those of
   /// all slots.
-  void nearest(size_t begin, size_t end, float reach_m, uint32_t* found, uint8_t* counts) const;
+  void nearest(std::span<const uint32_t> slots, float reach_m, uint32_t* found,
+               uint8_t* counts) const;
 
  private:
-  using Search = void (*)(const GridView&, size_t, size_t, float, uint32_t*, uint8_t*);
+  using Search = void (*)(const GridView&, std::span<const uint32_t>, float, uint32_t*, uint8_t*);
+  static constexpr uint32_t kAbsent = UINT32_MAX;
 
   GridView view() const;
+  Eigen::Vector2f local(const Eigen::Vector2d& position_m) const {
+    return (position_m - middle_m_).cast<float>();
+  }
+  void sort(std::span<const Eigen::Vector2d> positions_m);
 
   Eigen::Vector2d middle_m_;
-  GridView shape_;  ///< without its arrays
+  GridView shape_;  ///< without its arrays; its slack is what rounding can hide
+  double slack_m_ = 0;
   Search search_;
   std::vector<uint32_t> starts_;
-  std::vector<uint32_t> cells_;  ///< of every id
+  std::vector<uint32_t> cells_;  ///< of every id, or kAbsent
   std::vector<uint32_t> order_;
   std::vector<float> x_, y_;
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 
 #include "scenes/crowd/neighbours/neighbour_grid.h"
 
@@ -54,8 +55,8 @@ struct Rings {
   float margin_m_ = 0;
 };
 
-void nearest_scalar(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                    uint8_t* counts);
+void nearest_scalar(const GridView& grid, std::span<const uint32_t> slots, float reach_m,
+                    uint32_t* found, uint8_t* counts);
 using NeighbourSearch = decltype(&nearest_scalar);
 /// Gives the same answers.
 NeighbourSearch neighbour_search_on(SimdTarget target);

@@ -91,17 +91,17 @@ class Candidates {
   size_t count_ = 0;
 };
 
-void search(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
+void search(const GridView& grid, std::span<const uint32_t> slots, float reach_m, uint32_t* found,
             uint8_t* counts) {
   const D d;
   const DU du;
   const auto lane = counting_from(0);
   Candidates near;
-  for (size_t own = begin; own < end; ++own) {
+  for (const uint32_t own : slots) {
     const Rings rings(grid, own);
     const auto x = hn::Set(d, grid.x[own]);
     const auto y = hn::Set(d, grid.y[own]);
-    const auto self = hn::Set(du, static_cast<uint32_t>(own));
+    const auto self = hn::Set(du, own);
     for (int ring = 1;; ++ring) {
       const float covered_m = rings.covered_m(ring, reach_m);
       auto limit = hn::Set(d, covered_m * covered_m);
@@ -111,25 +111,25 @@ void search(const GridView& grid, size_t begin, size_t end, float reach_m, uint3
           const auto dx = hn::Sub(hn::LoadU(d, grid.x + slot), x);
           const auto dy = hn::Sub(hn::LoadU(d, grid.y + slot), y);
           const auto square = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-          const auto slots = hn::Add(lane, hn::Set(du, slot));
-          const auto other = hn::And(hn::Ne(slots, self), hn::FirstN(du, last - slot));
+          const auto those = hn::Add(lane, hn::Set(du, slot));
+          const auto other = hn::And(hn::Ne(those, self), hn::FirstN(du, last - slot));
           const auto mask = hn::And(hn::Le(square, limit), hn::RebindMask(d, other));
           if (hn::AllFalse(d, mask)) continue;
-          near.add(square, slots, mask);
+          near.add(square, those, mask);
           if (near.is_full()) limit = hn::Set(d, near.keep_nearest());
         }
       });
       if (near.count() >= kMost || !(covered_m < reach_m)) break;
     }
-    counts[own] = static_cast<uint8_t>(near.sort_into(found + kMost * own));
+    counts[own] = static_cast<uint8_t>(near.sort_into(found + kMost * size_t{own}));
   }
 }
 
 }  // namespace
 
-void nearest_all(const GridView& grid, size_t begin, size_t end, float reach_m, uint32_t* found,
-                 uint8_t* counts) {
-  search(grid, begin, end, reach_m, found, counts);
+void nearest_all(const GridView& grid, std::span<const uint32_t> slots, float reach_m,
+                 uint32_t* found, uint8_t* counts) {
+  search(grid, slots, reach_m, found, counts);
 }
 
 #endif

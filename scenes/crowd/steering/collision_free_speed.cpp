@@ -21,7 +21,7 @@ struct Direction {
   float x, y;
 };
 
-Direction turned_away(const SteeringView& p, size_t slot, Direction wish) {
+Direction turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction wish) {
   Direction sum = wish;
   const auto push = [&](float away_x, float away_y, float gap_m) {
     // Deeper than a disc's radius the exponential would drown everything else.
@@ -41,8 +41,7 @@ Direction turned_away(const SteeringView& p, size_t slot, Direction wish) {
     else
       push(slot < other ? -1.0f : 1.0f, 0, gap_m);
   }
-  const size_t in_block = slot - p.first_slot;
-  for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w)
+  for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
     push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w]);
   const float length = std::sqrt(sum.x * sum.x + sum.y * sum.y);
   if (!(length > kTiny_mps)) return wish;
@@ -82,7 +81,8 @@ float weidmann_share(float people_per_m2) {
   return 1 - decaying_exp(kSteepness * room_m2);
 }
 
-float density_ahead(const SteeringView& p, size_t slot, float direction_x, float direction_y) {
+float density_ahead(const SteeringView& p, size_t i, uint32_t slot, float direction_x,
+                    float direction_y) {
   const size_t count = p.neighbour_counts[slot];
   const uint32_t* near = p.neighbours + NeighbourGrid::kMost * slot;
   const auto square = [&](uint32_t other) {
@@ -115,13 +115,12 @@ float density_ahead(const SteeringView& p, size_t slot, float direction_x, float
                                                                  {0.12f, 0.85f},
                                                                  {0.12f, -0.85f}}};
   const float reach_m = std::sqrt(reach_square);
-  const size_t in_block = slot - p.first_slot;
   int open = 0;
   for (const auto& [ahead, aside] : kPoints) {
     const float x = reach_m * (ahead * direction_x - aside * direction_y);
     const float y = reach_m * (ahead * direction_y + aside * direction_x);
     bool behind = false;
-    for (uint32_t w = p.wall_starts[in_block]; w < p.wall_starts[in_block + 1]; ++w)
+    for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
       behind =
           behind || p.wall_x[w] * x + p.wall_y[w] * y < -(p.wall_clearance_m[w] + p.radius_m[slot]);
     open += behind ? 0 : 1;
@@ -131,17 +130,18 @@ float density_ahead(const SteeringView& p, size_t slot, float direction_x, float
   return people / area_m2;
 }
 
-void decide_collision_free_speed(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
-                                 float* next_y_mps) {
+void decide_collision_free_speed(const SteeringView& p, std::span<const uint32_t> slots,
+                                 float* next_x_mps, float* next_y_mps) {
   std::array<HalfPlane, kMostWalls> planes;
-  for (size_t slot = begin; slot < end; ++slot) {
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const uint32_t slot = slots[i];
     const float wx = p.wanted_x_mps[slot], wy = p.wanted_y_mps[slot];
     const float wanted = std::sqrt(wx * wx + wy * wy);
     Direction wish{0, 0};
     if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
-    const Direction way = turned_away(p, slot, wish);
+    const Direction way = turned_away(p, i, slot, wish);
     const float speed = std::min(wanted, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
-    const size_t walls = add_walls(p, slot, 0, planes.data());
+    const size_t walls = add_walls(p, i, 0, planes.data());
     const Eigen::Vector2f v =
         choose_velocity({planes.data(), walls}, static_cast<int>(walls),
                         {speed * way.x, speed * way.y}, p.max_speed_mps[slot]);

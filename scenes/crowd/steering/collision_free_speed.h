@@ -7,7 +7,7 @@
 
 namespace throng {
 
-void decide_collision_free_speed(const SteeringView& people, size_t begin, size_t end,
+void decide_collision_free_speed(const SteeringView& people, std::span<const uint32_t> slots,
                                  float* next_x_mps, float* next_y_mps);
 
 /// exp(-x) for x >= 0, by plain arithmetic: the same on every machine, off by less than 1e-4.
@@ -16,8 +16,10 @@ float decaying_exp(float x);
 /// The share of the free speed that is walked at this density (Weidmann 1993), from 1 down to 0.
 float weidmann_share(float people_per_m2);
 
-/// Density in the half-disc before a person that looks along (direction_x, direction_y), unit: half
-/// of the person, and who is there, over the part of its area that is before no wall.
-float density_ahead(const SteeringView& people, size_t slot, float direction_x, float direction_y);
+/// Density in the half-disc before the i-th of those who decide, who looks along (direction_x,
+/// direction_y), unit: half of the person, and who is there, over the part of its area that is
+/// before no wall.
+float density_ahead(const SteeringView& people, size_t i, uint32_t slot, float direction_x,
+                    float direction_y);
 
 }  // namespace throng

@@ -111,7 +111,8 @@ struct Other {
 /// What one person makes of the people and walls around.
 class Decision {
  public:
-  Decision(const SteeringView& people, size_t slot) : p_(people), slot_(slot) {
+  /// Of the i-th of those who decide.
+  Decision(const SteeringView& people, size_t i, uint32_t slot) : p_(people), i_(i), slot_(slot) {
     size_ = p_.radius_m[slot] / kRadius_m;
     const float wx = p_.wanted_x_mps[slot], wy = p_.wanted_y_mps[slot];
     wanted_mps_ = std::sqrt(wx * wx + wy * wy);
@@ -122,9 +123,8 @@ class Decision {
     vx_mps_ = p_.vx_mps[slot];
     vy_mps_ = p_.vy_mps[slot];
     speed_mps_ = std::sqrt(vx_mps_ * vx_mps_ + vy_mps_ * vy_mps_);
-    const size_t in_block = slot - p_.first_slot;
-    first_wall_ = p_.wall_starts[in_block];
-    end_wall_ = p_.wall_starts[in_block + 1];
+    first_wall_ = p_.wall_starts[i];
+    end_wall_ = p_.wall_starts[i + 1];
     see_others();
   }
 
@@ -318,7 +318,7 @@ class Decision {
     const float length = change.norm(), most = kTuning.most_mps2 * p_.period_s;
     if (length <= most) return velocity;
     std::array<HalfPlane, kMostWalls> walls;
-    const size_t count = add_walls(p_, slot_, kTurned * p_.radius_m[slot_], walls.data());
+    const size_t count = add_walls(p_, i_, kTurned * p_.radius_m[slot_], walls.data());
     return choose_velocity({walls.data(), count}, static_cast<int>(count),
                            now + most / length * change, p_.max_speed_mps[slot_]);
   }
@@ -341,7 +341,7 @@ class Decision {
   /// those behind push nobody forward.
   Eigen::Vector2f between_bodies(const Eigen::Vector2f& wish) const {
     std::array<HalfPlane, kMostPlanes> planes;
-    size_t count = add_walls(p_, slot_, kTurned * p_.radius_m[slot_], planes.data());
+    size_t count = add_walls(p_, i_, kTurned * p_.radius_m[slot_], planes.data());
     if (wants()) {
       const Eigen::Vector2f way(way_x_, way_y_);
       planes[count++] = {-way, -std::max(way.dot(wish), 0.0f)};
@@ -366,7 +366,7 @@ class Decision {
   }
 
   const SteeringView& p_;
-  size_t slot_;
+  size_t i_, slot_;
   float size_ = 1;
   float wanted_mps_ = 0, way_x_ = 0, way_y_ = 0;
   float vx_mps_ = 0, vy_mps_ = 0, speed_mps_ = 0;
@@ -376,11 +376,11 @@ class Decision {
   size_t count_ = 0;
 };
 
-THRONG_LANES void decide_each(const SteeringView& people, size_t begin, size_t end,
+THRONG_LANES void decide_each(const SteeringView& people, std::span<const uint32_t> slots,
                               float* next_x_mps, float* next_y_mps) {
-  for (size_t slot = begin; slot < end; ++slot) {
-    const Eigen::Vector2f velocity = Decision(people, slot).velocity_mps();
-    next_x_mps[slot] = velocity.x();
-    next_y_mps[slot] = velocity.y();
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const Eigen::Vector2f velocity = Decision(people, i, slots[i]).velocity_mps();
+    next_x_mps[slots[i]] = velocity.x();
+    next_y_mps[slots[i]] = velocity.y();
   }
 }

@@ -17,9 +17,9 @@ namespace {
 }  // namespace
 }  // namespace one_lane
 
-void decide_heuristic_scalar(const SteeringView& people, size_t begin, size_t end,
+void decide_heuristic_scalar(const SteeringView& people, std::span<const uint32_t> slots,
                              float* next_x_mps, float* next_y_mps) {
-  one_lane::decide_each(people, begin, end, next_x_mps, next_y_mps);
+  one_lane::decide_each(people, slots, next_x_mps, next_y_mps);
 }
 
 }  // namespace throng

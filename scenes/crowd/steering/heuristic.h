@@ -15,7 +15,7 @@ inline constexpr SteeringTraits kHeuristicTraits{
     .keeps_gap = true, .eases = true, .is_nudged = false, .core = 0.65f};
 
 /// The definition.
-void decide_heuristic_scalar(const SteeringView& people, size_t begin, size_t end,
+void decide_heuristic_scalar(const SteeringView& people, std::span<const uint32_t> slots,
                              float* next_x_mps, float* next_y_mps);
 /// With ways as lanes: the same bits.
 SteeringFunction heuristic_on(SimdTarget target);

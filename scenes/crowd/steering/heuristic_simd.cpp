@@ -24,9 +24,9 @@ namespace {
 }  // namespace
 }  // namespace THRONG_EIGHT_LANES
 
-void decide_heuristic_wide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
-                           float* next_y_mps) {
-  THRONG_EIGHT_LANES::decide_each(people, begin, end, next_x_mps, next_y_mps);
+void decide_heuristic_wide(const SteeringView& people, std::span<const uint32_t> slots,
+                           float* next_x_mps, float* next_y_mps) {
+  THRONG_EIGHT_LANES::decide_each(people, slots, next_x_mps, next_y_mps);
 }
 
 #endif

@@ -145,20 +145,20 @@ Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard, const Vect
   return v;
 }
 
-size_t add_walls(const SteeringView& people, size_t slot, float nearer_m, HalfPlane* planes) {
-  const size_t in_block = slot - people.first_slot;
-  const uint32_t first = people.wall_starts[in_block], end = people.wall_starts[in_block + 1];
+size_t add_walls(const SteeringView& people, size_t i, float nearer_m, HalfPlane* planes) {
+  const uint32_t first = people.wall_starts[i], end = people.wall_starts[i + 1];
   for (uint32_t w = first; w < end; ++w)
     *planes++ = keep_off({people.wall_x[w], people.wall_y[w]},
                          people.wall_clearance_m[w] + nearer_m, people.wall_horizon_s);
   return end - first;
 }
 
-void decide_orca_scalar(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
+void decide_orca_scalar(const SteeringView& p, std::span<const uint32_t> slots, float* next_x_mps,
                         float* next_y_mps) {
   std::array<HalfPlane, kMostPlanes> planes;
-  for (size_t slot = begin; slot < end; ++slot) {
-    const size_t walls = add_walls(p, slot, 0, planes.data());
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const uint32_t slot = slots[i];
+    const size_t walls = add_walls(p, i, 0, planes.data());
     size_t count = walls;
     Encounter e;
     e.own_velocity_mps = {p.vx_mps[slot], p.vy_mps[slot]};

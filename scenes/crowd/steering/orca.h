@@ -47,9 +47,9 @@ HalfPlane keep_off(const Eigen::Vector2f& normal, float clearance_m, float horiz
 Eigen::Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard,
                                 const Eigen::Vector2f& wanted_mps, float max_speed_mps);
 
-/// Writes what the walls near a slot leave, hard planes, and returns how many they are: at most
-/// kMostWalls. Discs may come `nearer_m` nearer to them than they are wide.
-size_t add_walls(const SteeringView& people, size_t slot, float nearer_m, HalfPlane* planes);
+/// Writes what the walls near the i-th of those who decide leave, hard planes, and returns how many
+/// they are: at most kMostWalls. Discs may come `nearer_m` nearer to them than they are wide.
+size_t add_walls(const SteeringView& people, size_t i, float nearer_m, HalfPlane* planes);
 
 /// Walls, people, and one more.
 inline constexpr size_t kMostPlanes = kMostWalls + NeighbourGrid::kMost + 1;
@@ -62,9 +62,9 @@ inline float share_of(float own_urge, float other_urge) {
   return 0.5f + 0.5f * (other_urge - own_urge);
 }
 
-/// The same for all people of a block: the definition.
-void decide_orca_scalar(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
-                        float* next_y_mps);
+/// The same for all who decide: the definition.
+void decide_orca_scalar(const SteeringView& people, std::span<const uint32_t> slots,
+                        float* next_x_mps, float* next_y_mps);
 using SteeringFunction = decltype(&decide_orca_scalar);
 /// With people as lanes: the same bits.
 SteeringFunction orca_on(SimdTarget target);

@@ -150,14 +150,21 @@ void relax(const Planes& planes, size_t hard, size_t failed, float max_speed, Po
   }
 }
 
-/// The first values of an array that may end there; the first again in lanes beyond.
-HWY_INLINE V load_first(const float* values, size_t count) {
-  const D d;
-  if (count == kLanes) return hn::LoadU(d, values);
-  HWY_ALIGN float padded[kLanes];
-  for (size_t i = 0; i < kLanes; ++i) padded[i] = values[i < count ? i : 0];
-  return hn::Load(d, padded);
-}
+/// As many people as there are lanes: their slots, the first again in lanes beyond.
+struct LanesOfPeople {
+  HWY_ALIGN int32_t slots[kLanes];
+  size_t first;  ///< of those who decide, which one the first of them is
+  size_t count;
+
+  HWY_INLINE LanesOfPeople(std::span<const uint32_t> all, size_t from)
+      : first(from), count(std::min(kLanes, all.size() - from)) {
+    for (size_t i = 0; i < kLanes; ++i)
+      slots[i] = static_cast<int32_t>(all[from + (i < count ? i : 0)]);
+  }
+  HWY_INLINE V of(const float* values) const {
+    return hn::GatherIndex(D(), values, hn::Load(DI(), slots));
+  }
+};
 
 /// The planes of as many people as there are lanes: plane k of lane i stands at [k * kLanes + i].
 struct LanesOfPlanes {
@@ -175,17 +182,17 @@ struct LanesOfPlanes {
   }
 };
 
-/// keep_off() of the walls of `people` slots.
-HWY_INLINE void add_walls(const SteeringView& p, size_t slot, size_t people,
+/// keep_off() of the walls of people.
+HWY_INLINE void add_walls(const SteeringView& p, const LanesOfPeople& people,
                           LanesOfPlanes& planes) {
   const D d;
-  const uint32_t* starts = p.wall_starts + (slot - p.first_slot);
+  const uint32_t* starts = p.wall_starts + people.first;
   planes.walls = 0;
-  for (size_t i = 0; i < people; ++i)
+  for (size_t i = 0; i < people.count; ++i)
     planes.walls = std::max<size_t>(planes.walls, starts[i + 1] - starts[i]);
   for (size_t w = 0; w < planes.walls; ++w)
     planes.store(w, hn::Zero(d), hn::Zero(d), hn::Set(d, kNever_mps));
-  for (size_t i = 0; i < people; ++i)
+  for (size_t i = 0; i < people.count; ++i)
     for (uint32_t w = starts[i]; w < starts[i + 1]; ++w) {
       const size_t at = (w - starts[i]) * kLanes + i;
       planes.x[at] = p.wall_x[w];
@@ -195,29 +202,30 @@ HWY_INLINE void add_walls(const SteeringView& p, size_t slot, size_t people,
     }
 }
 
-/// avoid() of the neighbours of `people` slots, behind the walls.
-HWY_INLINE void add_people(const SteeringView& p, size_t slot, size_t people,
+/// avoid() of the neighbours of people, behind the walls.
+HWY_INLINE void add_people(const SteeringView& p, const LanesOfPeople& people,
                            LanesOfPlanes& planes) {
   const D d;
   const DU du;
   const DI di;
   HWY_ALIGN uint32_t counts[kLanes] = {};
   HWY_ALIGN int32_t others[NeighbourGrid::kMost * kLanes];
-  std::fill(std::begin(others), std::end(others), static_cast<int32_t>(slot));
+  std::fill(std::begin(others), std::end(others), people.slots[0]);
   size_t most = 0;
-  for (size_t i = 0; i < people; ++i) {
-    const uint32_t* near = p.neighbours + NeighbourGrid::kMost * (slot + i);
-    counts[i] = p.neighbour_counts[slot + i];
+  for (size_t i = 0; i < people.count; ++i) {
+    const auto slot = static_cast<size_t>(people.slots[i]);
+    const uint32_t* near = p.neighbours + NeighbourGrid::kMost * slot;
+    counts[i] = p.neighbour_counts[slot];
     most = std::max<size_t>(most, counts[i]);
     for (size_t k = 0; k < counts[i]; ++k) others[k * kLanes + i] = static_cast<int32_t>(near[k]);
   }
-  const auto load = [&](const float* values) HWY_ATTR { return load_first(values + slot, people); };
-  const auto self = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(slot)));
-  const V x = load(p.x_m), y = load(p.y_m), own_x = load(p.vx_mps), own_y = load(p.vy_mps);
-  const V own_radius = load(p.radius_m), own_urge = load(p.urge);
+  const auto self = hn::BitCast(du, hn::Load(di, people.slots));
+  const V x = people.of(p.x_m), y = people.of(p.y_m);
+  const V own_x = people.of(p.vx_mps), own_y = people.of(p.vy_mps);
+  const V own_radius = people.of(p.radius_m), own_urge = people.of(p.urge);
   const V half = hn::Set(d, 0.5f), zero = hn::Zero(d), tiny = hn::Set(d, kTiny_mps);
   const V step_rate = hn::Set(d, 1 / p.period_s);
-  const V horizon_rate = hn::Div(hn::Set(d, 1), load(p.horizon_s));
+  const V horizon_rate = hn::Div(hn::Set(d, 1), people.of(p.horizon_s));
   const V side = hn::Set(d, 1e-6f);
   for (size_t k = 0; k < most; ++k) {
     const auto has = hn::Gt(hn::Load(du, counts), hn::Set(du, static_cast<uint32_t>(k)));
@@ -344,30 +352,30 @@ void give_way(const LanesOfPlanes& lanes, size_t lane, size_t walls, size_t peop
 
 }  // namespace
 
-void decide_all(const SteeringView& p, size_t begin, size_t end, float* next_x_mps,
+void decide_all(const SteeringView& p, std::span<const uint32_t> slots, float* next_x_mps,
                 float* next_y_mps) {
   const D d;
   LanesOfPlanes planes;
   HWY_ALIGN uint32_t failed[kLanes];
   HWY_ALIGN float chosen_x[kLanes], chosen_y[kLanes];
-  for (size_t slot = begin; slot < end; slot += kLanes) {
-    const size_t people = std::min(kLanes, end - slot);
-    add_walls(p, slot, people, planes);
-    add_people(p, slot, people, planes);
+  for (size_t first = 0; first < slots.size(); first += kLanes) {
+    const LanesOfPeople people(slots, first);
+    add_walls(p, people, planes);
+    add_people(p, people, planes);
     V x, y;
-    solve_lanes(planes, hn::FirstN(d, people), load_first(p.wanted_x_mps + slot, people),
-                load_first(p.wanted_y_mps + slot, people),
-                load_first(p.max_speed_mps + slot, people), x, y, failed);
+    solve_lanes(planes, hn::FirstN(d, people.count), people.of(p.wanted_x_mps),
+                people.of(p.wanted_y_mps), people.of(p.max_speed_mps), x, y, failed);
     hn::Store(x, d, chosen_x);
     hn::Store(y, d, chosen_y);
-    const uint32_t* walls = p.wall_starts + (slot - p.first_slot);
-    for (size_t i = 0; i < people; ++i) {
+    const uint32_t* walls = p.wall_starts + first;
+    for (size_t i = 0; i < people.count; ++i) {
+      const uint32_t slot = slots[first + i];
       Point v{chosen_x[i], chosen_y[i]};
       if (failed[i] < planes.count)
-        give_way(planes, i, walls[i + 1] - walls[i], p.neighbour_counts[slot + i], failed[i],
-                 p.max_speed_mps[slot + i], v);
-      next_x_mps[slot + i] = v.x;
-      next_y_mps[slot + i] = v.y;
+        give_way(planes, i, walls[i + 1] - walls[i], p.neighbour_counts[slot], failed[i],
+                 p.max_speed_mps[slot], v);
+      next_x_mps[slot] = v.x;
+      next_y_mps[slot] = v.y;
     }
   }
 }

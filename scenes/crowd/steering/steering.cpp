@@ -15,9 +15,9 @@ class FunctionModel : public SteeringModel {
  public:
   FunctionModel(SteeringFunction function, const SteeringTraits& traits)
       : function_(function), traits_(traits) {}
-  void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
+  void decide(const SteeringView& people, std::span<const uint32_t> slots, float* next_x_mps,
               float* next_y_mps) const override {
-    function_(people, begin, end, next_x_mps, next_y_mps);
+    function_(people, slots, next_x_mps, next_y_mps);
   }
   SteeringTraits traits() const override { return traits_; }
 

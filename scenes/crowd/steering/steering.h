@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "base/simd.h"
 #include "scenes/crowd/neighbours/neighbour_grid.h"
@@ -13,7 +14,8 @@
 
 namespace throng {
 
-/// The people of a decision. Arrays are by slot (see NeighbourGrid) unless they say otherwise.
+/// The people of a decision, those included who do not decide now. Arrays are by slot (see
+/// NeighbourGrid) unless they say otherwise.
 struct SteeringView {
   const float* x_m = nullptr;
   const float* y_m = nullptr;
@@ -30,15 +32,14 @@ struct SteeringView {
   const uint32_t* neighbours = nullptr;  ///< NeighbourGrid::kMost a slot, nearest first
   const uint8_t* neighbour_counts = nullptr;
 
-  /// Walls near the slots of one block: normals point from the wall to the person, clearances are
-  /// what is left between wall and disc. Those of slot s are [wall_starts[s - first_slot], ...).
+  /// Walls near those who decide: normals point from the wall to the person, clearances are what is
+  /// left between wall and disc. Those of the i-th are [wall_starts[i], wall_starts[i + 1]).
   const float* wall_x = nullptr;
   const float* wall_y = nullptr;
   const float* wall_clearance_m = nullptr;
   const uint32_t* wall_starts = nullptr;
-  size_t first_slot = 0;
 
-  float period_s = 0.1f;  ///< until the next decision
+  float period_s = 0.1f;  ///< until they decide again
   float wall_horizon_s = 0.5f;
 };
 
@@ -61,10 +62,10 @@ struct SteeringTraits {
 class SteeringModel {
  public:
   virtual ~SteeringModel() = default;
-  /// Writes the velocities of the slots [begin, end), all of one block. No allocation. Walls are
+  /// Writes the velocities of some slots, by slot. No allocation. Walls are
   /// hard: nobody's velocity leads nearer to one than its clearance within the wall's horizon.
-  virtual void decide(const SteeringView& people, size_t begin, size_t end, float* next_x_mps,
-                      float* next_y_mps) const = 0;
+  virtual void decide(const SteeringView& people, std::span<const uint32_t> slots,
+                      float* next_x_mps, float* next_y_mps) const = 0;
   virtual SteeringTraits traits() const = 0;
 };
 
