@@ -36,7 +36,8 @@ std::string one_line(std::string text) {
 
 InputError::InputError(std::string_view where, std::string_view expected, std::string_view found)
     : std::runtime_error(
-          one_line(fmt::format("{}: expected {}, found {}", where, expected, found))) {}
+          one_line(fmt::format("{}: expected {}, found {}", where, expected, found))),
+      where_(one_line(std::string(where))) {}
 
 std::string at_line(std::string_view file, int line) { return fmt::format("{}:{}", file, line); }
 

@@ -15,6 +15,12 @@ namespace throng {
 class InputError : public std::runtime_error {
  public:
   InputError(std::string_view where, std::string_view expected, std::string_view found);
+
+  /// What the message begins with: "file:line", a file, an option.
+  const std::string& where() const { return where_; }
+
+ private:
+  std::string where_;
 };
 
 /// The environment failed us (exit code 3): a full disk, a directory that vanished, a dead socket.

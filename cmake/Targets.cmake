@@ -13,6 +13,10 @@ target_compile_options(throng_warnings INTERFACE
   # g++ 12 finds its own std::string out of bounds once it comes from a precompiled header.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${THRONG_PCH}>>:-Wno-array-bounds>)
 
+# Libraries go into the command and into the Python module alike. What a file defines it may still take for
+# the one definition there is, so that it inlines as without -fPIC: the command pays nothing.
+add_compile_options(-fPIC -fvisibility=hidden -ftls-model=initial-exec)
+
 # What a frame does not wait for is compiled without the optimisations that take longest: two thirds of the
 # time, and the same results.
 set(THRONG_COLD $<$<CONFIG:Release>:-O1>)

@@ -10,7 +10,7 @@
 
 #include "apps/command.h"
 #include "apps/options/recording_options.h"
-#include "apps/output/file_kind.h"
+#include "lcmtypes/replay/file_kind.h"
 #include "avatars/model/describe.h"
 #include "base/errors.h"
 #include "base/say.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "apps/commands/picture.h"
-#include "apps/commands/recorded_frame.h"
+#include "viewer/picture/picture.h"
+#include "viewer/picture/recorded_frame.h"
 #include "apps/output/output_plan.h"
 #include "base/errors.h"
 #include "base/say.h"

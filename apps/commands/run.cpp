@@ -10,7 +10,7 @@
 #include "apps/command.h"
 #include "apps/input/run_source.h"
 #include "apps/output/checkpoints.h"
-#include "apps/output/file_kind.h"
+#include "lcmtypes/replay/file_kind.h"
 #include "apps/output/json_output.h"
 #include "apps/output/log_guard.h"
 #include "apps/output/output_plan.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/options/option_checks.h"
+#include "base/option_checks.h"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the name is theirs
 class App;

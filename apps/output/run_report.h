@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "lcmtypes/replay/run_source.h"
 #include "lcmtypes/wire/drive_receiver.h"
-#include "scenes/recorded/recording.h"
 #include "scenes/run/runner.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
 
@@ -51,11 +51,7 @@ struct RunReport {
   };
   std::optional<Contacts> contacts;  ///< with --contacts
 
-  /// What was culled instead of a crowd of our own.
-  struct Recording {
-    RecordingFacts facts;
-    int64_t people = 0;
-  };
+  using Recording = RunSource::Recording;
   std::optional<Recording> recording;
 
   /// People of one group who cannot reach one of its goals, at the end.

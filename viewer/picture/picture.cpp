@@ -1,4 +1,4 @@
-#include "apps/commands/picture.h"
+#include "viewer/picture/picture.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "apps/commands/recorded_frame.h"
+#include "viewer/picture/recorded_frame.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "apps/commands/recorded_frame.h"
+#include "viewer/picture/recorded_frame.h"
 #include "viewer/picture/raster.h"
 
 namespace throng {

@@ -1,4 +1,4 @@
-#include "apps/options/option_checks.h"
+#include "base/option_checks.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

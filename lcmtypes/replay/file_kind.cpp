@@ -1,4 +1,4 @@
-#include "apps/output/file_kind.h"
+#include "lcmtypes/replay/file_kind.h"
 
 #include <fmt/format.h>
 

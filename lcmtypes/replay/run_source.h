@@ -1,0 +1,48 @@
+// What is run: a scene, a recording or a log, whichever the file is.
+// One rule: the kind is known by content; an option that a kind has no use for is refused, never
+// left aside.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/recorded/recording_flags.h"
+#include "scenes/run/simulation.h"
+
+namespace throng {
+
+struct RunSourceOptions {
+  std::string name;  ///< a file, or a bundled scene
+  std::optional<int> avatars;
+  std::optional<double> seconds;
+  std::optional<uint64_t> seed;
+  std::string steering;
+  std::string part_volume;
+  bool exact = false;
+  RecordingFlags recording;
+  std::string step;  ///< of a recording: "smooth" or "recorded"
+};
+
+/// What --part-volume, --steering and --step take.
+std::vector<std::string> volume_names();
+std::vector<std::string> step_names();
+
+struct RunSource {
+  /// What is culled instead of a crowd of our own.
+  struct Recording {
+    RecordingFacts facts;
+    int64_t people = 0;
+  };
+
+  Scene scene;
+  WorldFactory world = {};  ///< empty: the scene's own
+  std::optional<Recording> recording = {};
+  double plan_factor = 1;  ///< how many times longer --avatars made the plan
+  std::vector<std::string> notes = {};
+};
+
+/// Reads what is to be run. Throws InputError.
+RunSource open_run_source(const RunSourceOptions& options);
+
+}  // namespace throng
