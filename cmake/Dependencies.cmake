@@ -42,6 +42,23 @@ if(THRONG_VIEWER)
   find_program(NPM npm REQUIRED)
 endif()
 
+# The module for Python, where Debian's Python has what it takes: PYTHON_EXECUTABLE names another one.
+if(THRONG_VIEWER)
+  find_program(PYTHON_EXECUTABLE python3 PATHS /usr/bin NO_DEFAULT_PATH)
+  set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE})
+  find_package(Python3 3.9 QUIET COMPONENTS Interpreter Development.Module NumPy)
+  find_package(pybind11 2.10 QUIET CONFIG)
+  set(has_python OFF)
+  if(Python3_FOUND AND pybind11_FOUND)
+    set(has_python ON)
+  endif()
+  option(THRONG_PYTHON "the module `throng` for Python" ${has_python})
+  if(THRONG_PYTHON AND NOT has_python)
+    message(FATAL_ERROR "THRONG_PYTHON: expected pybind11 2.10, and Python 3.9 with numpy and its headers "
+                        "(pybind11-dev, python3-dev, python3-numpy), found not all of them")
+  endif()
+endif()
+
 if(THRONG_APPS)
   find_package(CLI11 REQUIRED)
 endif()

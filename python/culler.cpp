@@ -1,0 +1,270 @@
+// throng.Culler: own bodies and own poses, without any scene.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "avatars/model/model.h"
+#include "base/errors.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "python/facts_dict.h"
+#include "python/part_matrices.h"
+#include "python/posed_parts.h"
+#include "python/run_request.h"
+
+namespace py = pybind11;
+
+namespace throng {
+namespace {
+
+using ShapePtr = std::shared_ptr<BodyShape>;
+
+PartShape shape_of(const Mesh& mesh) { return {mesh.vertices, mesh.triangles}; }
+
+ShapePtr shape_of_model(const Model& model) {
+  const auto shape = std::make_shared<BodyShape>();
+  for (const Part& part : model.parts) {
+    shape->parts.push_back(shape_of(part.mesh));
+    shape->part_names.push_back(part.name);
+  }
+  return shape;
+}
+
+/// One part of numpy arrays.
+PartShape part_of(
+    size_t number, const DoubleArray& points,
+    const std::optional<py::array_t<int64_t, py::array::c_style | py::array::forcecast>>&
+        triangles) {
+  const std::string where = fmt::format("parts[{}]", number);
+  if (points.ndim() != 2 || points.shape(1) != 3 || points.shape(0) == 0)
+    throw InputError(where, "N x 3 coordinates in metres, N at least 1", "another shape");
+  PartShape part;
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    part.points.push_back(Eigen::Map<const Eigen::Vector3d>(points.data() + 3 * i).cast<float>());
+    if (!part.points.back().allFinite())
+      throw InputError(where, "finite coordinates", fmt::format("another at point {}", i));
+  }
+  if (!triangles) return part;
+  if (triangles->ndim() != 2 || triangles->shape(1) != 3)
+    throw InputError(where, "M x 3 indices of points", "triangles of another shape");
+  for (py::ssize_t i = 0; i < triangles->shape(0); ++i) {
+    const int64_t* corner = triangles->data() + 3 * i;
+    for (int c = 0; c < 3; ++c)
+      if (corner[c] < 0 || corner[c] >= points.shape(0))
+        throw InputError(where, fmt::format("indices from 0 to {}", points.shape(0) - 1),
+                         fmt::format("{} in triangle {}", corner[c], i));
+    part.triangles.emplace_back(static_cast<int>(corner[0]), static_cast<int>(corner[1]),
+                                static_cast<int>(corner[2]));
+  }
+  return part;
+}
+
+ShapePtr shape_of_parts(const py::list& parts, std::vector<std::string> names, bool is_static) {
+  const auto shape = std::make_shared<BodyShape>();
+  shape->is_static = is_static;
+  shape->part_names = std::move(names);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const auto pair = parts[i].cast<py::tuple>();
+    using Corners = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
+    shape->parts.push_back(
+        part_of(i, pair[0].cast<DoubleArray>(), pair[1].cast<std::optional<Corners>>()));
+  }
+  if (shape->parts.empty() || shape->parts.size() > BodyType::kMaxParts)
+    throw InputError("parts", fmt::format("1 to {} parts", BodyType::kMaxParts),
+                     fmt::format("{}", shape->parts.size()));
+  return shape;
+}
+
+/// A culler whose bodies may be posed in any way: where they reach farther than before, it is made
+/// anew with larger spheres, and goes on.
+class OwnCuller {
+ public:
+  OwnCuller(std::vector<ShapePtr> shapes, CullerOptions options, int threads)
+      : shapes_(shapes.begin(), shapes.end()),
+        options_(options),
+        workers_(threads),
+        parts_(shapes_),
+        reach_m_(shapes_.size(), 0) {
+    make();  // says at once what is wrong with the shapes
+  }
+
+  void step(std::span<const double> matrices, size_t stride, std::span<const uint32_t> ids,
+            std::span<const uint16_t> types, std::span<const float> scales) {
+    parts_.set(matrices, stride, types, scales);
+    if (grow()) {
+      Archive state;
+      culler_->archive(state);
+      make();
+      Archive again(state.bytes(), "culler");
+      culler_->archive(again);
+    }
+    culler_->step({ids, types, scales, parts_.roots()}, parts_);
+    keep();
+    ++frame_;
+  }
+  void finish() {
+    culler_->finish();
+    keep();
+  }
+
+  const Culler& culler() const { return *culler_; }
+  const std::vector<EventRow>& events() const { return events_; }
+  size_t latest() const { return latest_; }
+  int64_t frame() const { return frame_; }
+  const std::vector<std::shared_ptr<const BodyShape>>& shapes() const { return shapes_; }
+
+  bool is_busy = false;
+
+ private:
+  bool grow() {
+    constexpr float kRoom = 1.5F;
+    bool grows = false;
+    for (size_t type = 0; type < reach_m_.size(); ++type) {
+      if (parts_.reach_m()[type] * 1.0001F <= reach_m_[type]) continue;
+      reach_m_[type] = parts_.reach_m()[type] * (reach_m_[type] > 0 ? kRoom : 1.05F);
+      grows = true;
+    }
+    return grows;
+  }
+  void make() {
+    std::vector<std::shared_ptr<const BodyType>> types;
+    for (size_t type = 0; type < shapes_.size(); ++type) {
+      RootSphere sphere;
+      sphere.radius_m = reach_m_[type];
+      types.push_back(
+          std::make_shared<BodyType>(shapes_[type]->parts, sphere, shapes_[type]->is_static));
+    }
+    culler_ = std::make_unique<Culler>(std::move(types), options_, workers_);
+  }
+  void keep() {
+    latest_ = events_.size();
+    for (const PairEvent& event : culler_->events()) events_.push_back(event_row(frame_, event));
+  }
+
+  std::vector<std::shared_ptr<const BodyShape>> shapes_;
+  CullerOptions options_;
+  Workers workers_;
+  PosedParts parts_;
+  std::vector<float> reach_m_;
+  std::unique_ptr<Culler> culler_;
+  std::vector<EventRow> events_;
+  size_t latest_ = 0;
+  int64_t frame_ = 0;
+};
+
+template <typename T>
+using Numbers = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+void require_bodies(const OwnCuller& culler, const Numbers<int64_t>& ids,
+                    const Numbers<int64_t>& types, const DoubleArray& scales) {
+  if (ids.size() != types.size() || ids.size() != scales.size())
+    throw InputError("ids, types, scales", "one of each a body",
+                     fmt::format("{}, {} and {}", ids.size(), types.size(), scales.size()));
+  for (py::ssize_t i = 0; i < ids.size(); ++i) {
+    const int64_t id = ids.data()[i], type = types.data()[i];
+    if (id < 0 || id > PairKey::kMaxId || (i > 0 && id <= ids.data()[i - 1]))
+      throw InputError(fmt::format("ids[{}]", i),
+                       fmt::format("ascending numbers up to {}", PairKey::kMaxId),
+                       fmt::format("{}", id));
+    if (type < 0 || type >= static_cast<int64_t>(culler.shapes().size()))
+      throw InputError(fmt::format("types[{}]", i),
+                       fmt::format("0 to {}", culler.shapes().size() - 1), fmt::format("{}", type));
+    if (!(scales.data()[i] > 0 && scales.data()[i] < 1e6))
+      throw InputError(fmt::format("scales[{}]", i), "a number above 0",
+                       fmt::format("{}", scales.data()[i]));
+  }
+}
+
+py::array latest_events(const OwnCuller& culler) {
+  const auto from = culler.events().begin() + static_cast<std::ptrdiff_t>(culler.latest());
+  return array_of(std::vector<EventRow>(from, culler.events().end()));
+}
+
+/// Others may run Python meanwhile, but not this culler.
+class Turn {
+ public:
+  explicit Turn(OwnCuller& culler) : culler_(culler) {
+    if (culler.is_busy)
+      throw std::runtime_error("another thread uses this culler: one at a time, or one each");
+    culler.is_busy = true;
+  }
+  ~Turn() { culler_.is_busy = false; }
+
+ private:
+  OwnCuller& culler_;
+};
+
+py::array step(OwnCuller& culler, const DoubleArray& matrices, const Numbers<int64_t>& ids,
+               const Numbers<int64_t>& types, const DoubleArray& scales) {
+  require_bodies(culler, ids, types, scales);
+  const auto rows = matrices.ndim() == 3 ? matrices.shape(1) : 0;
+  if (matrices.ndim() != 3 || (rows != 3 && rows != 4) || matrices.shape(2) != 4)
+    throw InputError("poses", "matrices of 3 or 4 rows and 4 columns", "another shape");
+  const std::vector<uint32_t> id(ids.data(), ids.data() + ids.size());
+  const std::vector<uint16_t> type(types.data(), types.data() + types.size());
+  const std::vector<float> scale(scales.data(), scales.data() + scales.size());
+  {
+    const Turn turn(culler);
+    const std::span<const double> all(matrices.data(), static_cast<size_t>(matrices.size()));
+    const py::gil_scoped_release others;
+    culler.step(all, static_cast<size_t>(rows) * 4, id, type, scale);
+  }
+  return latest_events(culler);
+}
+
+std::unique_ptr<OwnCuller> made(std::vector<ShapePtr> shapes, const std::string& part_volume,
+                                bool exact, const std::string& pair_search,
+                                std::optional<int64_t> threads) {
+  if (shapes.empty()) throw InputError("bodies", "at least one kind of body", "none");
+  py::dict given;
+  given["part_volume"] = part_volume;
+  given["pair_search"] = pair_search;
+  const RunRequest request = request_of(given);
+  CullerOptions options = request.simulation.culler;
+  options.part_volume = volume_of(part_volume).value();
+  options.exact = exact;
+  const int workers = checked_threads(threads);
+  const py::gil_scoped_release others;
+  return std::make_unique<OwnCuller>(std::move(shapes), options, workers);
+}
+
+}  // namespace
+
+void bind_culler(py::module_& module) {
+  py::class_<BodyShape, ShapePtr>(module, "Body")
+      .def_readonly("part_names", &BodyShape::part_names)
+      .def_property_readonly("part_count",
+                             [](const BodyShape& shape) { return shape.parts.size(); });
+  module.def("body_of_model", shape_of_model);
+  module.def("body_of_parts", shape_of_parts);
+  py::class_<OwnCuller>(module, "Culler")
+      .def(py::init(&made), py::arg("bodies"), py::arg("part_volume"), py::arg("exact"),
+           py::arg("pair_search"), py::arg("threads"))
+      .def("step", step)
+      .def("finish",
+           [](OwnCuller& culler) {
+             const Turn turn(culler);
+             culler.finish();
+             return latest_events(culler);
+           })
+      .def("pairs",
+           [](const OwnCuller& culler) {
+             std::vector<PairRow> rows;
+             for (const PairKey& pair : culler.culler().pairs())
+               rows.push_back({pair.a(), pair.b(), static_cast<uint8_t>(pair.part_a()),
+                               static_cast<uint8_t>(pair.part_b())});
+             return array_of(std::move(rows));
+           })
+      .def("events", [](const OwnCuller& culler) { return array_of(culler.events()); })
+      .def("contacts",
+           [](const OwnCuller& culler, double step_s) {
+             return array_of(contacts_of(culler.events(), step_s, culler.frame()));
+           })
+      .def_property_readonly("frame", &OwnCuller::frame)
+      .def_property_readonly(
+          "hash", [](const OwnCuller& culler) { return hash_text(culler.culler().hash()); });
+}
+
+}  // namespace throng

@@ -1,0 +1,38 @@
+#include "python/errors.h"
+
+#include <string>
+
+#include "base/errors.h"
+
+namespace py = pybind11;
+
+namespace throng {
+namespace {
+
+/// A name of a file may be no UTF-8.
+py::object text_of(const std::string& text) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
+void raise(const char* name, const std::string& message, const std::string& where) {
+  const py::object type = py::module_::import("throng._errors").attr(name);
+  const py::object error = type(text_of(message), text_of(where));
+  PyErr_SetObject(type.ptr(), error.ptr());
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const InputError& error) {
+    raise("InputError", error.what(), error.where());
+  } catch (const EnvironmentError& error) {
+    raise("EnvironmentFault", error.what(), "");
+  }
+}
+
+}  // namespace
+
+void register_errors() { py::register_exception_translator(translate); }
+
+}  // namespace throng

@@ -1,0 +1,102 @@
+#include "python/recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+void add_stage(const StageCounters& stage, int64_t& updates, int64_t& tests, int64_t& passed) {
+  updates = static_cast<int64_t>(stage.updates);
+  tests = static_cast<int64_t>(stage.tests);
+  passed = static_cast<int64_t>(stage.passed);
+}
+
+FrameRow row_of(const Frame& frame) {
+  FrameRow row{};
+  row.frame = frame.number;
+  row.time_s = static_cast<double>(frame.utime_us) * 1e-6;
+  row.touching = static_cast<int64_t>(frame.pairs.size());
+  row.persisting = static_cast<int64_t>(frame.persisting);
+  for (const PairEvent& event : frame.events)
+    ++(event.kind == EventKind::kBegin ? row.begins : row.ends);
+  const CullingCounters& c = *frame.counters;
+  add_stage(c.avatar, row.avatar_updates, row.avatar_tests, row.avatar_passed);
+  add_stage(c.body_box, row.body_box_updates, row.body_box_tests, row.body_box_passed);
+  add_stage(c.box, row.part_box_updates, row.part_box_tests, row.part_box_passed);
+  add_stage(c.part, row.part_updates, row.part_tests, row.part_passed);
+  add_stage(c.exact, row.exact_updates, row.exact_tests, row.exact_passed);
+  row.posed_bodies = static_cast<int64_t>(c.posed_bodies);
+  row.cull_ms = (c.wall_ns - c.events_ns) * 1e-6;
+  for (const double stage_ns : frame.times->stage_ns) row.frame_ms += stage_ns * 1e-6;
+  return row;
+}
+
+}  // namespace
+
+RunFacts facts_of(const RunInfo& run) {
+  RunFacts facts{.scene = run.scene->name,
+                 .seed = run.scene->seed,
+                 .run_id = run.run_id,
+                 .step_s = run.step_s,
+                 .groups = run.groups};
+  for (const auto& model : run.models) {
+    facts.models.push_back(model->name);
+    facts.part_names.emplace_back();
+    for (const Part& part : model->parts) facts.part_names.back().push_back(part.name);
+  }
+  for (const Obstacle& obstacle : run.scene->obstacles) facts.obstacles.push_back(obstacle.name);
+  facts.people.reserve(run.model_of_avatar.size());
+  for (size_t i = 0; i < run.model_of_avatar.size(); ++i)
+    facts.people.push_back({static_cast<uint32_t>(i),
+                            run.group_of_avatar.empty() ? uint16_t{0} : run.group_of_avatar[i],
+                            run.model_of_avatar[i], run.scale_of_avatar[i],
+                            run.scale_of_avatar[i] * run.models[run.model_of_avatar[i]]->height_m});
+  return facts;
+}
+
+int64_t places_every(const Scene& scene, double step_s, std::optional<double> fps) {
+  const double recorded = scene.recorded ? scene.recorded->recording->facts().fps : 0;
+  const double wanted = fps.value_or(recorded > 0 ? recorded : 10);
+  return std::max<int64_t>(1, std::llround(1 / (wanted * step_s)));
+}
+
+float heading_of(const RootPose& root) {
+  const Eigen::Quaternionf& q = root.world_from_root;
+  return std::atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
+}
+
+PlaceRow place_of(int64_t frame, double time_s, uint32_t id, const RootPose& root,
+                  float speed_mps) {
+  return {frame,
+          time_s,
+          id,
+          root.position_m.x(),
+          root.position_m.y(),
+          root.position_m.z(),
+          heading_of(root),
+          speed_mps};
+}
+
+void RunRecorder::begin(const RunInfo& run) {
+  facts = facts_of(run);
+  every_ = places_every(*run.scene, run.step_s, fps_);
+}
+
+void RunRecorder::frame(const RunInfo&, const Frame& frame) {
+  for (const PairEvent& event : frame.events) events.push_back(event_row(frame.number, event));
+  frames.push_back(row_of(frame));
+  if (!keeps_places_ || frame.number % every_ != 0) return;
+  const double time_s = static_cast<double>(frame.utime_us) * 1e-6;
+  for (size_t i = 0; i < frame.roots.size(); ++i)
+    if (frame.present.empty() || frame.present[i] != 0)
+      places.push_back(place_of(frame.number, time_s, static_cast<uint32_t>(i), frame.roots[i],
+                                frame.speeds_mps[i]));
+}
+
+void RunRecorder::end(const RunInfo&, const RunEnd& end) {
+  for (const PairEvent& event : end.events) events.push_back(event_row(end.frames, event));
+  end_frame = end.frames;
+}
+
+}  // namespace throng

@@ -1,0 +1,59 @@
+// Keeps a run in memory, to be handed over as arrays.
+// One rule: a row for everybody who is there, none for anybody who is not, as in trajectory files.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "python/rows.h"
+#include "scenes/run/sink.h"
+
+namespace throng {
+
+/// Who is who: what a run says of itself before its first frame.
+struct RunFacts {
+  std::string scene;
+  uint64_t seed = 0;
+  uint64_t run_id = 0;
+  double step_s = 0;
+  std::vector<std::string> groups{};
+  std::vector<std::string> models{};
+  std::vector<std::vector<std::string>> part_names{};  ///< by model
+  std::vector<std::string> obstacles{};                ///< bodies that follow those of people
+  std::vector<PersonRow> people{};
+};
+
+RunFacts facts_of(const RunInfo& run);
+
+/// Frames from one recorded place to the next: those that come nearest to `fps`; without, as a
+/// recording has it, else ten a second.
+int64_t places_every(const Scene& scene, double step_s, std::optional<double> fps);
+
+class RunRecorder final : public Sink {
+ public:
+  /// `fps`: see places_every(); `keeps_places`: whether any are kept.
+  RunRecorder(std::optional<double> fps, bool keeps_places)
+      : fps_(fps), keeps_places_(keeps_places) {}
+
+  void begin(const RunInfo& run) override;
+  void frame(const RunInfo& run, const Frame& frame) override;
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+  RunFacts facts;
+  std::vector<EventRow> events;
+  std::vector<PlaceRow> places;
+  std::vector<FrameRow> frames;
+  int64_t end_frame = 0;
+
+ private:
+  std::optional<double> fps_;
+  bool keeps_places_;
+  int64_t every_ = 1;
+};
+
+/// Where somebody is, from the root of the body.
+PlaceRow place_of(int64_t frame, double time_s, uint32_t id, const RootPose& root, float speed_mps);
+float heading_of(const RootPose& root);
+
+}  // namespace throng

@@ -1,0 +1,219 @@
+// throng.Recording and throng.compare().
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <memory>
+
+#include "base/errors.h"
+#include "base/figure.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "python/interrupts.h"
+#include "python/run_request.h"
+#include "scenes/measures/comparison.h"
+#include "scenes/recorded/recording_summary.h"
+#include "scenes/run/runner.h"
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+
+namespace throng {
+namespace {
+
+struct SampleRow {
+  int64_t id;
+  double time_s, x_m, y_m;
+  float z_m, heading_rad;
+};
+
+struct RecordedRow {
+  int64_t id, samples;
+  double first_s, last_s, height_m;
+};
+
+using RecordingPtr = std::shared_ptr<Recording>;
+
+RecordingPtr opened(const py::dict& dict) {
+  RunRequest request = request_of(dict);
+  const auto made = std::make_shared<std::shared_ptr<const Recording>>();
+  const RecordingOptions options = recording_options(request.source.name, request.source.recording);
+  run_apart([options, made](WorkSigns&) { *made = read_recording(options); }, py::none(), false);
+  return std::const_pointer_cast<Recording>(*made);
+}
+
+py::array people(const Recording& recording) {
+  std::vector<RecordedRow> rows;
+  for (const RecordedPerson& person : recording.people())
+    rows.push_back({person.id, person.samples, person.first_s, person.last_s,
+                    person.height_m.value_or(std::numeric_limits<double>::quiet_NaN())});
+  return array_of(std::move(rows));
+}
+
+py::array samples(const Recording& recording) {
+  std::vector<SampleRow> rows;
+  {
+    const py::gil_scoped_release others;
+    rows.reserve(static_cast<size_t>(recording.facts().samples));
+    std::vector<Sample> track;
+    for (size_t person = 0; person < recording.people().size(); ++person) {
+      recording.read(person, track);
+      for (const Sample& sample : track)
+        rows.push_back({recording.people()[person].id, sample.time_s, sample.position_m.x(),
+                        sample.position_m.y(), sample.z_m, sample.heading_rad});
+    }
+  }
+  return array_of(std::move(rows));
+}
+
+py::dict facts(const Recording& recording) {
+  const RecordingFacts& f = recording.facts();
+  py::dict out;
+  out["kind"] = f.kind;
+  out["tracks"] = f.tracks == TrackedPoint::kHead ? "head" : "centre";
+  out["fps"] = f.fps;
+  out["frames"] = f.frames;
+  out["duration_s"] = f.duration_s;
+  out["samples"] = f.samples;
+  out["shift_m"] = py::make_tuple(f.shift_m.x(), f.shift_m.y());
+  out["wkt"] = f.wkt;
+  py::list odd;
+  for (const Oddity& oddity : f.odd)
+    odd.append(py::make_tuple(oddity.what, oddity.count, oddity.first));
+  out["odd"] = odd;
+  return out;
+}
+
+py::tuple of(const Spread& spread) {
+  return py::make_tuple(spread.low, spread.median, spread.high);
+}
+
+py::dict summary(const Recording& recording) {
+  RecordingSummary found;
+  {
+    const py::gil_scoped_release others;
+    found = summary_of(recording);
+  }
+  py::dict out;
+  out["mean_people"] = found.mean_people;
+  out["most_people"] = found.most_people;
+  out["most_at_s"] = found.most_at_s;
+  out["speed_mps"] = of(found.speed_mps);
+  out["density_per_m2"] = of(found.density_per_m2);
+  out["height_m"] = of(found.height_m);
+  return out;
+}
+
+/// Two runs and what was measured of them.
+struct Comparison {
+  MeasuredRun a, b;
+};
+
+struct CompareWork {
+  RunRequest a, b;
+  std::optional<Passage> line;
+  Comparison found;
+};
+
+MeasuredRun measured(RunSource source, const CompareWork& work, WorkSigns& signs) {
+  SimulationOptions options{.threads = work.a.simulation.threads};
+  options.world = std::move(source.world);
+  Simulation simulation(std::move(source.scene), options);
+  CrowdMeasures measures({.line = work.line});
+  Sink* const sink = &measures;
+  const int64_t before = signs.done;
+  run(simulation, {&sink, 1}, [&](const Frame& frame) {
+    signs.done = before + frame.number + 1;
+    return !signs.stop;
+  });
+  return {simulation.scene().name, measures.facts(), measures.tables()};
+}
+
+void compare_runs(CompareWork& work, WorkSigns& signs) {
+  RunSource a = open_run_source(work.a.source);
+  RunSource b = open_run_source(work.b.source);
+  const auto frames = [](const Scene& scene) {
+    return frame_count(scene.duration_s, scene.step_s);
+  };
+  signs.frames = frames(a.scene) + frames(b.scene);
+  work.found.a = measured(std::move(a), work, signs);
+  if (!signs.stop) work.found.b = measured(std::move(b), work, signs);
+}
+
+Comparison compare(const py::dict& a, const py::dict& b,
+                   const std::optional<std::vector<double>>& line, const py::object& progress) {
+  const auto work = std::make_shared<CompareWork>();
+  work->a = request_of(a);
+  work->b = request_of(b);
+  if (line) {
+    if (line->size() != 4)
+      throw InputError("line", "two points: x, y, x, y", fmt::format("{} numbers", line->size()));
+    const Eigen::Vector2d from((*line)[0], (*line)[1]), to((*line)[2], (*line)[3]);
+    if (from == to) throw InputError("line", "two points", "the same point twice");
+    work->line = Passage{from, to};
+  }
+  run_apart([work](WorkSigns& signs) { compare_runs(*work, signs); }, progress, true);
+  return std::move(work->found);
+}
+
+py::object or_none(const std::optional<double>& value) {
+  return value ? py::object(py::float_(*value)) : py::object(py::none());
+}
+
+/// Rows of (at, from, to, which, what, unit, a, b), by measure.
+py::dict tables(const Comparison& found) {
+  py::dict out;
+  for (size_t i = 0; i < found.a.tables.size(); ++i) {
+    py::list rows;
+    for (const ComparedRow& each : compared_rows(found.a.tables[i], found.b.tables[i]))
+      rows.append(py::make_tuple(each.row.at, or_none(each.row.from), or_none(each.row.to),
+                                 each.row.which, each.row.what, each.row.unit, each.a, each.b));
+    out[py::str(found.a.tables[i].id)] = rows;
+  }
+  return out;
+}
+
+/// SVG by the figure's id, title before it. Needs gnuplot.
+py::dict figures(const Comparison& found, const fs::path& folder) {
+  std::vector<std::tuple<std::string, std::string, std::string>> drawn;
+  {
+    const py::gil_scoped_release others;
+    require_gnuplot();
+    for (const Figure& figure : comparison_figures(found.a, found.b))
+      drawn.emplace_back(figure.id, figure.title, draw(figure, folder));
+  }
+  py::dict out;
+  for (const auto& [id, title, svg] : drawn) out[py::str(id)] = py::make_tuple(title, svg);
+  return out;
+}
+
+py::dict facts_of(const MeasuredRun& run) {
+  py::dict out;
+  out["name"] = run.name;
+  out["people"] = run.facts.people;
+  out["seconds"] = run.facts.seconds;
+  out["person_s"] = run.facts.person_s;
+  return out;
+}
+
+}  // namespace
+
+void bind_recording(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(SampleRow, id, time_s, x_m, y_m, z_m, heading_rad);
+  PYBIND11_NUMPY_DTYPE(RecordedRow, id, samples, first_s, last_s, height_m);
+  py::class_<Recording, RecordingPtr>(module, "Recording")
+      .def(py::init(&opened), py::arg("options"))
+      .def("people", people)
+      .def("samples", samples)
+      .def("facts", facts)
+      .def("summary", summary);
+  py::class_<Comparison>(module, "Comparison")
+      .def("tables", tables)
+      .def("text", [](const Comparison& found) { return comparison_text(found.a, found.b); })
+      .def("figures", figures)
+      .def("a", [](const Comparison& found) { return facts_of(found.a); })
+      .def("b", [](const Comparison& found) { return facts_of(found.b); });
+  module.def("compare", compare, py::arg("a"), py::arg("b"), py::arg("line"), py::arg("progress"));
+}
+
+}  // namespace throng

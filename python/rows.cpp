@@ -1,0 +1,66 @@
+#include "python/rows.h"
+
+#include <pybind11/numpy.h>
+
+#include <limits>
+#include <unordered_map>
+
+namespace throng {
+namespace {
+
+uint64_t key_of(const EventRow& event) {
+  return PairKey(event.a, event.b, event.part_a, event.part_b).bits();
+}
+
+ContactRow begun(const EventRow& event, double step_s) {
+  return {event.a,
+          event.b,
+          event.part_a,
+          event.part_b,
+          event.level,
+          0,
+          event.frame,
+          -1,
+          static_cast<double>(event.frame) * step_s,
+          std::numeric_limits<double>::quiet_NaN()};
+}
+
+}  // namespace
+
+std::vector<ContactRow> contacts_of(const std::vector<EventRow>& events, double step_s,
+                                    int64_t frames) {
+  std::vector<ContactRow> contacts;
+  contacts.reserve(events.size() / 2 + 1);
+  std::unordered_map<uint64_t, size_t> open;
+  for (const EventRow& event : events) {
+    if (event.kind == static_cast<uint8_t>(EventKind::kBegin)) {
+      open[key_of(event)] = contacts.size();
+      contacts.push_back(begun(event, step_s));
+      continue;
+    }
+    const auto found = open.find(key_of(event));
+    if (found == open.end()) continue;  // of a log whose beginning is lost
+    ContactRow& contact = contacts[found->second];
+    open.erase(found);
+    contact.end_frame = event.frame;
+    contact.end_s = static_cast<double>(event.frame) * step_s;
+    contact.ended = event.frame < frames;
+  }
+  return contacts;
+}
+
+void register_rows() {
+  PYBIND11_NUMPY_DTYPE(EventRow, frame, a, b, part_a, part_b, kind, level);
+  PYBIND11_NUMPY_DTYPE(ContactRow, a, b, part_a, part_b, level, ended, begin_frame, end_frame,
+                       begin_s, end_s);
+  PYBIND11_NUMPY_DTYPE(PairRow, a, b, part_a, part_b);
+  PYBIND11_NUMPY_DTYPE(PersonRow, id, group, model, scale, height_m);
+  PYBIND11_NUMPY_DTYPE(PlaceRow, frame, time_s, id, x_m, y_m, z_m, heading_rad, speed_mps);
+  PYBIND11_NUMPY_DTYPE(FrameRow, frame, time_s, touching, begins, ends, persisting, avatar_updates,
+                       avatar_tests, avatar_passed, body_box_updates, body_box_tests,
+                       body_box_passed, part_box_updates, part_box_tests, part_box_passed,
+                       part_updates, part_tests, part_passed, exact_updates, exact_tests,
+                       exact_passed, posed_bodies, frame_ms, cull_ms);
+}
+
+}  // namespace throng

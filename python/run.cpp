@@ -1,0 +1,146 @@
+// throng.run(): a whole run at once.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base/errors.h"
+#include "lcmtypes/codec/readable.h"
+#include "lcmtypes/log/log_sink.h"
+#include "python/bindings.h"
+#include "python/facts_dict.h"
+#include "python/interrupts.h"
+#include "python/recorder.h"
+#include "python/run_request.h"
+#include "scenes/run/runner.h"
+#include "scenes/sinks/trajectories/trajectory_sink.h"
+#include "viewer/replay/replay_file.h"
+#include "viewer/server/page.h"
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+
+namespace throng {
+namespace {
+
+/// All that a run is made of. It outlives the function that began it where nobody waits for it.
+struct RunWork {
+  RunRequest request;
+  RunSource source;
+  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<RunRecorder> recorder;
+  RunSummary summary;
+};
+
+/// Nothing that a run reads is written over.
+void refuse_inputs(const RunRequest& request, const Scene& scene) {
+  std::vector<fs::path> outputs = request.trajectory;
+  outputs.push_back(request.log);
+  outputs.push_back(request.html);
+  for (const fs::path& output : outputs)
+    for (const fs::path& input : {fs::path(request.source.name), scene.file}) {
+      std::error_code error;
+      if (!output.empty() && fs::equivalent(output, input, error))
+        throw InputError(output.string(), "another file than the one that is run", "the same");
+    }
+}
+
+/// Frames from states to states of the log.
+double state_every(const RunRequest& request, double step_s) {
+  if (!request.states_hz) return 1;
+  if (*request.states_hz * step_s > 1 + 1e-9)
+    throw InputError("states_hz", fmt::format("at most {:.6g}, the frames a second", 1 / step_s),
+                     fmt::format("{:.6g}", *request.states_hz));
+  return std::max(1.0, 1 / (step_s * *request.states_hz));
+}
+
+void prepare(RunWork& work) {
+  RunRequest& request = work.request;
+  for (const fs::path& file : request.trajectory)
+    if (!is_trajectory_name(file))
+      throw InputError("trajectory", "a name that ends in .sqlite or .csv",
+                       fmt::format("'{}'", file.string()));
+  work.source = open_run_source(request.source);
+  refuse_inputs(request, work.source.scene);
+  request.simulation.world = std::move(work.source.world);
+  work.simulation = std::make_unique<Simulation>(work.source.scene, request.simulation);
+  work.recorder = std::make_unique<RunRecorder>(request.trajectory_fps, request.trajectories);
+  state_every(request, work.simulation->info().step_s);
+  if (!request.log.empty() || !request.html.empty())
+    require_readable(work.simulation->info(), request.publish_parts);
+}
+
+void run_to_end(RunWork& work, WorkSigns& signs) {
+  const RunRequest& request = work.request;
+  Simulation& simulation = *work.simulation;
+  std::vector<std::unique_ptr<Sink>> files;
+  for (const fs::path& file : request.trajectory)
+    files.push_back(
+        std::make_unique<TrajectorySink>(TrajectoryOptions{file, request.trajectory_fps}));
+  if (!request.html.empty())
+    files.push_back(std::make_unique<ReplaySink>(request.html, page_html(), kReplayLimitMb));
+  if (!request.log.empty()) {
+    LogOptions options;
+    options.threads = request.simulation.threads;
+    options.state_every = state_every(request, simulation.info().step_s);
+    options.part_poses = request.publish_parts;
+    files.push_back(std::make_unique<LogSink>(request.log, options));
+  }
+  std::vector<Sink*> sinks{work.recorder.get()};
+  for (const auto& file : files) sinks.push_back(file.get());
+  signs.frames = frame_count(simulation.scene().duration_s, simulation.info().step_s);
+  work.summary = run(simulation, sinks, [&](const Frame& frame) {
+    signs.done = frame.number + 1;
+    return !signs.stop;
+  });
+}
+
+py::dict dict_of(const RunSummary& summary) {
+  py::dict out;
+  out["hash"] = hash_text(summary.hash);
+  out["frames"] = summary.frames;
+  out["unplaced"] = summary.unplaced;
+  out["simulated_s"] = summary.simulated_s;
+  out["wall_s"] = summary.wall_s;
+  out["begins"] = summary.begins;
+  out["ends"] = summary.ends;
+  out["persists"] = summary.persists;
+  out["pairs_peak"] = summary.pairs_peak;
+  out["entered"] = summary.traffic.entered;
+  out["left"] = summary.traffic.left;
+  return out;
+}
+
+py::dict run_scene(const py::dict& options, const py::object& progress) {
+  const auto work = std::make_shared<RunWork>();
+  work->request = request_of(options);
+  run_apart([work](WorkSigns&) { prepare(*work); }, py::none(), false);
+  run_apart([work](WorkSigns& signs) { run_to_end(*work, signs); }, progress, true);
+  py::dict out = throng::dict_of(std::move(work->recorder->facts));
+  std::vector<std::string> notes = work->source.notes;
+  const std::vector<std::string>& more = work->simulation->notes();
+  notes.insert(notes.end(), more.begin(), more.end());
+  out["notes"] = notes;
+  out["summary"] = dict_of(work->summary);
+  out["hash"] = hash_text(work->summary.hash);
+  add_rows(out, *work->recorder, work->simulation->info().step_s);
+  return out;
+}
+
+py::list scene_list() {
+  py::list out;
+  for (const SceneEntry& scene : bundled_scenes())
+    out.append(py::make_tuple(scene.name, scene.description));
+  return out;
+}
+
+}  // namespace
+
+void bind_run(py::module_& module) {
+  module.def("run", run_scene, py::arg("options"), py::arg("progress") = py::none());
+  module.def("scenes", scene_list);
+}
+
+}  // namespace throng

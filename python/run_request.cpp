@@ -1,0 +1,165 @@
+#include "python/run_request.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <set>
+#include <thread>
+
+#include "base/errors.h"
+#include "base/option_checks.h"
+
+namespace py = pybind11;
+
+namespace throng {
+namespace {
+
+constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
+    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
+
+/// Takes values out of a dictionary, so that what is left is what nobody knows.
+class Given {
+ public:
+  explicit Given(const py::dict& given) : given_(given) {}
+
+  template <typename T>
+  std::optional<T> take(const char* name, const char* what) {
+    known_.emplace_back(name);
+    if (!given_.contains(name) || given_[name].is_none()) return {};
+    const py::object value = given_[name];
+    try {
+      return value.cast<T>();
+    } catch (const py::cast_error&) {
+      throw py::type_error(
+          fmt::format("{}: expected {}, found {}", name, what, std::string(py::repr(value))));
+    }
+  }
+  template <typename T>
+  void take(const char* name, const char* what, T& out) {
+    if (std::optional<T> value = take<T>(name, what)) out = std::move(*value);
+  }
+  void number(const char* name, double low, double high, bool open, const std::string& what,
+              std::optional<double>& out) {
+    out = take<double>(name, what.c_str());
+    if (out) require_number(name, *out, low, high, open, what);
+  }
+  template <typename T>
+  void whole(const char* name, int64_t low, int64_t high, std::optional<T>& out) {
+    const std::string what = fmt::format("a whole number from {} to {}", low, high);
+    const std::optional<int64_t> value = take<int64_t>(name, what.c_str());
+    if (!value) return;
+    if (*value < low || *value > high) throw InputError(name, what, fmt::format("{}", *value));
+    out = static_cast<T>(*value);
+  }
+  std::string name(const char* name, const std::vector<std::string>& names) {
+    std::string value;
+    take(name, "a name", value);
+    if (!value.empty() && std::find(names.begin(), names.end(), value) == names.end())
+      throw InputError(name, fmt::format("one of {}", fmt::join(names, ", ")),
+                       fmt::format("'{}'{}", value, did_you_mean(value, names)));
+    return value;
+  }
+
+  /// Throws TypeError where something is left, as a function of Python does.
+  void expect_all_known() const {
+    for (const auto& [key, value] : given_) {
+      const auto name = key.cast<std::string>();
+      if (std::find(known_.begin(), known_.end(), name) == known_.end())
+        throw py::type_error(
+            fmt::format("unexpected option '{}'{}", name, did_you_mean(name, known_)));
+    }
+  }
+
+ private:
+  const py::dict& given_;
+  std::vector<std::string> known_;
+};
+
+template <typename Kinds>
+std::vector<std::string> names_of(const Kinds& kinds) {
+  std::vector<std::string> names;
+  for (const auto kind : kinds) names.emplace_back(name_of(kind));
+  return names;
+}
+
+void take_source(Given& given, RunSourceOptions& source) {
+  given.take("source", "a name or a path", source.name);
+  given.whole("avatars", 1, PairKey::kMaxId, source.avatars);
+  given.number("seconds", 0, 1e7, true, "a number of seconds above 0", source.seconds);
+  given.whole("seed", 0, INT64_MAX, source.seed);
+  source.steering = given.name("steering", steering_names());
+  source.part_volume = given.name("part_volume", volume_names());
+  given.take("exact", "True or False", source.exact);
+  RecordingFlags& flags = source.recording;
+  given.number("fps", 0, 10'000, true, "a number of frames a second above 0", flags.fps);
+  flags.unit = given.name("unit", unit_names());
+  given.take("columns", "a list id=NAME,t=NAME,x=NAME,y=NAME", flags.columns);
+  given.take("separator", "one character, or tab, blank, comma, semicolon", flags.separator);
+  flags.tracks = given.name("tracks", tracks_names());
+  given.take("strict", "True or False", flags.strict);
+  source.step = given.name("step", step_names());
+}
+
+void take_culling(Given& given, SimulationOptions& simulation) {
+  std::optional<int64_t> threads;
+  given.whole("threads", 1, 256, threads);
+  simulation.threads = checked_threads(threads);
+  CullerOptions& culler = simulation.culler;
+  constexpr SimdTarget kTargets[] = {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
+                                     SimdTarget::kAvx2, SimdTarget::kAvx512};
+  const std::string simd = given.name("simd", names_of(kTargets));
+  culler.simd = resolved(simd.empty() ? SimdTarget::kBest : simd_target_of(simd).value());
+  given.number("deadline_ms", 0, 1e6, false, "a number of milliseconds from 0", culler.deadline_ms);
+  given.whole("deadline_tests", 0, INT64_MAX, culler.deadline_tests);
+  const std::string strategy = given.name("strategy", names_of(kAllStrategies));
+  if (!strategy.empty()) culler.strategy = strategy_of(strategy).value();
+  const bool is_papers = culler.strategy != Strategy::kPipeline;
+  if (is_papers && (culler.deadline_ms || culler.deadline_tests))
+    throw InputError("strategy", "'pipeline' beside a deadline", fmt::format("'{}'", strategy));
+  if (is_papers) culler.pair_search = PairSearch::kBrute;
+  std::vector<std::string> searches;
+  for (const auto& [name, search] : kPairSearches) searches.emplace_back(name);
+  const std::string chosen = given.name("pair_search", searches);
+  for (const auto& [name, search] : kPairSearches)
+    if (chosen == name) culler.pair_search = search;
+  given.take("culling", "True or False", simulation.culling);
+  given.take("postures", "True or False", simulation.postures);
+}
+
+}  // namespace
+
+void require_number(const char* option, double value, double low, double high, bool open,
+                    const std::string& what) {
+  const std::string text = fmt::format("{}", value);
+  if (!number_option(low, high, open, what)(text).empty()) throw InputError(option, what, text);
+}
+
+int usual_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+int checked_threads(std::optional<int64_t> threads) {
+  if (threads && (*threads < 1 || *threads > 256))
+    throw InputError("threads", "a whole number from 1 to 256", fmt::format("{}", *threads));
+  return threads ? static_cast<int>(*threads) : usual_threads();
+}
+
+RunRequest request_of(const py::dict& dict) {
+  Given given(dict);
+  RunRequest request;
+  take_source(given, request.source);
+  take_culling(given, request.simulation);
+  given.number("trajectory_fps", 0, 1e4, true, "a number of frames a second above 0",
+               request.trajectory_fps);
+  given.take("trajectories", "True or False", request.trajectories);
+  given.number("states_hz", 0, 1e6, true, "a number of states a second above 0", request.states_hz);
+  given.take("publish_parts", "True or False", request.publish_parts);
+  given.take("log", "a path", request.log);
+  given.take("html", "a path", request.html);
+  given.take("trajectory", "a list of paths", request.trajectory);
+  given.expect_all_known();
+  return request;
+}
+
+}  // namespace throng

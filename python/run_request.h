@@ -1,0 +1,44 @@
+// What somebody asks of a run in Python: the options of `throng run`, by their names.
+// One rule: a name that does not exist and a value that cannot be are refused before anything is
+// read.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/replay/run_source.h"
+
+namespace throng {
+
+struct RunRequest {
+  RunSourceOptions source;
+  SimulationOptions simulation;
+  // What is kept, and what is written.
+  std::optional<double> trajectory_fps;
+  bool trajectories = true;
+  std::optional<double> states_hz;
+  bool publish_parts = false;
+  std::filesystem::path log, html;
+  std::vector<std::filesystem::path> trajectory;
+};
+
+/// Of a dictionary whose values are None where they were not given. With the interpreter's lock
+/// held. Throws InputError, or TypeError of Python.
+RunRequest request_of(const pybind11::dict& given);
+
+/// Throws InputError naming `option` unless `value` is a number in [low, high], above low if
+/// `open`.
+void require_number(const char* option, double value, double low, double high, bool open,
+                    const std::string& what);
+
+/// How many threads there are where nobody says.
+int usual_threads();
+
+/// Throws InputError, too.
+int checked_threads(std::optional<int64_t> threads);
+
+}  // namespace throng

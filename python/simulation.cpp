@@ -1,0 +1,201 @@
+// throng.Simulation and its frames.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "base/errors.h"
+#include "python/bindings.h"
+#include "python/facts_dict.h"
+#include "python/interrupts.h"
+#include "python/part_matrices.h"
+#include "python/stepped_run.h"
+#include "scenes/run/frame_poses.h"
+
+namespace py = pybind11;
+
+namespace throng {
+namespace {
+
+/// One frame of a run, for as long as it is the latest.
+struct FrameView {
+  std::shared_ptr<SteppedRun> run;
+  int64_t number = 0;
+
+  const Frame& frame() const { return run->frame(number); }
+
+  py::array positions() const {
+    const Frame& f = frame();
+    return run->positions.array(number, 3, [&](std::vector<double>& out) {
+      out.resize(3 * f.roots.size());
+      double* to = out.data();
+      for (const RootPose& root : f.roots) to = std::copy_n(root.position_m.data(), 3, to);
+    });
+  }
+  py::array rotations() const {
+    const Frame& f = frame();
+    return run->rotations.array(number, 4, [&](std::vector<float>& out) {
+      out.resize(4 * f.roots.size());
+      float* to = out.data();
+      for (const RootPose& root : f.roots)
+        to = std::copy_n(root.world_from_root.coeffs().data(), 4, to);
+    });
+  }
+  py::array headings() const {
+    const Frame& f = frame();
+    return run->headings.array(number, 0, [&](std::vector<float>& out) {
+      out.clear();
+      for (const RootPose& root : f.roots) out.push_back(heading_of(root));
+    });
+  }
+  py::array speeds() const {
+    const Frame& f = frame();
+    return run->speeds.array(number, 0, [&](std::vector<float>& out) {
+      out.assign(f.speeds_mps.begin(), f.speeds_mps.end());
+    });
+  }
+  py::array present() const {
+    const Frame& f = frame();
+    py::array bytes = run->present.array(number, 0, [&](std::vector<uint8_t>& out) {
+      out.assign(f.roots.size(), 1);
+      for (size_t i = 0; i < f.present.size(); ++i) out[i] = f.present[i] != 0;
+    });
+    return bytes.attr("view")("bool");
+  }
+  py::array postures() const {
+    const Frame& f = frame();
+    if (!run->has_postures())
+      throw std::runtime_error(
+          "this simulation was made with postures=False: it has no joint angles");
+    return run->postures.array(number, 0, [&](std::vector<float>& out) {
+      out.assign(f.postures.begin(), f.postures.end());
+    });
+  }
+  py::array pairs() const {
+    const Frame& f = frame();
+    return run->pairs.array(number, 0, [&](std::vector<PairRow>& out) {
+      out.clear();
+      for (const PairKey& pair : f.pairs)
+        out.push_back({pair.a(), pair.b(), static_cast<uint8_t>(pair.part_a()),
+                       static_cast<uint8_t>(pair.part_b())});
+    });
+  }
+  py::array events() const {
+    const Frame& f = frame();
+    return run->events.array(number, 0, [&](std::vector<EventRow>& out) {
+      out.clear();
+      for (const PairEvent& event : f.events) out.push_back(event_row(number, event));
+    });
+  }
+  py::array part_poses(const std::vector<uint32_t>& people) const;
+};
+
+/// Joint values of each avatar: one after the other, from where offsets say.
+py::array posture_offsets(const SteppedRun& run) {
+  const RunInfo& info = run.info();
+  std::vector<int64_t> offsets{0};
+  for (const uint16_t model : info.model_of_avatar)
+    offsets.push_back(offsets.back() + info.models[model]->kinematics.column_count());
+  return array_of(std::move(offsets));
+}
+
+py::array FrameView::part_poses(const std::vector<uint32_t>& people) const {
+  const Frame& f = frame();
+  if (!run->has_postures())
+    throw std::runtime_error("this simulation was made with postures=False: nobody else is posed");
+  const RunInfo& info = run->info();
+  size_t parts = 0;
+  for (size_t i = 0; i < people.size(); ++i) {
+    if (people[i] >= info.model_of_avatar.size())
+      throw py::index_error(fmt::format("people[{}]: expected an id below {}, found {}", i,
+                                        info.model_of_avatar.size(), people[i]));
+    const auto count =
+        static_cast<size_t>(info.models[info.model_of_avatar[people[i]]]->part_count());
+    if (i > 0 && count != parts)
+      throw InputError(fmt::format("people[{}]", i), "people of one model", "another one");
+    parts = count;
+  }
+  std::vector<double> out(people.size() * parts * 16);
+  std::vector<PartPose> poses(parts);
+  for (size_t i = 0; i < people.size(); ++i) {
+    throng::part_poses(info, f, people[i], poses);
+    for (size_t part = 0; part < parts; ++part)
+      put_matrix(poses[part], f.roots[people[i]].position_m, &out[(i * parts + part) * 16]);
+  }
+  const auto n = static_cast<py::ssize_t>(people.size());
+  return array_of(std::move(out), {n, static_cast<py::ssize_t>(parts), 4, 4});
+}
+
+std::shared_ptr<SteppedRun> opened(const py::dict& options) {
+  const auto request = std::make_shared<RunRequest>(request_of(options));
+  const auto made = std::make_shared<std::shared_ptr<SteppedRun>>();
+  run_apart(
+      [request, made](WorkSigns&) { *made = std::make_shared<SteppedRun>(std::move(*request)); },
+      py::none(), false);
+  return *made;
+}
+
+int drive(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
+          const DoubleArray& rotation_xyzw, const DoubleArray& joints,
+          const DoubleArray& velocity_mps) {
+  if (position_m.size() != 3 || rotation_xyzw.size() != 4 || velocity_mps.size() != 2)
+    throw InputError(
+        "drive", "a position of 3, a rotation of 4 and a velocity of 2 numbers",
+        fmt::format("{}, {} and {}", position_m.size(), rotation_xyzw.size(), velocity_mps.size()));
+  DrivenPose pose;
+  pose.root.position_m = Eigen::Map<const Eigen::Vector3d>(position_m.data());
+  pose.root.world_from_root =
+      Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(rotation_xyzw.data())).cast<float>();
+  pose.velocity_mps = Eigen::Map<const Eigen::Vector2d>(velocity_mps.data());
+  pose.joints = {joints.data(), static_cast<size_t>(joints.size())};
+  const int clamped = run.drive(avatar, pose);
+  if (clamped < 0)
+    throw InputError(fmt::format("avatar {}", avatar),
+                     "one of a driven group, with its model's joints",
+                     fmt::format("another one, or {} joints", joints.size()));
+  return clamped;
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+  py::class_<FrameView>(module, "Frame")
+      .def_readonly("number", &FrameView::number)
+      .def_property_readonly(
+          "time_s",
+          [](const FrameView& f) { return static_cast<double>(f.frame().utime_us) * 1e-6; })
+      .def_property_readonly("positions_m", &FrameView::positions)
+      .def_property_readonly("rotations_xyzw", &FrameView::rotations)
+      .def_property_readonly("headings_rad", &FrameView::headings)
+      .def_property_readonly("speeds_mps", &FrameView::speeds)
+      .def_property_readonly("present", &FrameView::present)
+      .def_property_readonly("postures", &FrameView::postures)
+      .def_property_readonly("pairs", &FrameView::pairs)
+      .def_property_readonly("events", &FrameView::events)
+      .def_property_readonly("hash", [](const FrameView& f) { return hash_text(f.frame().hash); })
+      .def("part_poses", &FrameView::part_poses, py::arg("people"));
+  py::class_<SteppedRun, std::shared_ptr<SteppedRun>>(module, "Simulation")
+      .def(py::init(&opened), py::arg("options"))
+      .def("step",
+           [](const std::shared_ptr<SteppedRun>& run) {
+             run->step();
+             return FrameView{run, run->latest().number};
+           })
+      .def("finish",
+           [](SteppedRun& run) {
+             run.finish();
+             return array_of(run.last_ends());
+           })
+      .def("drive", drive)
+      .def_property_readonly("facts",
+                             [](const SteppedRun& run) { return dict_of(facts_of(run.info())); })
+      .def_property_readonly("frames", &SteppedRun::frames)
+      .def_property_readonly("next_frame", &SteppedRun::next_frame)
+      .def_property_readonly("notes", &SteppedRun::notes)
+      .def_property_readonly("step_ms", &SteppedRun::step_ms)
+      .def_property_readonly("posture_offsets", posture_offsets)
+      .def_property_readonly("hash", [](const SteppedRun& run) { return hash_text(run.hash()); });
+}
+
+}  // namespace throng

@@ -1,0 +1,87 @@
+#include "python/stepped_run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <stdexcept>
+
+#include "scenes/run/runner.h"
+
+namespace py = pybind11;
+
+namespace throng {
+
+/// Where the interpreter's lock is given away, others find the run busy.
+class SteppedRun::Busy {
+ public:
+  explicit Busy(SteppedRun& run) : run_(run) { run_.is_busy_ = true; }
+  ~Busy() { run_.is_busy_ = false; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  SteppedRun& run_;
+};
+
+SteppedRun::SteppedRun(RunRequest request) : request_(std::move(request)) {
+  RunSource source = open_run_source(request_.source);
+  notes_ = std::move(source.notes);
+  SimulationOptions options = request_.simulation;
+  options.world = std::move(source.world);
+  simulation_.emplace(std::move(source.scene), options);
+  notes_.insert(notes_.end(), simulation_->notes().begin(), simulation_->notes().end());
+}
+
+void SteppedRun::expect_idle() const {
+  if (is_busy_)
+    throw std::runtime_error("another thread steps this simulation: one at a time, or one each");
+}
+
+void SteppedRun::step() {
+  expect_idle();
+  if (end_) throw std::runtime_error("this simulation is finished: no step follows");
+  const Busy busy(*this);
+  const py::gil_scoped_release others;
+  frame_ = nullptr;
+  const auto start = std::chrono::steady_clock::now();
+  frame_ = &simulation_->step();
+  step_ms_ =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+void SteppedRun::finish() {
+  expect_idle();
+  if (end_) return;
+  end_ = simulation_->finish();
+  for (const PairEvent& event : end_->events) last_ends_.push_back(event_row(end_->frames, event));
+  frame_ = nullptr;
+}
+
+int SteppedRun::drive(uint32_t avatar, const DrivenPose& pose) {
+  expect_idle();
+  return simulation_->drive(avatar, pose);
+}
+
+const Frame& SteppedRun::frame(int64_t number) const {
+  expect_idle();
+  if (frame_ == nullptr || frame_->number != number)
+    throw std::runtime_error(
+        fmt::format("frame {} is over, the simulation has gone on; arrays that were taken of it "
+                    "before stay as they are",
+                    number));
+  return *frame_;
+}
+
+int64_t SteppedRun::next_frame() const { return simulation_->next_frame(); }
+
+int64_t SteppedRun::frames() const {
+  return frame_count(simulation_->scene().duration_s, simulation_->info().step_s);
+}
+
+uint64_t SteppedRun::hash() const {
+  expect_idle();
+  if (end_) return end_->hash;
+  return frame_ == nullptr ? 0 : frame_->hash;
+}
+
+}  // namespace throng

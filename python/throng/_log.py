@@ -1,0 +1,71 @@
+"""What a log says."""
+
+import html
+import os
+import tempfile
+
+from . import _core
+from ._run import Run, progress_of
+
+
+def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
+    """A log that `throng run` or run(..., log=FILE) wrote, as arrays: a Run.
+
+    trajectory_fps: places a second [all that the log has]. Of a damaged log what is sound is read;
+    summary["left_out"] counts the rest, and check() judges it. Ctrl-C raises KeyboardInterrupt.
+    """
+    facts = _core.read_log(os.fspath(file), trajectory_fps, trajectories, progress_of(progress))
+    return Run(facts, log=os.fspath(file))
+
+
+class LogReport(dict):
+    """What check() found: sound, finished, problems (a line each), messages, bytes, begins, ends, open_pairs,
+    frames, seconds, ...; true where the log is sound."""
+
+    def __bool__(self):
+        return self["sound"]
+
+
+def check(file):
+    """Judges a log, as `throng check` does: numbering, gaps, checksums, that begins and ends pair up."""
+    return LogReport(_core.check(os.fspath(file)))
+
+
+def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
+    """A picture of one frame of a log: height x width x 3, uint8 (red, green, blue).
+
+    eye_m, target_m: where from and what at (x, y, z) [the whole crowd].
+    """
+    return _core.render(os.fspath(log), frame, width, height, eye_m, target_m)
+
+
+class Page:
+    """The 3-D page with a run in it, whole in itself: a notebook shows it, save() writes it."""
+
+    def __init__(self, text, height=540):
+        self.html = text
+        self.height = height
+
+    def save(self, file):
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(self.html)
+
+    def _repr_html_(self):
+        return (
+            f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{self.height}" '
+            'style="border: 0" allowfullscreen></iframe>'
+        )
+
+    def __repr__(self):
+        return f"<throng.Page of {len(self.html) / 1e6:.1f} MB: a notebook shows it, save(FILE) writes it>"
+
+
+def view(log, limit_mb=25, height=540):
+    """The page of `throng view LOG --html` for a log, or for a Run that was kept: shown inline in a notebook."""
+    if isinstance(log, Run):
+        return log.view()
+    with tempfile.TemporaryDirectory() as folder:
+        page = os.path.join(folder, "page.html")
+        _core.write_page(os.fspath(log), page, limit_mb)
+        with open(page, encoding="utf-8") as file:
+            return Page(file.read(), height)

@@ -1,0 +1,53 @@
+"""A robot or a person: parts, joints, kinematics."""
+
+import os
+
+from . import _core
+
+
+class Model:
+    """A URDF and the meshes that it names; "adult" is the bundled person.
+
+    Attributes:
+        name, height_m, is_person; reach_m: from the root to the farthest point in any posture.
+        joint_names (J), joint_lower and joint_upper (J, rad or m): joints that move by themselves.
+        part_names (P): links with geometry.
+    """
+
+    def __init__(self, urdf):
+        self._model = _core.Model(os.fspath(urdf))
+
+    name = property(lambda self: self._model.name)
+    height_m = property(lambda self: self._model.height_m)
+    reach_m = property(lambda self: self._model.reach_m)
+    is_person = property(lambda self: self._model.is_person)
+    joint_names = property(lambda self: self._model.joint_names)
+    joint_lower = property(lambda self: self._model.joint_lower)
+    joint_upper = property(lambda self: self._model.joint_upper)
+    part_names = property(lambda self: self._model.part_names)
+    joint_count = property(lambda self: len(self._model.joint_names))
+    part_count = property(lambda self: len(self._model.part_names))
+
+    def poses(self, joints, positions_m=None, rotations_xyzw=None, scales=None):
+        """world_from_part of many postures at once.
+
+        Args:
+            joints: N x J, or J for a single one; radians, or metres of the unscaled model.
+            positions_m: N x 3, where the roots are [0]. rotations_xyzw: N x 4 [as the world].
+            scales: N, how large the bodies are [1].
+
+        Returns:
+            N x P x 4 x 4, float64: matrices; a point p of a part lies at R (scale p) + t.
+        """
+        return self._model.poses(joints, positions_m, rotations_xyzw, scales)
+
+    def vertices_m(self, part):
+        """V x 3, float32: the mesh of part number `part` in its own frame."""
+        return self._model.vertices_m(part)
+
+    def triangles(self, part):
+        """T x 3, int32: indices into vertices_m(part), counter-clockwise from outside; none: points alone."""
+        return self._model.triangles(part)
+
+    def __repr__(self):
+        return f"<throng.Model {self.name}: {self.part_count} parts, {self.joint_count} joints>"

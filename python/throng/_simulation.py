@@ -1,0 +1,105 @@
+"""A run step by step."""
+
+from . import _core
+from ._run import Names, options_of
+from ._table import Table
+
+
+class Frame:
+    """One frame of a simulation, for as long as it is the latest.
+
+    Each array shows this frame for as long as somebody holds it, also when the simulation has gone on or is
+    gone; it cannot be written to. Asking a frame that is over for another array raises RuntimeError.
+
+    Attributes:
+        number, time_s, hash (of all events so far).
+        positions_m (N x 3, float64): roots of bodies; people's lie on the ground between the feet.
+        rotations_xyzw (N x 4, float32): world_from_root. headings_rad, speeds_mps (N, float32).
+        present (N, bool): False where somebody is not in the scene now; places are then the last ones.
+        postures (float32): joint values of everybody, one after another, see Simulation.posture_offsets.
+        pairs (Table): a, b, part_a, part_b of all that touches now, sorted.
+        events (Table): what began and ended in this frame, see Run.events.
+    """
+
+    def __init__(self, frame, names):
+        self._frame = frame
+        self._names = names
+
+    number = property(lambda self: self._frame.number)
+    time_s = property(lambda self: self._frame.time_s)
+    hash = property(lambda self: self._frame.hash)
+    positions_m = property(lambda self: self._frame.positions_m)
+    rotations_xyzw = property(lambda self: self._frame.rotations_xyzw)
+    headings_rad = property(lambda self: self._frame.headings_rad)
+    speeds_mps = property(lambda self: self._frame.speeds_mps)
+    present = property(lambda self: self._frame.present)
+    postures = property(lambda self: self._frame.postures)
+    pairs = property(lambda self: Table(self._frame.pairs, self._names.of_pairs))
+    events = property(lambda self: Table(self._frame.events, self._names.of_pairs))
+
+    def part_poses(self, people):
+        """world_from_part of some people of one model (K ids): K x P x 4 x 4, float64.
+
+        A point p of a part of somebody of scale s lies at R (s p) + t.
+        """
+        return self._frame.part_poses(list(people))
+
+    def __repr__(self):
+        return f"<throng.Frame {self.number}>"
+
+
+class Simulation:
+    """A scene, a recording or a log, frame by frame: ``for frame in Simulation("plaza", seed=3): ...``
+
+    Takes what run() takes, as far as it shapes frames; culling=False lets people walk and culls nobody,
+    postures=False saves joint angles that nobody asks for. One thread at a time may step it; Python runs on
+    meanwhile.
+    """
+
+    def __init__(self, source, **options):
+        self._run = _core.Simulation(options_of(source, options))
+        facts = self._run.facts
+        self.names = Names(facts)
+        #: Table, see Run.people
+        self.people = Table(facts["people"], self.names.of_people)
+        self.scene = facts["scene"]
+        self.seed = facts["seed"]
+        self.run_id = facts["run_id"]
+        self.step_s = facts["step_s"]
+
+    def step(self):
+        """The next Frame; the first call gives frame 0, where people start."""
+        return Frame(self._run.step(), self.names)
+
+    def finish(self):
+        """Ends all that still touches; returns these ends (Table). No step follows."""
+        return Table(self._run.finish(), self.names.of_pairs)
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        if self._run.next_frame >= self._run.frames:
+            raise StopIteration
+        return self.step()
+
+    def drive(self, avatar, position_m, rotation_xyzw=(0, 0, 0, 1), joints=(), velocity_mps=(0, 0)):
+        """Moves an avatar of a driven group from the next step on (joints: rad or m, none: as they are).
+
+        Returns how many numbers were brought within what the scene and the joints allow.
+        """
+        return self._run.drive(avatar, position_m, rotation_xyzw, joints, velocity_mps)
+
+    #: how many frames the scene's duration has
+    frames = property(lambda self: self._run.frames)
+    next_frame = property(lambda self: self._run.next_frame)
+    notes = property(lambda self: self._run.notes)
+    #: how long the library itself took for the last step
+    step_ms = property(lambda self: self._run.step_ms)
+    #: of all events so far
+    hash = property(lambda self: self._run.hash)
+    #: (N + 1): postures[offsets[i]:offsets[i + 1]] are the joints of avatar i
+    posture_offsets = property(lambda self: self._run.posture_offsets)
+
+    def __repr__(self):
+        return f"<throng.Simulation {self.scene}: {len(self.people)} people, next frame {self.next_frame}>"

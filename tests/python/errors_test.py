@@ -1,0 +1,105 @@
+"""Bad input raises exceptions that say where, and what was expected."""
+
+import pickle
+import unittest
+
+import numpy
+import throng
+from expectations import Case
+
+BAD_SCENE = """description: one
+ground: {size_m: [10, 10]}
+groups:
+  - name: walkers
+    count: -3
+"""
+
+
+class BadFiles(Case):
+    def test_are_named_with_their_line(self):
+        file = self.folder / "bad.yaml"
+        file.write_text(BAD_SCENE)
+        with self.assertRaises(throng.InputError) as raised:
+            throng.run(file)
+        self.assertEqual(raised.exception.file, str(file))
+        self.assertIsInstance(raised.exception.line, int)
+        self.assertRegex(str(raised.exception), f"{file}:{raised.exception.line}: expected .*, found ")
+
+    def test_of_robots_and_meshes_are_named_too(self):
+        urdf = self.folder / "robot.urdf"
+        urdf.write_text('<robot name="r">\n  <link name="a"/>\n  <link name="a"/>\n</robot>\n')
+        with self.assertRaises(throng.InputError) as raised:
+            throng.Model(urdf)
+        self.assertEqual(raised.exception.file, str(urdf))
+        self.assertEqual(raised.exception.line, 3)
+        mesh = self.folder / "bad.tri"
+        mesh.write_text("not a mesh")
+        with self.assertRaises(throng.InputError) as raised:
+            throng.Body([mesh])
+        self.assertEqual(raised.exception.file, str(mesh))
+
+    def test_that_are_not_there_are_bad_input(self):
+        for read in (throng.read_log, throng.check, throng.view, lambda file: throng.render(file, 0), throng.Recording):
+            with self.subTest(read=read), self.assertRaises(throng.InputError) as raised:
+                read("nowhere.lcmlog")
+            self.assertEqual(raised.exception.file, "nowhere.lcmlog")
+            self.assertIsNone(raised.exception.line)
+
+    def test_are_not_written_over(self):
+        log = self.folder / "a.lcmlog"
+        throng.run("corridor", seconds=0.1, log=log)
+        before = log.read_bytes()
+        with self.assertRaises(throng.InputError):
+            throng.run(log, log=log)
+        self.assertEqual(log.read_bytes(), before)
+
+
+class BadOptions(Case):
+    def test_are_named_as_python_has_them(self):
+        for options, where in [
+            ({"avatars": 0}, "avatars"),
+            ({"seconds": -1}, "seconds"),
+            ({"seconds": float("nan")}, "seconds"),
+            ({"seed": -1}, "seed"),
+            ({"threads": 0}, "threads"),
+            ({"part_volume": "ordop25"}, "part_volume"),
+            ({"steering": "orka"}, "steering"),
+            ({"strategy": "two-pass", "deadline_ms": 3}, "strategy"),
+            ({"fps": 25}, "fps"),
+            ({"states_hz": 1000, "log": "x.lcmlog"}, "states_hz"),
+            ({"trajectory": "x.txt"}, "trajectory"),
+        ]:
+            with self.subTest(options=options), self.assertRaises(throng.InputError) as raised:
+                throng.run("plaza", **options)
+            self.assertEqual(raised.exception.where, where)
+            self.assertIsNone(raised.exception.file)
+            self.assertRegex(str(raised.exception), f"^{where}: expected .*, found ")
+
+    def test_are_guessed(self):
+        with self.assertRaisesRegex(throng.InputError, "did you mean 'plaza'"):
+            throng.run("plazza")
+        with self.assertRaisesRegex(TypeError, "did you mean 'seed'"):
+            throng.Simulation("plaza", sede=1)
+
+    def test_of_another_type_are_type_errors(self):
+        with self.assertRaisesRegex(TypeError, "seconds: expected a number"):
+            throng.run("plaza", seconds="long")
+
+
+class Exceptions(Case):
+    def test_are_those_that_python_users_catch(self):
+        self.assertTrue(issubclass(throng.InputError, ValueError))
+        self.assertTrue(issubclass(throng.EnvironmentFault, OSError))
+        self.assertTrue(issubclass(throng.InputError, throng.Error))
+
+    def test_tell_of_the_environment(self):
+        with self.assertRaisesRegex(throng.EnvironmentFault, "nowhere"):
+            throng.run("corridor", seconds=0.1, log=self.folder / "nowhere" / "a.lcmlog")
+
+    def test_go_from_process_to_process(self):
+        error = pickle.loads(pickle.dumps(throng.InputError("a.yaml:3: expected x, found y", "a.yaml:3")))
+        self.assertEqual((error.file, error.line, str(error)), ("a.yaml", 3, "a.yaml:3: expected x, found y"))
+
+
+if __name__ == "__main__":
+    unittest.main()

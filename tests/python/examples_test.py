@@ -1,0 +1,82 @@
+"""The notebooks of examples/ and the code of docs/python.md do what they show."""
+
+import json
+import os
+import re
+import shutil
+import unittest
+
+from expectations import SOURCES, Case
+
+
+def code_of(notebook):
+    cells = json.loads(notebook.read_text())["cells"]
+    return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+
+
+def shown(code, names):
+    """Runs a cell; returns what its last line is, as a notebook would show it."""
+    import ast
+
+    tree = ast.parse(code)
+    last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+    exec(compile(tree, "cell", "exec"), names)
+    return eval(compile(ast.Expression(last.value), "cell", "eval"), names) if last else None
+
+
+class Examples(Case):
+    def setUp(self):
+        super().setUp()
+        before = os.getcwd()
+        os.chdir(self.folder)
+        self.addCleanup(os.chdir, before)
+
+    def needs(self, *modules):
+        for module in modules:
+            try:
+                __import__(module)
+            except ImportError:
+                self.skipTest(f"no {module} here")
+
+    def lines(self, code):
+        return [line for line in code.splitlines() if line.strip()]
+
+    def test_own_urdf_and_own_poses_give_a_table_of_contacts_in_ten_lines(self):
+        self.needs("pandas")
+        shutil.copy(SOURCES / "examples/picker.urdf", self.folder)
+        (code,) = code_of(SOURCES / "examples/own_poses.ipynb")
+        self.assertLessEqual(len(self.lines(code)), 10)
+        table = shown(code, {})
+        self.assertGreater(len(table), 10)
+        self.assertLessEqual(set(table.part_a_name), {"base", "arm", "gripper"})
+
+    def test_the_plaza_gives_a_plot_of_contacts_by_part_in_ten_lines(self):
+        self.needs("pandas", "matplotlib")
+        (code,) = code_of(SOURCES / "examples/contacts_by_part.ipynb")
+        self.assertLessEqual(len(self.lines(code)), 10)
+        names = {}
+        shown(code, names)
+        self.assertGreater(names["counts"].sum(), 50)
+        self.assertGreater((self.folder / "contacts_by_part.png").stat().st_size, 5000)
+
+    def test_notebooks_are_kept_without_what_they_printed(self):
+        notebooks = list((SOURCES / "examples").glob("*.ipynb"))
+        self.assertGreaterEqual(len(notebooks), 2)
+        for notebook in notebooks:
+            for cell in json.loads(notebook.read_text())["cells"]:
+                self.assertFalse(cell.get("outputs"), notebook.name)
+
+    def test_the_code_of_the_documentation_runs(self):
+        self.needs("pandas")
+        shutil.copy(SOURCES / "examples/picker.urdf", self.folder)
+        text = (SOURCES / "docs/python.md").read_text()
+        blocks = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+        self.assertGreater(len(blocks), 8)
+        names = {}
+        for block in blocks:  # one after the other, as a reader would type them
+            with self.subTest(block=block):
+                exec(compile(block, "docs/python.md", "exec"), names)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,99 @@
+"""Logs, pictures and pages from Python."""
+
+import unittest
+
+import numpy
+import throng
+from expectations import Case, command
+
+
+class Logs(Case):
+    def setUp(self):
+        super().setUp()
+        self.log = self.folder / "plaza.lcmlog"
+        self.run = throng.run("plaza", seconds=2, seed=3, log=self.log, trajectory_fps=60)
+
+    def test_hold_the_run_that_wrote_them(self):
+        read = throng.read_log(self.log)
+        self.assertEqual((read.hash, read.run_id, read.scene, read.seed), (self.run.hash, self.run.run_id, "plaza", 3))
+        self.assertSameTable(read.events, self.run.events)
+        self.assertSameTable(read.contacts, self.run.contacts)
+        self.assertSameTable(read.people, self.run.people)
+        for name in self.run.counters.dtype.names[:-2]:  # no clocks in a log
+            numpy.testing.assert_array_equal(read.counters[name], self.run.counters[name], err_msg=name)
+        self.assertEqual(len(read.trajectories), len(self.run.trajectories))
+        for axis in ("x_m", "y_m"):
+            numpy.testing.assert_allclose(read.trajectories[axis], self.run.trajectories[axis], atol=2e-3)
+        self.assertEqual(read.names.parts, self.run.names.parts)
+
+    def test_give_as_many_places_a_second_as_wanted(self):
+        read = throng.read_log(self.log, trajectory_fps=10)
+        self.assertEqual(sorted(set(read.trajectories["frame"])), list(range(0, 120, 6)))
+        self.assertEqual(len(throng.read_log(self.log, trajectories=False).trajectories), 0)
+
+    def test_of_the_command_are_read_too(self):
+        command("run", "plaza", "--seconds", 1, "--lcm", "off", "--log", "a.lcmlog", folder=self.folder)
+        self.assertEqual(throng.read_log(self.folder / "a.lcmlog").hash, throng.run("plaza", seconds=1).hash)
+
+    def test_are_judged_as_the_command_judges_them(self):
+        report = throng.check(self.log)
+        self.assertTrue(report)
+        self.assertTrue(report["finished"])
+        self.assertEqual(report["begins"], len(self.run.contacts))
+        bytes_ = self.log.read_bytes()
+        torn = self.folder / "torn.lcmlog"
+        torn.write_bytes(bytes_[: len(bytes_) * 2 // 3])
+        report = throng.check(torn)
+        self.assertFalse(report)
+        self.assertTrue(report["problems"])
+
+    def test_that_are_torn_are_read_as_far_as_they_are_sound(self):
+        bytes_ = self.log.read_bytes()
+        torn = self.folder / "torn.lcmlog"
+        torn.write_bytes(bytes_[: len(bytes_) * 2 // 3])
+        read = throng.read_log(torn)
+        self.assertIsNone(read.hash)
+        self.assertFalse(read.summary["finished"])
+        self.assertGreater(read.summary["left_out"], 0)
+        self.assertSameTable(read.events, self.run.events[: len(read.events)])
+        kinds = numpy.bincount(read.events["kind"], minlength=2)
+        self.assertEqual(numpy.isnan(read.contacts["end_s"]).sum(), kinds[0] - kinds[1])
+
+    def test_are_drawn_as_the_command_draws_them(self):
+        picture = throng.render(self.log, 60, width=160, height=90)
+        self.assertEqual((picture.shape, picture.dtype), ((90, 160, 3), numpy.uint8))
+        command("render", self.log, "--frame", 60, "--width", 160, "--height", 90, "--out", "a.png", folder=self.folder)
+        self.assertGreater(len(numpy.unique(picture.reshape(-1, 3), axis=0)), 100)
+        near = throng.render(self.log, 60, 160, 90, eye_m=(4, -9, 3), target_m=(0, -5, 1))
+        self.assertTrue((near != picture).any())
+        try:
+            import matplotlib.image
+        except ImportError:
+            return  # nothing here reads a PNG
+        png = matplotlib.image.imread(self.folder / "a.png")[:, :, :3]
+        numpy.testing.assert_array_equal(numpy.round(png * 255).astype(numpy.uint8), picture)
+
+    def test_frames_that_they_do_not_have_are_refused(self):
+        with self.assertRaisesRegex(throng.InputError, "frame 9999"):
+            throng.render(self.log, 9999)
+        with self.assertRaisesRegex(throng.InputError, "width"):
+            throng.render(self.log, 0, width=1)
+
+    def test_are_shown_as_the_page_that_the_command_writes(self):
+        page = throng.view(self.log)
+        command("view", self.log, "--html", "page.html", folder=self.folder)
+        self.assertEqual(page.html, (self.folder / "page.html").read_text())
+        self.assertIn("<iframe srcdoc=", page._repr_html_())
+        page.save(self.folder / "saved.html")
+        self.assertEqual((self.folder / "saved.html").read_text(), page.html)
+
+    def test_are_not_needed_to_view_a_run(self):
+        run = throng.run("plaza", seconds=0.5, view=True)
+        self.assertIn('id="recording"', run.view().html)
+        self.assertIn('id="recording"', self.run.view().html)
+        with self.assertRaisesRegex(ValueError, "view=True"):
+            throng.run("plaza", seconds=0.1).view()
+
+
+if __name__ == "__main__":
+    unittest.main()

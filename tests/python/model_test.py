@@ -1,0 +1,102 @@
+"""Kinematics in batches agree with the chain of joints, one by one."""
+
+import unittest
+import xml.etree.ElementTree
+
+import numpy
+import throng
+from expectations import SOURCES, Case
+
+ARM = """<robot name="arm">
+  <link name="base"><collision><geometry><box size="0.2 0.2 0.4"/></geometry></collision></link>
+  <link name="upper"><collision><geometry><cylinder radius="0.05" length="0.5"/></geometry></collision></link>
+  <link name="hand"><collision><geometry><sphere radius="0.07"/></geometry></collision></link>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
+    <origin xyz="0.1 0 0.2" rpy="0 0.3 0"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+  <joint name="slide" type="prismatic"><parent link="upper"/><child link="hand"/>
+    <origin xyz="0 0 0.5"/><axis xyz="0 1 0"/><limit lower="0" upper="0.4" effort="1" velocity="1"/></joint>
+</robot>
+"""
+
+
+def moved(x=0, y=0, z=0):
+    out = numpy.eye(4)
+    out[:3, 3] = x, y, z
+    return out
+
+
+def turned(axis, angle):
+    i, j = [(1, 2), (2, 0), (0, 1)][axis]
+    out = numpy.eye(4)
+    out[i, i] = out[j, j] = numpy.cos(angle)
+    out[i, j], out[j, i] = -numpy.sin(angle), numpy.sin(angle)
+    return out
+
+
+class Kinematics(Case):
+    def setUp(self):
+        super().setUp()
+        file = self.folder / "arm.urdf"
+        file.write_text(ARM)
+        self.arm = throng.Model(file)
+        self.random = numpy.random.default_rng(1)
+
+    def test_follow_the_chain_of_joints(self):
+        joints = self.random.uniform(self.arm.joint_lower, self.arm.joint_upper, (50, 2))
+        places = self.random.uniform(-1000, 1000, (50, 3))
+        found = self.arm.poses(joints, positions_m=places)
+        self.assertEqual(found.shape, (50, 3, 4, 4))
+        for row, (turn, slide) in enumerate(joints):
+            base = moved(*places[row])
+            upper = base @ moved(0.1, 0, 0.2) @ turned(1, 0.3) @ turned(2, turn)
+            hand = upper @ moved(0, 0, 0.5) @ moved(0, slide, 0)
+            numpy.testing.assert_allclose(found[row], [base, upper, hand], atol=1e-6)
+
+    def test_turn_and_scale_about_the_root(self):
+        joints = self.random.uniform(self.arm.joint_lower, self.arm.joint_upper, (20, 2))
+        angles = self.random.uniform(-3, 3, 20)
+        rotations = numpy.stack([0 * angles, 0 * angles, numpy.sin(angles / 2), numpy.cos(angles / 2)], axis=1)
+        plain = self.arm.poses(joints)
+        found = self.arm.poses(joints, rotations_xyzw=rotations, scales=numpy.full(20, 2.0))
+        plain[:, :, :3, 3] *= 2
+        for row, angle in enumerate(angles):
+            numpy.testing.assert_allclose(found[row], turned(2, angle) @ plain[row], atol=1e-6)
+
+    def test_are_the_same_one_by_one(self):
+        adult = throng.Model("adult")
+        joints = self.random.uniform(adult.joint_lower, adult.joint_upper, (37, adult.joint_count))
+        together = adult.poses(joints)
+        for row in range(37):
+            numpy.testing.assert_array_equal(together[row], adult.poses(joints[row])[0])
+
+    def test_refuse_what_is_no_posture(self):
+        for joints, options, where in [
+            (numpy.zeros((3, 5)), {}, "joints"),
+            (numpy.zeros(0), {}, "joints"),
+            (numpy.full((1, 2), numpy.nan), {}, "joints"),
+            (numpy.zeros((3, 2)), {"positions_m": numpy.zeros((2, 3))}, "positions_m"),
+            (numpy.zeros((3, 2)), {"rotations_xyzw": numpy.zeros((3, 4))}, r"rotations_xyzw\[0\]"),
+            (numpy.zeros((3, 2)), {"scales": [1, 1, -1]}, r"scales\[2\]"),
+        ]:
+            with self.subTest(where=where), self.assertRaisesRegex(throng.InputError, f"^{where}: expected "):
+                self.arm.poses(joints, **options)
+
+
+class Models(Case):
+    def test_have_the_joints_parts_and_meshes_of_the_urdf(self):
+        adult = throng.Model("adult")
+        tree = xml.etree.ElementTree.parse(SOURCES / "avatars/models/adult/adult.urdf").getroot()
+        moving = [joint.get("name") for joint in tree.findall("joint") if joint.get("type") != "fixed"]
+        self.assertEqual(sorted(adult.joint_names), sorted(moving))
+        self.assertTrue(adult.is_person)
+        self.assertTrue((adult.joint_lower <= adult.joint_upper).all())
+        for part in range(adult.part_count):
+            vertices, triangles = adult.vertices_m(part), adult.triangles(part)
+            self.assertEqual(vertices.shape[1:], (3,))
+            self.assertLess(triangles.max(), len(vertices))
+        with self.assertRaises(IndexError):
+            adult.vertices_m(adult.part_count)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,80 @@
+"""Recordings, and two crowds side by side."""
+
+import json
+import unittest
+
+import numpy
+import throng
+from expectations import Case, command
+
+
+class Recordings(Case):
+    def setUp(self):
+        super().setUp()
+        self.file = self.folder / "walkers.txt"
+        rows = [
+            (person, frame, 100 * (0.05 * frame * (1 - 2 * (person % 2))), 60.0 * person)
+            for person in range(6)
+            for frame in range(80)
+        ]
+        self.rows = numpy.array(rows)
+        text = "".join("%d %d %.4f %.4f 170\n" % row for row in rows)
+        self.file.write_text(f"# id frame x/cm y/cm z/cm\n# framerate: 25\n{text}")
+        self.options = {"fps": 25, "unit": "cm"}
+
+    def test_are_tables_of_people_and_samples(self):
+        recording = throng.Recording(self.file, **self.options)
+        self.assertEqual(len(recording.people), 6)
+        samples = recording.samples
+        self.assertEqual(len(samples), len(self.rows))
+        numpy.testing.assert_array_equal(samples["id"], self.rows[:, 0])
+        numpy.testing.assert_allclose(samples["x_m"], self.rows[:, 2] / 100, atol=1e-6)
+        numpy.testing.assert_allclose(samples["time_s"], self.rows[:, 1] / 25, atol=1e-9)
+        self.assertAlmostEqual(recording.summary["speed_mps"][1], 1.25, places=2)
+        self.assertEqual(recording.facts["fps"], 25)
+
+    def test_are_dressed_and_culled_as_by_the_command(self):
+        run = throng.Recording(self.file, **self.options).run(exact=True)
+        command("run", self.file, "--fps", 25, "--unit", "cm", "--exact", "--lcm", "off", "--log", "off",
+                "--json", "a.json", folder=self.folder)
+        self.assertEqual(run.hash, json.loads((self.folder / "a.json").read_text())["hash"])
+        self.assertEqual(len(run.people), 6)
+
+    def test_refuse_what_only_scenes_take(self):
+        with self.assertRaisesRegex(throng.InputError, "^steering: expected a scene"):
+            throng.run(self.file, steering="orca", **self.options)
+
+
+class Comparisons(Case):
+    def test_have_the_rows_of_the_command(self):
+        found = throng.compare("corridor", "crossing", seconds=2)
+        text = command("compare", "corridor", "crossing", "--seconds", 2, "--json", "a.json", folder=self.folder)
+        expected = json.loads((self.folder / "a.json").read_text())
+        self.assertEqual(str(found), text)
+        self.assertEqual(found.a["name"], "corridor")
+        for measure, table in found.tables.items():
+            self.assertEqual(len(table), len(expected[measure]), measure)
+            for row, other in zip(table, expected[measure]):
+                for side in "ab":
+                    self.assertTrue(numpy.isnan(row[side]) if other[side] is None else row[side] == other[side])
+
+    def test_are_drawn(self):
+        found = throng.compare("corridor", "crossing", seconds=2)
+        try:
+            figures = found.figures(self.folder / "plots")
+        except throng.EnvironmentFault as error:
+            self.skipTest(str(error))
+        self.assertIn("speed_density", figures)
+        for name, (title, svg) in figures.items():
+            self.assertTrue(title)
+            self.assertIn("<svg", svg)
+            self.assertTrue((self.folder / "plots" / f"{name}.svg").exists())
+        self.assertEqual(found._repr_html_().count("<svg"), len(figures))
+
+    def test_refuse_a_line_without_length(self):
+        with self.assertRaisesRegex(throng.InputError, "line: expected two points"):
+            throng.compare("corridor", "crossing", seconds=1, line=(1, 1, 1, 1))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,168 @@
+"""A run from Python is the command's run, in arrays."""
+
+import sqlite3
+import subprocess
+import sys
+import threading
+import unittest
+
+import numpy
+import throng
+from expectations import SLOWNESS, Case, command_hash
+
+
+class Runs(Case):
+    def test_have_the_hash_that_the_command_prints(self):
+        for scene, options, words in [
+            ("plaza", {"seconds": 2, "seed": 3}, ["--seconds", "2", "--seed", "3"]),
+            ("corridor", {"seconds": 1, "exact": True}, ["--seconds", "1", "--exact"]),
+            (
+                "crossing",
+                {"seconds": 1, "avatars": 80, "steering": "orca", "part_volume": "obb"},
+                ["--seconds", "1", "--avatars", "80", "--steering", "orca", "--part-volume", "obb"],
+            ),
+            ("plaza", {"seconds": 0.2, "deadline_tests": 50}, ["--seconds", "0.2", "--deadline-tests", "50"]),
+            ("paper_50", {"seconds": 0.2, "strategy": "two-pass"}, ["--seconds", "0.2", "--strategy", "two-pass"]),
+        ]:
+            with self.subTest(scene=scene):
+                self.assertEqual(throng.run(scene, **options).hash, command_hash(scene, *words, folder=self.folder))
+
+    def test_are_the_same_with_any_number_of_threads(self):
+        one, three = (throng.run("corridor", seconds=1, threads=n) for n in (1, 3))
+        self.assertEqual(one.hash, three.hash)
+        self.assertSameTable(one.events, three.events)
+        self.assertSameTable(one.trajectories, three.trajectories)
+
+    def test_have_a_contact_for_each_begin_and_its_end(self):
+        run = throng.run("plaza", seconds=2)
+        begins = run.events[run.events["kind"] == 0]
+        self.assertGreater(len(run.contacts), 20)
+        self.assertEqual(len(run.contacts), len(begins))
+        self.assertEqual(len(run.events), 2 * len(begins))
+        for name in ("a", "b", "part_a", "part_b"):
+            numpy.testing.assert_array_equal(run.contacts[name], begins[name])
+        self.assertTrue((run.contacts["a"] < run.contacts["b"]).all())
+        self.assertTrue((run.contacts["end_s"] > run.contacts["begin_s"]).all())
+        lasting = run.contacts["ended"] == 0
+        self.assertEqual(lasting.sum(), run.counters["touching"][-1])
+
+    def test_count_in_each_frame_what_begins_ends_and_touches(self):
+        run = throng.run("plaza", seconds=1)
+        frames = numpy.arange(len(run.counters))
+        numpy.testing.assert_array_equal(run.counters["frame"], frames)
+        for kind, column in ((0, "begins"), (1, "ends")):
+            of_kind = run.events["frame"][run.events["kind"] == kind]
+            numpy.testing.assert_array_equal(numpy.bincount(of_kind, minlength=len(frames) + 1)[:-1], run.counters[column])
+        running = numpy.cumsum(run.counters["begins"] - run.counters["ends"])
+        numpy.testing.assert_array_equal(run.counters["touching"], running)
+
+    def test_keep_the_places_that_a_trajectory_file_holds(self):
+        file = self.folder / "way.sqlite"
+        run = throng.run("corridor", seconds=1, trajectory=file, trajectory_fps=20)
+        with sqlite3.connect(file) as database:
+            rows = database.execute("select frame, id, pos_x, pos_y from trajectory_data order by frame, id").fetchall()
+        self.assertEqual(len(rows), len(run.trajectories))
+        expected = numpy.array(rows)
+        numpy.testing.assert_allclose(run.trajectories["x_m"], expected[:, 2], atol=1e-6)
+        numpy.testing.assert_allclose(run.trajectories["y_m"], expected[:, 3], atol=1e-6)
+
+    def test_name_bodies_parts_and_groups(self):
+        run = throng.run("plaza", seconds=0.5)
+        self.assertIn("rightFoot", run.names.parts[0])
+        contact = run.contacts[run.contacts["b"] >= len(run.people)][:1]
+        self.assertIn(run.names.part(contact["b"], contact["part_b"])[0], run.names.obstacles)
+        self.assertEqual(len(run.names.groups), len(set(run.people["group"])))
+
+    def test_become_data_frames_where_pandas_is_there(self):
+        try:
+            import pandas
+        except ImportError:
+            self.skipTest("no pandas here")
+        run = throng.run("plaza", seconds=0.5)
+        frame = run.contacts.to_pandas()
+        self.assertIsInstance(frame, pandas.DataFrame)
+        self.assertEqual(len(frame), len(run.contacts))
+        self.assertEqual(frame.part_a_name[0], run.names.parts[0][frame.part_a[0]])
+        self.assertEqual(len(run.people.to_pandas()), 500)
+
+    def test_tell_how_far_they_are(self):
+        told = []
+        run = throng.run("plaza", seconds=20 / SLOWNESS, progress=lambda done, frames: told.append((done, frames)))
+        self.assertTrue(told)
+        self.assertEqual(told, sorted(set(told)))
+        self.assertTrue(all(0 <= done <= frames == len(run.counters) for done, frames in told))
+
+    def test_pass_on_what_progress_raises(self):
+        def enough(done, frames):
+            raise LookupError("enough")
+
+        with self.assertRaisesRegex(LookupError, "enough"):
+            throng.run("plaza", seconds=3600, progress=enough)
+
+
+INTERRUPTED = """
+import signal, sys, time, threading, os
+import throng
+def interrupt():
+    time.sleep({after_s})
+    print(time.monotonic(), flush=True)
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt, daemon=True).start()
+try:
+    {work}
+except KeyboardInterrupt:
+    print(time.monotonic(), flush=True)
+"""
+
+
+class CtrlC(Case):
+    def seconds_to_stop(self, work, after_s):
+        done = subprocess.run(
+            [sys.executable, "-c", INTERRUPTED.format(work=work, after_s=after_s)],
+            capture_output=True, text=True, cwd=self.folder, timeout=100 * SLOWNESS,
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
+        sent, raised = map(float, done.stdout.split())
+        return raised - sent
+
+    def test_raises_keyboard_interrupt_within_a_fraction_of_a_second(self):
+        for work, after_s in [
+            ("throng.run('plaza', seconds=36000)", 2.5 * SLOWNESS),
+            ("for frame in throng.Simulation('plaza', seconds=36000): pass", 2.5 * SLOWNESS),
+            ("throng.Simulation('city_square', avatars=100000)", 0.3),
+        ]:
+            with self.subTest(work=work):
+                self.assertLess(self.seconds_to_stop(work, after_s), 0.5 * SLOWNESS)
+
+    def test_leaves_a_sound_log(self):
+        self.seconds_to_stop("throng.run('plaza', seconds=36000, log='stopped.lcmlog')", 2.5 * SLOWNESS)
+        self.assertTrue(throng.check(self.folder / "stopped.lcmlog"))
+
+
+class Threads(Case):
+    def test_run_python_while_a_run_goes_on(self):
+        counted = 0
+        done = threading.Event()
+        def work():
+            throng.run("plaza", seconds=10 / SLOWNESS, threads=1)
+            done.set()
+        thread = threading.Thread(target=work)
+        thread.start()
+        while not done.wait(0.005):
+            counted += 1
+        thread.join()
+        self.assertGreater(counted, 20)
+
+    def test_may_run_a_scene_each(self):
+        alone = throng.run("corridor", seconds=1).hash
+        hashes = []
+        threads = [threading.Thread(target=lambda: hashes.append(throng.run("corridor", seconds=1).hash)) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(hashes, [alone] * 3)
+
+
+if __name__ == "__main__":
+    unittest.main()

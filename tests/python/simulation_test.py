@@ -1,0 +1,147 @@
+"""Step by step: frames, arrays that stay what they are, one thread at a time."""
+
+import gc
+import threading
+import unittest
+
+import numpy
+import throng
+from expectations import Case
+
+
+class Steps(Case):
+    def test_give_the_run_of_the_same_scene(self):
+        run = throng.run("corridor", seconds=1, seed=5)
+        simulation = throng.Simulation("corridor", seconds=1, seed=5)
+        events = [frame.events.copy() for frame in simulation]
+        events.append(simulation.finish())
+        self.assertSameTable(numpy.concatenate(events), run.events)
+        self.assertEqual(simulation.hash, run.hash)
+        self.assertEqual(simulation.run_id, run.run_id)
+
+    def test_are_as_many_as_the_scene_lasts(self):
+        self.assertEqual([frame.number for frame in throng.Simulation("corridor", seconds=0.1)], list(range(6)))
+
+    def test_give_places_in_their_shapes(self):
+        simulation = throng.Simulation("corridor", avatars=40)
+        frame = simulation.step()
+        self.assertEqual(frame.positions_m.shape, (40, 3))
+        self.assertEqual(frame.positions_m.dtype, numpy.float64)
+        self.assertEqual(frame.rotations_xyzw.shape, (40, 4))
+        self.assertEqual(frame.present.dtype, bool)
+        numpy.testing.assert_allclose(numpy.linalg.norm(frame.rotations_xyzw, axis=1), 1, atol=1e-5)
+        heading = 2 * numpy.arctan2(frame.rotations_xyzw[:, 2], frame.rotations_xyzw[:, 3])
+        numpy.testing.assert_allclose(numpy.cos(heading - frame.headings_rad), 1, atol=1e-5)
+        self.assertEqual(len(frame.postures), simulation.posture_offsets[-1])
+
+    def test_pose_the_parts_as_kinematics_does(self):
+        simulation = throng.Simulation("corridor", avatars=40)
+        model = throng.Model("adult")
+        frame = [simulation.step() for _ in range(20)][-1]
+        joints = frame.postures.reshape(40, model.joint_count)
+        expected = model.poses(joints, frame.positions_m, frame.rotations_xyzw, simulation.people["scale"])
+        numpy.testing.assert_allclose(frame.part_poses(range(40)), expected, atol=1e-5)
+
+    def test_drive_nobody_who_walks(self):
+        simulation = throng.Simulation("corridor")
+        with self.assertRaises(throng.InputError):
+            simulation.drive(0, (0, 0, 0))
+
+
+class Arrays(Case):
+    def test_stay_as_they_are_when_the_simulation_goes_on(self):
+        simulation = throng.Simulation("corridor")
+        kept, copies = [], []
+        for _ in range(30):
+            frame = simulation.step()
+            kept.append((frame.positions_m, frame.headings_rad[3:], frame.present, frame.pairs, frame.events, frame.postures))
+            copies.append([array.copy() for array in kept[-1]])
+        for arrays, expected in zip(kept, copies):
+            for array, copy in zip(arrays, expected):
+                numpy.testing.assert_array_equal(array, copy)
+        self.assertTrue((kept[0][0] != kept[-1][0]).any())
+
+    def test_stay_when_the_simulation_is_gone(self):
+        simulation = throng.Simulation("corridor")
+        part = simulation.step().positions_m[5:7, :2]
+        copy = part.copy()
+        del simulation
+        gc.collect()
+        blocks = [numpy.zeros(100_000) for _ in range(20)]  # would take what had been freed
+        numpy.testing.assert_array_equal(part, copy)
+        del blocks
+
+    def test_are_used_again_once_nobody_holds_them(self):
+        simulation = throng.Simulation("corridor")
+        places = set()
+        for _ in range(10):
+            places.add(simulation.step().positions_m.__array_interface__["data"][0])
+        self.assertEqual(len(places), 1)
+
+    def test_cannot_be_written_to(self):
+        frame = throng.Simulation("corridor").step()
+        with self.assertRaises(ValueError):
+            frame.positions_m[0] = 0
+
+    def test_of_a_frame_that_is_over_are_refused(self):
+        simulation = throng.Simulation("corridor")
+        frame = simulation.step()
+        frame.positions_m
+        simulation.step()
+        for ask in ("positions_m", "pairs", "events", "speeds_mps", "hash"):
+            with self.subTest(ask=ask), self.assertRaisesRegex(RuntimeError, "frame 0 is over"):
+                getattr(frame, ask)
+        with self.assertRaisesRegex(RuntimeError, "frame 0 is over"):
+            frame.part_poses([0])
+
+    def test_of_a_frame_outlive_the_run_s_end(self):
+        simulation = throng.Simulation("corridor", seconds=0.5)
+        for frame in simulation:
+            pairs = frame.pairs
+        ends = simulation.finish()
+        self.assertEqual(len(ends), len(pairs))
+        with self.assertRaisesRegex(RuntimeError, "finished"):
+            simulation.step()
+        with self.assertRaises(RuntimeError):
+            frame.pairs
+
+    def test_of_nobody_s_joints_are_refused(self):
+        frame = throng.Simulation("corridor", postures=False).step()
+        with self.assertRaisesRegex(RuntimeError, "postures=False"):
+            frame.postures
+
+
+class Threads(Case):
+    def test_that_step_at_once_are_refused_and_nothing_is_lost(self):
+        simulation = throng.Simulation("plaza", avatars=3000, threads=1)
+        numbers, refused = [], []
+
+        def step():
+            for _ in range(15):
+                try:
+                    numbers.append(simulation.step().number)
+                except RuntimeError as error:
+                    refused.append(str(error))
+
+        threads = [threading.Thread(target=step) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(sorted(numbers), list(range(len(numbers))))
+        self.assertEqual(len(numbers) + len(refused), 45)
+        self.assertTrue(all("thread" in why or "over" in why for why in refused))
+
+    def test_may_look_at_arrays_while_another_steps(self):
+        simulation = throng.Simulation("plaza", threads=2)
+        array = simulation.step().positions_m
+        expected = array.copy()
+        thread = threading.Thread(target=lambda: [simulation.step() for _ in range(50)])
+        thread.start()
+        while thread.is_alive():
+            numpy.testing.assert_array_equal(array, expected)
+        thread.join()
+
+
+if __name__ == "__main__":
+    unittest.main()
