@@ -11,7 +11,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-LAYERS = ["base", "kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer", "bench", "apps"]
+LAYERS = ["base", "kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer", "python", "bench", "apps"]
 CELL, LABEL = 18, 190
 
 

@@ -24,13 +24,15 @@ packages=(
   gnuplot-nox
   # messages; iproute2 tells whether multicast has a route
   liblcm-dev liblcm-bin libglib2.0-dev iproute2
+  # the module for Python
+  pybind11-dev python3-dev python3-numpy
   # tests
   libgtest-dev libgmock-dev
 )
 # The page of `throng view` is built with node 18 or newer and npm, from whichever source they come.
 if ! command -v node >/dev/null || ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
-# The message types for Python and Java, and lcm-spy.
-test_packages=(python3-minimal openjdk-17-jdk-headless liblcm-java libjchart2d-java)
+# The message types for Java, and lcm-spy; data frames and plots of the notebooks.
+test_packages=(openjdk-17-jdk-headless liblcm-java libjchart2d-java python3-pandas python3-matplotlib)
 # The page in a real browser.
 page_packages=(chromium)
 # clang with libFuzzer, the reader of coverage counts

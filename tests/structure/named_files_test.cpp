@@ -21,7 +21,7 @@ const std::set<std::string_view> kNamed = {".cpp",   ".h",  ".md", ".sh",   ".py
                                            ".cmake", ".ts", ".js", ".yaml", ".urdf", ".tri"};
 const Names kFolders = {"apps",    "avatars", "base",     "bench",      "cmake",
                         "culling", "docs",    "examples", "kinematics", "lcmtypes",
-                        "scenes",  "scripts", "tests",    "viewer"};
+                        "python",  "scenes",  "scripts",  "tests",      "viewer"};
 /// Those that a build makes.
 const Names kMade = {"base/version.cpp"};
 

@@ -11,12 +11,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kRoots[] = {"base",     "kinematics", "culling", "avatars", "scenes",
-                                       "lcmtypes", "apps",       "viewer",  "bench",   "examples",
-                                       "tests",    "scripts",    "docs",    "cmake",   ".ci"};
+constexpr std::string_view kRoots[] = {
+    "base",   "kinematics", "culling",  "avatars", "scenes",  "lcmtypes", "apps",  "viewer",
+    "python", "bench",      "examples", "tests",   "scripts", "docs",     "cmake", ".ci"};
 const std::set<std::string_view> kTextExtensions = {
-    ".cpp", ".h",  ".lcm", ".cmake", ".txt", ".sh",   ".yaml", ".yml", ".urdf",
-    ".md",  ".js", ".ts",  ".html",  ".css", ".json", ".py",   ".gp",  ""};
+    ".cpp", ".h",  ".lcm",  ".cmake", ".txt",  ".sh", ".yaml", ".yml", ".urdf", ".md",
+    ".js",  ".ts", ".html", ".css",   ".json", ".py", ".pyi",  ".gp",  ""};
 
 std::string read(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -25,6 +25,7 @@ const std::map<std::string, Names> kMayInclude = {
     {"scenes", {"kinematics", "culling", "avatars"}},
     {"lcmtypes", {"kinematics", "culling", "avatars", "scenes"}},
     {"viewer", {"kinematics", "culling", "avatars", "scenes", "lcmtypes"}},
+    {"python", {"kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer"}},
     {"bench", {"kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer"}},
     {"apps", {"kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer", "bench"}},
     {"examples", {"kinematics", "culling", "avatars", "scenes", "lcmtypes"}},
@@ -55,6 +56,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"webp", {"viewer"}},
     {"CLI", {"apps"}},
     {"nlohmann", {"apps", "bench", "paper", "viewer"}},
+    {"pybind11", {"python"}},
     {"glib.h", {"viewer"}},
     {"zlib.h", {"scenes", "viewer"}},
 };

@@ -1,0 +1,268 @@
+from os import PathLike
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+Path = Union[str, PathLike[str]]
+Progress = Union[None, bool, Callable[[int, int], object]]
+
+__version__: str
+__commit__: str
+
+class Error(Exception): ...
+
+class InputError(Error, ValueError):
+    where: str
+    file: Optional[str]
+    line: Optional[int]
+    def __init__(self, message: str, where: str = "") -> None: ...
+
+class EnvironmentFault(Error, OSError):
+    def __init__(self, message: str, where: str = "") -> None: ...
+
+class Table(np.ndarray):
+    def to_pandas(self) -> Any: ...
+
+class _Names:
+    groups: List[str]
+    models: List[str]
+    parts: List[List[str]]
+    obstacles: List[str]
+    def part(self, bodies: npt.ArrayLike, parts: npt.ArrayLike) -> npt.NDArray[np.object_]: ...
+
+class Run:
+    scene: str
+    seed: int
+    run_id: str
+    step_s: float
+    hash: Optional[str]
+    summary: Dict[str, Any]
+    notes: List[str]
+    log: Optional[str]
+    names: _Names
+    people: Table
+    events: Table
+    trajectories: Table
+    counters: Table
+    @property
+    def contacts(self) -> Table: ...
+    def view(self) -> Page: ...
+
+def run(
+    source: Path,
+    *,
+    seconds: Optional[float] = None,
+    avatars: Optional[int] = None,
+    seed: Optional[int] = None,
+    steering: Optional[str] = None,
+    part_volume: Optional[str] = None,
+    exact: bool = False,
+    threads: Optional[int] = None,
+    deadline_ms: Optional[float] = None,
+    deadline_tests: Optional[int] = None,
+    strategy: Optional[str] = None,
+    simd: Optional[str] = None,
+    pair_search: Optional[str] = None,
+    fps: Optional[float] = None,
+    unit: Optional[str] = None,
+    columns: Optional[str] = None,
+    separator: Optional[str] = None,
+    tracks: Optional[str] = None,
+    strict: bool = False,
+    step: Optional[str] = None,
+    trajectories: bool = True,
+    trajectory_fps: Optional[float] = None,
+    log: Optional[Path] = None,
+    states_hz: Optional[float] = None,
+    publish_parts: bool = False,
+    html: Optional[Path] = None,
+    trajectory: Union[None, Path, Sequence[Path]] = None,
+    view: bool = False,
+    progress: Progress = None,
+) -> Run: ...
+def scenes() -> Dict[str, str]: ...
+
+class Frame:
+    @property
+    def number(self) -> int: ...
+    @property
+    def time_s(self) -> float: ...
+    @property
+    def hash(self) -> str: ...
+    @property
+    def positions_m(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def rotations_xyzw(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def headings_rad(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def speeds_mps(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def present(self) -> npt.NDArray[np.bool_]: ...
+    @property
+    def postures(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def pairs(self) -> Table: ...
+    @property
+    def events(self) -> Table: ...
+    def part_poses(self, people: Iterable[int]) -> npt.NDArray[np.float64]: ...
+
+class Simulation:
+    names: _Names
+    people: Table
+    scene: str
+    seed: int
+    run_id: str
+    step_s: float
+    def __init__(self, source: Path, **options: Any) -> None: ...
+    def step(self) -> Frame: ...
+    def finish(self) -> Table: ...
+    def __iter__(self) -> Iterator[Frame]: ...
+    def __next__(self) -> Frame: ...
+    def drive(
+        self,
+        avatar: int,
+        position_m: npt.ArrayLike,
+        rotation_xyzw: npt.ArrayLike = (0, 0, 0, 1),
+        joints: npt.ArrayLike = (),
+        velocity_mps: npt.ArrayLike = (0, 0),
+    ) -> int: ...
+    @property
+    def frames(self) -> int: ...
+    @property
+    def next_frame(self) -> int: ...
+    @property
+    def notes(self) -> List[str]: ...
+    @property
+    def step_ms(self) -> float: ...
+    @property
+    def hash(self) -> str: ...
+    @property
+    def posture_offsets(self) -> npt.NDArray[np.int64]: ...
+
+class Model:
+    def __init__(self, urdf: Path) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def height_m(self) -> float: ...
+    @property
+    def reach_m(self) -> float: ...
+    @property
+    def is_person(self) -> bool: ...
+    @property
+    def joint_names(self) -> List[str]: ...
+    @property
+    def joint_lower(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def joint_upper(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def part_names(self) -> List[str]: ...
+    @property
+    def joint_count(self) -> int: ...
+    @property
+    def part_count(self) -> int: ...
+    def poses(
+        self,
+        joints: npt.ArrayLike,
+        positions_m: Optional[npt.ArrayLike] = None,
+        rotations_xyzw: Optional[npt.ArrayLike] = None,
+        scales: Optional[npt.ArrayLike] = None,
+    ) -> npt.NDArray[np.float64]: ...
+    def vertices_m(self, part: int) -> npt.NDArray[np.float32]: ...
+    def triangles(self, part: int) -> npt.NDArray[np.int32]: ...
+
+class Body:
+    def __init__(
+        self,
+        parts: Iterable[Union[Path, npt.ArrayLike, Tuple[npt.ArrayLike, npt.ArrayLike]]],
+        names: Optional[Iterable[str]] = None,
+        static: bool = False,
+    ) -> None: ...
+    @property
+    def part_names(self) -> List[str]: ...
+    @property
+    def part_count(self) -> int: ...
+
+class Culler:
+    step_s: float
+    def __init__(
+        self,
+        bodies: Union[Model, Body, Sequence[Union[Model, Body]]],
+        exact: bool = False,
+        part_volume: str = "ordop26",
+        pair_search: str = "grid",
+        threads: Optional[int] = None,
+        step_s: float = 1.0,
+    ) -> None: ...
+    def step(
+        self,
+        poses: Union[npt.ArrayLike, Sequence[npt.ArrayLike]],
+        types: Optional[npt.ArrayLike] = None,
+        ids: Optional[npt.ArrayLike] = None,
+        scales: Optional[npt.ArrayLike] = None,
+    ) -> Table: ...
+    def finish(self) -> Table: ...
+    @property
+    def pairs(self) -> Table: ...
+    @property
+    def events(self) -> Table: ...
+    @property
+    def contacts(self) -> Table: ...
+    @property
+    def frame(self) -> int: ...
+    @property
+    def hash(self) -> str: ...
+
+def read_log(
+    file: Path, trajectory_fps: Optional[float] = None, trajectories: bool = True, progress: Progress = None
+) -> Run: ...
+
+class LogReport(Dict[str, Any]): ...
+
+def check(file: Path) -> LogReport: ...
+def render(
+    log: Path,
+    frame: int,
+    width: int = 1280,
+    height: int = 720,
+    eye_m: Optional[Sequence[float]] = None,
+    target_m: Optional[Sequence[float]] = None,
+) -> npt.NDArray[np.uint8]: ...
+
+class Page:
+    html: str
+    height: int
+    def __init__(self, text: str, height: int = 540) -> None: ...
+    def save(self, file: Path) -> None: ...
+
+def view(log: Union[Path, Run], limit_mb: float = 25, height: int = 540) -> Page: ...
+
+class Recording:
+    def __init__(self, file: Path, **options: Any) -> None: ...
+    @property
+    def people(self) -> Table: ...
+    @property
+    def samples(self) -> Table: ...
+    @property
+    def facts(self) -> Dict[str, Any]: ...
+    @property
+    def summary(self) -> Dict[str, Any]: ...
+    def run(self, **options: Any) -> Run: ...
+
+class Comparison:
+    a: Dict[str, Any]
+    b: Dict[str, Any]
+    tables: Dict[str, Table]
+    def figures(self, folder: Optional[Path] = None) -> Dict[str, Tuple[str, str]]: ...
+
+def compare(
+    a: Path,
+    b: Path,
+    seconds: Optional[float] = None,
+    line: Optional[Sequence[float]] = None,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Comparison: ...
+def __getattr__(name: str) -> Any: ...  # the classes of LCM messages

@@ -1,0 +1,63 @@
+"""What editors are told of the module is what it has, and all of it says what it does."""
+
+import ast
+import inspect
+import unittest
+
+import throng
+from expectations import SOURCES, Case
+
+STUBS = ast.parse((SOURCES / "python/throng/__init__.pyi").read_text())
+
+
+def parameters(function):
+    named = function.args.posonlyargs + function.args.args + function.args.kwonlyargs
+    return [arg.arg for arg in named] + [arg.arg for arg in (function.args.vararg, function.args.kwarg) if arg]
+
+
+class Stubs(Case):
+    def setUp(self):
+        super().setUp()
+        self.named = {node.name: node for node in STUBS.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+
+    def test_name_all_that_is_public(self):
+        self.assertLessEqual(set(throng.__all__), set(self.named))
+
+    def test_have_the_parameters_that_functions_have(self):
+        for name in throng.__all__:
+            node, real = self.named[name], getattr(throng, name)
+            functions = [(name, node, real)] if isinstance(node, ast.FunctionDef) else [
+                (f"{name}.{member.name}", member, getattr(real, member.name))
+                for member in node.body
+                if isinstance(member, ast.FunctionDef) and not member.decorator_list
+            ]
+            for called, stub, function in functions:
+                with self.subTest(function=called):
+                    self.assertEqual(parameters(stub), list(inspect.signature(function).parameters))
+
+    def test_name_every_public_member(self):
+        for name in throng.__all__:
+            node, real = self.named[name], getattr(throng, name)
+            if not isinstance(node, ast.ClassDef) or name in ("Table", "LogReport"):
+                continue
+            stubbed = {member.name for member in node.body if isinstance(member, ast.FunctionDef)}
+            stubbed |= {member.target.id for member in node.body if isinstance(member, ast.AnnAssign)}
+            public = {member for member in vars(real) if not member.startswith("_")}
+            self.assertLessEqual(public, stubbed, name)
+
+    def test_come_with_docstrings(self):
+        for name in throng.__all__:
+            self.assertTrue(inspect.getdoc(getattr(throng, name)), name)
+
+
+class Messages(Case):
+    def test_are_classes_that_need_no_compiled_half(self):
+        import subprocess
+        import sys
+
+        code = "from throng import events_t, run_t; import sys; events_t._get_packed_fingerprint(); assert 'numpy' not in sys.modules"
+        subprocess.run([sys.executable, "-c", code], check=True)
+
+
+if __name__ == "__main__":
+    unittest.main()
