@@ -15,6 +15,8 @@
 #include "python/recorder.h"
 #include "python/run_request.h"
 #include "scenes/run/runner.h"
+#include "scenes/sinks/contacts/contact_sink.h"
+#include "scenes/sinks/trace.h"
 #include "scenes/sinks/trajectories/trajectory_sink.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
@@ -39,6 +41,7 @@ void refuse_inputs(const RunRequest& request, const Scene& scene) {
   std::vector<fs::path> outputs = request.trajectory;
   outputs.push_back(request.log);
   outputs.push_back(request.html);
+  outputs.push_back(request.trace_hash);
   for (const fs::path& output : outputs)
     for (const fs::path& input : {fs::path(request.source.name), scene.file}) {
       std::error_code error;
@@ -81,6 +84,8 @@ void run_to_end(RunWork& work, WorkSigns& signs) {
         std::make_unique<TrajectorySink>(TrajectoryOptions{file, request.trajectory_fps}));
   if (!request.html.empty())
     files.push_back(std::make_unique<ReplaySink>(request.html, page_html(), kReplayLimitMb));
+  if (!request.contacts.empty()) files.push_back(std::make_unique<ContactSink>(request.contacts));
+  if (!request.trace_hash.empty()) files.push_back(std::make_unique<TraceSink>(request.trace_hash));
   if (!request.log.empty()) {
     LogOptions options;
     options.threads = request.simulation.threads;

@@ -157,6 +157,8 @@ RunRequest request_of(const py::dict& dict) {
   given.take("publish_parts", "True or False", request.publish_parts);
   given.take("log", "a path", request.log);
   given.take("html", "a path", request.html);
+  given.take("contacts", "a folder", request.contacts);
+  given.take("trace_hash", "a path", request.trace_hash);
   given.take("trajectory", "a list of paths", request.trajectory);
   given.expect_all_known();
   return request;

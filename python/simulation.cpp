@@ -187,6 +187,16 @@ void bind_simulation(py::module_& module) {
              run.finish();
              return array_of(run.last_ends());
            })
+      .def("save",
+           [](SteppedRun& run) {
+             const std::vector<uint8_t> state = run.saved();
+             return py::bytes(reinterpret_cast<const char*>(state.data()), state.size());
+           })
+      .def("resume",
+           [](SteppedRun& run, const py::bytes& state) {
+             const std::string_view text(state);
+             run.resume({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+           })
       .def("drive", drive)
       .def_property_readonly("facts",
                              [](const SteppedRun& run) { return dict_of(facts_of(run.info())); })

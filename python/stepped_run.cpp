@@ -62,6 +62,19 @@ int SteppedRun::drive(uint32_t avatar, const DrivenPose& pose) {
   return simulation_->drive(avatar, pose);
 }
 
+std::vector<uint8_t> SteppedRun::saved() {
+  expect_idle();
+  if (end_) throw std::runtime_error("this simulation is finished: nothing follows");
+  return simulation_->saved();
+}
+
+void SteppedRun::resume(std::span<const uint8_t> state) {
+  expect_idle();
+  if (simulation_->next_frame() != 0)
+    throw std::runtime_error("a simulation resumes before its first step, or not at all");
+  simulation_->resume(state, "state");
+}
+
 const Frame& SteppedRun::frame(int64_t number) const {
   expect_idle();
   if (frame_ == nullptr || frame_->number != number)

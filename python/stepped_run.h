@@ -50,6 +50,8 @@ class SteppedRun {
   void step();
   void finish();
   int drive(uint32_t avatar, const DrivenPose& pose);
+  std::vector<uint8_t> saved();
+  void resume(std::span<const uint8_t> state);
 
   /// The frame of that number; throws if the run has gone on.
   const Frame& frame(int64_t number) const;

@@ -168,6 +168,8 @@ def run(
     publish_parts=False,
     html=None,
     trajectory=None,
+    contacts=None,
+    trace_hash=None,
     view=False,
     progress=None,
 ):
@@ -185,6 +187,7 @@ def run(
         trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].
         log, states_hz, publish_parts: a log to write.
         html: a page to write, with the run in it. trajectory: a file .sqlite or .csv, or a list of them.
+        contacts: a folder for contact statistics. trace_hash: a file for a hash a stage and frame.
         view: True keeps the page, for Run.view().
         progress: True for a bar on stderr, or a function that is called with (frames done, all frames).
 
@@ -195,7 +198,7 @@ def run(
         InputError: with .file and .line where a file is at fault. EnvironmentFault. KeyboardInterrupt.
     """
     given = {name: value for name, value in locals().items() if name not in ("source", "view", "progress")}
-    for name in ("log", "html"):
+    for name in ("log", "html", "contacts", "trace_hash"):
         if given[name] is not None:
             given[name] = os.fspath(given[name])
     if trajectory is not None:

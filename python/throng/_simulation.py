@@ -75,6 +75,17 @@ class Simulation:
         """Ends all that still touches; returns these ends (Table). No step follows."""
         return Table(self._run.finish(), self.names.of_pairs)
 
+    def save(self):
+        """All that later frames depend on, as bytes."""
+        return self._run.save()
+
+    def resume(self, state):
+        """Goes on where save() was called in a simulation of the same source and options, before the first step.
+
+        Later frames, their events and the hash are the same to the bit.
+        """
+        self._run.resume(state)
+
     def __iter__(self):
         return self
 

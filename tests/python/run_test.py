@@ -8,7 +8,7 @@ import unittest
 
 import numpy
 import throng
-from expectations import SLOWNESS, Case, command_hash
+from expectations import SLOWNESS, Case, command, command_hash
 
 
 class Runs(Case):
@@ -65,6 +65,17 @@ class Runs(Case):
         expected = numpy.array(rows)
         numpy.testing.assert_allclose(run.trajectories["x_m"], expected[:, 2], atol=1e-6)
         numpy.testing.assert_allclose(run.trajectories["y_m"], expected[:, 3], atol=1e-6)
+
+    def test_write_what_the_command_writes(self):
+        throng.run("plaza", seconds=1, contacts=self.folder / "ours", trace_hash=self.folder / "ours.txt")
+        command("run", "plaza", "--seconds", 1, "--lcm", "off", "--log", "off", "--contacts", "theirs",
+                "--trace-hash", "theirs.txt", folder=self.folder)
+        for name in ("contacts.csv", "pairs.csv"):
+            theirs = self.folder / "theirs" / name
+            if theirs.exists():
+                self.assertEqual((self.folder / "ours" / name).read_bytes(), theirs.read_bytes())
+        self.assertTrue((self.folder / "theirs" / "contacts.csv").exists())
+        self.assertEqual((self.folder / "ours.txt").read_bytes(), (self.folder / "theirs.txt").read_bytes())
 
     def test_name_bodies_parts_and_groups(self):
         run = throng.run("plaza", seconds=0.5)

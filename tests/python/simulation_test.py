@@ -42,6 +42,19 @@ class Steps(Case):
         expected = model.poses(joints, frame.positions_m, frame.rotations_xyzw, simulation.people["scale"])
         numpy.testing.assert_allclose(frame.part_poses(range(40)), expected, atol=1e-5)
 
+    def test_go_on_where_another_was_saved(self):
+        first, second = (throng.Simulation("plaza", avatars=200, threads=n) for n in (1, 2))
+        for _ in range(30):
+            first.step()
+        second.resume(first.save())
+        for _ in range(30):
+            self.assertEqual(first.step().hash, second.step().hash)
+        self.assertEqual(second.next_frame, 60)
+        with self.assertRaisesRegex(RuntimeError, "before its first step"):
+            second.resume(first.save())
+        with self.assertRaises(throng.InputError):
+            throng.Simulation("plaza", avatars=200).resume(b"nothing")
+
     def test_drive_nobody_who_walks(self):
         simulation = throng.Simulation("corridor")
         with self.assertRaises(throng.InputError):
