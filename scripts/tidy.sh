@@ -14,7 +14,7 @@ if ! command -v run-clang-tidy >/dev/null; then
   exit 3
 fi
 
-folders='(apps|avatars|base|bench|culling|examples|kinematics|lcmtypes|scenes|tests|viewer)'
+folders='(apps|avatars|base|bench|culling|examples|kinematics|lcmtypes|python|scenes|tests|viewer)'
 files=("^$PWD/$folders/")
 if [ "${1:-}" = --changed ]; then
   since=${2:-}
