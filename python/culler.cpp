@@ -24,7 +24,7 @@ using ShapePtr = std::shared_ptr<BodyShape>;
 PartShape shape_of(const Mesh& mesh) { return {mesh.vertices, mesh.triangles}; }
 
 ShapePtr shape_of_model(const Model& model) {
-  const auto shape = std::make_shared<BodyShape>();
+  auto shape = std::make_shared<BodyShape>();
   for (const Part& part : model.parts) {
     shape->parts.push_back(shape_of(part.mesh));
     shape->part_names.push_back(part.name);
@@ -62,7 +62,7 @@ PartShape part_of(
 }
 
 ShapePtr shape_of_parts(const py::list& parts, std::vector<std::string> names, bool is_static) {
-  const auto shape = std::make_shared<BodyShape>();
+  auto shape = std::make_shared<BodyShape>();
   shape->is_static = is_static;
   shape->part_names = std::move(names);
   for (size_t i = 0; i < parts.size(); ++i) {

@@ -1,6 +1,7 @@
 #include "python/errors.h"
 
 #include <string>
+#include <utility>
 
 #include "base/errors.h"
 
@@ -23,7 +24,7 @@ void raise(const char* name, const std::string& message, const std::string& wher
 
 void translate(std::exception_ptr thrown) {
   try {
-    if (thrown) std::rethrow_exception(thrown);
+    if (thrown) std::rethrow_exception(std::move(thrown));
   } catch (const InputError& error) {
     raise("InputError", error.what(), error.where());
   } catch (const EnvironmentError& error) {

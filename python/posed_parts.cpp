@@ -28,7 +28,7 @@ void require_rigid(const Rows& pose, size_t body, size_t part) {
 
 }  // namespace
 
-PosedParts::PosedParts(std::vector<std::shared_ptr<const BodyShape>> shapes) {
+PosedParts::PosedParts(const std::vector<std::shared_ptr<const BodyShape>>& shapes) {
   for (const auto& shape : shapes) {
     extents_.emplace_back();
     for (const PartShape& part : shape->parts) {

@@ -22,7 +22,7 @@ struct BodyShape {
 /// the world is.
 class PosedParts final : public PoseSource {
  public:
-  explicit PosedParts(std::vector<std::shared_ptr<const BodyShape>> shapes);
+  explicit PosedParts(const std::vector<std::shared_ptr<const BodyShape>>& shapes);
 
   /// `matrices`: the upper 3 rows of world_from_part of all parts, body after body, `stride`
   /// numbers from one to the next. Throws InputError.

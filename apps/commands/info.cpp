@@ -10,11 +10,11 @@
 
 #include "apps/command.h"
 #include "apps/options/recording_options.h"
-#include "lcmtypes/replay/file_kind.h"
 #include "avatars/model/describe.h"
 #include "base/errors.h"
 #include "base/say.h"
 #include "lcmtypes/log/log_check.h"
+#include "lcmtypes/replay/file_kind.h"
 
 namespace throng {
 namespace {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "viewer/picture/picture.h"
-#include "viewer/picture/recorded_frame.h"
 #include "apps/output/output_plan.h"
 #include "base/errors.h"
 #include "base/say.h"
 #include "viewer/picture/animation.h"
+#include "viewer/picture/picture.h"
+#include "viewer/picture/recorded_frame.h"
 
 namespace throng {
 namespace {

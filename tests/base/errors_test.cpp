@@ -20,6 +20,11 @@ TEST(Errors, InputErrorReadsAsOneLine) {
   EXPECT_THAT(error.what(), StrEq("head.tri:17: expected 3 vertex indices, found 2"));
 }
 
+TEST(Errors, InputErrorKeepsWhereItWas) {
+  EXPECT_EQ(InputError(at_line("head.tri", 17), "3 vertex indices", "2").where(), "head.tri:17");
+  EXPECT_EQ(InputError("--seed", "a number", "'x'").where(), "--seed");
+}
+
 TEST(Errors, InputErrorStaysOnOneLineWhateverWasFound) {
   const InputError error("a.yaml:2", "a number", "'1\n2\x1b[2J'");
   EXPECT_THAT(error.what(), StrEq("a.yaml:2: expected a number, found '1 2 [2J'"));

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "viewer/picture/recorded_frame.h"
 #include "viewer/picture/raster.h"
+#include "viewer/picture/recorded_frame.h"
 
 namespace throng {
 
