@@ -6,7 +6,18 @@ import unittest
 
 import numpy
 import throng
-from expectations import Case
+from expectations import SOURCES, Case
+
+DRIVEN = """name: driven robot
+ground: {{min_m: [-8, -8], max_m: [8, 8]}}
+groups:
+  - name: robot
+    model: {model}
+    count: 1
+    driven: ROBOT_DRIVE
+    radius_m: 0.35
+    spawn: {{min_m: [2.5, -0.5], max_m: [3.5, 0.5]}}
+"""
 
 
 class Steps(Case):
@@ -54,6 +65,22 @@ class Steps(Case):
             second.resume(first.save())
         with self.assertRaises(throng.InputError):
             throng.Simulation("plaza", avatars=200).resume(b"nothing")
+
+    def test_drive_a_robot_where_it_is_told_to_be(self):
+        scene = self.folder / "robot.yaml"
+        scene.write_text(DRIVEN.format(model=SOURCES / "examples/picker.urdf"))
+        simulation = throng.Simulation(scene)
+        joints = throng.Model(SOURCES / "examples/picker.urdf").joint_count
+        simulation.step()
+        for x in (1.0, 1.5, 2.0):
+            clamped = simulation.drive(0, (x, 0.5, 0), joints=[0.3] * joints, velocity_mps=(1, 0))
+            self.assertEqual(clamped, 0)
+            frame = simulation.step()
+            numpy.testing.assert_allclose(frame.positions_m[0], (x, 0.5, 0), atol=1e-6)
+            numpy.testing.assert_allclose(frame.postures[:joints], 0.3, atol=1e-6)
+        self.assertGreater(simulation.drive(0, (100, 0, 0)), 0)  # off the ground of the scene
+        with self.assertRaises(throng.InputError):
+            simulation.drive(0, (1, 0, 0), joints=[0.1] * (joints + 1))
 
     def test_drive_nobody_who_walks(self):
         simulation = throng.Simulation("corridor")
