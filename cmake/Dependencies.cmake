@@ -19,13 +19,9 @@ if(THRONG_SCENES)
   find_package(ZLIB REQUIRED)     # recordings that are packed
   pkg_search_module(HDF5 REQUIRED IMPORTED_TARGET GLOBAL hdf5-serial hdf5)  # recordings
   find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
-  # Navigation meshes. Debian's package has neither a CMake nor a pkg-config file.
-  find_path(RECAST_INCLUDE_DIR Recast.h PATH_SUFFIXES recastnavigation REQUIRED)
-  find_library(RECAST_LIBRARY Recast REQUIRED)
-  find_library(DETOUR_LIBRARY Detour REQUIRED)
-  add_library(throng_recast INTERFACE)
-  target_include_directories(throng_recast SYSTEM INTERFACE ${RECAST_INCLUDE_DIR})
-  target_link_libraries(throng_recast INTERFACE ${DETOUR_LIBRARY} ${RECAST_LIBRARY})
+  list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake/package)
+  find_package(Recast REQUIRED)   # navigation meshes
+  list(POP_BACK CMAKE_MODULE_PATH)
 endif()
 
 if(THRONG_LCM)

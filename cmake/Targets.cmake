@@ -1,7 +1,10 @@
 # How a library or a program of Throng is made. throng_options: what whoever links with us needs, too;
 # throng_warnings: for our own sources alone.
 add_library(throng_options INTERFACE)
-target_include_directories(throng_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(throng_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+if(THRONG_INSTALL)
+  target_include_directories(throng_options INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/throng>)
+endif()
 target_compile_features(throng_options INTERFACE cxx_std_20)
 # Same answer on every target: no contraction into fused multiply-add, no fast-math.
 target_compile_options(throng_options INTERFACE -ffp-contract=off -pthread)
@@ -62,7 +65,7 @@ function(throng_library name)
   cmake_parse_arguments(L "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(throng_${name} STATIC ${L_SOURCES})
   add_library(throng::${name} ALIAS throng_${name})
-  target_link_libraries(throng_${name} PUBLIC ${L_PUBLIC} PRIVATE throng_warnings ${L_PRIVATE})
+  target_link_libraries(throng_${name} PUBLIC ${L_PUBLIC} PRIVATE $<BUILD_INTERFACE:throng_warnings> ${L_PRIVATE})
   throng_precompile(throng_${name} throng_precompiled)
 endfunction()
 

@@ -1,44 +1,87 @@
+#include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
 
 #include <cstdlib>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
 #include "avatars/model/model.h"
 #include "base/errors.h"
 
+// The data of an installed package: cmake/data_place.cpp.in, compiled into programs of other
+// projects. The library itself names no place, so that it can be moved.
+extern "C" __attribute__((weak)) const char throng_data_place[];
+
 namespace throng {
 namespace {
 
-/// Every data directory has the bundled models at the same place.
-const std::filesystem::path kModels = std::filesystem::path("avatars") / "models";
+namespace fs = std::filesystem;
 
-bool holds_data(const std::filesystem::path& directory) {
+/// Every data directory has the bundled models at the same place.
+const fs::path kModels = fs::path("avatars") / "models";
+
+bool holds_data(const fs::path& directory) {
   std::error_code ignored;
-  return std::filesystem::is_directory(directory / kModels, ignored);
+  return fs::is_directory(directory / kModels, ignored);
+}
+
+/// The program, or the shared library or Python module, that this code was linked into.
+fs::path own_file() {
+  static const char here = 0;
+  Dl_info info;
+  void* map = nullptr;
+  std::error_code failed;
+  if (dladdr1(&here, &info, &map, RTLD_DL_LINKMAP) != 0 && map != nullptr) {
+    const char* name = static_cast<const link_map*>(map)->l_name;
+    if (name != nullptr && *name != '\0') return fs::canonical(name, failed);
+  }
+  return fs::read_symlink("/proc/self/exe", failed);  // a program has no name there
+}
+
+/// Where to look, the most certain first.
+std::vector<fs::path> candidates() {
+  const fs::path data = fs::path("share") / "throng";
+  std::vector<fs::path> found;
+  // bin/throng, lib/python3/dist-packages/throng/*.so: some folder above both has share beside it.
+  // A build folder links to the sources.
+  const fs::path file = own_file();
+  for (fs::path above = file.parent_path(); above.has_relative_path(); above = above.parent_path())
+    found.push_back(above / data);
+  if (throng_data_place != nullptr) found.emplace_back(throng_data_place);
+  // As the desktop's base directories: what Debian's packages install is found without any
+  // settings.
+  const char* shares = std::getenv("XDG_DATA_DIRS");
+  std::istringstream list(shares != nullptr && *shares != '\0' ? shares
+                                                               : "/usr/local/share:/usr/share");
+  for (std::string share; std::getline(list, share, ':');)
+    if (fs::path(share).is_absolute()) found.push_back(fs::path(share) / "throng");
+#ifdef THRONG_SOURCE_DIR
+  found.emplace_back(THRONG_SOURCE_DIR);
+#endif
+  return found;
 }
 
 }  // namespace
 
-std::filesystem::path data_directory() {
+fs::path data_directory() {
   if (const char* chosen = std::getenv("THRONG_DATA")) {
     if (holds_data(chosen)) return chosen;
     throw EnvironmentError(
         fmt::format("THRONG_DATA is '{}', but there is no {} in it", chosen, kModels.string()));
   }
-  std::vector<std::filesystem::path> candidates;
-  std::error_code error;
-  const auto binary = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (!error) candidates.push_back(binary.parent_path().parent_path() / "share" / "throng");
-  candidates.emplace_back(THRONG_SOURCE_DIR);
-  for (const auto& candidate : candidates)
-    if (holds_data(candidate)) return candidate;
-  throw EnvironmentError(fmt::format(
-      "the bundled models are neither in '{}' nor in '{}'; set THRONG_DATA to the folder "
-      "that holds {}",
-      candidates.front().string(), candidates.back().string(), kModels.string()));
+  const std::vector<fs::path> places = candidates();
+  for (const fs::path& place : places)
+    if (holds_data(place)) return fs::canonical(place);
+  std::string looked_in;
+  for (const fs::path& place : places) looked_in += fmt::format("\n  {}", place.string());
+  throw EnvironmentError(
+      fmt::format("the bundled models are in none of the folders below; set THRONG_DATA to the one "
+                  "that holds {}{}",
+                  kModels.string(), looked_in));
 }
 
-std::filesystem::path adult_urdf() { return data_directory() / kModels / "adult" / "adult.urdf"; }
+fs::path adult_urdf() { return data_directory() / kModels / "adult" / "adult.urdf"; }
 
 }  // namespace throng

@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# Installs a build, uses it from outside, moves it and uses it again:
+# tests/install/install_test.sh SOURCE BUILD FOLDER, where FOLDER is to try it in.
+set -euo pipefail
+
+source=$1 build=$2 folder=$3
+here=$(cd "$(dirname "$0")" && pwd)
+unset THRONG_DATA XDG_DATA_DIRS PKG_CONFIG_PATH
+
+fail() {
+  echo "$*" >&2
+  exit 1
+}
+expect_same() { # WHAT EXPECTED FOUND
+  [ "$2" = "$3" ] || fail "$1: expected '$2', found '$3'"
+}
+quietly() { # COMMAND...: what it prints is shown where it fails
+  "$@" >"$folder/log" 2>&1 || {
+    cat "$folder/log" >&2
+    fail "failed: $*"
+  }
+}
+hash_of() { # THRONG
+  (cd "$folder" && "$1" run plaza --seconds 1 --lcm off --log off | awk '$1 == "hash" {print $2}')
+}
+try_project() { # WHAT PREFIX
+  rm -rf "$folder/$1"
+  quietly cmake -S "$here/project" -B "$folder/$1" -G Ninja -DCMAKE_PREFIX_PATH="$2" \
+    -DTHRONG_SOURCE="$source" -DWHAT="$1" -DCMAKE_BUILD_TYPE=Release
+  quietly cmake --build "$folder/$1" -j "$(nproc)"
+}
+
+rm -rf "$folder"
+mkdir -p "$folder"
+prefix=$folder/first
+quietly cmake --install "$build" --prefix "$prefix"
+
+# Nothing that is installed tells where it was made or first put.
+for place in "$source" "$build" "$prefix"; do
+  named=$(grep -rlF -e "$place/" "$prefix" || true)
+  expect_same "files that name $place" "" "$named"
+done
+
+expected=$(hash_of "$build/throng")
+[ -n "$expected" ] || fail "expected throng of the build to print a hash"
+expect_same "hash by the installed command" "$expected" "$(hash_of "$prefix/bin/throng")"
+
+# Programs of others: by CMake with all libraries; on a machine that has what culling needs and no more.
+try_project all "$prefix"
+said=$("$build/hello")
+expect_same "the program of the README" "$said" "$("$folder/all/readme")"
+skeleton=$("$build/own_skeleton")
+expect_same "own_skeleton" "$skeleton" "$("$folder/all/own_skeleton")"
+
+hidden="liblcm-dev liblcm-bin nodejs npm libgtest-dev libgmock-dev libfcl-dev libcli11-dev nlohmann-json3-dev
+  libpng-dev libwebp-dev libglib2.0-dev liborocos-kdl-dev liburdfdom-dev liburdfdom-headers-dev libassimp-dev
+  libyaml-cpp-dev libsqlite3-dev libhdf5-dev librecast-dev libboost-dev libboost1.74-dev"
+export -f try_project quietly fail
+export folder here source
+status=0
+bash "$source/tests/outside/without.sh" "$hidden" bash -c 'try_project culling "$1"' sh "$prefix" || status=$?
+if [ "$status" -eq 77 ]; then
+  try_project culling "$prefix" # nothing can be hidden here
+elif [ "$status" -ne 0 ]; then
+  fail "culling alone could not be used"
+fi
+expect_same "own_skeleton on culling alone" "$skeleton" "$("$folder/culling/own_skeleton")"
+linked=$(ldd "$folder/culling/own_skeleton")
+for library in liblcm liborocos-kdl liburdf libassimp libyaml-cpp libsqlite3 libhdf5; do
+  ! grep -q "$library" <<<"$linked" || fail "own_skeleton: expected no $library"
+done
+
+# By pkg-config, after the package has moved; the command and CMake go along.
+moved=$folder/second/place
+mkdir -p "$folder/second"
+mv "$prefix" "$moved"
+expect_same "hash by the moved command" "$expected" "$(hash_of "$moved/bin/throng")"
+pc() { PKG_CONFIG_PATH=$(dirname "$(find "$moved" -name throng-base.pc)") pkg-config "$@"; }
+expect_same "version by pkg-config" "$("$moved/bin/throng" --version | awk '{print $2}')" "$(pc --modversion throng-scenes)"
+read -ra flags <<<"$(pc --cflags --libs throng-culling)"
+quietly g++ -std=c++20 -O1 "$source/examples/own_skeleton.cpp" "${flags[@]}" -o "$folder/by_pkg_config"
+expect_same "own_skeleton by pkg-config" "$skeleton" "$("$folder/by_pkg_config")"
+read -ra flags <<<"$(pc --cflags --libs throng-scenes)"
+quietly g++ -std=c++20 -O1 "$folder/all/readme.cpp" "${flags[@]}" -o "$folder/second/readme"
+# A program that was told no place finds the data by the list of the base directories.
+expect_same "the program of the README by pkg-config" "$said" "$(XDG_DATA_DIRS=$moved/share "$folder/second/readme")"
+quietly cmake -S "$here/project" -B "$folder/all" -Dthrong_DIR="$(dirname "$(find "$moved" -name throng-config.cmake)")"
+quietly cmake --build "$folder/all" --target readme
+expect_same "the program of the README, moved" "$said" "$("$folder/all/readme")"
+echo "installed, used from outside, moved and used again"
