@@ -2,8 +2,8 @@
 # Installs the Debian 12 packages that Throng builds on, as root or through sudo. Does nothing when
 # all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh
 # test` what only tests need, `scripts/setup.sh page` the browser that tests the page,
-# `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh need. Says beforehand how
-# much it downloads, then how far it is; what apt-get and dpkg print is shown where they fail.
+# `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh need, `scripts/setup.sh
+# package` what scripts/package.sh needs. Says beforehand how much it downloads, then how far it is; what apt-get and dpkg print is shown where they fail.
 set -euo pipefail
 
 packages=(
@@ -37,6 +37,8 @@ test_packages=(openjdk-17-jdk-headless liblcm-java libjchart2d-java python3-pand
 page_packages=(chromium)
 # clang with libFuzzer, the reader of coverage counts
 reliability_packages=(clang libclang-rt-14-dev llvm gcovr)
+# The manual, packages, and a bare Debian to try them in.
+package_packages=(help2man patchelf dpkg-dev xz-utils debootstrap)
 bench_packages=(libembree-dev libbullet-dev libcgal-dev libode-dev libbenchmark-dev)
 
 case "${1:-}" in
@@ -44,9 +46,10 @@ case "${1:-}" in
   bench) packages+=("${bench_packages[@]}") ;;
   test) packages+=("${test_packages[@]}") ;;
   page) packages+=("${page_packages[@]}") ;;
+  package) packages+=("${package_packages[@]}") ;;
   reliability) packages+=("${reliability_packages[@]}") ;;
   *)
-    echo "scripts/setup.sh: expected no argument, bench, test, page or reliability, found '$1'" >&2
+    echo "scripts/setup.sh: expected no argument, bench, test, page, package or reliability, found '$1'" >&2
     exit 2
     ;;
 esac
