@@ -16,12 +16,13 @@ declare -A what=(
   [tidy]="clang-tidy over all sources"
   [lto]="one definition of everything: each program read as a whole, and inline functions compared"
   [outside]="culling alone and the README's program in somebody else's project"
+  [packages]="packages made, tried in a bare Debian 12, and the tests of the command against them"
   [extend]="a volume, a scene field, a steering model and a sink added by patches"
   [soak]="an hour of people who walk and touch all the time"
   [asan]="the whole suite under the address and undefined behaviour sanitizers"
   [tsan]="the whole suite under the thread sanitizer"
 )
-order=(docs no_miss determinism meshes scenes urdfs fuzz tidy lto outside extend soak asan tsan)
+order=(docs no_miss determinism meshes scenes urdfs fuzz tidy lto outside packages extend soak asan tsan)
 
 steps=("$@")
 [ ${#steps[@]} -gt 0 ] || steps=("${order[@]}")
@@ -48,6 +49,18 @@ outside() {
   done
 }
 
+packages() {
+  local status=0
+  bash scripts/package.sh || return
+  bash tests/install/bare_debian_test.sh "$PWD" "$PWD/build/release/packages" "$PWD/build/bare" || status=$?
+  [ "$status" -eq 0 ] || [ "$status" -eq 77 ] || return "$status"
+  # Its programs: the command, and the examples as others build them.
+  local tried=$PWD/build/release/tests/install/tried
+  bash tests/install/install_test.sh "$PWD" "$PWD/build/release" "$tried" || return
+  THRONG_TESTED=$tried/programs build/release/test_apps --gtest_brief=1 || return
+  THRONG_TESTED=$tried/programs build/release/test_own_skeleton --gtest_brief=1
+}
+
 run_step() {
   local seed
   seed=$(date +%Y%m%d)
@@ -62,6 +75,7 @@ run_step() {
     tidy) bash scripts/tidy.sh ;;
     lto) python3 scripts/one_definition.py ;;
     outside) outside ;;
+    packages) packages ;;
     extend) bash tests/extend/extend_test.sh build "$PWD" "$PWD/build/extend" ;;
     soak) bash scripts/soak.sh 60 ;;
     asan | tsan) bash scripts/sanitize.sh "$1" ;;

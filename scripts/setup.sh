@@ -3,7 +3,8 @@
 # all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh
 # test` what only tests need, `scripts/setup.sh page` the browser that tests the page,
 # `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh need, `scripts/setup.sh
-# package` what scripts/package.sh needs. Says beforehand how much it downloads, then how far it is; what apt-get and dpkg print is shown where they fail.
+# package` what scripts/package.sh needs. Says beforehand how much it downloads, then how far it is; what
+# apt-get and dpkg print is shown where they fail.
 set -euo pipefail
 
 packages=(

@@ -11,6 +11,17 @@
 namespace throng {
 
 namespace fs = std::filesystem;
+namespace {
+
+/// Where the command is that is tested: of an installed package where $THRONG_TESTED names its
+/// folder, and what is not there, as all else, of the build.
+std::string programs() {
+  const char* installed = std::getenv("THRONG_TESTED");
+  return installed == nullptr ? THRONG_BINARY_DIR
+                              : installed + std::string("':'") + THRONG_BINARY_DIR;
+}
+
+}  // namespace
 
 ScratchFolder::ScratchFolder() {
   std::string name = (fs::temp_directory_path() / "throng-XXXXXX").string();
@@ -26,10 +37,10 @@ ScratchFolder::~ScratchFolder() {
 Outcome shell(const std::string& line, const ScratchFolder& folder) {
   const ScratchFolder streams;
   write_file(streams / "script", line + "\n");
-  const std::string command = "cd '" + folder.path().string() +
-                              "' && PATH='" THRONG_BINARY_DIR "':\"$PATH\" sh -eu '" +
-                              (streams / "script").string() + "' >'" + (streams / "out").string() +
-                              "' 2>'" + (streams / "err").string() + "' </dev/null";
+  const std::string command = "cd '" + folder.path().string() + "' && PATH='" + programs() +
+                              "':\"$PATH\" sh -eu '" + (streams / "script").string() + "' >'" +
+                              (streams / "out").string() + "' 2>'" + (streams / "err").string() +
+                              "' </dev/null";
   const int status = std::system(command.c_str());
   Outcome outcome;
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -2,13 +2,16 @@
 #include <gtest/gtest.h>
 #include <stdio.h>
 
+#include <cstdlib>
 #include <string>
 
 namespace throng {
 namespace {
 
 TEST(OwnSkeleton, TellsWhichPartsTouch) {
-  FILE* const pipe = ::popen(THRONG_BINARY_DIR "/own_skeleton", "r");
+  const char* installed = std::getenv("THRONG_TESTED");  // as in tests/apps/cli.cpp
+  const std::string folder = installed == nullptr ? THRONG_BINARY_DIR : installed;
+  FILE* const pipe = ::popen(("'" + folder + "/own_skeleton'").c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   std::string said;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) said += static_cast<char>(c);

@@ -87,4 +87,9 @@ expect_same "the program of the README by pkg-config" "$said" "$(XDG_DATA_DIRS=$
 quietly cmake -S "$here/project" -B "$folder/all" -Dthrong_DIR="$(dirname "$(find "$moved" -name throng-config.cmake)")"
 quietly cmake --build "$folder/all" --target readme
 expect_same "the program of the README, moved" "$said" "$("$folder/all/readme")"
+# For the tests of the command and of the examples, which take the programs that $THRONG_TESTED names.
+mkdir "$folder/programs"
+ln -s "$moved/bin/throng" "$folder/programs/throng"
+ln -s "$folder/all/readme" "$folder/programs/hello"
+ln -s "$folder/all/own_skeleton" "$folder/programs/own_skeleton"
 echo "installed, used from outside, moved and used again"
