@@ -1,5 +1,5 @@
 # `cmake --install`: the command and its data (component `throng`), the libraries for find_package(throng)
-# and pkg-config (`dev`), and the Python module (`python`, by python/CMakeLists.txt). What is installed may
+# and pkg-config (`dev`), and the Python module (`python`). What is installed may
 # be moved: nothing in it names a folder of the machine it was built on, or the prefix.
 include(CMakePackageConfigHelpers)
 set(THRONG_DATADIR ${CMAKE_INSTALL_DATADIR}/throng)
@@ -28,6 +28,13 @@ endif()
 if(THRONG_LCM)
   list(TRANSFORM THRONG_LCM_TYPES REPLACE "(.+)" "lcmtypes/\\1.lcm" OUTPUT_VARIABLE lcm_files)
   install(FILES ${lcm_files} DESTINATION ${THRONG_DATADIR}/lcmtypes COMPONENT dev)
+endif()
+
+# The Python module, which finds the data as programs do.
+if(TARGET throng_core)
+  install(TARGETS throng_core LIBRARY DESTINATION ${THRONG_INSTALL_PYTHONDIR}/throng COMPONENT python)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/python/throng DESTINATION ${THRONG_INSTALL_PYTHONDIR} COMPONENT python
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
 endif()
 
 # throng_install(NAME [HEADERS FILE...] [REQUIRES MODULE...] [LIBS FLAG...]): throng::NAME with its public

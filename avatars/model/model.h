@@ -67,9 +67,9 @@ std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file);
 std::shared_ptr<const Model> load_readable_model(const std::filesystem::path& urdf_file,
                                                  std::vector<std::string>& unreadable);
 
-/// Where the bundled models, scenes and pages lie: $THRONG_DATA, else the folders beside the
-/// binary's install prefix, else the source tree it was built from. Throws EnvironmentError if none
-/// exists.
+/// Where the bundled models and scenes lie: $THRONG_DATA, else share/throng in a folder above the
+/// program or module, else in the package that it was built with, else throng in one of
+/// $XDG_DATA_DIRS. Throws EnvironmentError if they are nowhere.
 std::filesystem::path data_directory();
 
 /// The bundled adult: avatars/models/adult/adult.urdf.

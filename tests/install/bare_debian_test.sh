@@ -112,9 +112,10 @@ try_debs() {
   for part in "$source"/tests/install/*_installed.sh; do
     [ ! -f "$part" ] || quietly "bash /throng/source/tests/install/$(basename "$part")"
   done
-  quietly "apt-get purge -y '*throng*' && apt-get autoremove -y --purge"
+  # What a package that stays recommends came with the same command, and goes with it.
+  quietly "apt-get purge -y '.*throng.*' && apt-get autoremove -y --purge -o APT::AutoRemove::RecommendsImportant=false"
   files >"$folder/after.txt"
-  expect_same "files that stay behind" "" "$(comm -13 "$folder/before.txt" "$folder/after.txt")"
+  expect_same "files that stay behind" "" "$(comm -13 "$folder/before.txt" "$folder/after.txt" | head -n 20)"
 }
 
 try_culling() {
@@ -124,7 +125,8 @@ try_culling() {
   quietly "cmake --build culling -j $(nproc)"
   expect_same "own_skeleton on culling alone" "$(printf '%s' "$skeleton" | tail -n 1)" "$(inside culling/own_skeleton | tail -n 1)"
   expect_same "libraries of crowds beside it" "" \
-    "$(inside "dpkg-query -W -f '\${Package}\n' 'libassimp*' 'liborocos*' 'libhdf5*' 'liblcm*' libthrong throng 2>/dev/null" || true)"
+    "$(inside "dpkg-query -W -f '\${db:Status-Status} \${Package}\n' 'libassimp*' 'liborocos*' 'libhdf5*' 'liblcm*' throng 2>/dev/null" |
+      sed -n 's/^installed //p')"
   # What is missing is said by name.
   inside "cmake -S /throng/source/tests/install/project -B all -DTHRONG_SOURCE=/throng/source -DWHAT=all" \
     >"$folder/log" 2>&1 && fail "expected find_package to ask for what scenes need"
