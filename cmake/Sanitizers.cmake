@@ -9,4 +9,5 @@ if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=(address|thread)")
   # g++ 12 takes instrumented code of the standard library (std::regex) for uninitialised.
   target_compile_options(throng_warnings INTERFACE -Wno-maybe-uninitialized)
   set(THRONG_SLOWNESS 10)
+  set(THRONG_INSTALL OFF)  # nobody links with such libraries
 endif()
