@@ -26,6 +26,7 @@ enum class Purpose : uint32_t {
   kPatience = 15,
   kCompany = 16,
   kWaiting = 17,
+  kStudy = 18,
 };
 
 /// The names of one stream of numbers.

@@ -18,6 +18,10 @@ if(THRONG_SCENES)
   find_package(SQLite3 REQUIRED)  # trajectories
   find_package(ZLIB REQUIRED)     # recordings that are packed
   pkg_search_module(HDF5 REQUIRED IMPORTED_TARGET GLOBAL hdf5-serial hdf5)  # recordings
+  if(THRONG_MPI)
+    set(MPI_CXX_SKIP_MPICXX ON)
+    find_package(MPI COMPONENTS CXX)  # optional: ranks of a study
+  endif()
   find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
   list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake/package)
   find_package(Recast REQUIRED)   # navigation meshes

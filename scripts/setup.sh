@@ -19,6 +19,8 @@ packages=(
   libsqlite3-dev libboost-dev
   # recordings of the archive of experiments
   libhdf5-dev
+  # optional: ranks of studies; GNU parallel for their test
+  libopenmpi-dev openmpi-bin parallel
   # navigation meshes
   librecast-dev
   # figures of `throng paper --out`

@@ -16,8 +16,11 @@ constexpr std::chrono::milliseconds kPeriod{100};
 
 }  // namespace
 
-ProgressBar::ProgressBar(std::string label, int64_t total)
-    : label_(std::move(label)), total_(total), on_terminal_(isatty(STDERR_FILENO) != 0) {}
+ProgressBar::ProgressBar(std::string label, int64_t total, std::string unit)
+    : label_(std::move(label)),
+      total_(total),
+      unit_(std::move(unit)),
+      on_terminal_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressBar::~ProgressBar() {
   if (drawn_) say("\r\033[K");
@@ -34,8 +37,8 @@ void ProgressBar::show(int64_t done) {
   const int filled = static_cast<int>(fraction * kWidth);
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   const double left_s = done > 0 ? elapsed_s * (1 / fraction - 1) : 0;
-  say("\r{} [{:#<{}}{:.<{}}] {}/{} frames, {:.1f} s left\033[K", label_, "", filled, "",
-      kWidth - filled, done, total_, left_s);
+  say("\r{} [{:#<{}}{:.<{}}] {}/{} {}, {:.1f} s left\033[K", label_, "", filled, "",
+      kWidth - filled, done, total_, unit_, left_s);
 }
 
 }  // namespace throng

@@ -10,8 +10,8 @@ namespace throng {
 
 class ProgressBar {
  public:
-  /// total > 0.
-  ProgressBar(std::string label, int64_t total);
+  /// total > 0; `unit` is what is counted.
+  ProgressBar(std::string label, int64_t total, std::string unit = "frames");
   /// Wipes the line, so that what is printed next starts on a clean one.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
@@ -24,6 +24,7 @@ class ProgressBar {
   using Clock = std::chrono::steady_clock;
   std::string label_;
   int64_t total_;
+  std::string unit_;
   bool on_terminal_;
   bool drawn_ = false;
   Clock::time_point start_ = Clock::now();

@@ -173,6 +173,18 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
 }
 
 Gait::~Gait() = default;
+Gait::Gait(const Gait& other)
+    : column_count_(other.column_count_),
+      look_column_(other.look_column_),
+      aside_m_(other.aside_m_),
+      min_look_rad_(other.min_look_rad_),
+      max_look_rad_(other.max_look_rad_),
+      sphere_centre_m_(other.sphere_centre_m_),
+      sphere_radius_m_(other.sphere_radius_m_),
+      upright_radius_m_(other.upright_radius_m_),
+      table_(std::make_unique<Table>(*other.table_)),
+      swing_(other.swing_),
+      outline_(other.outline_) {}
 Gait::Gait(Gait&&) noexcept = default;
 Gait& Gait::operator=(Gait&&) noexcept = default;
 

@@ -19,6 +19,8 @@ class Gait {
   /// names; a model without them (a robot on wheels) gets a gait that keeps the zero posture.
   explicit Gait(const Model& model, GaitStyle style = GaitStyle::kPlain);
   ~Gait();
+  /// With a room of its own, see share_room().
+  Gait(const Gait& other);
   Gait(Gait&&) noexcept;
   Gait& operator=(Gait&&) noexcept;
 
@@ -98,7 +100,7 @@ class Gait {
   float upright_radius_m_ = 0;
   std::unique_ptr<Table> table_;
   SwingCurve swing_{};
-  std::unique_ptr<const Outline> outline_;
+  std::shared_ptr<const Outline> outline_;
 };
 
 }  // namespace throng

@@ -92,6 +92,11 @@ void Stepping::set_room(float centre_z_m, float radius_m, float upright_radius_m
 const float* Stepping::table() const { return tables_->table.front().floats; }
 
 Stepping::~Stepping() = default;
+Stepping::Stepping(const Stepping& other)
+    : tables_(std::make_unique<SteppingTables>(*other.tables_)),
+      vertical_column_(other.vertical_column_),
+      lateral_column_(other.lateral_column_),
+      arm_columns_(other.arm_columns_) {}
 
 double Stepping::max_drop_m(const Walker& walker) {
   constexpr double kShare = 0.09;

@@ -129,6 +129,7 @@ class Stepping {
            float shortest_stride, std::span<const RootBox> rest_boxes,
            const StandingJoints& standing);
   ~Stepping();
+  Stepping(const Stepping& other);
 
   /// The pelvis sinks no farther for a foot that is too far away.
   static double max_drop_m(const Walker& walker);

@@ -14,6 +14,7 @@
 #include "lcmtypes/replay/log_world.h"
 #include "scenes/crowd/steering/steering.h"
 #include "scenes/file/recorded_scene.h"
+#include "scenes/run/run_choices.h"
 
 namespace throng {
 namespace {
@@ -69,15 +70,12 @@ RunSource scene_source(const RunSourceOptions& options) {
   refuse_recording_options(options, "a scene; in a scene file these are keys of 'recording'");
   require_no_other_kind(options.name);
   RunSource out{load_scene(options.name)};
-  Scene& scene = out.scene;
-  if (scene.recorded) {
-    cut(options, out);
-  } else if (options.seconds) {
-    scene.duration_s = *options.seconds;
-  }
-  if (options.seed) scene.seed = *options.seed;
-  if (!options.steering.empty()) scene.steering.model = steering_kind_of(options.steering).value();
-  if (options.avatars) out.plan_factor = scale_to(scene, *options.avatars, out.notes);
+  RunChoices choices;
+  choices.avatars = options.avatars;
+  choices.seconds = options.seconds;
+  choices.seed = options.seed;
+  choices.steering = steering_kind_of(options.steering);
+  out.plan_factor = apply(choices, out.scene, out.notes);
   return out;
 }
 

@@ -26,7 +26,9 @@ void require_parts_of_size(const Fields& fields, const Model& body) {
 
 void read_model(Reading& reading, Fields& fields, PartsBox& box) {
   box.model = read_model_file(reading, fields);
-  box.body = load_model(box.model);
+  std::shared_ptr<const Model>& body = reading.bodies[box.model.string()];
+  if (body == nullptr) body = load_model(box.model);
+  box.body = body;
   require_parts_of_size(fields, *box.body);
 }
 

@@ -63,11 +63,14 @@ struct MapText {
   bool at_least_one = false;               ///< it may not be empty
 };
 
+/// By file.
+using LoadedModels = std::map<std::string, std::shared_ptr<const Model>>;
+
 /// What readers of keys share: the scene so far, and what it has loaded.
 struct Reading {
   std::filesystem::path folder;  ///< of the scene file; names of files are relative to it
   Scene scene;
-  std::map<std::string, std::shared_ptr<const Model>> bodies;  ///< by file
+  LoadedModels bodies;
   std::set<std::string> group_names;
   std::set<std::string> obstacle_names;
   std::set<std::string> door_names;

@@ -16,7 +16,7 @@ fs::path bundled_folder() { return data_directory() / "scenes" / "bundled"; }
 
 }  // namespace
 
-Scene load_scene(const std::string& path_or_name) {
+fs::path scene_file(const std::string& path_or_name) {
   fs::path file = path_or_name;
   // A bare word is a bundled scene; a path has a folder or an extension.
   if (!file.has_parent_path() && !file.has_extension() && !fs::exists(file)) {
@@ -30,6 +30,11 @@ Scene load_scene(const std::string& path_or_name) {
     }
     file = bundled;
   }
+  return file;
+}
+
+Scene load_scene(const std::string& path_or_name) {
+  const fs::path file = scene_file(path_or_name);
   const std::string text = read_text_file(file, kMaxYamlBytes);
   return read_scene(file, parse_yaml(text, file.string()));
 }

@@ -313,7 +313,13 @@ std::vector<MapText> scene_maps() {
 }
 
 Scene read_scene(const std::filesystem::path& file, const YamlNode& root) {
+  LoadedModels models;
+  return read_scene(file, root, models);
+}
+
+Scene read_scene(const std::filesystem::path& file, const YamlNode& root, LoadedModels& models) {
   Reading reading;
+  reading.bodies = models;
   reading.folder = file.parent_path();
   reading.scene.file = file;
   const std::string name = file.string();
@@ -323,6 +329,7 @@ Scene read_scene(const std::filesystem::path& file, const YamlNode& root) {
   require_lines(reading);
   count_by_densities(reading, fields.where());
   reading.scene.content_hash = content_hash_of(reading.scene);
+  models.merge(reading.bodies);
   return std::move(reading.scene);
 }
 

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <numeric>
 
+#include "scenes/run/body_tables.h"
+
 namespace throng {
 namespace {
 
@@ -25,22 +27,14 @@ std::span<float> scratch_rows(size_t floats) {
 }  // namespace
 
 Posing::Posing(std::vector<std::shared_ptr<const Model>> models, std::span<const ModelUse> uses,
-               const BodyStates& states, Workers& workers)
+               const BodyStates& states, BodyTables& tables, Workers& workers)
     : kinds_(models.size()), states_(states) {
   assert(uses.size() == models.size());
-  constexpr int kStyles = static_cast<int>(kGaitStyleCount);
-  workers.for_blocks(static_cast<int>(models.size()) * kStyles, [&](int index, int) {
-    const auto model = static_cast<size_t>(index / kStyles);
-    const auto style = static_cast<size_t>(index % kStyles);
-    if (style > 0 && !uses[model].styles[style]) return;
-    kinds_[model].gaits.of_style(style) =
-        std::make_unique<Gait>(*models[model], static_cast<GaitStyle>(style));
-  });
   for (size_t model = 0; model < models.size(); ++model) {
     Kind& kind = kinds_[model];
     kind.model = std::move(models[model]);
-    kind.gaits.share_room();
-    kind.provider = make_posture_provider(uses[model].postures, kind.gaits, states);
+    kind.gaits = tables.gaits(kind.model, uses[model].styles, workers);
+    kind.provider = make_posture_provider(uses[model].postures, *kind.gaits, states);
   }
 }
 
@@ -52,7 +46,7 @@ void Posing::use_rows(std::span<const float> rows, std::span<const size_t> offse
 void Posing::rows(std::span<const uint32_t> bodies, std::span<float> rows) const {
   assert(bodies.size() <= kMaxBatch);
   const Kind& kind = kinds_[states_.types[bodies.front()]];
-  const auto columns = static_cast<size_t>(kind.gaits.plain().column_count());
+  const auto columns = static_cast<size_t>(kind.gaits->plain().column_count());
   std::array<const float*, kMaxBatch> found;
   kind.provider->rows(bodies, rows, {found.data(), bodies.size()});
   for (size_t i = 0; i < bodies.size(); ++i)
@@ -75,7 +69,7 @@ void Posing::find_rows(const Kind& kind, std::span<const uint32_t> bodies,
     for (size_t i = 0; i < bodies.size(); ++i) rows[i] = &rows_[row_offsets_[bodies[i]]];
     return;
   }
-  const auto columns = static_cast<size_t>(kind.gaits.plain().column_count());
+  const auto columns = static_cast<size_t>(kind.gaits->plain().column_count());
   kind.provider->rows(bodies, scratch_rows(bodies.size() * columns), rows);
 }
 

@@ -16,6 +16,8 @@
 
 namespace throng {
 
+class BodyTables;  // scenes/run/body_tables.h
+
 /// What Posing has to know of those who have a model.
 struct ModelUse {
   GaitStyles styles;  ///< the plain one need not be among them
@@ -24,21 +26,21 @@ struct ModelUse {
 
 class Posing : public PoseSource {
  public:
-  /// Keeps a reference to `states`. Tabulates the gaits of each model; `uses` by model.
+  /// Keeps a reference to `states`. Takes the gaits of each model from `tables`; `uses` by model.
   Posing(std::vector<std::shared_ptr<const Model>> models, std::span<const ModelUse> uses,
-         const BodyStates& states, Workers& workers);
+         const BodyStates& states, BodyTables& tables, Workers& workers);
 
   /// Of an avatar.
   const Gait& gait_of(uint32_t body) const {
-    return kinds_[states_.types[body]].gaits.of(states_, body);
+    return kinds_[states_.types[body]].gaits->of(states_, body);
   }
   size_t model_count() const { return kinds_.size(); }
   /// Of a model's bodies, as far as giving way is concerned; null: they do not.
-  const Outline* outline_of(size_t model) const { return kinds_[model].gaits.plain().outline(); }
+  const Outline* outline_of(size_t model) const { return kinds_[model].gaits->plain().outline(); }
   /// Every posture row of a model has so many floats.
-  int column_count(size_t model) const { return kinds_[model].gaits.plain().column_count(); }
+  int column_count(size_t model) const { return kinds_[model].gaits->plain().column_count(); }
   /// Around every posture of every style of a model's walkers.
-  RootSphere sphere(size_t model) const { return kinds_[model].gaits.sphere(); }
+  RootSphere sphere(size_t model) const { return kinds_[model].gaits->sphere(); }
   const Model& model(size_t model) const { return *kinds_[model].model; }
 
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
@@ -68,7 +70,7 @@ class Posing : public PoseSource {
   /// All that is the same for the bodies of a type.
   struct Kind {
     std::shared_ptr<const Model> model;
-    ModelGaits gaits;
+    std::shared_ptr<const ModelGaits> gaits;
     std::unique_ptr<const PostureProvider> provider;
   };
 

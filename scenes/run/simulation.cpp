@@ -13,6 +13,7 @@
 #include "scenes/file/shapes.h"
 #include "scenes/run/bodies_there.h"
 #include "scenes/run/body_blocks.h"
+#include "scenes/run/body_tables.h"
 #include "scenes/run/drive.h"
 #include "scenes/run/kinds.h"
 #include "scenes/run/posing.h"
@@ -30,12 +31,12 @@ double nanoseconds_since(Clock::time_point start) {
 }
 
 /// Loads what the scene names but does not hold yet.
-Scene with_bodies(Scene scene) {
+Scene with_bodies(Scene scene, BodyTables& tables) {
   for (Group& group : scene.groups) {
-    if (group.body == nullptr) group.body = load_model(group.model);
+    if (group.body == nullptr) group.body = tables.model(group.model);
     keep_own_size(group);
   }
-  if (scene.box && scene.box->body == nullptr) scene.box->body = load_model(scene.box->model);
+  if (scene.box && scene.box->body == nullptr) scene.box->body = tables.model(scene.box->model);
   scene.content_hash = content_hash_of(scene);
   return scene;
 }
@@ -62,6 +63,11 @@ BodyStates bodies_of(World& world, const Scene& scene, DrivenAvatars& driven) {
     bodies.roots.push_back({scene.obstacles[i].centre_m, turned_to({turn.cos, turn.sin})});
   }
   return bodies;
+}
+
+SimulationOptions with_tables(SimulationOptions options) {
+  if (options.tables == nullptr) options.tables = std::make_shared<BodyTables>();
+  return options;
 }
 
 SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
@@ -125,7 +131,7 @@ struct Simulation::State {
 };
 
 Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
-    : scene(with_bodies(std::move(scene_in))),
+    : scene(with_bodies(std::move(scene_in), *options_in.tables)),
       options(with_scene(options_in, scene)),
       workers(options.threads),
       world((options.world ? options.world : make_world)(scene, options.culler.simd, workers)),
@@ -134,7 +140,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
       avatars(bodies.phases.size()),
       speeds_mps(avatars),
       uses(uses_of(models.size(), scene, bodies)),
-      posing(models, uses, bodies, workers),
+      posing(models, uses, bodies, *options.tables, workers),
       there(bodies.types.size()) {
   describe_run();
   cut_blocks();
@@ -146,14 +152,15 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
                                                workers);
   }
   culler = std::make_unique<Culler>(types(), options.culler, workers);
+  options.tables.reset();  // what nobody shares goes
 }
 
 std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
   std::vector<std::shared_ptr<const BodyType>> all;
   for (size_t i = 0; i < models.size(); ++i)
-    all.push_back(body_type(*models[i], uses[i].postures == PostureKind::kHeld
-                                            ? held_sphere(*world, i)
-                                            : posing.sphere(i)));
+    all.push_back(options.tables->body_type(models[i], uses[i].postures == PostureKind::kHeld
+                                                           ? held_sphere(*world, i)
+                                                           : posing.sphere(i)));
   for (const Obstacle& obstacle : scene.obstacles) all.push_back(obstacle_type(obstacle));
   return all;
 }
@@ -252,7 +259,7 @@ void Simulation::State::fill_frame() {
 }
 
 Simulation::Simulation(Scene scene, const SimulationOptions& options)
-    : state_(std::make_unique<State>(std::move(scene), options)) {}
+    : state_(std::make_unique<State>(std::move(scene), with_tables(options))) {}
 Simulation::~Simulation() = default;
 
 const RunInfo& Simulation::info() const { return state_->info; }

@@ -18,6 +18,7 @@
 namespace throng {
 
 struct BodyStates;  // scenes/run/postures.h
+class BodyTables;   // scenes/run/body_tables.h
 
 struct SimulationOptions {
   int threads = 1;
@@ -33,6 +34,9 @@ struct SimulationOptions {
   /// What moves the avatars; empty: what the scene asks for, see make_world(). The scene of another
   /// world need not have groups.
   WorldFactory world{};
+  /// What several runs of the same bodies share; null: this one has its own. Never changes a
+  /// result.
+  std::shared_ptr<BodyTables> tables{};
 };
 
 class Simulation {

@@ -231,6 +231,20 @@ void add_areas(std::vector<Bytes>& out) {
     out.push_back(bytes_of(area));
 }
 
+void add_studies(std::string_view target, std::vector<Bytes>& out) {
+  const auto add = [&](std::string_view text) { out.emplace_back(text.begin(), text.end()); };
+  if (target == "study_table") {
+    add("run,runs,study,scene,people\n1,2,aa,\"a, \"\"b\"\"\",5\n2,2,aa,c,6\n");
+    add("run,runs,study\n1,1,aa\n");
+    return;
+  }
+  add("scenes: [corridor]\nseeds: [1, 2]\nseconds: 2\nparameters:\n  avatars: [5, 10]\n"
+      "  groups.*.speed_mps.mean: {from: 1, to: 1.4, step: 0.2}\n");
+  add("scenes: [corridor]\nexact: true\nparameters:\n  latin_hypercube: {samples: 4, seed: 2, "
+      "keys: "
+      "{groups.1.count: {from: 1, to: 9, whole: true}, steering: [heuristic, orca]}}\n");
+}
+
 }  // namespace
 
 Bytes packed(std::span<const std::pair<uint8_t, Bytes>> messages) {
@@ -252,6 +266,7 @@ std::vector<Bytes> seeds_of(std::string_view target) {
   if (target == "tri") add_tri(out);
   if (target == "urdf") add_urdf(out);
   if (target == "scene") add_scenes(out);
+  if (target == "study" || target == "study_table") add_studies(target, out);
   if (target == "messages") add_messages(out);
   if (target == "log") add_logs(out);
   if (target == "culled_log") add_culled_logs(out);

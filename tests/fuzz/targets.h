@@ -24,6 +24,10 @@ using Bytes = std::vector<uint8_t>;
 bool tri(std::span<const uint8_t> input);
 bool urdf(std::span<const uint8_t> input);
 bool scene(std::span<const uint8_t> input);
+/// A study of a small scene that lies beside it.
+bool study(std::span<const uint8_t> input);
+/// A table of a study, and its journal.
+bool study_table(std::span<const uint8_t> input);
 /// A row of messages: channel byte | u16 length, big-endian | bytes.
 bool messages(std::span<const uint8_t> input);
 bool log(std::span<const uint8_t> input);
@@ -47,6 +51,8 @@ struct Target {
 inline constexpr Target kTargets[] = {{"tri", tri},
                                       {"urdf", urdf},
                                       {"scene", scene},
+                                      {"study", study},
+                                      {"study_table", study_table},
                                       {"messages", messages},
                                       {"log", log},
                                       {"culled_log", culled_log},

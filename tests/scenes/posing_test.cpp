@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "scenes/run/body_tables.h"
 #include "scenes/run/walk.h"
 #include "tests/same_bits.h"
 
@@ -25,7 +26,8 @@ TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
   bodies.held_rows = {nullptr, row.data()};
   const std::array<ModelUse, 2> uses = {ModelUse{}, ModelUse{{}, PostureKind::kHeld}};
   Workers workers(1);
-  const Posing posing({adult, adult}, uses, bodies, workers);
+  BodyTables tables;
+  const Posing posing({adult, adult}, uses, bodies, tables, workers);
   walk_on(posing, std::array<WalkNow, 2>{}, 0.1, 0, SimdTarget::kScalar, bodies);
   const std::array<uint32_t, 2> both = {0, 1};
   std::array<RootBox, 2> boxes;
@@ -54,7 +56,8 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
   bodies.looks_rad = looks;
   const std::array<ModelUse, 1> all = {ModelUse{GaitStyles().set(), PostureKind::kStepping}};
   Workers workers(2);
-  const Posing posing({adult}, all, bodies, workers);
+  BodyTables tables;
+  const Posing posing({adult}, all, bodies, tables, workers);
   const std::vector<WalkNow> comes_in(kAvatars, WalkNow{{}, 1.4f, true});
   walk_on(posing, comes_in, 0.1, 0, SimdTarget::kScalar, bodies);
   const auto columns = static_cast<size_t>(posing.column_count(0));
@@ -119,7 +122,8 @@ TEST(Posing, PosesAreTheSameWhetherRowsAreComputedBeforeOrNot) {
       bodies.phases.push_back(static_cast<float>(id) / kAvatars);
     bodies.resize_steps(kAvatars);
     Workers workers(1);
-    Posing posing({adult}, std::array<ModelUse, 1>{ModelUse{{}, kind}}, bodies, workers);
+    BodyTables tables;
+    Posing posing({adult}, std::array<ModelUse, 1>{ModelUse{{}, kind}}, bodies, tables, workers);
     for (uint32_t first = 0; first < kAvatars; first += 50)
       walk_on(posing, std::vector<WalkNow>(50, WalkNow{{}, 1.3f, true}), 0.1, first,
               SimdTarget::kScalar, bodies);

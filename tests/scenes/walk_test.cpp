@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "scenes/run/body_tables.h"
 #include "scenes/run/simulation.h"
 #include "tests/scenes/slide_meter.h"
 
@@ -74,7 +75,8 @@ TEST(Walk, EverybodyIsInsideTheBoundsGivenBeforePosing) {
     Workers workers(1);
     std::vector<ModelUse> uses(simulation.info().models.size());
     for (const GaitStyle style : bodies.styles) uses[0].styles.set(static_cast<size_t>(style));
-    const Posing posing(simulation.info().models, uses, bodies, workers);
+    BodyTables tables;
+    const Posing posing(simulation.info().models, uses, bodies, tables, workers);
     const RootSphere sphere = posing.sphere(0);
     const Model& model = *simulation.info().models.front();
     std::vector<PartPose> poses(model.parts.size());

@@ -42,6 +42,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"assimp", {"avatars"}},
     {"yaml-cpp", {"scenes"}},
     {"sqlite3.h", {"scenes"}},
+    {"mpi.h", {"scenes"}},
     {"hdf5.h", {"scenes"}},
     {"boost", {"scenes"}},
     {"Recast.h", {"scenes"}},

@@ -1,0 +1,348 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "apps/command.h"
+#include "apps/output/output_plan.h"
+#include "apps/process/progress.h"
+#include "apps/process/stop_signal.h"
+#include "base/errors.h"
+#include "base/figure.h"
+#include "base/say.h"
+#include "base/version.h"
+#include "scenes/run/body_tables.h"
+#include "scenes/studies/journal.h"
+#include "scenes/studies/ranks.h"
+#include "scenes/studies/study_plots.h"
+#include "scenes/studies/study_table.h"
+#include "scenes/studies/study_work.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(
+A study file:
+  scenes: [plaza, my_scene.yaml]
+  seeds: {from: 1, to: 10, step: 1}
+  seconds: 10
+  parameters:
+    avatars: [200, 500]
+    groups.1.speed_mps.mean: {from: 1.0, to: 1.6, step: 0.2}
+
+Examples:
+  throng study study.yaml --out study.csv
+  throng study study.yaml --out study.sqlite --plot
+  throng study study.yaml --out part_3.csv --shard 3/7
+  throng study --merge part_*.csv --out study.csv
+  mpirun -n 8 throng study study.yaml --out study.csv
+
+The table has a row a run and is the same, byte for byte, whoever carries the runs out in which order; what
+clocks say goes to TABLE.times.csv. Killed or stopped, and started again, a study goes on where it was:
+TABLE.journal has what is done until the table is whole. docs/studies.md describes files and columns.)";
+
+struct Shard {
+  size_t index = 1;
+  size_t count = 1;
+};
+
+struct StudyCommand {
+  std::string file;
+  std::string out;
+  std::vector<std::string> merge;
+  std::string shard_text;
+  std::optional<int> threads;
+  bool plot = false;
+};
+
+Shard shard_of(const std::string& text) {
+  if (text.empty()) return {};
+  Shard shard;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%zu/%zu%c", &shard.index, &shard.count, &rest) != 2 ||
+      text.find('-') != std::string::npos || shard.index < 1 || shard.count < shard.index ||
+      shard.count > kMaxStudyRuns)
+    throw InputError("--shard", "I/N with I from 1 to N, as in 3/7", fmt::format("'{}'", text));
+  return shard;
+}
+
+fs::path beside(const fs::path& table, const char* ending) {
+  fs::path file = table;
+  file += ending;
+  return file;
+}
+
+fs::path plot_folder(const fs::path& table) { return beside(table, ".plots"); }
+
+void draw_plots(const fs::path& out, const StudyTable& table) {
+  const fs::path folder = plot_folder(out);
+  const std::vector<Figure> figures = study_figures(table);
+  for (const Figure& figure : figures) draw(figure, folder);
+  say("{} pictures in {}\n", figures.size(), folder.string());
+}
+
+OutputPlan planned_outputs(const StudyCommand& options) {
+  OutputPlan plan;
+  plan.writes({.option = "--out", .path = options.out});
+  plan.writes({.option = "--out", .path = beside(options.out, ".times.csv")});
+  if (options.merge.empty())
+    plan.writes(
+        {.option = "--out", .path = journal_of(options.out), .writing = Writing::kAppended});
+  if (options.plot) {
+    require_gnuplot();
+    plan.fills("--plot", plot_folder(options.out), {"*.svg"});
+  }
+  return plan;
+}
+
+/// What `part_*.csv` also matches: the times beside a table.
+bool is_times_of_another(const std::string& name, const std::vector<std::string>& all) {
+  return std::any_of(all.begin(), all.end(), [&](const std::string& table) {
+    return beside(table, ".times.csv") == fs::path(name);
+  });
+}
+
+int merge(const StudyCommand& options) {
+  if (!options.file.empty())
+    throw InputError("--merge", "tables alone", fmt::format("a study, '{}'", options.file));
+  table_kind(options.out);
+  OutputPlan plan = planned_outputs(options);
+  std::vector<std::pair<std::string, StudyTable>> tables, times;
+  for (const std::string& name : options.merge) {
+    if (is_times_of_another(name, options.merge)) continue;
+    plan.reads("a table of --merge", name);
+    tables.emplace_back(name, read_table(name));
+    const fs::path beside_it = beside(name, ".times.csv");
+    if (fs::is_regular_file(beside_it))
+      times.emplace_back(beside_it.string(), read_table(beside_it));
+  }
+  const StudyTable table = merged(tables);
+  const OpenOutputs outputs = plan.open();
+  write_table(options.out, table);
+  if (times.size() == tables.size()) write_table(beside(options.out, ".times.csv"), merged(times));
+  say("{} runs of {} tables in {}\n", table.rows.size(), tables.size(), options.out);
+  if (options.plot) draw_plots(options.out, table);
+  return kExitFine;
+}
+
+/// The runs of this process or job, and what has come of them.
+class Work {
+ public:
+  Work(const StudyCommand& options, const StudyPlan& plan, const Shard& shard)
+      : options_(options),
+        plan_(plan),
+        journal_(journal_of(options.out),
+                 fmt::format("study {:016x}; part {}/{}; throng {} {}", plan.identity(),
+                             shard.index, shard.count, version(), commit())) {
+    std::vector<uint8_t> is_done(plan.runs(), 0);
+    for (const StudyRow& row : journal_.done())
+      if (row.run < plan.runs()) is_done[row.run] = 1;
+    rows_ = journal_.done();
+    for (size_t run = shard.index - 1; run < plan.runs(); run += shard.count) {
+      ++asked_;
+      if (is_done[run] == 0) todo_.push_back(run);
+    }
+    left_ = todo_.size();
+    if (!rows_.empty())
+      say("note: {} of {} runs were done before; going on\n", asked_ - left_, asked_);
+    if (left_ > 0) {
+      const std::string label = fs::path(options.file).stem().string();
+      progress_.emplace(label, static_cast<int64_t>(left_), "runs");
+      progress_->show(0);
+    }
+  }
+
+  size_t left() const { return left_; }
+  std::optional<size_t> next() {
+    const std::lock_guard lock(mutex_);
+    if (todo_.empty() || StopSignal::requested()) return {};
+    const size_t run = todo_.front();
+    todo_.pop_front();
+    return run;
+  }
+  void give_back(size_t run) {
+    const std::lock_guard lock(mutex_);
+    todo_.push_front(run);
+  }
+  void take(const StudyRow& row) {
+    const std::lock_guard lock(mutex_);
+    journal_.add(row);
+    rows_.push_back(row);
+    progress_->show(static_cast<int64_t>(++done_));
+  }
+
+  int end() {
+    progress_.reset();
+    if (rows_.size() < asked_) {
+      say("stopped{}: {} of {} runs are done; the same command goes on\n",
+          StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "", rows_.size(),
+          asked_);
+      return StopSignal::requested() ? StopSignal::exit_code() : kExitEnvironment;
+    }
+    std::sort(rows_.begin(), rows_.end(),
+              [](const StudyRow& a, const StudyRow& b) { return a.run < b.run; });
+    const StudyTable written = table();
+    write_table(options_.out, written);
+    write_table(beside(options_.out, ".times.csv"), times());
+    journal_.remove();
+    say("{} runs in {}\n", written.rows.size(), options_.out);
+    if (options_.plot) draw_plots(options_.out, written);
+    return kExitFine;
+  }
+
+ private:
+  StudyTable table() const {
+    StudyTable out{plan_.columns(), {}};
+    for (const StudyMeasure& measure : study_measures()) out.columns.push_back(measure.name);
+    for (const StudyRow& row : rows_) {
+      std::vector<std::string>& cells = out.rows.emplace_back(plan_.cells(row.run));
+      cells.insert(cells.end(), row.measures.begin(), row.measures.end());
+    }
+    return out;
+  }
+  StudyTable times() const {
+    StudyTable out{{"run", "runs", "study"}, {}};
+    const std::vector<std::string>& columns = study_times_columns();
+    out.columns.insert(out.columns.end(), columns.begin(), columns.end());
+    for (const StudyRow& row : rows_) {
+      std::vector<std::string> cells = plan_.cells(row.run);
+      cells.resize(3);
+      cells.insert(cells.end(), row.times.begin(), row.times.end());
+      out.rows.push_back(std::move(cells));
+    }
+    return out;
+  }
+
+  const StudyCommand& options_;
+  const StudyPlan& plan_;
+  Journal journal_;
+  std::mutex mutex_;
+  std::deque<size_t> todo_;
+  std::vector<StudyRow> rows_;
+  std::optional<ProgressBar> progress_;
+  size_t asked_ = 0, left_ = 0, done_ = 0;
+};
+
+bool goes_on() { return !StopSignal::requested(); }
+
+int cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+StudyWork as_work(const StudyPlan& plan, Work& work) {
+  return {plan, [&work] { return work.next(); }, [&work](const StudyRow& row) { work.take(row); },
+          goes_on};
+}
+
+StudyPlan plan_of(const StudyCommand& options) { return StudyPlan(read_study(options.file)); }
+
+int study_alone(const StudyCommand& options) {
+  const Shard shard = shard_of(options.shard_text);
+  const StudyPlan plan = plan_of(options);
+  OutputPlan outputs = planned_outputs(options);
+  outputs.reads("the study", options.file);
+  for (const StudyScene& scene : plan.study().scenes) outputs.reads("a scene", scene.file);
+  const StopSignal stop;
+  const OpenOutputs open = outputs.open();
+  Work work(options, plan, shard);
+  const int threads = options.threads.value_or(cores());
+  const int workers = std::clamp(static_cast<int>(work.left()), 1, threads);
+  if (work.left() > 0) carry_out_all(as_work(plan, work), workers, threads / workers);
+  return work.end();
+}
+
+/// The first rank: it hands out runs, keeps the journal, and works itself beside.
+int lead(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan) {
+  OutputPlan outputs = planned_outputs(options);
+  outputs.reads("the study", options.file);
+  const StopSignal stop;
+  const OpenOutputs open = outputs.open();
+  Work work(options, plan, {});
+  std::atomic<bool> is_busy{true};
+  std::exception_ptr failure;
+  std::thread own([&] {
+    try {
+      carry_out_all(as_work(plan, work), 1, options.threads.value_or(1));
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    is_busy = false;
+  });
+  const auto take = [&](const std::string& line) {
+    StudyRow row;
+    if (!read_line(line.substr(0, line.size() - 1), row))
+      throw EnvironmentError("mpirun: a rank sent what is no result; are all of one version?");
+    work.take(row);
+  };
+  try {
+    ranks.lead({[&] { return work.next(); }, take, [&](size_t run) { work.give_back(run); },
+                [&] { return is_busy.load(); }});
+  } catch (...) {
+    own.detach();  // the job ends with this rank
+    throw;
+  }
+  own.join();
+  if (failure) std::rethrow_exception(failure);
+  return work.end();
+}
+
+int study_in_ranks(const StudyCommand& options) {
+  if (!options.shard_text.empty())
+    throw InputError("--shard", "none under mpirun, which shares runs itself", "one");
+  Ranks ranks;
+  // What is wrong with the study is said once.
+  if (ranks.rank() != 0) ranks.wait_for_first();
+  const StudyPlan plan = plan_of(options);
+  if (ranks.rank() == 0) {
+    ranks.wait_for_first();
+    return lead(options, ranks, plan);
+  }
+  const StopSignal stop;
+  const auto tables = std::make_shared<BodyTables>();
+  ranks.follow([&](size_t run) -> std::optional<std::string> {
+    const std::optional<StudyRow> row =
+        carry_out(plan, run, options.threads.value_or(1), tables, goes_on);
+    return row ? std::optional(line_of(*row)) : std::nullopt;
+  });
+  return StopSignal::requested() ? StopSignal::exit_code() : kExitFine;
+}
+
+int study(const StudyCommand& options) {
+  if (!options.merge.empty()) return merge(options);
+  if (options.file.empty()) throw InputError("study", "a study file, or --merge", "neither");
+  table_kind(options.out);
+  return Ranks::are_launched() ? study_in_ranks(options) : study_alone(options);
+}
+
+}  // namespace
+
+Command add_study_command(CommandLine& parent) {
+  CommandOptions* app = parent.add_subcommand(
+      "study", "Scenes x seeds x parameters: a table with a row for each run");
+  app->footer(kFooter);
+  const auto options = std::make_shared<StudyCommand>();
+  app->add_option("FILE", options->file, "A study file");
+  app->add_option("--out", options->out, "The table to write: NAME.csv or NAME.sqlite")
+      ->required()
+      ->type_name("FILE");
+  app->add_option("--threads", options->threads,
+                  "Runs at once, and threads for each where there are fewer runs [all cores]")
+      ->check(whole_option(1, 256, "1 to 256 threads"))
+      ->type_name("N");
+  app->add_option("--shard", options->shard_text,
+                  "Only every N-th run, from the I-th on: for job arrays")
+      ->type_name("I/N");
+  app->add_option("--merge", options->merge, "Join the tables of all shards instead")
+      ->expected(1, 100'000)
+      ->type_name("FILE");
+  app->add_flag("--plot", options->plot,
+                "Pictures of each measure against each parameter, in TABLE.plots");
+  return {app, [options] { return study(*options); }};
+}
+
+}  // namespace throng

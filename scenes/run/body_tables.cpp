@@ -1,0 +1,64 @@
+#include "scenes/run/body_tables.h"
+
+#include "scenes/run/kinds.h"
+
+namespace throng {
+namespace {
+
+bool same(const RootSphere& a, const RootSphere& b) {
+  return a.centre_m == b.centre_m && a.radius_m == b.radius_m &&
+         a.upright_radius_m == b.upright_radius_m;
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> BodyTables::model(const std::filesystem::path& urdf_file) {
+  const std::lock_guard lock(models_mutex_);
+  std::shared_ptr<const Model>& model = models_[urdf_file.string()];
+  if (model == nullptr) model = load_model(urdf_file);
+  return model;
+}
+
+const Gait* BodyTables::known(const std::shared_ptr<const Model>& model, size_t style) const {
+  for (const OneGait& one : each_)
+    if (one.model == model && one.style == style) return one.gait.get();
+  return nullptr;
+}
+
+void BodyTables::tabulate(const std::shared_ptr<const Model>& model, GaitStyles styles,
+                          Workers& workers) {
+  std::vector<OneGait> fresh;
+  for (size_t style = 0; style < kGaitStyleCount; ++style)
+    if (styles[style] && known(model, style) == nullptr) fresh.push_back({model, style, nullptr});
+  workers.for_blocks(static_cast<int>(fresh.size()), [&](int index, int) {
+    OneGait& one = fresh[static_cast<size_t>(index)];
+    one.gait = std::make_shared<const Gait>(*model, static_cast<GaitStyle>(one.style));
+  });
+  each_.insert(each_.end(), fresh.begin(), fresh.end());
+}
+
+std::shared_ptr<const ModelGaits> BodyTables::gaits(const std::shared_ptr<const Model>& model,
+                                                    GaitStyles styles, Workers& workers) {
+  styles.set(0);  // the plain one is always there
+  const std::lock_guard lock(gaits_mutex_);
+  for (const Gaits& known : gaits_)
+    if (known.model == model && known.styles == styles) return known.gaits;
+  tabulate(model, styles, workers);
+  const auto together = std::make_shared<ModelGaits>();
+  for (size_t style = 0; style < kGaitStyleCount; ++style)
+    if (styles[style]) together->of_style(style) = std::make_unique<Gait>(*known(model, style));
+  together->share_room();
+  if (gaits_.size() >= kMost) gaits_.erase(gaits_.begin());
+  return gaits_.emplace_back(Gaits{model, styles, together}).gaits;
+}
+
+std::shared_ptr<const BodyType> BodyTables::body_type(const std::shared_ptr<const Model>& model,
+                                                      const RootSphere& sphere) {
+  const std::lock_guard lock(types_mutex_);
+  for (const Type& known : types_)
+    if (known.model == model && same(known.sphere, sphere)) return known.type;
+  if (types_.size() >= kMost) types_.erase(types_.begin());
+  return types_.emplace_back(Type{model, sphere, throng::body_type(*model, sphere)}).type;
+}
+
+}  // namespace throng

@@ -1,0 +1,19 @@
+#include "scenes/run/run_choices.h"
+
+#include <fmt/format.h>
+
+namespace throng {
+
+double apply(const RunChoices& choices, Scene& scene, std::vector<std::string>& notes) {
+  if (choices.seconds && scene.recorded && *choices.seconds > scene.duration_s)
+    notes.push_back(fmt::format("{} is over after {:.6g} s", scene.name, scene.duration_s));
+  else if (choices.seconds)
+    scene.duration_s = *choices.seconds;
+  if (choices.seed) scene.seed = *choices.seed;
+  if (choices.steering) scene.steering.model = *choices.steering;
+  if (choices.part_volume) scene.part_volume = *choices.part_volume;
+  if (choices.exact) scene.exact = true;
+  return choices.avatars ? scale_to(scene, *choices.avatars, notes) : 1;
+}
+
+}  // namespace throng
