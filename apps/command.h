@@ -33,5 +33,6 @@ Command add_bench_command(CommandLine& parent);
 Command add_validate_command(CommandLine& parent);
 Command add_compare_command(CommandLine& parent);
 Command add_study_command(CommandLine& parent);
+Command add_export_command(CommandLine& parent);
 
 }  // namespace throng

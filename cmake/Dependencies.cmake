@@ -30,6 +30,7 @@ endif()
 
 if(THRONG_LCM)
   pkg_check_modules(LCM REQUIRED IMPORTED_TARGET GLOBAL lcm)
+  pkg_check_modules(ZSTD IMPORTED_TARGET GLOBAL libzstd)  # optional: MCAP files a tenth as large
   find_program(LCM_GEN lcm-gen REQUIRED)
 endif()
 

@@ -29,6 +29,8 @@ packages=(
   liblcm-dev liblcm-bin libglib2.0-dev iproute2
   # the module for Python
   pybind11-dev python3-dev python3-numpy
+  # optional: MCAP files that are packed
+  libzstd-dev
   # tests
   libgtest-dev libgmock-dev
 )

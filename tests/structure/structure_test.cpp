@@ -43,6 +43,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"yaml-cpp", {"scenes"}},
     {"sqlite3.h", {"scenes"}},
     {"mpi.h", {"scenes"}},
+    {"zstd.h", {"lcmtypes"}},
     {"hdf5.h", {"scenes"}},
     {"boost", {"scenes"}},
     {"Recast.h", {"scenes"}},

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "apps/command.h"
+#include "apps/output/file_kind.h"
+#include "apps/output/output_plan.h"
+#include "apps/process/progress.h"
+#include "apps/process/stop_signal.h"
+#include "base/errors.h"
+#include "base/say.h"
+#include "lcmtypes/export/csv_export.h"
+#include "lcmtypes/export/mcap_export.h"
+#include "scenes/file/scene_fields.h"
+
+namespace throng {
+namespace {
+
+constexpr const char* kFooter = R"(
+--mcap writes what Foxglove and other viewers of MCAP show: /tf, where every part is; /scene, the meshes of bodies
+and obstacles; /contact_markers; /contacts, a message for each begin and end. --csv writes the messages of a
+channel, a row a person, event or frame: events, states, touching or counters.
+
+Examples:
+  throng export out/plaza.lcmlog --mcap plaza.mcap
+  throng export out/plaza.lcmlog --mcap plaza.mcap --poses-hz 60
+  throng export out/plaza.lcmlog --csv events > events.csv
+  throng export out/plaza.lcmlog --csv THRONG_STATES --out states.csv)";
+
+struct ExportOptions {
+  std::string log;
+  std::string mcap;
+  std::string csv;
+  std::string out;
+  double poses_hz = McapExportOptions{}.poses_hz;
+};
+
+/// What a log that is torn or damaged comes to: as far as it is sound.
+int ended(const std::string& problem) {
+  if (problem.empty()) return kExitFine;
+  if (StopSignal::requested()) {
+    say("stopped by {}\n", StopSignal::name());
+    return StopSignal::exit_code();
+  }
+  say("note: {}; what is before is exported\n", problem);
+  return kExitCheckFailed;
+}
+
+int to_mcap(const ExportOptions& options) {
+  constexpr int64_t kShares = 1000;
+  ProgressBar progress("export", kShares, "per mille");
+  const McapExport done =
+      export_mcap(options.log, options.mcap, {options.poses_hz}, [&](double share) {
+        progress.show(static_cast<int64_t>(share * static_cast<double>(kShares)));
+        return !StopSignal::requested();
+      });
+  show("{}: {} frames of poses, {} begins and {} ends of contacts, {:.1f} MB\n", options.mcap,
+       done.frames, done.begins, done.ends, static_cast<double>(done.bytes) * 1e-6);
+  return ended(done.problem);
+}
+
+int to_csv(const ExportOptions& options, const std::string& channel) {
+  const auto keep_going = [] { return !StopSignal::requested(); };
+  if (options.out.empty())
+    return ended(export_csv(
+        options.log, channel, [](std::string_view text) { show_text(text); }, keep_going));
+  std::ofstream out(options.out, std::ios::binary);
+  const std::string problem = export_csv(
+      options.log, channel, [&](std::string_view text) { out << text; }, keep_going);
+  out.close();
+  if (!out) throw EnvironmentError(fmt::format("{}: cannot write", options.out));
+  return ended(problem);
+}
+
+int export_log(const ExportOptions& options) {
+  if (options.mcap.empty() == options.csv.empty())
+    throw InputError("export", "--mcap FILE or --csv CHANNEL",
+                     options.mcap.empty() ? "neither" : "both");
+  if (!options.out.empty() && options.csv.empty())
+    throw InputError("--out", "--csv CHANNEL beside it", "none");
+  const std::string channel = csv_channel(options.csv);
+  if (!options.csv.empty() && channel.empty())
+    throw InputError("--csv", "a channel: " + list_of(csv_channels(), " or "),
+                     fmt::format("'{}'", options.csv));
+  if (!is_log(options.log))
+    throw InputError(options.log, "a log of a run", "another file, or none");
+  OutputPlan plan;
+  plan.reads("the log", options.log);
+  plan.writes({.option = "--mcap", .path = options.mcap, .writing = Writing::kAsItRuns});
+  plan.writes({.option = "--out", .path = options.out, .writing = Writing::kAsItRuns});
+  const StopSignal stop;
+  const OpenOutputs outputs = plan.open();
+  return options.csv.empty() ? to_mcap(options) : to_csv(options, channel);
+}
+
+}  // namespace
+
+Command add_export_command(CommandLine& parent) {
+  CommandOptions* app =
+      parent.add_subcommand("export", "A log for other viewers (MCAP), or as a table (CSV)");
+  app->footer(kFooter);
+  const auto options = std::make_shared<ExportOptions>();
+  app->add_option("LOG", options->log, "The log of a run")->required();
+  app->add_option("--mcap", options->mcap, "An MCAP file to write")->type_name("FILE");
+  app->add_option("--poses-hz", options->poses_hz,
+                  "Poses so often a simulated second, as far as the log has states [10]")
+      ->check(number_option(0, 1e4, true, "a number of poses a second above 0"))
+      ->type_name("N");
+  app->add_option("--csv", options->csv, "The messages of a channel: events, states, ...")
+      ->type_name("CHANNEL");
+  app->add_option("--out", options->out, "The table to write [stdout]")->type_name("FILE");
+  return {app, [options] { return export_log(*options); }};
+}
+
+}  // namespace throng

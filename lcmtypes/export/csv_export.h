@@ -1,0 +1,25 @@
+// The messages of a channel of a log as comma-separated values.
+// One rule: a row a person, an event or a frame, names and units as in the messages; nothing is
+// left out but the joints of states.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace throng {
+
+/// "events", "states", "touching", "counters".
+const std::vector<std::string>& csv_channels();
+/// "THRONG_EVENTS" is "events"; "" for what has no such table.
+std::string csv_channel(std::string_view name);
+
+/// Gives the text piece by piece. Returns where the log is torn or damaged, or "". Throws
+/// InputError.
+std::string export_csv(const std::filesystem::path& log, const std::string& channel,
+                       const std::function<void(std::string_view text)>& write,
+                       const std::function<bool()>& keep_going);
+
+}  // namespace throng

@@ -1,0 +1,65 @@
+// MCAP files (https://mcap.dev/spec): messages of any kind with their schemas, in chunks with an
+// index, for Foxglove and other viewers. Chunks are packed by zstd where Throng was built with it.
+// One rule: what is written is never read again; a file whose finish() was not called is torn, and
+// readers know.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace throng {
+
+/// CRC-32 as in zlib, which MCAP asks for: `crc` of what came before, 0 at first.
+uint32_t crc32_of(uint32_t crc, std::string_view bytes);
+
+class McapWriter {
+ public:
+  /// Replaces the file. Throws EnvironmentError, here and below, if it cannot be written.
+  explicit McapWriter(const std::filesystem::path& file);
+
+  /// A topic of JSON messages that a JSON schema describes; returns its number.
+  uint16_t add_topic(const std::string& topic, const std::string& schema_name,
+                     const std::string& schema);
+  void add(uint16_t topic, uint64_t time_ns, std::string_view message);
+  /// Writes the index.
+  void finish();
+
+  uint64_t messages(uint16_t topic) const { return topics_[topic - 1u].messages; }
+  uint64_t bytes() const { return offset_; }
+
+ private:
+  struct Topic {
+    std::string schema_record, channel_record;
+    uint64_t messages = 0;
+    std::vector<std::pair<uint64_t, uint64_t>> index;  ///< of the chunk: time, offset
+  };
+  struct Chunk {
+    uint64_t begin_ns = 0, end_ns = 0, at = 0, bytes = 0, index_bytes = 0, size = 0, packed = 0;
+    std::map<uint16_t, uint64_t> indices;
+  };
+
+  void write(std::string_view bytes);
+  void end_chunk();
+  std::string statistics() const;
+  std::string chunk_indices() const;
+
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  uint64_t offset_ = 0;
+  uint32_t crc_ = 0;
+  std::vector<Topic> topics_;
+  std::vector<Chunk> chunks_;
+  std::string chunk_;
+  uint64_t chunk_begin_ns_ = 0, chunk_end_ns_ = 0;
+};
+
+}  // namespace throng
