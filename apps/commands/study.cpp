@@ -313,6 +313,7 @@ int study_in_ranks(const StudyCommand& options) {
 }
 
 int study(const StudyCommand& options) {
+  if (options.out.empty()) throw InputError("--out", "a table to write", "none");
   if (!options.merge.empty()) return merge(options);
   if (options.file.empty()) throw InputError("study", "a study file, or --merge", "neither");
   table_kind(options.out);
@@ -328,7 +329,6 @@ Command add_study_command(CommandLine& parent) {
   const auto options = std::make_shared<StudyCommand>();
   app->add_option("FILE", options->file, "A study file");
   app->add_option("--out", options->out, "The table to write: NAME.csv or NAME.sqlite")
-      ->required()
       ->type_name("FILE");
   app->add_option("--threads", options->threads,
                   "Runs at once, and threads for each where there are fewer runs [all cores]")

@@ -41,6 +41,8 @@ const std::vector<CommandLine>& commands() {
       {"bench", "--avatars 20 --engines none --frames 1", {"--json", "--csv"}, {}},
       {"validate", "--only rimea_1", {"--json", "--out"}, {"--recordings"}},
       {"compare", "my.yaml my.yaml --seconds 0.1", {"--json", "--out"}, {}, {"my.yaml"}},
+      {"export", "a.lcmlog", {"--mcap"}, {"--out"}, {"a.lcmlog"}},
+      {"study", "", {}, {"--out", "--merge"}},  // its table has an ending of its own
       {"monitor", "a.lcmlog", {}, {}},
       {"info", "a.lcmlog", {}, {}},
       {"scenes", "", {}, {}},
