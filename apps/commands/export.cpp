@@ -5,7 +5,6 @@
 #include <string>
 
 #include "apps/command.h"
-#include "apps/output/file_kind.h"
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
@@ -13,6 +12,7 @@
 #include "base/say.h"
 #include "lcmtypes/export/csv_export.h"
 #include "lcmtypes/export/mcap_export.h"
+#include "lcmtypes/replay/file_kind.h"
 #include "scenes/file/scene_fields.h"
 
 namespace throng {
