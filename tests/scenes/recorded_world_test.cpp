@@ -129,10 +129,11 @@ void expect_planted_feet(const Scene& scene, const std::string& name) {
   SlideMeter meter(simulation);
   const auto frames = static_cast<int64_t>(std::min(scene.duration_s, 60.0) / scene.step_s);
   for (int64_t i = 0; i < frames; ++i) meter.watch(simulation.step());
-  ASSERT_GT(meter.slides_m.size(), 100u) << name;
+  ASSERT_GT(meter.slides.all_m.size(), 100u) << name;
   fmt::print("{}: {} steps slide {:.1f} mm in the median, {:.1f} mm at 95 %\n", name,
-             meter.slides_m.size(), 1e3 * meter.quantile_m(0.5), 1e3 * meter.quantile_m(0.95));
-  EXPECT_LT(meter.quantile_m(0.5), 0.002) << name;
+             meter.slides.all_m.size(), 1e3 * meter.slides.quantile_m(0.5),
+             1e3 * meter.slides.quantile_m(0.95));
+  EXPECT_LT(meter.slides.quantile_m(0.5), 0.002) << name;
 }
 
 TEST_F(RecordedWorldTest, PlantedFeetStayWhereTheyArePut) {

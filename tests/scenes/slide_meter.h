@@ -13,6 +13,21 @@
 
 namespace throng {
 
+/// How far feet slid, a stance each.
+struct Slides {
+  std::vector<double> all_m;
+
+  void add(const Slides& others) {
+    all_m.insert(all_m.end(), others.all_m.begin(), others.all_m.end());
+  }
+  /// Of all stances, the share of which slid less.
+  double quantile_m(double share) const {
+    std::vector<double> sorted = all_m;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
+  }
+};
+
 /// Looks at everybody's planted feet, frame by frame: by vertices of the posed foot.
 class SlideMeter {
  public:
@@ -54,14 +69,7 @@ class SlideMeter {
     }
   }
 
-  /// Of all stances, the share of which slid less.
-  double quantile_m(double share) const {
-    std::vector<double> sorted = slides_m;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
-  }
-
-  std::vector<double> slides_m;  ///< of each stance that ended
+  Slides slides;  ///< of each stance that ended
 
  private:
   struct Foot {
@@ -74,7 +82,7 @@ class SlideMeter {
   void watch(const Mesh& mesh, const PartPose& pose, const Eigen::Vector3d& position, double scale,
              bool is_planted, Foot& foot) {
     if (!is_planted) {
-      if (foot.was_planted) slides_m.push_back(foot.slid_m);
+      if (foot.was_planted) slides.all_m.push_back(foot.slid_m);
       foot = {};
       return;
     }
