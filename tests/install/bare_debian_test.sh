@@ -113,7 +113,8 @@ try_debs() {
     [ ! -f "$part" ] || quietly "bash /throng/source/tests/install/$(basename "$part")"
   done
   # What a package that stays recommends came with the same command, and goes with it.
-  quietly "apt-get purge -y '.*throng.*' && apt-get autoremove -y --purge -o APT::AutoRemove::RecommendsImportant=false"
+  quietly "apt-get purge -y '.*throng.*' && apt-get autoremove -y --purge -o APT::AutoRemove::RecommendsImportant=false \
+    -o APT::AutoRemove::SuggestsImportant=false"
   files >"$folder/after.txt"
   expect_same "files that stay behind" "" "$(comm -13 "$folder/before.txt" "$folder/after.txt" | head -n 20)"
 }

@@ -34,7 +34,7 @@ class Runs(Case):
         self.assertSameTable(one.trajectories, three.trajectories)
 
     def test_have_a_contact_for_each_begin_and_its_end(self):
-        run = throng.run("plaza", seconds=2)
+        run = throng.run("plaza", seconds=4)
         begins = run.events[run.events["kind"] == 0]
         self.assertGreater(len(run.contacts), 20)
         self.assertEqual(len(run.contacts), len(begins))
