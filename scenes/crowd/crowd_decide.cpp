@@ -210,8 +210,10 @@ void Crowd::choose(Slots slots, Walls& walls) {
     // By the velocity that people have, not by the one they show: they would be pushed apart in
     // places where they never are.
     const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
-    slots_.chosen_x_m[slot] = people.x_m[slot] + half_period_s * (old.x() + x);
-    slots_.chosen_y_m[slot] = people.y_m[slot] + half_period_s * (old.y() + y);
+    slots_.expected_x_m[slot] = slots_.chosen_x_m[slot] =
+        people.x_m[slot] + half_period_s * (old.x() + x);
+    slots_.expected_y_m[slot] = slots_.chosen_y_m[slot] =
+        people.y_m[slot] + half_period_s * (old.y() + y);
   }
 }
 

@@ -55,18 +55,14 @@ double Crowd::find_close(Slots slots, size_t block) {
     uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
     const float reach_m = slots_.radius_m[slot] + widest_m_ + margin_m + moved_m;
-    const Eigen::Vector2f expected(slots_.chosen_x_m[slot], slots_.chosen_y_m[slot]);
+    const Eigen::Vector2f expected = expected_m(slot);
     size_t close = 0;
     for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
       const uint32_t other = near[k];
       const float dx = x[other] - x[slot], dy = y[other] - y[slot];
       const float square = dx * dx + dy * dy;
       if (square > reach_m * reach_m) break;  // they come nearest first
-      const Eigen::Vector2f to =
-          (slots_.phase[other] == phase_
-               ? Eigen::Vector2f(slots_.chosen_x_m[other], slots_.chosen_y_m[other])
-               : expected_m(other)) -
-          expected;
+      const Eigen::Vector2f to = expected_m(other) - expected;
       const float radius_m = apart_m(slot, other);
       const float close_m = radius_m + margin_m;
       if (square < radius_m * radius_m)
@@ -74,8 +70,8 @@ double Crowd::find_close(Slots slots, size_t block) {
       if (to.x() * to.x() + to.y() * to.y() < close_m * close_m) std::swap(near[close++], near[k]);
     }
     slots_.close_counts[slot] = static_cast<uint8_t>(close);
-    slots_.expected_x_m[slot] = slots_.swept_x_m[slot] = expected.x();
-    slots_.expected_y_m[slot] = slots_.swept_y_m[slot] = expected.y();
+    slots_.swept_x_m[slot] = expected.x();
+    slots_.swept_y_m[slot] = expected.y();
     // The first sweep looks at all of them.
     slots_.touched[slot] = slots_.swept_touched[slot] = close > 0 ? kMoved : 0;
     if (close > 0) slots_.crowded[first + crowded++] = slot;
