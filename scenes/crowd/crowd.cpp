@@ -249,7 +249,7 @@ void Crowd::step() {
     block_values_[begin / kPeopleABlock] = turned_rad;
     block_ways_m_[begin / kPeopleABlock] = farthest_m;
   });
-  const size_t blocks = in_blocks(grid_.order().size()).size();
+  const auto blocks = static_cast<size_t>(block_count(grid_.order().size()));
   for (size_t block = 0; block < blocks; ++block) counters_.turned_rad += block_values_[block];
   grid_.add_slack_m(*std::max_element(block_ways_m_.begin(),
                                       block_ways_m_.begin() + static_cast<ptrdiff_t>(blocks)));

@@ -93,7 +93,6 @@ class Crowd {
   void for_slots(const Body& body);  // body(begin, end, worker)
   template <typename Body>
   void for_deciders(const Body& body);  // body(block of slots, block, worker)
-  std::span<const double> in_blocks(size_t people) const;
   template <typename Body>
   double largest(const Body& body);  // body(block of deciders, block)
 

@@ -38,16 +38,12 @@ void Crowd::for_deciders(const Body& body) {
   });
 }
 
-/// What the blocks of so many people have written.
-inline std::span<const double> Crowd::in_blocks(size_t people) const {
-  return {block_values_.data(), static_cast<size_t>(block_count(people))};
-}
-
 template <typename Body>
 double Crowd::largest(const Body& body) {
   for_deciders([&](Slots slots, size_t block, int) { block_values_[block] = body(slots, block); });
   double value = 0;
-  for (const double each : in_blocks(deciders().size())) value = std::max(value, each);
+  for (int block = 0; block < block_count(deciders().size()); ++block)
+    value = std::max(value, block_values_[static_cast<size_t>(block)]);
   return value;
 }
 

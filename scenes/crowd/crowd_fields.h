@@ -74,9 +74,9 @@ enum class Saved : uint8_t {
 //   next_held        what `held` of a walker becomes
 //   close_counts     of the neighbours, who may overlap; they come first
 //   crowded          of a block, from its first place on: slots with some
-//   chosen_x_m...    where those who decide will stand after a period, from the middle of the
-//   ground, expected_x_m...  the same as far as discs have been pushed apart, and swept_x_m... what
-//   the sweep found there; before and after a sweep
+//   chosen_x_m...    where those who decide mean to be after a period, from the ground's middle
+//   expected_x_m...  the same as far as discs have been pushed apart
+//   swept_x_m...     what a sweep makes of it
 #define THRONG_DECISION_FIELDS(FIELD) \
   FIELD(uint8_t, phase)               \
   FIELD(float, vx_mps)                \
