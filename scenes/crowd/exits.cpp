@@ -81,8 +81,9 @@ void Exits::choose(uint64_t decision, std::span<const Eigen::Vector2d> positions
   lookers_.clear();
   for (uint32_t id = 0; id < counted_.size(); ++id) {
     const uint32_t exit = journeys.exit(id);
-    if (exit == Journeys::kOpen || (exit < Journeys::kOpen && id % tuning::kLooksAgain == turn))
-      lookers_.push_back(id);
+    const bool looks_again = exit < Journeys::kOpen && id % tuning::kLooksAgain == turn &&
+                             journeys.first_of_party(id) == id;
+    if (exit == Journeys::kOpen || looks_again) lookers_.push_back(id);
   }
   for (size_t first = 0; first < lookers_.size(); first += kMostLookers) {
     const auto some =
@@ -98,7 +99,8 @@ void Exits::choose(uint64_t decision, std::span<const Eigen::Vector2d> positions
       }
     });
     for (size_t i = 0; i < some.size(); ++i)
-      choose_one(some[i], std::span(looked_m_).subspan(i * most_exits_, most_exits_), journeys);
+      choose_one(some[i], std::span(looked_m_).subspan(i * most_exits_, most_exits_), positions_m,
+                 journeys);
   }
 }
 
@@ -149,11 +151,22 @@ double Exits::patience_s(uint32_t id) const {
                         tuning::kMostPatience_s);
 }
 
+void Exits::take(uint32_t id, uint32_t exit, float way_m, Journeys& journeys) {
+  journeys.take_exit(id, exit);
+  counted_[id] = exit;
+  ways_m_[id] = way_m;
+  approaches_[exit].add(way_m, 1);
+}
+
 /// Whoever stands too near a wall for the fields to know sees no way and goes on as before.
-void Exits::choose_one(uint32_t id, std::span<const float> ways_m, Journeys& journeys) {
+void Exits::choose_one(uint32_t id, std::span<const float> ways_m,
+                       std::span<const Eigen::Vector2d> positions_m, Journeys& journeys) {
   const Stop& stop = journeys.stop(id);
   const uint32_t own = journeys.exit(id);
   const bool has_own = own < Journeys::kOpen;
+  if (const uint32_t theirs = has_own ? own : exit_of_companions(id, journeys);
+      theirs != own && ways_m[theirs - stop.first_exit] < kFar)
+    return take(id, theirs, ways_m[theirs - stop.first_exit], journeys);
   if (has_own) {
     approaches_[own].add(ways_m_[id], -1);
     if (ways_m[own - stop.first_exit] < kFar) ways_m_[id] = ways_m[own - stop.first_exit];
@@ -171,10 +184,32 @@ void Exits::choose_one(uint32_t id, std::span<const float> ways_m, Journeys& jou
     best_s = expected;
   }
   if (best == Journeys::kOpen) return;
-  if (best != own) ways_m_[id] = ways_m[best - stop.first_exit];
-  journeys.take_exit(id, best);
-  counted_[id] = best;
-  approaches_[best].add(ways_m_[id], 1);
+  take(id, best, best == own ? ways_m_[id] : ways_m[best - stop.first_exit], journeys);
+  if (has_own) lead_companions(id, positions_m, journeys);
+}
+
+uint32_t Exits::exit_of_companions(uint32_t id, const Journeys& journeys) const {
+  const uint32_t first = journeys.first_of_party(id);
+  for (uint32_t each = first; each < counted_.size() && journeys.first_of_party(each) == first;
+       ++each)
+    if (journeys.exit(each) < Journeys::kOpen && &journeys.stop(each) == &journeys.stop(id))
+      return journeys.exit(each);
+  return journeys.exit(id);
+}
+
+void Exits::lead_companions(uint32_t first, std::span<const Eigen::Vector2d> positions_m,
+                            Journeys& journeys) {
+  const uint32_t exit = journeys.exit(first);
+  for (uint32_t each = first + 1; each < counted_.size() && journeys.first_of_party(each) == first;
+       ++each) {
+    const uint32_t before = journeys.exit(each);
+    if (!(before < Journeys::kOpen) || before == exit) continue;
+    if (&journeys.stop(each) != &journeys.stop(first)) continue;
+    const auto way_m = static_cast<float>(ways_.exits()[exit].field->distance_m(positions_m[each]));
+    if (!(way_m < kFar)) continue;
+    approaches_[before].add(ways_m_[each], -1);
+    take(each, exit, way_m, journeys);
+  }
 }
 
 }  // namespace throng

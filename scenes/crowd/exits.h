@@ -1,7 +1,9 @@
 // Which exit people take where a goal has several: the one where they expect to be through first,
 // by the way to it and the queue there.
 // One rule: people choose one after another in the order of their ids, each knowing what those
-// before have chosen, so that they do not run in a herd and threads do not matter.
+// before have chosen, so that they do not run in a herd and threads do not matter. Companions leave
+// by one exit: the first of them who has to choose chooses for all, and the first of the party
+// looks again.
 #pragma once
 
 #include <Eigen/Core>
@@ -70,7 +72,14 @@ class Exits {
   void count(const Journeys& journeys);
   void watch(const Journeys& journeys, std::span<const uint32_t> order,
              std::span<const uint8_t> queuing);
-  void choose_one(uint32_t id, std::span<const float> ways_m, Journeys& journeys);
+  void choose_one(uint32_t id, std::span<const float> ways_m,
+                  std::span<const Eigen::Vector2d> positions_m, Journeys& journeys);
+  void take(uint32_t id, uint32_t exit, float way_m, Journeys& journeys);
+  /// That of companions who walk to the same goal and have chosen; else their own.
+  uint32_t exit_of_companions(uint32_t id, const Journeys& journeys) const;
+  /// Companions who walk to the same goal go where the first of the party now goes.
+  void lead_companions(uint32_t first, std::span<const Eigen::Vector2d> positions_m,
+                       Journeys& journeys);
   double expected_s(uint32_t exit, uint32_t id, float way_m) const;
   double patience_s(uint32_t id) const;
 

@@ -68,6 +68,8 @@ class Journeys {
   }
 
   Doing doing(uint32_t id) const { return doing_[id]; }
+  /// The least id of the party; of somebody without companions, the own.
+  uint32_t first_of_party(uint32_t id) const { return firsts_[id]; }
   /// How many goals somebody has been at.
   uint32_t visits(uint32_t id) const { return visits_[id]; }
   bool is_present(uint32_t id) const {

@@ -80,6 +80,9 @@ struct Leaving {
         if (now >= Journeys::kOpen) continue;
         changes[id] += chosen[id] < Journeys::kOpen && chosen[id] != now;
         chosen[id] = now;
+        const uint32_t first = world.crowd.journeys().first_of_party(id);
+        const uint32_t firsts = world.crowd.journeys().exit(first);
+        apart += firsts < Journeys::kOpen && firsts != now;
       }
       seconds = step * scene.step_s;
       if (world.crowd.traffic().counters().left == people) break;
@@ -92,6 +95,7 @@ struct Leaving {
   std::map<size_t, int> by_door;
   int by_another = 0;  ///< than the one they had chosen
   std::vector<int> changes;
+  int apart = 0;  ///< how often somebody headed for another exit than the first of the party
   double seconds = 0;
 };
 
@@ -168,6 +172,27 @@ TEST_P(Choice, NobodyDithers) {
     EXPECT_LE(*std::max_element(many.changes.begin(), many.changes.end()), 3);
     EXPECT_LE(sum, 60) << "in a minute";
   }
+}
+
+TEST_P(Choice, CompanionsHeadForOneExit) {
+  int changed = 0;
+  for (const uint64_t seed : {1, 2, 3}) {
+    SCOPED_TRACE(seed);
+    Scene crowded = scene(seed, 160, kNearHalf, kTwoDoors);
+    crowded.groups[0].companions = {1, {1, 1, 1}};
+    const Leaving leaving(crowded, kTwoDoors);
+    const Journeys& journeys = leaving.world.crowd.journeys();
+    int parties = 0;
+    for (uint32_t id = 0; id < leaving.changes.size(); ++id) {
+      parties += journeys.first_of_party(id) == id;
+      changed += leaving.changes[id];
+    }
+    EXPECT_EQ(leaving.left(), 160u);
+    EXPECT_GT(leaving.through(1), 40);
+    EXPECT_GT(parties, 40);
+    EXPECT_EQ(leaving.apart, 0);
+  }
+  EXPECT_GT(changed, 0);  // they think better of it together
 }
 
 TEST_P(Choice, IsTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
