@@ -74,7 +74,8 @@ RecordedRun one_way_run(double entrance_m, double exit_m, const SteeringRule& st
                                  {{8 + kWall_m, -2.5}, {13, 2.5}}};
   add(open, wait);
   RecordedRun run{carved("uo", open, steering, seed), {}, {wait.front()}, {}, kEmptying_s};
-  run.plan.people(people, wait.front(), {{{12, -2.5}, {13, 2.5}}}).speed_mps = free_speed("uo");
+  run.plan.people_packed(people, wait.front(), {{{12, -2.5}, {13, 2.5}}}).speed_mps =
+      free_speed("uo");
   run.areas = {{{2.5, -1.5}, {5.5, 1.5}}};
   return run;
 }
@@ -86,7 +87,8 @@ RecordedRun corner_run(double entrance_m, const SteeringRule& steering, uint64_t
       {{0, 0}, {7.4, 2.4}}, {{5, 0}, {7.4, 10.4}}, {{4, 10.4}, {8.4, 13}}};
   add(open, wait);
   RecordedRun run{carved("eo", open, steering, seed), {}, {wait.front()}, {}, kEmptying_s};
-  run.plan.people(kPeople, wait.front(), {{{4, 12.2}, {8.4, 13}}}).speed_mps = free_speed("eo");
+  run.plan.people_packed(kPeople, wait.front(), {{{4, 12.2}, {8.4, 13}}}).speed_mps =
+      free_speed("eo");
   run.areas = {{{1.3, 0}, {3.7, 2.4}}, {{5, 5.2}, {7.4, 7.6}}};
   return run;
 }
@@ -102,7 +104,8 @@ RecordedRun junction_run(double entrance_m, const SteeringRule& steering, uint64
   RecordedRun run{
       carved("ko", open, steering, seed), {}, {left.front(), right.front()}, {}, kEmptying_s};
   for (const Rectangle& from : run.waiting)
-    run.plan.people(kPeople / 2, from, {{{-2.2, 12.2}, {2.2, 13}}}).speed_mps = free_speed("ko");
+    run.plan.people_packed(kPeople / 2, from, {{{-2.2, 12.2}, {2.2, 13}}}).speed_mps =
+        free_speed("ko");
   run.areas = {{{-6.4, 0}, {-4, 2.4}}, {{4, 0}, {6.4, 2.4}}, {{-1.2, 5.2}, {1.2, 7.6}}};
   return run;
 }
@@ -121,8 +124,8 @@ RecordedRun two_way_run(double entrance_m, const SteeringRule& steering, uint64_
   const auto sides = [](double from_x) -> std::vector<Rectangle> {
     return {{{from_x, 4}, {from_x + 4, 4.8}}, {{from_x, -4.8}, {from_x + 4, -4}}};
   };
-  run.plan.people(kPeople, left.front(), sides(8)).speed_mps = free_speed("bot");
-  run.plan.people(kPeople, right.front(), sides(-4)).speed_mps = free_speed("bot");
+  run.plan.people_packed(kPeople, left.front(), sides(8)).speed_mps = free_speed("bot");
+  run.plan.people_packed(kPeople, right.front(), sides(-4)).speed_mps = free_speed("bot");
   run.areas = {{{2.2, -1.8}, {5.8, 1.8}}};
   return run;
 }
