@@ -12,6 +12,7 @@
 #include "base/files/regular_file.h"
 #include "base/files/whole_file.h"
 #include "base/text.h"
+#include "scenes/studies/study.h"
 #include "scenes/studies/study_sqlite.h"
 
 namespace throng {
@@ -165,8 +166,8 @@ StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables)
       all.columns = table.columns;
       whole.study = table.rows.front()[table.column("study")];
       const std::optional<size_t> runs = whole_from(table.rows.front()[table.column("runs")]);
-      if (!runs || *runs < 1 || *runs > 100'000'000)
-        throw InputError(name, "a number of runs",
+      if (!runs || *runs < 1 || *runs > kMaxStudyRuns)
+        throw InputError(name, fmt::format("a number of runs from 1 to {}", kMaxStudyRuns),
                          in_quotes(table.rows.front()[table.column("runs")]));
       whole.runs = *runs;
       all.rows.resize(whole.runs);

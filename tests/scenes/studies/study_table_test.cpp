@@ -80,6 +80,9 @@ TEST_F(StudyFiles, PartsOfWhichOneIsMissingAreNoWhole) {
   wrong.rows[0][6] = "9";
   EXPECT_THAT(error({{"a", rows(1, 1)}, {"b", wrong}}), HasSubstr("another result"));
   EXPECT_THAT(error({{"a", StudyTable{{"x"}, {{"1"}}}}}), HasSubstr("a: expected a table that"));
+  StudyTable huge = rows(1, 20);
+  huge.rows[0][1] = "77777777";
+  EXPECT_THAT(error({{"a", huge}}), HasSubstr("a: expected a number of runs from 1 to 100000"));
   EXPECT_EQ(error({{"a", rows(1, 1)}, {"b", rows(1, 2)}}), "none") << "twice the same is no harm";
 }
 
