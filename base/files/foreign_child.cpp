@@ -21,6 +21,8 @@ namespace throng::foreign {
 // From <sanitizer/common_interface_defs.h>; there without a sanitizer, it is null.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is theirs
 extern "C" __attribute__((weak)) void __sanitizer_set_report_path(const char* path);
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is theirs
+extern "C" __attribute__((weak)) void __sanitizer_set_death_callback(void (*callback)());
 #endif
 
 namespace {
@@ -72,10 +74,12 @@ void shut_in(const Budget& budget) {
   if (mapped > 0) lower(RLIMIT_AS, mapped + budget.memory_bytes, mapped + budget.memory_bytes);
 }
 
-/// A sanitizer that finds fault with the library says so to nobody: the parent hears of a crash.
+/// A sanitizer that finds fault with the library says so to nobody, a fuzzer keeps no input for it:
+/// the parent hears of a crash.
 void hush_sanitizers() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
   if (__sanitizer_set_report_path) __sanitizer_set_report_path("stderr");
+  if (__sanitizer_set_death_callback) __sanitizer_set_death_callback(nullptr);
 #endif
 }
 
