@@ -18,6 +18,9 @@ elif grep -qE '^(JAVAC|JAR|LCM_JAR):.*-NOTFOUND' "$cache" && command -v javac >/
   cmake "build/$preset" >&2 # a JDK has come since: the message types for Java can be built
 fi
 
+# Without this ccache keeps nothing of a file that wants a precompiled header, and every file wants one.
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
+
 # Two heavy compilations want some 2 GB: never more jobs than cores.
 jobs=$(nproc)
 if [ ${#targets[@]} -gt 0 ]; then
