@@ -58,7 +58,7 @@ make_archive() {
   for file in "${own[@]}"; do
     patchelf --set-rpath "\$ORIGIN/$(realpath --relative-to="$(dirname "$file")" "$root/lib/throng")" "$file"
   done
-  for library in "$root"/lib/throng/*; do
+  for library in "$root"/lib/throng/*.so*; do
     chmod 755 "$library"
     patchelf --set-rpath "\$ORIGIN" "$library"
   done
@@ -66,7 +66,7 @@ make_archive() {
   # Their licences come along.
   licences=$root/share/doc/throng/licences
   mkdir -p "$licences"
-  for library in "$root"/lib/throng/*; do
+  for library in "$root"/lib/throng/*.so*; do
     package=$(dpkg-query -S "*/$(basename "$library")*" 2>/dev/null | grep -v ' diversion ' | sed 's/[:,].*//; q')
     [ -f "/usr/share/doc/$package/copyright" ] || {
       echo "scripts/package.sh: no licence of $(basename "$library")" >&2

@@ -13,6 +13,7 @@
 #include "avatars/gait/gait_cycle.h"
 #include "avatars/gait/gait_table.h"
 #include "avatars/gait/row_blend.h"
+#include "base/files/archive.h"
 #include "base/simd/bilinear.h"
 
 namespace throng {
@@ -97,6 +98,21 @@ struct Gait::Table : GaitTable {
   RowBlend between(float phase01, float speed_mps, float scale) const {
     const GaitPlace at = place(phase01, speed_mps, scale);
     return {row(at.speed, at.phase), at.u, at.v};
+  }
+
+  void archive(Archive& a) {
+    constexpr size_t kMostFloats = 1 << 26;
+    a(columns, row_floats, phases, speeds, leg_length_m, highest_root_speed,
+      speed_cells_per_root_speed, strides_per_root_speed);
+    a.resized(rows, kMostFloats);
+    auto cells = static_cast<uint32_t>(boxes.size());
+    a(cells);
+    if (a.is_reading()) boxes.resize(cells);
+    for (RootBox& box : boxes) a(box.min_m, box.max_m);
+    bool steps = stepping.has_value();
+    a(steps);
+    if (steps && !stepping) stepping.emplace();
+    if (stepping) a(*stepping);
   }
 
   /// The tables of all styles are larger than a core's own cache: rows are asked for before they
@@ -187,6 +203,38 @@ Gait::Gait(const Gait& other)
       outline_(other.outline_) {}
 Gait::Gait(Gait&&) noexcept = default;
 Gait& Gait::operator=(Gait&&) noexcept = default;
+
+Gait::Gait() = default;
+
+std::vector<uint8_t> Gait::bytes() const {
+  Archive archive;
+  Gait(*this).archive(archive);
+  return archive.bytes();
+}
+
+Gait Gait::from(std::span<const uint8_t> bytes, const std::string& name) {
+  Archive archive(bytes, name);
+  Gait gait;
+  gait.archive(archive);
+  archive.expect_end();
+  return gait;
+}
+
+void Gait::archive(Archive& a) {
+  constexpr size_t kMostRows = 1 << 20;
+  a(column_count_, look_column_, min_look_rad_, max_look_rad_, sphere_centre_m_, sphere_radius_m_,
+    upright_radius_m_, swing_.bulge);
+  a.resized(aside_m_, kMostRows);
+  if (table_ == nullptr) table_ = std::make_unique<Table>(0, 0, 0);
+  a(*table_);
+  bool gives_way = outline_ != nullptr;
+  a(gives_way);
+  if (!gives_way) return;
+  const auto outline =
+      a.is_reading() ? std::make_shared<Outline>() : std::make_shared<Outline>(*outline_);
+  a(*outline);
+  outline_ = outline;
+}
 
 float Gait::stride_length_m(float speed_mps, float scale) const {
   if (table_->leg_length_m == 0) return 1;

@@ -2,8 +2,10 @@
 // One rule: phase advances by distance walked, so a planted foot stays where it landed.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "avatars/gait/gait_style.h"
@@ -12,6 +14,8 @@
 #include "avatars/yielding/yielding.h"
 
 namespace throng {
+
+class Archive;
 
 class Gait {
  public:
@@ -23,6 +27,11 @@ class Gait {
   Gait(const Gait& other);
   Gait(Gait&&) noexcept;
   Gait& operator=(Gait&&) noexcept;
+
+  /// All of it as bytes, and a gait that is the same bit by bit from these; see gait_file.h. Throws
+  /// InputError for what no gait has given; `name` says where it is from.
+  std::vector<uint8_t> bytes() const;
+  static Gait from(std::span<const uint8_t> bytes, const std::string& name);
 
   int column_count() const { return column_count_; }
 
@@ -87,6 +96,8 @@ class Gait {
   float upright_radius_m() const { return upright_radius_m_; }
 
  private:
+  Gait();
+  void archive(Archive& a);
   void roll(WalkChunk& chunk, size_t i) const;
   void stand_as_tabled(WalkChunk& chunk, size_t i) const;
 

@@ -82,6 +82,16 @@ fs::path data_directory() {
                   kModels.string(), looked_in));
 }
 
+fs::path made_file(const fs::path& name) {
+  std::error_code ignored;
+  for (const fs::path& data : candidates()) {
+    const fs::path prefix = data.parent_path().parent_path();
+    fs::path file = prefix / "lib" / "throng" / name;
+    if (fs::is_regular_file(file, ignored)) return file;
+  }
+  return {};
+}
+
 fs::path adult_urdf() { return data_directory() / kModels / "adult" / "adult.urdf"; }
 
 }  // namespace throng

@@ -72,6 +72,10 @@ std::shared_ptr<const Model> load_readable_model(const std::filesystem::path& ur
 /// $XDG_DATA_DIRS. Throws EnvironmentError if they are nowhere.
 std::filesystem::path data_directory();
 
+/// A file that was made when Throng was built: NAME in lib/throng beside the share/throng of a data
+/// directory. Empty if there is none.
+std::filesystem::path made_file(const std::filesystem::path& name);
+
 /// The bundled adult: avatars/models/adult/adult.urdf.
 std::filesystem::path adult_urdf();
 

@@ -13,6 +13,7 @@
 #include "avatars/stepping/stepping_kernels.h"
 #include "avatars/stepping/stepping_tables.h"
 #include "base/elementary.h"
+#include "base/files/archive.h"
 
 namespace throng {
 namespace {
@@ -91,12 +92,36 @@ void Stepping::set_room(float centre_z_m, float radius_m, float upright_radius_m
 
 const float* Stepping::table() const { return tables_->table.front().floats; }
 
+Stepping::Stepping() : tables_(std::make_unique<SteppingTables>()) {}
 Stepping::~Stepping() = default;
 Stepping::Stepping(const Stepping& other)
     : tables_(std::make_unique<SteppingTables>(*other.tables_)),
       vertical_column_(other.vertical_column_),
       lateral_column_(other.lateral_column_),
       arm_columns_(other.arm_columns_) {}
+
+void SignedAxis::archive(Archive& a) { a(index, sign); }
+
+void LegNumbers::Roll::archive(Archive& a) { a(ahead_m, height_m, more_ahead_m, more_height_m); }
+
+void LegNumbers::archive(Archive& a) {
+  a(hip_m, thigh_m, shank_m, knee_side_m, ankle_side_m, square_sum_m2, per_twice_product,
+    straight_rad, straight_sin, straight_cos, straightest_cos, most_bent_cos, longest_m, longest_m2,
+    rolls, sole_half_width_m, axis1, axis3, axis13, hand, knee_sign, ankle_sign, lower_rad,
+    upper_rad, thigh_radius_m, knee_radius_m, shank_radius_m, foot_middle_m, foot_half_m, columns);
+}
+
+void SteppingTables::Line::archive(Archive& a) { a(floats); }
+
+void SteppingTables::archive(Archive& a) {
+  constexpr size_t kMostLines = 1 << 20;
+  a(leg_length_m, per_leg_length, highest_root_speed, cells_per_root_speed, shortest_stride_m,
+    phases, speeds, max_drop_m, most_shift_m, most_breath_m, sphere_z_m, sphere_m, upright_m,
+    corner_m, grain_m, per_grain, legs);
+  a.resized(table, kMostLines);
+}
+
+void Stepping::archive(Archive& a) { a(*tables_, vertical_column_, lateral_column_, arm_columns_); }
 
 double Stepping::max_drop_m(const Walker& walker) {
   constexpr double kShare = 0.09;

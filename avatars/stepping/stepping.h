@@ -16,6 +16,7 @@
 
 namespace throng {
 
+class Archive;
 class Gait;
 class PosableModel;
 class Walker;
@@ -128,8 +129,11 @@ class Stepping {
            std::span<const std::vector<WalkerPose>> cycles, float cells_per_root_speed,
            float shortest_stride, std::span<const RootBox> rest_boxes,
            const StandingJoints& standing);
+  /// To be read from an archive.
+  Stepping();
   ~Stepping();
   Stepping(const Stepping& other);
+  void archive(Archive& a);
 
   /// The pelvis sinks no farther for a foot that is too far away.
   static double max_drop_m(const Walker& walker);

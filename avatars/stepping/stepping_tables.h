@@ -10,10 +10,14 @@
 
 namespace throng {
 
+class Archive;
+
 /// One of the root's axes, or its opposite.
 struct SignedAxis {
   int index = 0;
   float sign = 1;
+
+  void archive(Archive& a);
 };
 
 /// A leg as bending and bounding it takes; meshes count as they lie in the zero posture. Axes are
@@ -34,6 +38,8 @@ struct LegNumbers {
   static constexpr float kLowestPitch_rad = -1.6f, kRollsPerRadian = 64;
   struct Roll {
     float ahead_m, height_m, more_ahead_m, more_height_m;
+
+    void archive(Archive& a);
   };
   std::array<Roll, kRolls> rolls{};
   float sole_half_width_m = 0;
@@ -43,6 +49,8 @@ struct LegNumbers {
   float thigh_radius_m = 0, knee_radius_m = 0, shank_radius_m = 0;
   std::array<float, 3> foot_middle_m{}, foot_half_m{};  ///< a box from the ankle
   std::array<int, 5> columns{};                         ///< of a posture row
+
+  void archive(Archive& a);
 };
 
 struct SteppingTables {
@@ -75,8 +83,12 @@ struct SteppingTables {
   /// is a cache line. All tables of a model have the same size.
   struct alignas(64) Line {
     float floats[16];
+
+    void archive(Archive& a);
   };
   std::vector<Line> table;
+
+  void archive(Archive& a);
 
   size_t next_speed_node() const { return static_cast<size_t>(phases + 1) * kNodeFloats; }
   /// Where they begin; nodes and cells are counted.

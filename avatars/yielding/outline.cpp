@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/elementary.h"
+#include "base/files/archive.h"
 
 namespace throng {
 namespace {
@@ -158,6 +159,28 @@ Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
     boxes_[phase].add(boxes[(phase + kPhases - 1) % kPhases]);
     ever_.add(boxes[phase]);
   }
+}
+
+void YieldColumns::archive(Archive& a) {
+  a(trunk, head, arms, drawn_rad, least_trunk_rad, most_trunk_rad, least_head_rad, most_head_rad);
+}
+
+void Reaches::archive(Archive& a) { a(reach_m_, most_m_); }
+
+void Octagon::archive(Archive& a) { a(reaches_m); }
+
+void Limbs::archive(Archive& a) { a(arms, thighs); }
+
+void Swings::archive(Archive& a) { a(boxes_, ever_, aside_m_); }
+
+void Outline::archive(Archive& a) {
+  a(columns, upper, drawn, per_root_speed, leg_length_m);
+  auto speeds = static_cast<uint32_t>(swings.size());
+  a(speeds);
+  while (swings.size() < speeds)
+    swings.emplace_back(*this, std::array<Limbs, Swings::kPhases>{},
+                        std::array<float, Swings::kPhases>{});
+  for (Swings& swing : swings) a(swing);
 }
 
 const Swings& Outline::swung_at(float speed_mps, float scale) const {

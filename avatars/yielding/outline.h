@@ -15,6 +15,8 @@
 
 namespace throng {
 
+class Archive;
+
 /// The columns of a posture row that giving way moves; the right arm, then the left.
 struct YieldColumns {
   static constexpr size_t kArmJoints = 4;  ///< shoulder flexion and abduction, elbow, wrist
@@ -25,6 +27,8 @@ struct YieldColumns {
   /// Where these stand when an arm is drawn in as far as it goes.
   std::array<std::array<float, kArmJoints>, 2> drawn_rad{};
   float least_trunk_rad = 0, most_trunk_rad = 0, least_head_rad = 0, most_head_rad = 0;
+
+  void archive(Archive& a);
 };
 
 /// How far something reaches, by direction: 0 is ahead, counter-clockwise.
@@ -48,6 +52,8 @@ class Reaches {
   /// In any direction.
   float most_m() const { return most_m_; }
 
+  void archive(Archive& a);
+
  private:
   float reach_m_[kDirections + kMore] = {};
   float most_m_ = 0;
@@ -61,6 +67,7 @@ struct Octagon {
   Octagon() { reaches_m.fill(-1e9f); }
   void add(double x, double y);
   void add(const Octagon& other);
+  void archive(Archive& a);
 };
 
 /// Right and left.
@@ -68,6 +75,7 @@ struct Limbs {
   std::array<Octagon, 2> arms, thighs;
 
   void add(const Limbs& other);
+  void archive(Archive& a);
 };
 
 struct Outline;
@@ -82,6 +90,8 @@ class Swings {
   Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
          const std::array<float, kPhases>& aside_m);
   const Outline& outline() const { return *outline_; }
+  /// All but the outline.
+  void archive(Archive& a);
   /// Within a sixteenth of a cycle, counted in these; they may lie beyond one.
   const Limbs& at(int sixteenth) const {
     return boxes_[static_cast<unsigned>(sixteenth) % kPhases];
@@ -118,6 +128,7 @@ struct Outline {
   float leg_length_m = 1;
 
   const Swings& swung_at(float speed_mps, float scale) const;
+  void archive(Archive& a);
 };
 
 /// Nothing for a model without the adult's joints of trunk and arms.

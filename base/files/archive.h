@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <bit>
 #include <concepts>
 #include <cstdint>
@@ -84,6 +85,14 @@ class Archive {
   template <typename T>
   void field(Eigen::Quaternion<T>& value) {
     field(value.coeffs());
+  }
+  template <typename T, size_t count>
+  void field(std::array<T, count>& values) {
+    for (T& value : values) field(value);
+  }
+  template <typename T, size_t count>
+  void field(T (&values)[count]) {
+    for (T& value : values) field(value);
   }
   template <typename T>
   void field(std::vector<T>& values) {

@@ -1,5 +1,6 @@
 #include "scenes/run/body_tables.h"
 
+#include "avatars/gait/gait_file.h"
 #include "scenes/run/kinds.h"
 
 namespace throng {
@@ -32,7 +33,7 @@ void BodyTables::tabulate(const std::shared_ptr<const Model>& model, GaitStyles 
     if (styles[style] && known(model, style) == nullptr) fresh.push_back({model, style, nullptr});
   workers.for_blocks(static_cast<int>(fresh.size()), [&](int index, int) {
     OneGait& one = fresh[static_cast<size_t>(index)];
-    one.gait = std::make_shared<const Gait>(*model, static_cast<GaitStyle>(one.style));
+    one.gait = std::make_shared<const Gait>(gait_of(*model, static_cast<GaitStyle>(one.style)));
   });
   each_.insert(each_.end(), fresh.begin(), fresh.end());
 }

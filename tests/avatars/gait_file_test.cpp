@@ -1,0 +1,180 @@
+// Gaits in files: the same gait bit by bit, and nothing but a sound file is read.
+#include "avatars/gait/gait_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "avatars/avatars.h"
+#include "base/errors.h"
+#include "base/files/regular_file.h"
+#include "base/files/whole_file.h"
+#include "base/random.h"
+#include "tests/same_bits.h"
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kSeed = 20261124;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("throng_gaits_" + std::to_string(::getpid()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+};
+
+/// A model without joints.
+std::shared_ptr<const Model> crate_in(const Folder& folder) {
+  const fs::path urdf = folder.path / "crate.urdf";
+  write_whole_file(urdf, std::string_view(R"(<robot name="crate"><link name="crate"><collision>
+    <geometry><box size="1 1 1"/></geometry></collision></link></robot>)"));
+  return load_model(urdf);
+}
+
+float drawn(uint32_t i, float low, float high) {
+  return static_cast<float>(random_uniform({kSeed, i, 0, Purpose::kGaitPhase}, low, high));
+}
+
+/// What a gait says of moments drawn at random, one number after another.
+std::vector<float> answers(const Gait& gait) {
+  std::vector<float> said = {gait.sphere_centre_m().z(), gait.sphere_radius_m(),
+                             gait.upright_radius_m()};
+  const auto say = [&said](std::initializer_list<float> more) { said.insert(said.end(), more); };
+  std::vector<float> row(static_cast<size_t>(gait.column_count()));
+  for (uint32_t i = 0; i < 2000; ++i) {
+    const float phase = drawn(3 * i, 0, 1), speed = drawn(3 * i + 1, 0, 3);
+    const float scale = drawn(3 * i + 2, 0.5f, 1.2f);
+    gait.postures({&phase, 1}, {&speed, 1}, {&scale, 1}, row);
+    gait.look(0.4f, row);
+    said.insert(said.end(), row.begin(), row.end());
+    RootBox box;
+    gait.bounds({&phase, 1}, {&speed, 1}, {&scale, 1}, {&box, 1});
+    for (const auto& corner : {box.min_m, box.max_m}) say({corner[0], corner[1], corner[2]});
+    say({gait.stride_length_m(speed, scale), gait.swing().at(phase)});
+    const FootTrack track = gait.track_at(speed, scale);
+    say({track.stance, track.shift_m, track.side_m[0], track.side_m[1], track.stride_m});
+    const WalkRoom room = gait.room_of(box, scale);
+    const RootBox round = gait.box_of(room, scale);
+    say({room.x, room.y, round.min_m[0], round.min_m[1], round.max_m[0], round.max_m[1]});
+    const Swings& swings = gait.outline()->swung_at(speed, scale);
+    const Limbs limbs = swings.at(Swings::sixteenth_of(phase));
+    for (size_t side = 0; side < 2; ++side)
+      for (size_t way = 0; way < 8; ++way)
+        say({limbs.arms[side].reaches_m[way], limbs.thighs[side].reaches_m[way],
+             swings.ever().arms[side].reaches_m[way], gait.outline()->drawn[side].reaches_m[way]});
+    say({swings.aside_m(phase), swings.outline().upper.at(48 * phase),
+         swings.outline().upper.most_m()});
+  }
+  return said;
+}
+
+/// Some who walk, turn and stop: what they bring along and what comes out, after each step.
+std::vector<float> walked(const Gait& gait) {
+  constexpr size_t kCount = 16;
+  std::vector<float> said;
+  std::vector<WalkPosture> postures(WalkChunk::kMostLanes);
+  WalkChunk chunk{};
+  chunk.count = kCount;
+  chunk.postures = postures.data();
+  chunk.step_s = 1.0f / 60;
+  std::vector<float> row(static_cast<size_t>(gait.column_count()));
+  for (size_t lane = 0; lane < kCount; ++lane) {
+    chunk.gaits[lane] = &gait;
+    chunk.scales[lane] = drawn(static_cast<uint32_t>(lane), 0.8f, 1.1f);
+    chunk.present[lane] = chunk.w_before[lane] = chunk.w_after[lane] = chunk.stretch[lane] = 1;
+    chunk.gait_mps[lane] = kNotComeIn;
+  }
+  for (uint32_t step = 0; step < 300; ++step) {
+    for (size_t lane = 0; lane < kCount; ++lane) {
+      const float speed =
+          step % 100 < 70 ? drawn(static_cast<uint32_t>(100 + lane), 0.2f, 1.8f) : 0.0f;
+      chunk.way_x_m[lane] = speed * chunk.step_s;
+      chunk.ahead_mps[lane] = speed;
+    }
+    chunk.fill_up();
+    Gait::walk(chunk, SimdTarget::kBest);
+    for (size_t lane = 0; lane < kCount; ++lane) {
+      const Gait* one = &gait;
+      const auto some = static_cast<uint32_t>(lane);
+      Gait::postures({&one, 1}, postures, {&some, 1}, row);
+      said.insert(said.end(), row.begin(), row.end());
+      said.insert(said.end(), {chunk.phases[lane], chunk.gait_mps[lane], chunk.room_x[lane],
+                               chunk.room_y[lane], gait.trunk_aside_m(postures[lane])});
+    }
+  }
+  return said;
+}
+
+template <typename T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+  return same_bits(std::span<const T>(a), std::span<const T>(b));
+}
+
+TEST(GaitFile, HoldsTheGaitThatWasTabulated) {
+  const Folder folder;
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf());
+  for (size_t i = 0; i < kGaitStyleCount; ++i) {
+    const auto style = static_cast<GaitStyle>(i);
+    SCOPED_TRACE(figures_of(style).name);
+    write_gait_file(*adult, style, folder.path);
+    const Gait tabulated(*adult, style);
+    const Gait read = read_gait_file(folder.path / gait_file_name(*adult, style));
+    EXPECT_TRUE(same(read.bytes(), tabulated.bytes()));
+    EXPECT_TRUE(same(answers(read), answers(tabulated)));
+    EXPECT_TRUE(same(walked(read), walked(tabulated)));
+  }
+}
+
+TEST(GaitFile, OfEachStyleOfTheBundledAdultIsMadeByTheBuild) {
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf());
+  for (size_t i = 0; i < kGaitStyleCount; ++i) {
+    const fs::path name = gait_file_name(*adult, static_cast<GaitStyle>(i));
+    EXPECT_FALSE(made_file(fs::path("gaits") / name).empty()) << name;
+  }
+}
+
+TEST(GaitFile, IsNamedAfterModelAndStyle) {
+  const Folder folder;
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf()), crate = crate_in(folder);
+  const fs::path plain = gait_file_name(*adult, GaitStyle::kPlain);
+  EXPECT_NE(plain, gait_file_name(*adult, GaitStyle::kBrisk));
+  EXPECT_NE(plain, gait_file_name(*crate, GaitStyle::kPlain));
+}
+
+TEST(GaitFile, ThatIsDamagedOrShortIsRefused) {
+  const Folder folder;
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf());
+  write_gait_file(*adult, GaitStyle::kPlain, folder.path);
+  const fs::path file = folder.path / gait_file_name(*adult, GaitStyle::kPlain);
+  const std::vector<uint8_t> whole = RegularFile(file, "a gait", 1 << 28).bytes();
+  const auto is_refused = [&](const std::vector<uint8_t>& bytes) {
+    write_whole_file(file, bytes);
+    EXPECT_THROW(read_gait_file(file), InputError) << bytes.size();
+  };
+  for (uint32_t i = 0; i < 20; ++i) {
+    std::vector<uint8_t> bytes = whole;
+    const auto at = static_cast<size_t>(
+        random_uniform({kSeed, i, 1, Purpose::kGaitPhase}, 0, static_cast<double>(whole.size())));
+    bytes[at] ^= 0x10;
+    is_refused(bytes);
+    is_refused({whole.begin(), whole.begin() + static_cast<ptrdiff_t>(at)});
+  }
+  is_refused({});
+}
+
+TEST(GaitFile, OfAModelWithoutLegsHoldsItsStillness) {
+  const Folder folder;
+  const Gait gait = gait_of(*crate_in(folder), GaitStyle::kPlain);
+  const Gait read = Gait::from(gait.bytes(), "a crate");
+  EXPECT_FALSE(read.has_legs());
+  EXPECT_EQ(read.outline(), nullptr);
+  EXPECT_TRUE(same(read.bytes(), gait.bytes()));
+}
+
+}  // namespace
+}  // namespace throng
