@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
+#include "base/hasher.h"
 #include "culling/volumes/volumes.h"
 
 namespace throng {
@@ -17,8 +19,12 @@ std::shared_ptr<const Model> alone(const Model& body, const Part& part) {
   for (Eigen::Vector3f& vertex : centred.mesh.vertices) vertex -= middle;
   const std::array<int, 1> links = {0};
   FlatModel kinematics(robot, links);
-  Model model{part.name, std::move(robot), {std::move(centred)}, std::move(kinematics),
-              0,         body.content_hash};
+  Model model{part.name,
+              std::move(robot),
+              {std::move(centred)},
+              std::move(kinematics),
+              0,
+              Hasher().add(body.content_hash).add(std::string_view(part.name)).value()};
   model.height_m = static_cast<float>(2 * reach_m(model));
   return std::make_shared<const Model>(std::move(model));
 }

@@ -4,10 +4,14 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "avatars/avatars.h"
+#include "avatars/gait/gait_file.h"
 #include "base/errors.h"
 #include "bench/paper/parts.h"
 #include "culling/exact/triangle_bvh.h"
+#include "scenes/box/loose_parts.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/runner.h"
 
@@ -80,6 +84,17 @@ TEST(BoxScene, ReportsExactlyThePairsWhoseTrianglesTouch) {
                                       << " pairs reported, " << expected.size() << " touch";
   }
   EXPECT_GT(found, 0u);
+}
+
+/// A gait or a table that is looked up by what a model is made of is then never another part's, or
+/// the whole body's.
+TEST(BoxScene, HasPartsThatAreToldApartByTheirContent) {
+  const std::shared_ptr<const Model> body = load_model(adult_urdf());
+  std::set<uint64_t> hashes = {body->content_hash};
+  for (const std::shared_ptr<const Model>& part : loose_parts(*body)) {
+    EXPECT_TRUE(hashes.insert(part->content_hash).second) << part->name;
+    EXPECT_FALSE(gait_of(*part, GaitStyle::kPlain).has_legs()) << part->name;
+  }
 }
 
 TEST(BoxScene, KeepsItsDensityWhenScaled) {
