@@ -16,7 +16,7 @@ declare -A what=(
   [tidy]="clang-tidy over all sources"
   [lto]="one definition of everything: each program read as a whole, and inline functions compared"
   [outside]="culling alone and the README's program in somebody else's project"
-  [packages]="packages made, tried in a bare Debian 12, and the tests of the command against them"
+  [packages]="packages made, tried in a bare Debian 12, and the tests of the command and of Python against them"
   [extend]="a volume, a scene field, a steering model and a sink added by patches"
   [soak]="an hour of people who walk and touch all the time"
   [asan]="the whole suite under the address and undefined behaviour sanitizers"
@@ -54,11 +54,21 @@ packages() {
   bash scripts/package.sh || return
   bash tests/install/bare_debian_test.sh "$PWD" "$PWD/build/release/packages" "$PWD/build/bare" || status=$?
   [ "$status" -eq 0 ] || [ "$status" -eq 77 ] || return "$status"
-  # Its programs: the command, and the examples as others build them.
+  # Its programs: the command, and the examples as others build them; and its Python module.
   local tried=$PWD/build/release/tests/install/tried
   bash tests/install/install_test.sh "$PWD" "$PWD/build/release" "$tried" || return
   THRONG_TESTED=$tried/programs build/release/test_apps --gtest_brief=1 || return
-  THRONG_TESTED=$tried/programs build/release/test_own_skeleton --gtest_brief=1
+  THRONG_TESTED=$tried/programs build/release/test_own_skeleton --gtest_brief=1 || return
+  python_tests "$tried"
+}
+
+python_tests() { # INSTALLED: by tests/install/install_test.sh
+  local test
+  [ -d "$1/python" ] || { echo "no Python module is installed"; return; }
+  for test in tests/python/*_test.py; do
+    PYTHONPATH=$1/python PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg THRONG_COMMAND=$1/programs/throng \
+      THRONG_SOURCE_DIR=$PWD /usr/bin/python3 "$test" || return
+  done
 }
 
 run_step() {

@@ -95,6 +95,11 @@ try_archive() {
   missing=$(inside "find /srv/moved -name '*.so*' -o -name throng -type f | while read -r file; do ldd \$file; done" |
     grep -c "not found" || true)
   expect_same "libraries that are missing" 0 "$missing"
+  # Its Python module wants an interpreter and numpy, and nothing else.
+  [ -d "$root/srv/moved/lib/python3/dist-packages" ] || return 0
+  quietly "apt-get update && apt-get install -y --no-install-recommends python3-numpy"
+  quietly "PYTHONPATH=/srv/moved/lib/python3/dist-packages bash /throng/source/tests/install/python_installed.sh"
+  echo "  the Python module: the same hash"
 }
 
 try_debs() {

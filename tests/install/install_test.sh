@@ -92,4 +92,6 @@ mkdir "$folder/programs"
 ln -s "$moved/bin/throng" "$folder/programs/throng"
 ln -s "$folder/all/readme" "$folder/programs/hello"
 ln -s "$folder/all/own_skeleton" "$folder/programs/own_skeleton"
+# And for those of the Python module, which take it from $PYTHONPATH.
+ln -s "$moved/lib/python3/dist-packages" "$folder/python"
 echo "installed, used from outside, moved and used again"
