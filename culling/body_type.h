@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,9 @@ namespace throng {
 struct PartShape {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3i> triangles;
+  /// What encloses it; empty: CullerOptions::part_volume. Two parts with different volumes are
+  /// tested with both, the one that comes first in the list of volumes first.
+  std::optional<VolumeKind> volume = {};
 };
 
 /// A sphere fixed in the root frame that encloses every part in every posture the body can take;

@@ -25,8 +25,21 @@ void require_triangles(BodyTypes types, const CullerOptions& options) {
     throw InputError("exact contacts", "a strategy that tests parts", "spheres alone");
 }
 
+/// What only the pipeline does is not left out in silence.
+void require_pipeline(BodyTypes types, const CullerOptions& options) {
+  const bool is_pipeline = options.strategy == Strategy::kPipeline;
+  if (options.by_part && (!is_pipeline || options.deadline_ms || options.deadline_tests))
+    throw InputError("counts by part", "the pipeline without a deadline",
+                     is_pipeline ? "a deadline" : name_of(options.strategy));
+  for (const auto& type : types)
+    for (const PartShape& part : type->parts())
+      if (part.volume && !is_pipeline)
+        throw InputError("volumes of single parts", "the pipeline", name_of(options.strategy));
+}
+
 std::unique_ptr<Pass> make_pass(BodyTypes types, const CullerOptions& options, Workers& workers) {
   require_triangles(types, options);
+  require_pipeline(types, options);
   const bool has_deadline = options.deadline_ms || options.deadline_tests;
   if (options.strategy != Strategy::kPipeline) {
     assert(!has_deadline);
@@ -113,5 +126,6 @@ std::span<const uint8_t> Culler::levels() const { return state_->pass->levels();
 uint64_t Culler::persisting() const { return state_->events.persisting(); }
 const CullingCounters& Culler::counters() const { return state_->counters; }
 uint64_t Culler::hash() const { return state_->hash.value(); }
+PartTally Culler::part_tally() const { return state_->pass->part_tally(); }
 
 }  // namespace throng

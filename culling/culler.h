@@ -14,6 +14,7 @@
 #include "culling/body_type.h"
 #include "culling/counters.h"
 #include "culling/pair.h"
+#include "culling/part_tally.h"
 #include "culling/strategies/strategy.h"
 #include "culling/volumes/volume_kind.h"
 
@@ -32,12 +33,16 @@ struct CullerOptions {
   std::optional<uint64_t> deadline_tests{};  ///< of boxes, part volumes and triangles together
   /// The paper's recipes run on one thread and know no deadline (asserted).
   Strategy strategy = Strategy::kPipeline;
+  /// Counts by pair of parts, too, and judges by triangles what the part volumes report; see
+  /// part_tally(). Never changes a result. Only of the pipeline without a deadline.
+  bool by_part = false;
 };
 
 class Culler {
  public:
   /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
-  /// triangles, or of spheres alone.
+  /// triangles, or of spheres alone; if a part has a volume of its own, or by_part is asked, under
+  /// a strategy of the paper; or if by_part is asked under a deadline.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
   ~Culler();
@@ -59,6 +64,8 @@ class Culler {
   const CullingCounters& counters() const;
   /// Of every event so far (see event_hash.h); with a deadline, levels count.
   uint64_t hash() const;
+  /// All frames so far, by pair of parts; empty without CullerOptions::by_part.
+  PartTally part_tally() const;
 
  private:
   struct State;

@@ -14,6 +14,7 @@
 #include "culling/counters.h"
 #include "culling/kernels/kernels.h"
 #include "culling/pair.h"
+#include "culling/part_tally.h"
 #include "culling/stages/posed_bodies.h"
 #include "culling/stages/slots.h"
 
@@ -27,7 +28,12 @@ struct PartStageFrame {
   std::span<const uint16_t> type_parts;
   const Kernels* kernels;
   VolumeKind volume;
+  bool is_mixed;  ///< parts have volumes of their own, see PartShape::volume
   bool exact;
+
+  VolumeKind volume_of(size_t type, size_t part) const {
+    return types[type]->parts()[part].volume.value_or(volume);
+  }
 };
 
 /// N and time of one worker; summed up in any order.
@@ -51,8 +57,8 @@ struct PartPairs {
   uint32_t times_grown() const { return parts.times_grown() + runs.times_grown(); }
 };
 
-/// Makes what the stage will read of a type.
-void fit_for_part_stage(const BodyType& type, VolumeKind volume, bool exact);
+/// Makes what the stage will read of a type, for each of `volumes`.
+void fit_for_part_stage(const BodyType& type, std::span<const VolumeKind> volumes, bool exact);
 
 /// Tests that the part boxes of two bodies take.
 uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair);
@@ -82,6 +88,10 @@ class PartStage {
   void keep_pairs(const PartStageFrame& frame, size_t count);
   void keep_candidates(size_t count) { candidate_count_ = count; }
 
+  /// From now on finish() counts by pair of parts, too.
+  void tally_parts() { tally_ = std::make_unique<PartTally>(); }
+  const PartTally* tally() const { return tally_.get(); }
+
   const PartStageCounters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
   /// Makes room for what another worker's task needed: any worker may get that task next time.
@@ -89,11 +99,25 @@ class PartStage {
   uint32_t times_grown() const;
 
  private:
-  using OrdopKernel = Kernels::OrdopPairs Kernels::*;
-  void test_by_kernel(const PartStageFrame& frame, OrdopKernel kernel);
   void sort_into_buckets();
+  /// Calls test(shape a, shape b, candidates of the bucket) for each bucket that is not empty, and
+  /// rest(one candidate) for each of shapes beyond the buckets; candidates as indices.
+  template <typename Test, typename Rest>
+  void for_each_bucket(const Test& test, const Rest& rest);
+  template <typename Volume>
+  void test_by_kernel(const PartStageFrame& frame);
+  void test_mixture(const PartStageFrame& frame);
+  template <typename Volume>
+  bool overlap(const PartStageFrame& frame, uint32_t candidate) const;
   template <typename Volume>
   void test_one_by_one(const PartStageFrame& frame);
+  template <typename Volume>
+  void test_one_by_one(const PartStageFrame& frame, std::span<const uint32_t> candidates);
+  template <typename Volume>
+  void test_by_reference(const PartStageFrame& frame, uint32_t candidate);
+  std::span<uint32_t> still_overlapping(std::span<uint32_t> candidates) const;
+  void tally_tests(const PartStageFrame& frame);
+  void tally_truth(const PartStageFrame& frame);
   void write_runs(PartPairs& out) const;
 
   const PosedBodies* bodies_ = nullptr;
@@ -102,6 +126,7 @@ class PartStage {
   GrowBuffer<Candidate> candidates_;
   GrowBuffer<uint32_t> bucket_start_, order_;
   GrowBuffer<uint8_t> overlaps_;
+  std::unique_ptr<PartTally> tally_;  // null: nobody asks
   size_t pair_count_ = 0, candidate_count_ = 0;
   PartStageCounters counters_;
 };

@@ -41,6 +41,7 @@ class Pass {
   /// PairLevel of each of the pairs that touch; empty: last_level().
   virtual std::span<const uint8_t> levels() const { return {}; }
   virtual EventHashKind hash_kind() const { return EventHashKind::kEvents; }
+  virtual PartTally part_tally() const { return {}; }
   virtual uint64_t times_grown() const = 0;
 };
 

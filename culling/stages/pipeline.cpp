@@ -22,7 +22,10 @@ Pipeline::Pipeline(BodyTypes types, const CullerOptions& options, Workers& worke
       workers_(workers),
       shared_(types, options, workers),
       stages_(static_cast<size_t>(workers.threads())),
-      posed_(static_cast<size_t>(workers.threads())) {}
+      posed_(static_cast<size_t>(workers.threads())) {
+  if (options.by_part)
+    for (PartStage& stage : stages_) stage.tally_parts();
+}
 
 void Pipeline::run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
                    CullingCounters& counters) {
@@ -159,6 +162,13 @@ void Pipeline::sum_counters(CullingCounters& counters) const {
   for (const PartStage& stage : stages_) parts.add(stage.counters());
   for (const PosedBodies& bodies : posed_) made.add(bodies.counters());
   shared_.count(parts, made, counters);
+}
+
+PartTally Pipeline::part_tally() const {
+  PartTally sum;
+  for (const PartStage& stage : stages_)
+    if (stage.tally() != nullptr) sum.add(*stage.tally());
+  return sum;
 }
 
 uint64_t Pipeline::times_grown() const {

@@ -16,6 +16,7 @@ class Pipeline final : public Pass {
 
   void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
            CullingCounters& counters) override;
+  PartTally part_tally() const override;
   uint64_t times_grown() const override;
 
  private:

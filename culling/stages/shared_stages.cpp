@@ -3,17 +3,31 @@
 #include <algorithm>
 
 namespace throng {
+namespace {
+
+std::vector<VolumeKind> volumes_of(BodyTypes types, VolumeKind volume) {
+  std::vector<VolumeKind> out;
+  for (const auto& type : types)
+    for (const PartShape& part : type->parts()) out.push_back(part.volume.value_or(volume));
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+}  // namespace
 
 SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers)
     : types_(types),
       kernels_(kernels_for(options.simd)),
       volume_(options.part_volume),
+      volumes_(volumes_of(types, volume_)),
       exact_(options.exact),
       slots_(types),
       broad_(types, kernels_, workers, options.pair_search) {
+  if (volumes_.size() == 1) volume_ = volumes_.front();
   size_t shapes = 0;
   for (size_t type = 0; type < types.size(); ++type) {
-    fit_for_part_stage(*types[type], volume_, exact_);
+    fit_for_part_stage(*types[type], volumes_, exact_);
     const size_t parts = static_cast<size_t>(types[type]->part_count());
     type_parts_.push_back(static_cast<uint16_t>(parts));
     type_first_shape_.push_back(static_cast<uint16_t>(std::min(shapes, size_t{kMaxBucketShapes})));
@@ -35,7 +49,7 @@ void SharedStages::count(const PartStageCounters& parts, const PosedBodies::Coun
   counters.box.updates = posed.parts;
   counters.box.update_ns = posed.box_ns;
   counters.part = parts.part;
-  counters.part.volume = name_of(volume_);
+  counters.part.volume = volumes_.size() > 1 ? "mixed" : name_of(volume_);
   counters.part.updates += posed.parts;
   counters.part.update_ns += posed.pose_ns;
   counters.exact = parts.exact;

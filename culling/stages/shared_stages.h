@@ -32,7 +32,8 @@ class SharedStages {
     return {types_, kernels_, slots_, source};
   }
   PartStageFrame parts() const {
-    return {types_, shape_type_, type_first_shape_, type_parts_, &kernels_, volume_, exact_};
+    return {types_,    shape_type_, type_first_shape_,   type_parts_,
+            &kernels_, volume_,     volumes_.size() > 1, exact_};
   }
   /// The frame's counters, of all stages.
   void count(const PartStageCounters& parts, const PosedBodies::Counters& posed,
@@ -43,6 +44,7 @@ class SharedStages {
   BodyTypes types_;
   const Kernels& kernels_;
   VolumeKind volume_;
+  std::vector<VolumeKind> volumes_;  // of all parts, each once
   bool exact_;
   // By type, or by shape: what kernels read instead of BodyType.
   std::vector<uint16_t> type_parts_, type_first_shape_, shape_type_;

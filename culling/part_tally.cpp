@@ -1,0 +1,56 @@
+#include "culling/part_tally.h"
+
+#include <algorithm>
+
+namespace throng {
+
+void PartPairCounts::add(const PartPairCounts& other) {
+  box_tests += other.box_tests;
+  box_passed += other.box_passed;
+  part_passed += other.part_passed;
+  touching += other.touching;
+}
+
+PartTally::Block& PartTally::block(uint16_t type_a, uint16_t type_b, size_t parts_a,
+                                   size_t parts_b) {
+  if (type_b < type_a) {
+    std::swap(type_a, type_b);
+    std::swap(parts_a, parts_b);
+  }
+  Block& block = blocks_[{type_a, type_b}];
+  if (block.cells.empty()) {
+    block.parts_a = parts_a;
+    block.parts_b = parts_b;
+    block.cells.resize(parts_a * parts_b);
+  }
+  return block;
+}
+
+PartPairCounts& PartTally::cell(Block& block, uint16_t type_a, uint16_t type_b, size_t part_a,
+                                size_t part_b) {
+  if (type_b < type_a || (type_a == type_b && part_b < part_a)) std::swap(part_a, part_b);
+  return block.cells[part_a * block.parts_b + part_b];
+}
+
+void PartTally::add(const PartTally& other) {
+  knows_truth &= other.knows_truth;
+  for (const auto& [types, theirs] : other.blocks_) {
+    Block& ours = block(types.first, types.second, theirs.parts_a, theirs.parts_b);
+    ours.body_pairs += theirs.body_pairs;
+    for (size_t i = 0; i < ours.cells.size(); ++i) ours.cells[i].add(theirs.cells[i]);
+  }
+}
+
+PartTally::Blocks PartTally::blocks() const {
+  Blocks out = blocks_;
+  for (auto& [types, block] : out) {
+    const bool is_one = types.first == types.second;
+    for (size_t a = 0; a < block.parts_a; ++a)
+      for (size_t b = is_one ? a : 0; b < block.parts_b; ++b)
+        block.cells[a * block.parts_b + b].box_tests =
+            is_one && a != b ? 2 * block.body_pairs : block.body_pairs;
+  }
+  return out;
+}
+
+}  // namespace throng
