@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "culling/volumes/volumes.h"
+#include "culling/volumes/aabb.h"
 
 namespace throng::bench {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "bench/crowd.h"
 #include "bench/spread.h"
+#include "bench/workbench/false_positives.h"
 
 namespace throng::bench {
 
@@ -79,8 +80,6 @@ struct BenchResult {
   double ratio_fastest() const;
   double ratio_fcl() const;
 };
-
-using Progress = std::function<void(const std::string&)>;
 
 /// The crowd that the options ask for; sets avatars and per_m2 to what the plaza has.
 std::unique_ptr<Crowd> make_crowd(BenchOptions& options);

@@ -7,7 +7,7 @@
 
 #include "bench/ageing.h"
 #include "bench/comparison.h"
-#include "bench/false_positives.h"
+#include "bench/workbench/false_positives.h"
 
 namespace throng::bench {
 

@@ -133,8 +133,10 @@ Measured measure_steering(const BenchCommand& command, const bench::Progress& pr
 }
 
 Measured measure_parts(const BenchCommand& command, const bench::Progress& progress) {
-  const auto result =
-      bench::count_false_positives(command.options, *volume_of(command.parts), 20, progress);
+  bench::BenchOptions options = command.options;
+  const std::unique_ptr<bench::Crowd> crowd = bench::make_crowd(options);
+  const auto result = bench::count_false_positives(*crowd, bench::project_volumes(),
+                                                   {options.frames, 20, command.parts}, progress);
   const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
   return {bench::to_text(result),
           bench::to_json(result, command.options),

@@ -1,13 +1,12 @@
 // Construction, update and test of each volume over the parts of the adult; tests on lists of
 // candidates of which 0, 10 or 100 % overlap.
-#include "culling/volumes/volumes.h"
-
 #include <benchmark/benchmark.h>
 
 #include <string>
 
 #include "bench/micro/candidates.h"
 #include "bench/micro/instructions.h"
+#include "culling/volumes/volume_list.h"
 
 namespace throng::bench {
 namespace {

@@ -61,13 +61,6 @@ void compare(Census& census, const std::vector<uint8_t>& found, const std::vecto
 
 }  // namespace
 
-BoxWorldOptions part_one_box(uint64_t seed) {
-  BoxWorldOptions options;
-  options.seed = seed;
-  options.edge_m = 2.41;
-  return options;
-}
-
 CensusTable take_census(const std::vector<Object>& objects, int frames, uint64_t seed) {
   const Motion motion = record(objects, frames, seed);
   CensusTable table;

@@ -14,9 +14,6 @@ namespace throng::paper {
 
 inline constexpr size_t kMarks = 5;
 
-/// Part I's box. Its edge is calibrated: spheres then collide about as often as in the paper.
-BoxWorldOptions part_one_box(uint64_t seed);
-
 /// What one method found and did in one run.
 struct Census {
   std::array<uint64_t, kMarks> collisions{};  ///< overlapping pairs, summed over the frames so far

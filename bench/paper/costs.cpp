@@ -4,23 +4,19 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "base/random.h"
 #include "bench/paper/census.h"
-#include "bench/paper/thread_clock.h"
+#include "bench/workbench/thread_clock.h"
 
 namespace throng::paper {
 namespace {
 
+using bench::repeat;
+using bench::shuffle;
+using bench::ThreadClock;
+using bench::use;
+
 /// The exact test's tree is not the paper's, and takes longer than all its volumes together.
 constexpr int kTreeConstructions = 10;
-/// A measurement ends after this long, but not before kMinRepetitions.
-constexpr double kBudget_ns = 0.15e9;
-constexpr int kMinRepetitions = 7;
-constexpr int kMaxRepetitions = 101;
-
-/// Keeps the compiler from dropping what is only timed.
-void use(const void* value) { asm volatile("" : : "r"(value) : "memory"); }
-
 struct Inputs {
   struct Pose {
     uint32_t object;
@@ -33,14 +29,6 @@ struct Inputs {
   std::vector<Pair> pairs;  ///< shuffled
   float margin_m = 0;
 };
-
-/// Fisher and Yates, with numbers that are the same everywhere.
-template <typename T>
-void shuffle(std::vector<T>& items, uint64_t seed) {
-  const RandomKey key{seed, 0, 1, Purpose::kBoxWorld};
-  for (size_t i = items.size(); i > 1; --i)
-    std::swap(items[i - 1], items[random_bits(key, static_cast<uint32_t>(i)) % i]);
-}
 
 Inputs record(const std::vector<Object>& objects, int frames, uint64_t seed) {
   BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(seed));
@@ -62,23 +50,6 @@ Inputs record(const std::vector<Object>& objects, int frames, uint64_t seed) {
   }
   shuffle(inputs.pairs, seed);
   return inputs;
-}
-
-/// Repeats `body`, which does `count` of something, and gives the cost of one.
-template <typename Body>
-Cost repeat(size_t count, const Body& body) {
-  std::vector<double> samples_ns;
-  double spent_ns = 0;
-  body();  // caches and clocks warm up
-  while (static_cast<int>(samples_ns.size()) < kMaxRepetitions &&
-         (static_cast<int>(samples_ns.size()) < kMinRepetitions || spent_ns < kBudget_ns)) {
-    ThreadClock watch;
-    body();
-    const double ns = watch.lap_ns();
-    spent_ns += ns;
-    samples_ns.push_back(ns / static_cast<double>(count));
-  }
-  return cost_of(std::move(samples_ns));
 }
 
 template <typename Method>
@@ -153,14 +124,6 @@ double run_ms(const std::vector<Object>& objects, int frames, uint64_t seed) {
 }
 
 }  // namespace
-
-Cost cost_of(std::vector<double> samples_ns) {
-  if (samples_ns.empty()) return {};
-  std::sort(samples_ns.begin(), samples_ns.end());
-  const size_t last = samples_ns.size() - 1;
-  return {samples_ns[last / 2], samples_ns[last / 10], samples_ns[last - last / 10],
-          static_cast<int>(samples_ns.size())};
-}
 
 std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>& objects,
                                                        int frames, uint64_t seed,

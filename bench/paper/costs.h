@@ -7,16 +7,12 @@
 #include <vector>
 
 #include "bench/paper/methods.h"
+#include "bench/workbench/repeat.h"
 
 namespace throng::paper {
 
-/// Nanoseconds: median, and the 10th and 90th percentile over the repetitions.
-struct Cost {
-  double median_ns = 0;
-  double low_ns = 0;
-  double high_ns = 0;
-  int repetitions = 0;
-};
+using bench::Cost;
+using bench::cost_of;
 
 /// The paper's 500, 1000 and 5000 frames, as multiples of the first.
 inline constexpr std::array<int, 3> kRunLengths = {1, 2, 10};
@@ -35,8 +31,5 @@ struct MethodCosts {
 std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>& objects,
                                                        int frames, uint64_t seed,
                                                        int constructions);
-
-/// Of samples in any order.
-Cost cost_of(std::vector<double> samples_ns);
 
 }  // namespace throng::paper

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/paper/published.h"
+#include "bench/workbench/figure_three.h"
 
 namespace throng::paper {
 namespace {
@@ -43,20 +44,17 @@ std::string bars(const std::string& data, const std::vector<std::string>& series
 }
 
 Figure figure_3(const PaperResult& result) {
-  std::string data;
+  const auto objects = static_cast<double>(result.objects.size());
+  const double pairs = objects * (objects - 1) / 2;
+  std::vector<bench::LabelledPoint> points;
   for (const VolumeResult& volume : result.volumes)
-    data += fmt::format("\"{}\" {} {}\n", label(volume.name),
-                        15 * volume.costs.update.median_ns + 105 * volume.costs.test.median_ns,
-                        100 * (1 - volume.false_positive_rate));
-  return {
-      "figure_03", "Figure 3: simplicity against accuracy",
-      "The paper draws this as a ranking without numbers; here it is measured: the cost of a "
-      "frame of 15 objects against the share of found pairs that touch.",
-      "$data << EOD\n" + data +
-          "EOD\nset logscale x\nset grid\nset xlabel 'ns a frame (15 updates, 105 tests)'\nset "
-          "ylabel 'pairs found that touch, %'\nset yrange [0:108]\nset offsets graph 0.1, graph "
-          "0.15, 0, 0\nunset key\nplot $data using 2:3 with points pointtype 7 linecolor rgb "
-          "'#4477aa', $data using 2:3:1 with labels left offset 0.8,0 font ',9'\n"};
+    points.push_back({label(volume.name),
+                      objects * volume.costs.update.median_ns + pairs * volume.costs.test.median_ns,
+                      1 - volume.false_positive_rate});
+  return {"figure_03", "Figure 3: simplicity against accuracy",
+          "The paper draws this as a ranking without numbers; here it is measured: the cost of a "
+          "frame of 15 objects against the share of found pairs that touch.",
+          bench::figure_3_script(points, "15 updates, 105 tests")};
 }
 
 Figure figure_6(const PaperResult& result) {

@@ -8,7 +8,7 @@
 
 #include "bench/paper/parts.h"
 #include "culling/exact/triangle_bvh.h"
-#include "culling/volumes/volumes.h"
+#include "culling/volumes/volume_list.h"
 
 namespace throng::paper {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "culling/volumes/volumes.h"
@@ -9,9 +10,10 @@
 
 namespace throng::paper {
 
-std::vector<Object> load_objects() {
+std::vector<Object> load_objects(const std::string& urdf) {
   std::vector<Object> objects;
-  for (const std::shared_ptr<const Model>& part : loose_parts(*load_model(adult_urdf()))) {
+  for (const std::shared_ptr<const Model>& part :
+       loose_parts(*load_model(urdf.empty() ? adult_urdf() : std::filesystem::path(urdf)))) {
     const Mesh& mesh = part->parts.front().mesh;
     PartShape shape{mesh.vertices, mesh.triangles};
     const double radius_m = reach_m(*part);
@@ -29,6 +31,13 @@ BoxWorld world_of(const std::vector<Object>& objects, size_t count, size_t stati
   std::vector<double> radii_m;
   for (const Object& object : objects) radii_m.push_back(object.radius_m);
   return BoxWorld::of_kinds(options, radii_m, count, static_every);
+}
+
+BoxWorldOptions part_one_box(uint64_t seed) {
+  BoxWorldOptions options;
+  options.seed = seed;
+  options.edge_m = 2.41;
+  return options;
 }
 
 float margin_m(const std::vector<Object>& objects, const BoxWorld& world) {

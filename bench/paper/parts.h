@@ -21,12 +21,15 @@ struct Object {
   std::shared_ptr<const BodyType> type;  ///< the same for culling
 };
 
-/// The adult's parts, in the order of its URDF.
-std::vector<Object> load_objects();
+/// The parts of a model, in the order of its URDF; the bundled adult's if none is named.
+std::vector<Object> load_objects(const std::string& urdf = {});
 
 /// `count` objects, the parts in turn; every `static_every`-th stands still (0: none does).
 BoxWorld world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
                   const BoxWorldOptions& options);
+
+/// Part I's box. Its edge is calibrated: spheres then collide about as often as in the paper.
+BoxWorldOptions part_one_box(uint64_t seed);
 
 /// What tests over these objects in a box must allow for rounding.
 float margin_m(const std::vector<Object>& objects, const BoxWorld& world);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench/paper/census.h"
-#include "bench/paper/thread_clock.h"
+#include "bench/workbench/thread_clock.h"
 #include "culling/fitted.h"
 #include "culling/strategies/recipe.h"
 
@@ -142,7 +142,7 @@ StrategyResult measure_strategy(Strategy strategy, const std::vector<Object>& ob
   {
     StrategyRun run(strategy, objects, count, seed);
     for (int frame = 0; frame < frames; ++frame) {
-      ThreadClock watch;
+      bench::ThreadClock watch;
       run.frame();
       samples_ms.push_back(watch.lap_ns() * 1e-6);
       first_ms += samples_ms.back();
@@ -161,7 +161,7 @@ StrategyResult measure_strategy(Strategy strategy, const std::vector<Object>& ob
   for (int repetition = 0; repetition < kMaxRepetitions; ++repetition) {
     if (repetition >= kMinRepetitions && spent_ms > kEnough_ms) break;
     StrategyRun run(strategy, objects, count, seed);
-    ThreadClock watch;
+    bench::ThreadClock watch;
     for (int frame = 0; frame < frames; ++frame) run.frame();
     const double run_ms = watch.lap_ns() * 1e-6;
     spent_ms += run_ms;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "culling/kernels/kernels.h"
-#include "culling/volumes/volumes.h"
+#include "culling/volumes/ordop.h"
 
 namespace throng {
 

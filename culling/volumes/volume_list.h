@@ -9,6 +9,11 @@
 #include <tuple>
 #include <utility>
 
+#include "culling/volumes/aabb.h"
+#include "culling/volumes/kdop.h"
+#include "culling/volumes/obb.h"
+#include "culling/volumes/ordop.h"
+#include "culling/volumes/sphere.h"
 #include "culling/volumes/volume_kind.h"
 #include "culling/volumes/volumes.h"
 

@@ -1,14 +1,12 @@
-// The five bounding volumes of the paper behind one concept.
+// What a bounding volume is: one concept for all of them; volume_list.h has the list.
 // One rule: overlaps() == false proves that the enclosed points are apart; true means "maybe".
 #pragma once
 
+#include <Eigen/Core>
 #include <concepts>
+#include <span>
 
-#include "culling/volumes/aabb.h"
-#include "culling/volumes/kdop.h"
-#include "culling/volumes/obb.h"
-#include "culling/volumes/ordop.h"
-#include "culling/volumes/sphere.h"
+#include "base/pose.h"
 
 namespace throng {
 

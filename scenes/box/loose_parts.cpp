@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "base/hasher.h"
-#include "culling/volumes/volumes.h"
+#include "culling/volumes/sphere.h"
 
 namespace throng {
 namespace {

@@ -1,9 +1,11 @@
 // The false-positive table: no volume misses, tighter ones report less, and the sums add up.
-#include "bench/false_positives.h"
+#include "bench/workbench/false_positives.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
+
+#include "bench/comparison.h"
 
 namespace throng::bench {
 namespace {
@@ -11,9 +13,11 @@ namespace {
 class FalsePositiveTable : public testing::Test {
  protected:
   static const FalsePositives& table() {
-    static const FalsePositives result =
-        count_false_positives({.avatars = 80, .per_m2 = 4, .frames = 2, .seed = 5},
-                              VolumeKind::kOrdop26, 20, [](const std::string&) {});
+    static const FalsePositives result = [] {
+      BenchOptions options{.avatars = 80, .per_m2 = 4, .seed = 5};
+      return count_false_positives(*make_crowd(options), project_volumes(), {.frames = 2},
+                                   [](const std::string&) {});
+    }();
     return result;
   }
   static uint64_t reported(const std::string& name) {

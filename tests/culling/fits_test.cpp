@@ -7,7 +7,7 @@
 
 #include "culling/volumes/directions.h"
 #include "culling/volumes/polytope.h"
-#include "culling/volumes/volumes.h"
+#include "culling/volumes/volume_list.h"
 #include "shapes.h"
 
 namespace throng::test {

@@ -1,31 +1,18 @@
 // Part pairs by the million, held against triangles in double precision: whatever touches must be
 // reported by the whole culling pass.
-// One rule: only near pairs count, those whose axis-aligned boxes, widened by a centimetre,
-// overlap; of the others the boxes prove that they are apart.
+// One rule: only near pairs count, see bench/workbench/couples.h.
 #pragma once
 
 #include <cstdint>
 #include <string>
-#include <string_view>
-#include <vector>
+
+#include "bench/workbench/couples.h"
 
 namespace throng::test {
 
-enum class Family {
-  kBlobs,     ///< bumpy ellipsoids and boxes
-  kAdult,     ///< the parts of the bundled adult
-  kFlat,      ///< plates without thickness, tilted and axis-parallel
-  kNeedle,    ///< a metre long, some micrometres thick
-  kPoint,     ///< all corners in one place, and segments
-  kNested,    ///< small parts inside large closed ones
-  kFar,       ///< blobs and plates at 10 km and 100 km from the world's origin
-  kTouching,  ///< boxes and plates that share a corner, an edge or a face, to the rounding
-  kMixed      ///< solids and loose triangles in one part; triangles decide, each piece by itself
-};
-inline constexpr Family kFamilies[] = {Family::kBlobs,  Family::kAdult,    Family::kFlat,
-                                       Family::kNeedle, Family::kPoint,    Family::kNested,
-                                       Family::kFar,    Family::kTouching, Family::kMixed};
-std::string_view name_of(Family family);
+using bench::Family;
+using bench::kFamilies;
+using bench::name_of;
 
 struct NearPairs {
   uint64_t near = 0;
@@ -39,5 +26,10 @@ struct NearPairs {
 /// At least `pairs` near pairs, in whole rounds over all part volumes and SIMD targets of this
 /// machine, pair searches in turn.
 NearPairs check_near_pairs(Family family, uint64_t pairs, uint64_t seed);
+
+/// A frame for each of `maps` random maps from parts to volumes. `differing` counts, too, where
+/// another SIMD target, pair search or number of threads gives another hash, and where triangles
+/// decide otherwise than behind one volume.
+NearPairs check_mixtures(Family family, int maps, uint64_t seed);
 
 }  // namespace throng::test

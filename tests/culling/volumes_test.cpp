@@ -1,11 +1,10 @@
 // What each of the five volumes promises, against oracles that look at every vertex.
-#include "culling/volumes/volumes.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
 
 #include "culling/volumes/directions.h"
+#include "culling/volumes/volume_list.h"
 #include "shapes.h"
 
 namespace throng::test {

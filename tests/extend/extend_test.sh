@@ -6,7 +6,7 @@
 #                                                     `throng run` knows them; takes minutes
 set -euo pipefail
 
-declare -A files=([volume]=7 [scene_field]=3 [steering_model]=5 [sink]=5)
+declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5)
 
 mode=${1:-} source=${2:-} folder=${3:-}
 here=$(cd "$(dirname "$0")" && pwd)

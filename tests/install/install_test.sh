@@ -51,6 +51,14 @@ said=$("$build/hello")
 expect_same "the program of the README" "$said" "$("$folder/all/readme")"
 skeleton=$("$build/own_skeleton")
 expect_same "own_skeleton" "$skeleton" "$("$folder/all/own_skeleton")"
+# A volume of one's own, with the workbench: it keeps the law; too thin a one is caught, with the pair.
+"$folder/all/own_volume" 20000 1 "$folder/volume" >"$folder/log" || fail "own_volume: $(cat "$folder/log")"
+grep -q '^capsule: 0 of [0-9]* touching pairs missed' "$folder/log" || fail "own_volume: $(head -n 1 "$folder/log")"
+status=0
+THICKNESS=0.95 "$folder/all/own_volume" 20000 1 "$folder/volume" >"$folder/log" || status=$?
+expect_same "exit code of a capsule too thin" 1 "$status"
+grep -q 'first miss: [a-z]*, seed 1, frame' "$folder/log" || fail "own_volume: expected the first miss"
+grep -q 'a_to_b_m' "$folder/volume/miss.txt" || fail "own_volume: expected the pair in miss.txt"
 
 hidden="liblcm-dev liblcm-bin nodejs npm libgtest-dev libgmock-dev libfcl-dev libcli11-dev nlohmann-json3-dev
   libpng-dev libwebp-dev libglib2.0-dev liborocos-kdl-dev liburdfdom-dev liburdfdom-headers-dev libassimp-dev

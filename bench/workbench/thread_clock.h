@@ -5,7 +5,7 @@
 
 #include <ctime>
 
-namespace throng::paper {
+namespace throng::bench {
 
 class ThreadClock {
  public:
@@ -26,4 +26,4 @@ class ThreadClock {
   double start_ns_ = read_ns();
 };
 
-}  // namespace throng::paper
+}  // namespace throng::bench

@@ -4,16 +4,20 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "bench/comparison.h"
+#include "bench/crowd.h"
+#include "bench/workbench/tested_volume.h"
 
 namespace throng::bench {
 
+using Progress = std::function<void(const std::string&)>;
+
 /// A volume alone, or "pipeline": all that a Culler does before or-DOP 26.
 struct VolumeReport {
-  std::string name;  ///< as name_of(VolumeKind), "_vertices" appended if refitted to them
+  std::string name;  ///< the volume's
   uint64_t reported = 0;
   uint64_t missed = 0;  ///< true pairs that it did not report; any is an error
 };
@@ -33,8 +37,14 @@ struct FalsePositives {
   const PartCell& cell(size_t a, size_t b) const { return matrix[a * parts.size() + b]; }
 };
 
-/// options.frames frames, one every `stride` steps.
-FalsePositives count_false_positives(BenchOptions options, VolumeKind matrix_volume, int stride,
+struct CensusOptions {
+  int frames = 4;  ///< one every `stride` steps
+  int stride = 20;
+  std::string matrix_volume = "ordop26";
+};
+
+/// Of a crowd that walks on.
+FalsePositives count_false_positives(Crowd& crowd, VolumeList volumes, const CensusOptions& options,
                                      const Progress& progress);
 
 }  // namespace throng::bench

@@ -1,0 +1,66 @@
+// What one of something costs: repeated, timed by the thread's own clock, with median and spread.
+// One rule: inputs come in random order and never repeat within a repetition, so that no branch is
+// learned.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "base/random.h"
+#include "bench/workbench/thread_clock.h"
+
+namespace throng::bench {
+
+/// Nanoseconds: median, and the 10th and 90th percentile over the repetitions.
+struct Cost {
+  double median_ns = 0;
+  double low_ns = 0;
+  double high_ns = 0;
+  int repetitions = 0;
+};
+
+/// Of samples in any order.
+inline Cost cost_of(std::vector<double> samples_ns) {
+  if (samples_ns.empty()) return {};
+  std::sort(samples_ns.begin(), samples_ns.end());
+  const size_t last = samples_ns.size() - 1;
+  return {samples_ns[last / 2], samples_ns[last / 10], samples_ns[last - last / 10],
+          static_cast<int>(samples_ns.size())};
+}
+
+/// Keeps the compiler from dropping what is only timed.
+inline void use(const void* value) { asm volatile("" : : "r"(value) : "memory"); }
+
+/// A measurement ends after this long, but not before kMinRepetitions.
+inline constexpr double kBudget_ns = 0.15e9;
+inline constexpr int kMinRepetitions = 7;
+inline constexpr int kMaxRepetitions = 101;
+
+/// Repeats `body`, which does `count` of something, and gives the cost of one.
+template <typename Body>
+Cost repeat(size_t count, const Body& body) {
+  std::vector<double> samples_ns;
+  double spent_ns = 0;
+  body();  // caches and clocks warm up
+  while (static_cast<int>(samples_ns.size()) < kMaxRepetitions &&
+         (static_cast<int>(samples_ns.size()) < kMinRepetitions || spent_ns < kBudget_ns)) {
+    ThreadClock watch;
+    body();
+    const double ns = watch.lap_ns();
+    spent_ns += ns;
+    samples_ns.push_back(ns / static_cast<double>(count));
+  }
+  return cost_of(std::move(samples_ns));
+}
+
+/// Fisher and Yates, with numbers that are the same everywhere.
+template <typename T>
+void shuffle(std::vector<T>& items, uint64_t seed) {
+  const RandomKey key{seed, 0, 1, Purpose::kBoxWorld};
+  for (size_t i = items.size(); i > 1; --i)
+    std::swap(items[i - 1], items[random_bits(key, static_cast<uint32_t>(i)) % i]);
+}
+
+}  // namespace throng::bench

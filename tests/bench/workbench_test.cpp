@@ -1,0 +1,134 @@
+// The workbench: volumes of the project keep the law on it, a volume that misses is caught with the
+// pair that shows it, and what a volume leaves out is made up for.
+#include "bench/workbench/workbench.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "culling/exact/triangle_bvh.h"
+#include "culling/volumes/volume_list.h"
+
+namespace throng {
+namespace {
+
+using bench::LawRow;
+using bench::TestedVolumeOf;
+
+constexpr uint64_t kSeed = 20266;
+
+/// Too small by a tenth of its radius.
+struct ThinSphere : Sphere {
+  static Fitted fit(std::span<const Eigen::Vector3f> points) {
+    Fitted sphere = Sphere::fit(points);
+    sphere.radius_m *= 0.9f;
+    return sphere;
+  }
+};
+
+/// Nothing but a fit and a test.
+struct BareSphere {
+  static Sphere::Fitted fit(std::span<const Eigen::Vector3f> points) { return Sphere::fit(points); }
+  static bool overlaps(const bench::PosedPart<Sphere::Fitted>& a,
+                       const bench::PosedPart<Sphere::Fitted>& b, const Eigen::Vector3f& a_to_b_m,
+                       float margin_m) {
+    return Sphere::overlaps(Sphere::place(*a.fitted, a.pose, a.scale),
+                            Sphere::place(*b.fitted, b.pose, b.scale), a_to_b_m, margin_m);
+  }
+};
+
+/// Many at once; of every seventh pair it says what `kWrong` says.
+template <bool kWrong>
+struct KernelSphere : Sphere {
+  static void overlaps_many(std::span<const Placed> placed,
+                            std::span<const bench::PlacedPair> pairs, std::span<uint8_t> out) {
+    for (size_t i = 0; i < pairs.size(); ++i)
+      out[i] = (kWrong && i % 7 == 0) || Sphere::overlaps(placed[pairs[i].a], placed[pairs[i].b],
+                                                          pairs[i].a_to_b_m, pairs[i].margin_m);
+  }
+};
+
+LawRow law_of(const bench::TestedVolume& volume, uint64_t pairs, int threads) {
+  Workers workers(threads);
+  LawRow sum;
+  for (const LawRow& row : bench::check_law(volume, pairs, kSeed, workers)) {
+    EXPECT_GT(row.near, pairs / 10) << row.family;
+    EXPECT_GT(row.touching, row.near / 100) << row.family;
+    sum.add(row);
+  }
+  return sum;
+}
+
+TEST(Workbench, TheVolumesOfTheProjectKeepTheLaw) {
+  for (const bench::TestedVolume* volume : bench::project_volumes()) {
+    const LawRow sum = law_of(*volume, 1000, 1);
+    EXPECT_EQ(sum.missed, 0u) << volume->name() << ": " << sum.first_miss->where;
+    EXPECT_GE(sum.reported, sum.touching) << volume->name();
+    EXPECT_LT(sum.touching, sum.near) << volume->name();
+  }
+}
+
+TEST(Workbench, CatchesAVolumeThatIsTooSmallAndShowsThePair) {
+  const LawRow sum = law_of(TestedVolumeOf<ThinSphere>("thin"), 20'000, 2);
+  EXPECT_GT(sum.missed, 0u);
+  ASSERT_TRUE(sum.first_miss);
+  // The pair stands for itself: its triangles touch, and the volume says that it is apart.
+  const bench::Miss& miss = *sum.first_miss;
+  ExactCounters counters;
+  EXPECT_TRUE(solids_touch({miss.shape_a.points, miss.shape_a.triangles}, miss.a.pose, miss.a.scale,
+                           {miss.shape_b.points, miss.shape_b.triangles}, miss.b.pose, miss.b.scale,
+                           miss.test.a_to_b_m, counters));
+  const auto placed = [](const PartShape& shape, const bench::PartPlace& place) {
+    return ThinSphere::place(ThinSphere::fit(shape.points), place.pose, place.scale);
+  };
+  EXPECT_FALSE(ThinSphere::overlaps(placed(miss.shape_a, miss.a), placed(miss.shape_b, miss.b),
+                                    miss.test.a_to_b_m, miss.test.margin_m));
+  EXPECT_NE(bench::to_text(miss).find("seed 20266"), std::string::npos);
+}
+
+TEST(Workbench, SamePairsForAnyNumberOfThreads) {
+  const TestedVolumeOf<ThinSphere> thin("thin");
+  const LawRow one = law_of(thin, 5000, 1), three = law_of(thin, 5000, 3);
+  EXPECT_EQ(one.near, three.near);
+  EXPECT_EQ(one.touching, three.touching);
+  EXPECT_EQ(one.reported, three.reported);
+  EXPECT_EQ(one.missed, three.missed);
+  EXPECT_EQ(bench::to_text(*one.first_miss), bench::to_text(*three.first_miss));
+}
+
+TEST(Workbench, AFitAndATestAreEnough) {
+  const LawRow bare = law_of(TestedVolumeOf<BareSphere>("bare"), 5000, 1);
+  const LawRow whole = law_of(TestedVolumeOf<Sphere>("sphere"), 5000, 1);
+  EXPECT_EQ(bare.near, whole.near);
+  EXPECT_EQ(bare.reported, whole.reported);
+  EXPECT_EQ(bare.missed, 0u);
+}
+
+TEST(Workbench, AKernelHasToAgreeWithItsTest) {
+  EXPECT_EQ(law_of(TestedVolumeOf<KernelSphere<false>>("kernel"), 5000, 1).differing, 0u);
+  EXPECT_GT(law_of(TestedVolumeOf<KernelSphere<true>>("kernel"), 5000, 1).differing, 0u);
+}
+
+TEST(Workbench, PutsAVolumeBesideThoseOfTheProject) {
+  WorkbenchOptions options{.near_pairs = 2000, .seed = kSeed, .walkers = 40, .frames = 40};
+  const WorkbenchResult result = try_volume(TestedVolumeOf<BareSphere>("bare"), options);
+  EXPECT_TRUE(result.keeps_the_law());
+  ASSERT_EQ(result.figure_3.size(), bench::project_volumes().size() + 1);
+  const auto& bare = result.figure_3.back();
+  const auto& sphere = result.figure_3.front();
+  EXPECT_EQ(bare.name, "bare");
+  EXPECT_EQ(bare.found, sphere.found);
+  EXPECT_EQ(bare.true_share, sphere.true_share);
+  for (const bench::FalsePositives& counted : result.false_positives) {
+    uint64_t passed = 0;
+    for (const bench::PartCell& cell : counted.matrix) passed += cell.passed;
+    EXPECT_EQ(counted.matrix_volume, "bare");
+    EXPECT_EQ(passed, counted.volumes.front().reported);  // the sphere's
+  }
+  const std::string text = to_text(result);
+  EXPECT_NE(text.find("bare: 0 of "), std::string::npos);
+  EXPECT_NE(text.find("> bare"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace throng
