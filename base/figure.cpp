@@ -5,6 +5,7 @@
 
 #include <cctype>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -40,6 +41,32 @@ std::string words_of(FILE* file) {
 
 }  // namespace
 
+std::string script_of(const HeatMap& map) {
+  const size_t count = map.names.size();
+  std::string tics;
+  for (size_t i = 0; i < count; ++i)
+    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", figure_text(map.names[i]), i);
+  std::string script = "$data << EOD\n";
+  for (size_t row = 0; row < count; ++row) {
+    for (size_t column = 0; column < count; ++column) {
+      const double value = map.values[row * count + column];
+      script += fmt::format("{} {} {}\n", column, row,
+                            std::isnan(value) ? "NaN" : fmt::format("{}", value));
+    }
+    script += '\n';
+  }
+  return script +
+         fmt::format(
+             "EOD\nset xtics rotate by -45 ({0}) scale 0\nset ytics ({0}) scale 0\nset xtics "
+             "noenhanced\nset ytics noenhanced\nset xrange "
+             "[-0.5:{1}]\nset yrange [{1}:-0.5]\nunset key\nset palette defined (0 'white', 1 "
+             "'#ccddee', "
+             "2 '{2}', 3 '#223355')\nset cblabel '{3}'\n{5}plot $data "
+             "using 1:2:{4} with image pixels\n",
+             tics, static_cast<double>(count) - 0.5, kFigureColours[0], map.label,
+             map.using_expression, map.margins);
+}
+
 bool has_gnuplot() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }
 
 void require_gnuplot() {
@@ -60,9 +87,9 @@ std::string draw(const Figure& figure, const std::filesystem::path& folder) {
     throw EnvironmentError(fmt::format("gnuplot: cannot start: {}", std::strerror(errno)));
   // An id of its own, so that two figures in one page do not share their markers.
   fmt::print(gnuplot,
-             "set terminal svg size 900,460 font 'sans-serif,12' background rgb 'white' name '{}'\n"
+             "set terminal svg size {},{} font 'sans-serif,12' background rgb 'white' name '{}'\n"
              "set output {}\n{}set output\n",
-             figure.id, figure_text(file.string()), figure.script);
+             figure.width, figure.height, figure.id, figure_text(file.string()), figure.script);
   const int status = pclose(gnuplot);
   std::ifstream in(file, std::ios::binary);
   std::string svg{std::istreambuf_iterator<char>(in), {}};

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace throng {
 
@@ -13,6 +14,8 @@ struct Figure {
   std::string title;
   std::string caption;
   std::string script;  ///< everything but the terminal and the output
+  int width = 900;
+  int height = 460;
 };
 
 /// Colours that people who see few colours tell apart, too (Tol 2021, "bright").
@@ -22,6 +25,18 @@ inline constexpr const char* kFigureColours[] = {"#4477aa", "#ee6677", "#228833"
 /// A text of any origin (the name of a part, a path) as gnuplot takes it: in quotes that it cannot
 /// leave. Whatever else stands in a script is run as a command.
 std::string figure_text(std::string text);
+
+/// A square of cells, one a pair of names, the darker the larger. `using_expression` says what of a
+/// cell's number ($3) is drawn: "3", "(log10(1 + $3))".
+struct HeatMap {
+  std::vector<std::string> names;
+  std::vector<double> values;  ///< names x names, row by row; NaN: an empty cell
+  std::string using_expression = "3";
+  std::string label;  ///< of the colours
+  std::string margins = "set rmargin 14\n";
+};
+/// Sets up the axes and plots it.
+std::string script_of(const HeatMap& map);
 
 /// Whether figures can be drawn here at all.
 bool has_gnuplot();

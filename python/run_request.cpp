@@ -91,7 +91,8 @@ void take_source(Given& given, RunSourceOptions& source) {
   given.number("seconds", 0, 1e7, true, "a number of seconds above 0", source.seconds);
   given.whole("seed", 0, INT64_MAX, source.seed);
   source.steering = given.name("steering", steering_names());
-  source.part_volume = given.name("part_volume", volume_names());
+  given.take("part_volume", "a volume, or 'hands: sphere, default: ordop26'", source.part_volume);
+  if (!source.part_volume.empty()) part_volumes_of(source.part_volume, "part_volume");
   given.take("exact", "True or False", source.exact);
   RecordingFlags& flags = source.recording;
   given.number("fps", 0, 10'000, true, "a number of frames a second above 0", flags.fps);

@@ -149,7 +149,7 @@ std::string describe_scene(const std::string& path_or_name) {
          people / scene.ground.area_m2());
   append(text, "  time       {:g} s in steps of 1/{:g} s, seed {}\n", scene.duration_s,
          1 / scene.step_s, scene.seed);
-  append(text, "  culling    sphere, then {}{}\n", name_of(scene.part_volume),
+  append(text, "  culling    sphere, then {}{}\n", to_text(scene.part_volume),
          scene.exact ? ", then triangles" : "");
   if (scene.box) {
     const PartsBox& box = *scene.box;

@@ -46,6 +46,8 @@ Examples:
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run plaza --pace 1                          as fast as life, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
+  throng run plaza --by-part parts                  tests, passes and false positives, part by part
+  throng run plaza --part-volume 'hands: sphere, default: ordop26'
   throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
   throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
   throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
@@ -170,6 +172,7 @@ SimulationOptions simulation_options(const RunOptions& options) {
   if (culler.strategy != Strategy::kPipeline) culler.pair_search = PairSearch::kBrute;
   for (const auto& [name, search] : kPairSearches)
     if (options.pair_search == name) culler.pair_search = search;
+  culler.by_part = !options.recorders.by_part.empty();
   return {.threads = options.threads, .culler = culler};
 }
 

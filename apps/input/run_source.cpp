@@ -1,6 +1,7 @@
 #include "apps/input/run_source.h"
 
 #include "apps/output/output_plan.h"
+#include "base/errors.h"
 #include "culling/culler.h"
 #include "scenes/crowd/steering/steering.h"
 
@@ -29,8 +30,16 @@ void add_run_source_options(CommandOptions& app, RunSourceOptions& options) {
   app.add_option("--seed", options.seed, "Start of all random numbers instead of the scene's")
       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
       ->type_name("N");
-  app.add_option("--part-volume", options.part_volume, "What encloses a body part")
-      ->check(name_option(volume_names()))
+  app.add_option("--part-volume", options.part_volume,
+                 "What encloses a body part; or by part, 'hands: sphere, default: ordop26'")
+      ->check([](const std::string& text) -> std::string {
+        try {
+          part_volumes_of(text, "");
+          return "";
+        } catch (const InputError& error) {
+          return std::string(error.what()).substr(std::string(": ").size());
+        }
+      })
       ->type_name("VOLUME");
   app.add_option("--steering", options.steering,
                  steering_choices() + "; instead of the scene's model")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/sinks/by_part.h"
 #include "scenes/sinks/trace.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
@@ -29,6 +30,11 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
       ->type_name("FILE");
   app.add_option("--contacts", options.contacts, "Contact statistics: a folder of CSV and figures")
       ->type_name("DIR");
+  app.add_option("--by-part", options.by_part,
+                 "Tests, passes and false positives by pair of parts: a folder of CSV and figures")
+      ->type_name("DIR")
+      ->excludes("--deadline-ms")
+      ->excludes("--deadline-tests");
   app.add_option("--trace-hash", options.trace,
                  "A hash a stage and frame, to see where two runs part ways")
       ->type_name("FILE");
@@ -47,6 +53,7 @@ void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
   plan.writes({.option = "--trace-hash", .path = options.trace, .writing = Writing::kAsItRuns});
   plan.writes({.option = "--html", .path = options.html, .is_recording = true});
   plan.fills("--contacts", options.contacts, contact_files());
+  plan.fills("--by-part", options.by_part, by_part_files());
 }
 
 template <typename Recorder>
@@ -61,6 +68,7 @@ Recorders::Recorders(const RecorderOptions& options) {
   if (!options.trace.empty()) add(std::make_unique<TraceSink>(options.trace));
   if (!options.html.empty())
     add(std::make_unique<ReplaySink>(options.html, page_html(), kReplayLimitMb));
+  if (!options.by_part.empty()) add(std::make_unique<ByPartSink>(options.by_part));
   if (options.contacts.empty()) return;
   auto contacts = std::make_unique<ContactSink>(options.contacts);
   contacts_ = contacts.get();

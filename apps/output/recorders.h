@@ -21,6 +21,7 @@ struct RecorderOptions {
   std::optional<double> trajectory_fps;
   std::string contacts;  ///< a folder, or ""
   std::string trace;     ///< a hash a stage and frame, or ""
+  std::string by_part;   ///< a folder, or ""; needs CullerOptions::by_part
   std::string html;      ///< the page with the run in it, or ""
 };
 

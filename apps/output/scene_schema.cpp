@@ -98,7 +98,7 @@ Json object_of(const MapText& map) {
     json["properties"][key.name] = schema_of(key);
     if (key.required) json["required"].push_back(key.name);
   }
-  json["additionalProperties"] = false;
+  json["additionalProperties"] = map.any_key.empty() ? Json(false) : Json{{"enum", map.any_key}};
   if (map.at_least_one) json["minProperties"] = 1;
   for (const std::vector<std::string>& choice : map.choices)
     json["anyOf"].push_back({{"required", choice}});

@@ -155,7 +155,7 @@ run_description_t describe(const RunInfo& run) {
   out.scene = scene.name;
   out.seed = static_cast<int64_t>(scene.seed);
   out.step_s = run.step_s;
-  out.part_volume = name_of(run.culler.part_volume);
+  out.part_volume = to_text(scene.part_volume);
   out.exact = run.culler.exact ? 1 : 0;
   for (int i = 0; i < 2; ++i) {
     out.ground_min_m[i] = scene.ground.min_m[i];

@@ -101,8 +101,10 @@ Scene scene_of(const LogSurvey& survey) {
            fmt::format("a ground within {:g} km of the origin", kMaxCoordinate_m / 1e3), "another");
   for (const obstacle_t& obstacle : run.obstacles)
     scene.obstacles.push_back(to_obstacle(survey.file, obstacle));
-  if (const std::optional<VolumeKind> volume = volume_of(run.part_volume))
-    scene.part_volume = *volume;
+  try {
+    scene.part_volume = part_volumes_of(run.part_volume, survey.file.string());
+  } catch (const InputError&) {  // one that this version does not know: culled as any other scene
+  }
   scene.exact = run.exact != 0;
   scene.planted_feet = false;
   return scene;

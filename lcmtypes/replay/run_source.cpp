@@ -115,7 +115,7 @@ void require_known(const RunSourceOptions& options) {
     throw InputError(option, fmt::format("one of {}", fmt::join(names, ", ")),
                      fmt::format("'{}'{}", name, did_you_mean(name, names)));
   };
-  require("--part-volume", options.part_volume, volume_names());
+  if (!options.part_volume.empty()) part_volumes_of(options.part_volume, "--part-volume");
   require("--steering", options.steering, steering_names());
   require("--step", options.step, step_names());
   require("--unit", options.recording.unit, unit_names());
@@ -123,12 +123,6 @@ void require_known(const RunSourceOptions& options) {
 }
 
 }  // namespace
-
-std::vector<std::string> volume_names() {
-  std::vector<std::string> names;
-  for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
-  return names;
-}
 
 std::vector<std::string> step_names() { return {"smooth", "recorded"}; }
 
@@ -139,7 +133,8 @@ RunSource open_run_source(const RunSourceOptions& options) {
                   : is_recorded        ? recording_source(options)
                                        : scene_or_recording(options);
   if (out.scene.recorded) out.recording = report_of(*out.scene.recorded->recording);
-  if (!options.part_volume.empty()) out.scene.part_volume = volume_of(options.part_volume).value();
+  if (!options.part_volume.empty())
+    out.scene.part_volume = part_volumes_of(options.part_volume, "--part-volume");
   if (options.exact) out.scene.exact = true;
   return out;
 }

@@ -18,14 +18,13 @@ struct RunSourceOptions {
   std::optional<double> seconds;
   std::optional<uint64_t> seed;
   std::string steering;
-  std::string part_volume;
+  std::string part_volume;  ///< see part_volumes_of()
   bool exact = false;
   RecordingFlags recording;
   std::string step;  ///< of a recording: "smooth" or "recorded"
 };
 
-/// What --part-volume, --steering and --step take.
-std::vector<std::string> volume_names();
+/// What --step takes.
 std::vector<std::string> step_names();
 
 struct RunSource {

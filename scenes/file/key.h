@@ -60,6 +60,7 @@ struct MapText {
   std::vector<std::vector<std::string>> choices = {};
   bool or_number = false;                  ///< one number may stand for the map
   std::vector<std::string> or_words = {};  ///< or one of these
+  std::vector<std::string> any_key = {};   ///< any other key may have one of these
   bool at_least_one = false;               ///< it may not be empty
 };
 

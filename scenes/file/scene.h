@@ -13,7 +13,7 @@
 
 #include "avatars/model/model.h"
 #include "base/rectangle.h"
-#include "culling/volumes/volume_kind.h"
+#include "scenes/file/part_volumes.h"
 #include "scenes/file/people.h"
 #include "scenes/file/steering_rule.h"
 #include "scenes/recorded/recording.h"
@@ -184,7 +184,7 @@ struct Scene {
   std::optional<RecordedPeople> recorded;
   std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
   SteeringRule steering;
-  VolumeKind part_volume = VolumeKind::kOrdop26;
+  PartVolumes part_volume;
   bool exact = false;
   bool planted_feet = true;  ///< feet stay where they are put on curves, too
   bool yielding = true;      ///< bodies give way to what is near; who stands breathes and sways

@@ -133,24 +133,49 @@ void read_box(Reading& reading, Fields& fields, Scene& scene) {
   scene.ground.min_m = -scene.ground.max_m;
 }
 
+void read_part_volume(Reading&, Fields& fields, Scene& scene) {
+  const YamlNode* node = fields.find("part_volume");
+  if (node == nullptr) return;
+  if (node->kind != YamlNode::Kind::kMap) {
+    scene.part_volume =
+        volume_of(volume_names()[*fields.word("part_volume", volume_names())]).value();
+    return;
+  }
+  scene.part_volume = {};
+  for (const YamlEntry& entry : node->entries) {
+    const std::string where = at_line(fields.file(), entry.line);
+    if (entry.value.kind != YamlNode::Kind::kScalar)
+      throw InputError(where, fmt::format("a volume for '{}'", entry.key), describe(entry.value));
+    add_part_volume(entry.key, entry.value.scalar, where, scene.part_volume);
+  }
+}
+
+MapText part_volumes_text() {
+  return {.name = "part_volumes",
+          .meaning =
+              "One volume for all parts, or one for each part by words of its name; `default` for "
+              "the rest",
+          .or_words = volume_names(),
+          .any_key = volume_names()};
+}
+
 const KeyTable<Scene>& culling_keys() {
   static const KeyTable<Scene> table = [] {
-    std::vector<std::pair<std::string, VolumeKind>> volumes;
     std::vector<std::string> names;
-    for (const VolumeKind kind : kAllVolumes) {
-      volumes.emplace_back(name_of(kind), kind);
-      names.push_back(fmt::format("`{}`", name_of(kind)));
-    }
-    return KeyTable<Scene>{.text = {.name = "culling", .meaning = "How contacts are found"},
-                           .title = "culling",
-                           .keys = {word("part_volume",
-                                         "what encloses a body part: " + list_of(names, " or ") +
-                                             ", see [culling.md](culling.md)",
-                                         &Scene::part_volume, volumes)
-                                        .hashing([](Hasher& hash, const Scene& scene) {
-                                          hash.add(name_of(scene.part_volume));
-                                        }),
-                                    flag("exact", "triangles decide what touches", &Scene::exact)}};
+    for (const std::string& name : volume_names()) names.push_back("`" + name + "`");
+    return KeyTable<Scene>{
+        .text = {.name = "culling", .meaning = "How contacts are found"},
+        .title = "culling",
+        .keys = {
+            own_key<Scene>("part_volume",
+                           "what encloses a body part: " + list_of(names, " or ") +
+                               ", or a map of these by part, see "
+                               "[culling.md](culling.md#volumes-by-part)",
+                           fmt::format("`{}`", to_text(PartVolumes())), map_rule("part_volumes"))
+                .reading(read_part_volume)
+                .hashing(
+                    [](Hasher& hash, const Scene& scene) { hash.add(to_text(scene.part_volume)); }),
+            flag("exact", "triangles decide what touches", &Scene::exact)}};
   }();
   return table;
 }
@@ -295,6 +320,7 @@ const KeyTable<Scene>& scene_keys() {
 std::vector<MapText> scene_maps() {
   return {text_of(scene_keys()),
           text_of(culling_keys()),
+          part_volumes_text(),
           text_of(steering_keys()),
           text_of(group_keys()),
           ages_text(),

@@ -54,12 +54,16 @@ std::shared_ptr<const ModelGaits> BodyTables::gaits(const std::shared_ptr<const 
 }
 
 std::shared_ptr<const BodyType> BodyTables::body_type(const std::shared_ptr<const Model>& model,
-                                                      const RootSphere& sphere) {
+                                                      const RootSphere& sphere,
+                                                      const PartVolumes& volumes) {
   const std::lock_guard lock(types_mutex_);
   for (const Type& known : types_)
-    if (known.model == model && same(known.sphere, sphere)) return known.type;
+    if (known.model == model && same(known.sphere, sphere) && known.volumes == volumes)
+      return known.type;
   if (types_.size() >= kMost) types_.erase(types_.begin());
-  return types_.emplace_back(Type{model, sphere, throng::body_type(*model, sphere)}).type;
+  return types_
+      .emplace_back(Type{model, sphere, volumes, throng::body_type(*model, sphere, volumes)})
+      .type;
 }
 
 }  // namespace throng

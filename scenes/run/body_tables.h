@@ -14,6 +14,7 @@
 #include "avatars/model/model.h"
 #include "base/workers.h"
 #include "culling/body_type.h"
+#include "scenes/file/part_volumes.h"
 #include "scenes/run/postures.h"
 
 namespace throng {
@@ -30,7 +31,7 @@ class BodyTables {
 
   /// As body_type() of kinds.h.
   std::shared_ptr<const BodyType> body_type(const std::shared_ptr<const Model>& model,
-                                            const RootSphere& sphere);
+                                            const RootSphere& sphere, const PartVolumes& volumes);
 
  private:
   struct OneGait {
@@ -46,6 +47,7 @@ class BodyTables {
   struct Type {
     std::shared_ptr<const Model> model;
     RootSphere sphere;
+    PartVolumes volumes;
     std::shared_ptr<const BodyType> type;
   };
 

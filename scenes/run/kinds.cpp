@@ -138,9 +138,13 @@ RootSphere sphere_around(const Model& model, std::span<const ColumnSpan> spans) 
   return sphere;
 }
 
-std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere) {
+std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere,
+                                          const PartVolumes& volumes) {
   std::vector<PartShape> shapes;
-  for (const Part& part : model.parts) shapes.push_back({part.mesh.vertices, part.mesh.triangles});
+  for (const Part& part : model.parts) {
+    shapes.push_back({part.mesh.vertices, part.mesh.triangles});
+    if (!volumes.named.empty()) shapes.back().volume = volumes.of(part.name);
+  }
   return std::make_shared<BodyType>(std::move(shapes), sphere, false);
 }
 

@@ -36,7 +36,8 @@ struct ColumnSpan {
 /// Around every posture whose columns are within `spans`, one a column, none of them empty.
 RootSphere sphere_around(const Model& model, std::span<const ColumnSpan> spans);
 
-std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere);
+std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere,
+                                          const PartVolumes& volumes);
 std::shared_ptr<const BodyType> obstacle_type(const Obstacle& obstacle);
 
 }  // namespace throng

@@ -16,7 +16,7 @@ struct RunChoices {
   std::optional<double> seconds;
   std::optional<uint64_t> seed;
   std::optional<SteeringKind> steering;
-  std::optional<VolumeKind> part_volume;
+  std::optional<PartVolumes> part_volume;
   bool exact = false;
 };
 

@@ -71,7 +71,7 @@ SimulationOptions with_tables(SimulationOptions options) {
 }
 
 SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
-  options.culler.part_volume = scene.part_volume;
+  options.culler.part_volume = scene.part_volume.fallback;
   options.culler.exact = scene.exact;
   return options;
 }
@@ -123,6 +123,7 @@ struct Simulation::State {
   std::unique_ptr<YieldingStage> yielding;  ///< null: nobody gives way
   std::unique_ptr<Culler> culler;
   RunInfo info;
+  std::optional<PartTally> part_tally;  ///< once the run has ended
   Frame frame;
   FrameTimes times;
   int64_t frames = 0;
@@ -156,11 +157,13 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
 }
 
 std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
+  require_parts(scene.part_volume, models);
   std::vector<std::shared_ptr<const BodyType>> all;
-  for (size_t i = 0; i < models.size(); ++i)
-    all.push_back(options.tables->body_type(models[i], uses[i].postures == PostureKind::kHeld
-                                                           ? held_sphere(*world, i)
-                                                           : posing.sphere(i)));
+  for (size_t i = 0; i < models.size(); ++i) {
+    const bool is_held = uses[i].postures == PostureKind::kHeld;
+    all.push_back(options.tables->body_type(
+        models[i], is_held ? held_sphere(*world, i) : posing.sphere(i), scene.part_volume));
+  }
   for (const Obstacle& obstacle : scene.obstacles) all.push_back(obstacle_type(obstacle));
   return all;
 }
@@ -326,6 +329,8 @@ RunEnd Simulation::finish() {
   end.begins = s.begins;
   end.ends = s.ends;
   end.hash = s.culler->hash();
+  if (s.options.culler.by_part) s.part_tally = s.culler->part_tally();
+  end.by_part = s.part_tally ? &*s.part_tally : nullptr;
   return end;
 }
 

@@ -75,6 +75,8 @@ struct RunEnd {
   uint64_t begins = 0;                ///< over the whole run
   uint64_t ends = 0;                  ///< over the whole run, those above included
   uint64_t hash = 0;                  ///< of all events
+  /// Of the whole run, where CullerOptions::by_part asks for it.
+  const PartTally* by_part = nullptr;
 };
 
 /// What a frame costs more to hold, so that it only does for those who need it.

@@ -51,7 +51,7 @@ void run(std::string_view name, uint64_t seed, size_t round, Tally& tally) {
   }
   if (people.missed > 0 && tally.missed == 0)
     tally.first_miss =
-        fmt::format("{}, seed {}, {}, {}: {}", name, scene.seed, name_of(scene.part_volume),
+        fmt::format("{}, seed {}, {}, {}: {}", name, scene.seed, to_text(scene.part_volume),
                     name_of(options.culler.simd), people.first_miss);
   tally.near += people.near;
   tally.touching += people.touching;

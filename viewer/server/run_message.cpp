@@ -64,9 +64,10 @@ std::vector<uint32_t> indices_of(const mesh_t& mesh) {
   return indices;
 }
 
+/// Of volumes by part: those of the rest.
 int directions_of(const std::string& part_volume) {
   for (const int k : {14, 18})
-    if (part_volume == fmt::format("ordop{}", k)) return k;
+    if (part_volume.ends_with(fmt::format("ordop{}", k))) return k;
   return 26;
 }
 

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "base/append.h"
+#include "base/csv.h"
 #include "base/errors.h"
 #include "base/files/whole_file.h"
 
@@ -28,18 +29,6 @@ constexpr const char* kTables[] = {"contacts.csv", "pairs.csv",        "people.c
 constexpr const char* kFigures[] = {"contact_rates", "contact_durations", "contact_parts",
                                     "contact_density"};
 
-/// A field that may hold commas; its own quotes are doubled (RFC 4180).
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
-/// A name as a field: quoted where it would not be one otherwise (RFC 4180).
-std::string field(const std::string& name) {
-  return name.find_first_of(",\"\r\n") == std::string::npos ? name : quoted(name);
-}
-
 std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) {
   std::string text =
       "id,group,present_s,contacts,contacts_per_min,partners,touching_s,obstacle_contacts\n";
@@ -48,7 +37,7 @@ std::string people_csv(const ContactStatistics& statistics, const RunInfo& run) 
     const double rate = person.present_s > 0 ? 60 * person.contacts / person.present_s : 0;
     const std::string group =
         id < run.group_of_avatar.size() ? run.groups[run.group_of_avatar[id]] : "";
-    append(text, "{},{},{:.3f},{},{:.3f},{},{:.3f},{}\n", id, quoted(group), person.present_s,
+    append(text, "{},{},{:.3f},{},{:.3f},{},{:.3f},{}\n", id, csv_quoted(group), person.present_s,
            person.contacts, rate, person.partners, person.touching_s, person.obstacle_contacts);
   }
   return text;
@@ -94,10 +83,10 @@ template <typename Value>
 std::string matrix_csv(const PartMatrix& parts, const std::vector<Value>& values,
                        const char* format, const std::vector<uint64_t>* obstacles) {
   std::string text = "part";
-  for (const std::string& name : parts.names) text += fmt::format(",{}", field(name));
+  for (const std::string& name : parts.names) text += fmt::format(",{}", csv_field(name));
   text += obstacles != nullptr ? ",obstacle\n" : "\n";
   for (size_t row = 0; row < parts.names.size(); ++row) {
-    text += field(parts.names[row]);
+    text += csv_field(parts.names[row]);
     for (size_t column = 0; column < parts.names.size(); ++column)
       text += fmt::format(fmt::runtime(format), values[row * parts.names.size() + column]);
     text += obstacles != nullptr ? fmt::format(",{}\n", (*obstacles)[row]) : "\n";
@@ -157,25 +146,12 @@ Figure duration_figure(const ContactStatistics& statistics) {
 
 Figure part_figure(const ContactStatistics& statistics) {
   const PartMatrix parts = statistics.parts();
-  const size_t count = parts.names.size();
-  std::string tics;
-  for (size_t i = 0; i < count; ++i)
-    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", figure_text(parts.names[i]), i);
-  std::string script = "$data << EOD\n";
-  for (size_t row = 0; row < count; ++row) {
-    for (size_t column = 0; column < count; ++column)
-      script += fmt::format("{} {} {}\n", column, row, parts.counts[row * count + column]);
-    script += '\n';
-  }
   // Equal cells, so that a rare pair is seen beside a frequent one: the colours are logarithmic.
-  script += fmt::format(
-      "EOD\nset xtics rotate by -45 ({0}) scale 0\nset ytics ({0}) scale 0\nset xtics "
-      "noenhanced\nset ytics noenhanced\nset xrange "
-      "[-0.5:{1}]\nset yrange [{1}:-0.5]\nunset key\nset palette defined (0 'white', 1 '#ccddee', "
-      "2 '{2}', 3 '#223355')\nset cblabel 'contacts, log_1_0(1 + n)'\nset rmargin 14\nplot $data "
-      "using 1:2:(log10(1 + $3)) with image pixels\n",
-      tics, static_cast<double>(count) - 0.5, kFigureColours[0]);
-  return {"contact_parts", "Which body parts touch which", "", script};
+  const HeatMap map{.names = parts.names,
+                    .values = {parts.counts.begin(), parts.counts.end()},
+                    .using_expression = "(log10(1 + $3))",
+                    .label = "contacts, log_1_0(1 + n)"};
+  return {"contact_parts", "Which body parts touch which", "", script_of(map)};
 }
 
 Figure density_figure(const ContactStatistics& statistics) {
@@ -240,8 +216,8 @@ void ContactSink::list_ended() {
     contacts_ << fmt::format("{:.4f},{:.4f},{},{},{:.3f},{:.3f},{:.3f},{},{},{},{}\n",
                              contact.begin_s, contact.duration_s, contact.a, contact.b,
                              contact.place_m.x(), contact.place_m.y(), contact.density_per_m2,
-                             field(statistics_->part_name(contact.a, contact.first_part_a)),
-                             field(statistics_->part_name(contact.b, contact.first_part_b)),
+                             csv_field(statistics_->part_name(contact.a, contact.first_part_a)),
+                             csv_field(statistics_->part_name(contact.b, contact.first_part_b)),
                              contact.part_contacts, contact.cut ? 1 : 0);
   if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
 }
@@ -279,11 +255,11 @@ void ContactSink::write_pairs() const {
   out << "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n";
   statistics_->for_each_part_contact([&](const PartContact& contact) {
     const PairKey pair = contact.pair;
-    out << fmt::format("{:.4f},{:.4f},{},{},{},{},{}\n",
-                       static_cast<double>(contact.begin_frame) * step_s,
-                       static_cast<double>(contact.frames) * step_s, pair.a(),
-                       field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
-                       field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0);
+    out << fmt::format(
+        "{:.4f},{:.4f},{},{},{},{},{}\n", static_cast<double>(contact.begin_frame) * step_s,
+        static_cast<double>(contact.frames) * step_s, pair.a(),
+        csv_field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
+        csv_field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0);
   });
   out.close();
   if (!out) throw cannot_write(file, errno);

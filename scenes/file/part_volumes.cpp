@@ -1,0 +1,144 @@
+#include "scenes/file/part_volumes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "avatars/model/model.h"
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+constexpr std::string_view kDefault = "default";
+constexpr size_t kMostNamed = 32;
+constexpr size_t kMostNamesShown = 12;
+
+bool is_lower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
+bool is_upper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
+
+/// "upperLeftArm", "left_upper_arms" and "upper left arm": arm, left, upper.
+std::set<std::string> words_of(std::string_view name) {
+  std::set<std::string> words;
+  std::string word;
+  const auto end = [&] {
+    if (word == "feet") word = "foot";
+    if (word.size() > 2 && word.back() == 's' && word[word.size() - 2] != 's') word.pop_back();
+    if (!word.empty()) words.insert(word);
+    word.clear();
+  };
+  for (size_t i = 0; i < name.size(); ++i) {
+    const char c = name[i];
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) {
+      end();
+      continue;
+    }
+    if (is_upper(c) && i > 0 && is_lower(name[i - 1])) end();
+    word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  end();
+  return words;
+}
+
+bool takes(const PartVolumes::Named& named, const std::set<std::string>& part) {
+  const std::set<std::string> words = words_of(named.words);
+  return std::includes(part.begin(), part.end(), words.begin(), words.end());
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+VolumeKind volume_named(std::string_view name, std::string_view where) {
+  if (const auto volume = volume_of(name)) return *volume;
+  const std::vector<std::string> names = volume_names();
+  throw InputError(where, fmt::format("one of {}", fmt::join(names, ", ")),
+                   fmt::format("'{}'{}", name, did_you_mean(std::string(name), names)));
+}
+
+}  // namespace
+
+VolumeKind PartVolumes::of(std::string_view part) const {
+  if (named.empty()) return fallback;
+  const std::set<std::string> words = words_of(part);
+  for (const Named& each : named)
+    if (takes(each, words)) return each.volume;
+  return fallback;
+}
+
+std::string to_text(const PartVolumes& volumes) {
+  if (volumes.named.empty()) return std::string(name_of(volumes.fallback));
+  std::string text;
+  for (const PartVolumes::Named& each : volumes.named)
+    text += fmt::format("{}: {}, ", each.words, name_of(each.volume));
+  return text + fmt::format("{}: {}", kDefault, name_of(volumes.fallback));
+}
+
+void add_part_volume(std::string_view words, std::string_view volume, std::string_view where,
+                     PartVolumes& volumes) {
+  const VolumeKind kind = volume_named(volume, where);
+  if (words == kDefault) {
+    volumes.fallback = kind;
+    return;
+  }
+  if (words_of(words).empty() || words.find_first_of(",:\n") != std::string_view::npos)
+    throw InputError(where, "words of the name of a part, as in 'hands: sphere'",
+                     fmt::format("'{}'", words));
+  const auto is_same = [&](const auto& each) { return each.words == words; };
+  if (std::any_of(volumes.named.begin(), volumes.named.end(), is_same))
+    throw InputError(where, "each part named once", fmt::format("'{}' twice", words));
+  if (volumes.named.size() >= kMostNamed)
+    throw InputError(where, fmt::format("at most {} volumes of parts", kMostNamed), "more");
+  volumes.named.push_back({std::string(words), kind});
+}
+
+PartVolumes part_volumes_of(std::string_view text, std::string_view where) {
+  if (text.find(':') == std::string_view::npos) return volume_named(text, where);
+  PartVolumes volumes;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string_view entry = trimmed(text.substr(begin, end - begin));
+    const size_t colon = entry.find(':');
+    if (colon == std::string_view::npos)
+      throw InputError(where, "a volume, or 'hands: sphere, default: ordop26'",
+                       fmt::format("'{}'", entry));
+    add_part_volume(trimmed(entry.substr(0, colon)), trimmed(entry.substr(colon + 1)), where,
+                    volumes);
+    begin = end + 1;
+  }
+  return volumes;
+}
+
+void require_parts(const PartVolumes& volumes,
+                   std::span<const std::shared_ptr<const Model>> models) {
+  for (const PartVolumes::Named& named : volumes.named) {
+    bool is_taken = false;
+    std::vector<std::string> names;
+    for (const auto& model : models)
+      for (const Part& part : model->parts) {
+        is_taken |= takes(named, words_of(part.name));
+        names.push_back(part.name);
+      }
+    if (is_taken) continue;
+    const std::string nearest = did_you_mean(named.words, names);
+    if (names.size() > kMostNamesShown) {
+      names.resize(kMostNamesShown);
+      names.emplace_back("...");
+    }
+    throw InputError("part_volume", fmt::format("words of a part: {}", fmt::join(names, ", ")),
+                     fmt::format("'{}'{}", named.words, nearest));
+  }
+}
+
+std::vector<std::string> volume_names() {
+  std::vector<std::string> names;
+  for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
+  return names;
+}
+
+}  // namespace throng
