@@ -1,5 +1,8 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -26,6 +29,7 @@ Body parts that touch are orange, by triangles red. Without --eye and --target t
 Examples:
   throng render out/plaza.lcmlog --frame 300 --out plaza.png
   throng render out/plaza.lcmlog --frames 300:420 --every 5 --out plaza.webp
+  throng render out/plaza.lcmlog --frame 300 --volumes body-box,ordop26 --out volumes.png
   throng render out/plaza.lcmlog --frame 300 --eye 4,-9,3 --target 0,-5,1 --out near.png)";
 
 struct RenderCommand {
@@ -36,6 +40,7 @@ struct RenderCommand {
   std::string out;
   std::vector<float> eye_m;
   std::vector<float> target_m;
+  std::string volumes, volumes_of;
   PictureOptions picture;
 };
 
@@ -53,6 +58,37 @@ void require_drawable(const RenderCommand& command) {
   if (moves && command.frames[0] > command.frames[1])
     throw InputError("--frames", "FIRST:LAST, the first not after the last",
                      fmt::format("{}:{}", command.frames[0], command.frames[1]));
+}
+
+std::vector<std::string> words_of(const std::string& list) {
+  std::vector<std::string> words;
+  for (size_t begin = 0; !list.empty() && begin <= list.size();) {
+    const size_t end = std::min(list.find(',', begin), list.size());
+    words.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+std::vector<std::string> layers_of(const std::string& list) {
+  const std::vector<std::string> words = words_of(list), known = volume_layers();
+  for (const std::string& word : words)
+    if (std::find(known.begin(), known.end(), word) == known.end())
+      throw InputError("--volumes", fmt::format("some of {}", fmt::join(known, ",")),
+                       fmt::format("'{}'{}", word, did_you_mean(word, known)));
+  return words;
+}
+
+std::vector<uint32_t> people_of(const std::string& list) {
+  std::vector<uint32_t> people;
+  for (const std::string& word : words_of(list)) {
+    uint32_t id = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
+    if (error != std::errc() || end != word.data() + word.size())
+      throw InputError("--volumes-of", "numbers of people, as 3,17", fmt::format("'{}'", word));
+    people.push_back(id);
+  }
+  return people;
 }
 
 int render_frames(const RenderCommand& command) {
@@ -84,6 +120,8 @@ int render_frame(RenderCommand command) {
   };
   command.picture.eye_m = to_point(command.eye_m);
   command.picture.target_m = to_point(command.target_m);
+  command.picture.volumes = layers_of(command.volumes);
+  command.picture.volumes_of = people_of(command.volumes_of);
   OutputPlan plan;
   plan.reads("which is drawn", command.log);
   plan.writes({.option = "--out", .path = command.out});
@@ -126,6 +164,13 @@ Command add_render_command(CommandLine& parent) {
       ->check(whole_option(0, INT64_MAX, "two whole numbers from 0, FIRST:LAST"))
       ->type_name("A:B")
       ->excludes(frame);
+  app->add_option(
+         "--volumes", command->volumes,
+         "Volumes of a stage around everybody, as sphere,ordop26; body-sphere and body-box "
+         "are around whole bodies")
+      ->type_name("LIST");
+  app->add_option("--volumes-of", command->volumes_of, "Around these people alone, as 3,17")
+      ->type_name("LIST");
   app->add_option("--every", command->every, "Of these frames every n-th [4]")
       ->check(whole_option(1, 10000, "a whole number from 1"))
       ->type_name("N");

@@ -9,7 +9,8 @@
 
 namespace throng::paper {
 
-/// Table 2's order for each k and update rule, and Fig. 13's in counted work and in frame rates.
+/// Table 2's order for each k and update rule, Table 3's cheapest volumes, and Fig. 13's in counted
+/// work and in frame rates.
 std::vector<Claim> judge(const PaperResult& result, std::span<const CensusTable> censuses);
 
 /// The cheapest strategy by size, three ways; one entry wherever it changes.

@@ -62,7 +62,7 @@ std::string how(const PaperResult& result, const std::string& cpu) {
       result.noise() < kQuiet ? "a quiet machine" : "a busy machine: read counts, not times");
 }
 
-/// What stands where: figures and pictures first, as in the paper's order, then the tables.
+/// What stands where: figures and pictures first, by number as in the paper, then the tables.
 struct Pages {
   std::string html, markdown;
 
@@ -88,15 +88,20 @@ void write_report(const PaperResult& result, const std::vector<Object>& objects,
                "</title><style>" + kStyle + "</style></head><body>\n<h1>" + title + "</h1>\n<p>" +
                kIntroduction + "</p>\n<p>" + html_escaped(how(result, cpu)) + "</p>\n";
   pages.markdown = "# " + title + "\n\n" + kIntroduction + "\n\n" + how(result, cpu) + "\n\n";
-  for (const Picture& picture : pictures_of(objects, result.options.seed)) {
-    const std::string name = picture.id + ".png";
-    write_png(folder / name, picture.image);
-    pages.add_figure(
-        picture.title, "",
-        "<img alt=\"\" src=\"data:image/png;base64," + base64(read_file(folder / name)) + "\">",
-        name);
-  }
+  const std::vector<Picture> pictures = pictures_of(objects, result.options.seed);
+  auto picture = pictures.begin();
+  const auto add_pictures_before = [&](const std::string& id) {
+    for (; picture != pictures.end() && (id.empty() || picture->id < id); ++picture) {
+      const std::string name = picture->id + ".png";
+      write_png(folder / name, picture->image);
+      pages.add_figure(
+          picture->title, picture->caption,
+          "<img alt=\"\" src=\"data:image/png;base64," + base64(read_file(folder / name)) + "\">",
+          name);
+    }
+  };
   for (const Figure& figure : figures_of(result)) {
+    add_pictures_before(figure.id.starts_with("figure") ? figure.id : "");
     std::string svg = draw(figure, folder);
     svg.erase(0, svg.find("<svg"));
     pages.add_figure(figure.title, figure.caption, svg, figure.id + ".svg");

@@ -3,9 +3,12 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "bench/paper/claims.h"
+#include "bench/paper/figures.h"
 #include "bench/paper/json.h"
+#include "bench/paper/pictures.h"
 #include "bench/paper/tables.h"
 
 namespace throng::paper {
@@ -93,6 +96,47 @@ TEST(OverlapVolume, OfSpheresIsTheFormula) {
   const OverlapVolume& sphere = table[kSphereMethod];
   EXPECT_NEAR(sphere.litres, expected_l, 5 * sphere.error_l);
   EXPECT_LT(sphere.error_l, 0.02 * expected_l);
+}
+
+/// The headline of Part I is judged with and without what is built once, in short and long runs.
+TEST(PaperResult, JudgesTheCheapestVolumes) {
+  const auto total_ms = [](const std::string& name, int length, bool is_built) {
+    for (const VolumeResult& volume : result().volumes)
+      if (volume.name == name)
+        return volume.total_ms(length) -
+               (is_built ? 0 : volume.costs.construction_all.median_ns * 1e-6);
+    return -1.0;
+  };
+  size_t judged = 0;
+  for (const int length : {1, 10})
+    for (const bool is_built : {true, false}) {
+      const std::string about = std::string("Table 3, T in ms ") + (is_built ? "with" : "without") +
+                                " C_o, " + std::to_string(20 * length) + " frames";
+      for (const Claim& claim : result().claims) {
+        if (claim.about != about) continue;
+        ++judged;
+        EXPECT_TRUE(claim.right == "sphere" || claim.right == "ordop26") << claim.right;
+        EXPECT_EQ(claim.left_value, total_ms(claim.left, length, is_built)) << claim.left;
+        EXPECT_EQ(claim.right_value, total_ms(claim.right, length, is_built)) << claim.right;
+        EXPECT_EQ(claim.holds, claim.left_value > claim.right_value);
+      }
+    }
+  EXPECT_EQ(judged, 4u * 11);
+}
+
+TEST(PaperPictures, EveryFigureOfThePaperHasItsCounterpart) {
+  std::set<std::string> ids;
+  for (const Picture& picture : pictures_of(load_objects(), 1)) {
+    EXPECT_TRUE(ids.insert(picture.id).second) << picture.id;
+    EXPECT_FALSE(picture.caption.empty()) << picture.id;
+    EXPECT_GT(picture.image.rgb.size(), 1'000'000u) << picture.id;
+  }
+  for (const Figure& figure : figures_of(result())) ids.insert(figure.id);
+  const std::set<std::string> expected = {"crossings", "figure_01",  "figure_02",  "figure_03",
+                                          "figure_04", "figure_05a", "figure_05b", "figure_06",
+                                          "figure_07", "figure_08",  "figure_09",  "figure_10",
+                                          "figure_11", "figure_12",  "figure_13"};
+  EXPECT_EQ(ids, expected);
 }
 
 TEST(PaperResult, TablesAreAsWideAsTheirHeads) {

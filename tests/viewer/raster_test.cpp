@@ -148,6 +148,28 @@ TEST(Raster, TheSamePictureTwiceIsTheSameFile) {
   EXPECT_EQ(once.rgb.size(), 160u * 90u * 3u);
 }
 
+TEST(Raster, WhatIsSeeThroughLetsThroughWhatIsBehindAndNothingElse) {
+  const Mesh near = triangle_at(1), far = triangle_at(2);
+  RenderItem red{&far}, veil{&near};
+  red.rgb = {0.8F, 0, 0};
+  veil.rgb = {0, 0, 0.8F};
+  veil.opacity = 0.5F;
+  const std::array both{veil, red};
+  const auto mixed = pixel(seen(both, 64), 20, 40);
+  const auto alone = pixel(seen({&red, 1}, 64), 20, 40);
+  EXPECT_GT(mixed[2], alone[2]);
+  EXPECT_LT(mixed[0], alone[0]);
+  EXPECT_GT(mixed[0], mixed[1]);
+  // In front of nothing it is paler than when it is solid; behind what is solid it is not there.
+  EXPECT_FALSE(is_blue(pixel(seen({&veil, 1}, 64), 20, 40)));
+  RenderItem solid{&near};
+  solid.rgb = red.rgb;
+  RenderItem behind{&far};
+  behind.opacity = 0.5F;
+  const std::array hidden{behind, solid};
+  EXPECT_EQ(seen(hidden, 64).rgb, seen({&solid, 1}, 64).rgb);
+}
+
 TEST(Raster, APngReadsBackAsThePicture) {
   const Mesh mesh = sphere(12, 16);
   RenderItem item;

@@ -5,8 +5,13 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
+
+#include "avatars/gait/gait.h"
+#include "viewer/picture/volume_outline.h"
 
 namespace throng {
 namespace {
@@ -24,6 +29,9 @@ const std::array<Eigen::Vector3f, 6> kClothes = {
     Eigen::Vector3f(0.60F, 0.62F, 0.64F), Eigen::Vector3f(0.38F, 0.40F, 0.46F),
     Eigen::Vector3f(0.55F, 0.58F, 0.66F), Eigen::Vector3f(0.42F, 0.50F, 0.58F)};
 constexpr float kPersonHeight_m = 1.7F;
+constexpr float kBarShare = 0.0012F;  // of the distance to the eye: as wide near and far
+constexpr const char* kBodySphere = "body-sphere";
+constexpr const char* kBodyBox = "body-box";
 
 using PartLevels = std::map<BodyPart, PairLevel>;
 
@@ -78,6 +86,71 @@ void add_people(RecordedFrame& frame, const PartLevels& in_touch, std::vector<Re
                        description.scale_of_avatar[avatar],
                        colour_of(id, static_cast<uint32_t>(part), in_touch)});
     }
+  }
+}
+
+std::unique_ptr<const BodyType> type_of(const Model& model) {
+  std::vector<PartShape> shapes;
+  for (const Part& part : model.parts) shapes.push_back({part.mesh.vertices, part.mesh.triangles});
+  return std::make_unique<const BodyType>(std::move(shapes), RootSphere{}, false);
+}
+
+VolumeOutline body_sphere(const Gait& gait, const RootPose& root, float scale) {
+  return sphere_outline(root.world_from_root * Eigen::Vector3f(scale * gait.sphere_centre_m()),
+                        scale * gait.sphere_radius_m());
+}
+
+VolumeOutline body_box(const BodyType& type, std::span<const PartPose> poses, float scale) {
+  Eigen::AlignedBox3f box;
+  for (size_t part = 0; part < poses.size(); ++part)
+    for (const Eigen::Vector3f& p :
+         outline_of(VolumeKind::kAabb, type, part, poses[part], scale).faces.vertices)
+      box.extend(p);
+  return box_outline(box.min(), box.max());
+}
+
+/// The volumes of one body, layer by layer.
+void add_volumes(const BodyType& type, const Gait& gait, std::span<const PartPose> poses,
+                 const RootPose& root, float scale, const std::vector<std::string>& layers,
+                 float thickness_m, VolumeItems& out) {
+  const Eigen::Vector3f root_m = root.position_m.cast<float>();
+  for (const std::string& layer : layers) {
+    const auto add = [&](const VolumeOutline& outline) {
+      out.add(outline, root_m, volume_rgb(layer), thickness_m);
+    };
+    if (layer == kBodySphere) add(body_sphere(gait, root, scale));
+    if (layer == kBodyBox) add(body_box(type, poses, scale));
+    if (const std::optional<VolumeKind> kind = volume_of(layer))
+      for (size_t part = 0; part < poses.size(); ++part)
+        add(outline_of(*kind, type, part, poses[part], scale));
+  }
+}
+
+void add_volumes(RecordedFrame& frame, const PictureOptions& options, const Camera& camera,
+                 VolumeItems& out) {
+  if (options.volumes.empty()) return;
+  RunReader& run = frame.run();
+  const run_description_t& description = *run.run();
+  std::vector<std::unique_ptr<const BodyType>> types(description.models.size());
+  std::vector<std::unique_ptr<const Gait>> gaits(description.models.size());
+  const auto is_asked = [&](uint32_t id) {
+    return options.volumes_of.empty() ||
+           std::find(options.volumes_of.begin(), options.volumes_of.end(), id) !=
+               options.volumes_of.end();
+  };
+  std::vector<PartPose> poses;
+  for (size_t avatar = 0; avatar < frame.crowd().roots.size(); ++avatar) {
+    if (frame.crowd().present[avatar] == 0 || !is_asked(static_cast<uint32_t>(avatar))) continue;
+    const auto model = static_cast<size_t>(description.model_of_avatar[avatar]);
+    if (types[model] == nullptr) {
+      types[model] = type_of(*run.model(model));
+      gaits[model] = std::make_unique<const Gait>(*run.model(model));
+    }
+    run.part_poses(static_cast<int>(avatar), poses);
+    const RootPose& root = frame.crowd().roots[avatar];
+    const float thickness_m = kBarShare * (camera.eye_m - root.position_m.cast<float>()).norm();
+    add_volumes(*types[model], *gaits[model], poses, root, description.scale_of_avatar[avatar],
+                options.volumes, thickness_m, out);
   }
 }
 
@@ -152,11 +225,21 @@ Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
   std::deque<Mesh> meshes;  // items point into it: a deque does not move what it has
   add_people(frame, in_touch, items);
   add_obstacles(frame, meshes, items);
+  const Camera camera = camera_of(frame.crowd(), options);
+  VolumeItems volumes;
+  add_volumes(frame, options, camera, volumes);
+  volumes.append_to(items);
   RenderOptions render_options;
   render_options.width = options.width;
   render_options.height = options.height;
   render_options.samples = 3;
-  return render(items, camera_of(frame.crowd(), options), render_options);
+  return render(items, camera, render_options);
+}
+
+std::vector<std::string> volume_layers() {
+  std::vector<std::string> names{kBodySphere, kBodyBox};
+  for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
+  return names;
 }
 
 }  // namespace throng

@@ -58,9 +58,16 @@ struct Sample {
   float red = 0, green = 0, blue = 0;
 };
 
+/// What lies before a sample and lets it through: its light, and how much it takes.
+struct Veil {
+  float red = 0, green = 0, blue = 0;
+  float cover = 0;
+};
+
 struct Canvas {
   int width, height;
   std::vector<Sample> samples;
+  std::vector<Veil> veils;  // none where nothing is see-through
   std::vector<uint8_t> shadow;
 
   /// Calls body(index, a, b, c) for the samples inside a triangle, with barycentric weights.
@@ -173,7 +180,7 @@ class Painter {
  public:
   Painter(const Camera& camera, const RenderOptions& options)
       : options_(options),
-        canvas_{options.width * options.samples, options.height * options.samples, {}, {}},
+        canvas_{options.width * options.samples, options.height * options.samples, {}, {}, {}},
         view_(camera, canvas_.width, canvas_.height) {
     const size_t count = static_cast<size_t>(canvas_.width) * static_cast<size_t>(canvas_.height);
     canvas_.samples.resize(count);
@@ -182,6 +189,7 @@ class Painter {
 
   void draw(const RenderItem& item) {
     const Mesh& mesh = *item.mesh;
+    if (item.opacity < 1) canvas_.veils.resize(canvas_.samples.size());
     world_.clear();
     for (const Eigen::Vector3f& v : mesh.vertices)
       world_.push_back(item.world_from_mesh * (item.scale * v));
@@ -205,13 +213,22 @@ class Painter {
                      [&](size_t at, float inverse_depth, float light) {
                        Sample& sample = canvas_.samples[at];
                        if (inverse_depth <= sample.inverse_depth) return;
+                       if (item.opacity < 1) return cover(at, item, light);
                        sample = {inverse_depth, item.rgb.x() * light, item.rgb.y() * light,
                                  item.rgb.z() * light};
                      });
-      if (options_.ground && normal.dot(kSun) > 0 && view_.eye.z() > 0)
+      if (options_.ground && item.casts_shadow && normal.dot(kSun) > 0 && view_.eye.z() > 0)
         fill_clipped(canvas_, view_, {shadow_[a], shadow_[b], shadow_[c]},
                      [&](size_t at, float, float) { canvas_.shadow[at] = 1; });
     }
+  }
+
+  /// Of the middle of its vertices, along the view.
+  float depth_of(const RenderItem& item) const {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const Eigen::Vector3f& v : item.mesh->vertices) sum += v;
+    const auto count = static_cast<float>(std::max<size_t>(1, item.mesh->vertices.size()));
+    return view_.to_camera(item.world_from_mesh * (item.scale / count * sum)).z();
   }
 
   Image finish() const {
@@ -223,7 +240,7 @@ class Painter {
         Eigen::Vector3f sum = Eigen::Vector3f::Zero();
         for (int sy = 0; sy < options_.samples; ++sy)
           for (int sx = 0; sx < options_.samples; ++sx)
-            sum += colour(x * options_.samples + sx, y * options_.samples + sy);
+            sum += behind_veil(x * options_.samples + sx, y * options_.samples + sy);
         for (int c = 0; c < 3; ++c) image.rgb.push_back(to_byte(sum[c] * share));
       }
     }
@@ -237,6 +254,24 @@ class Painter {
     const Eigen::Vector3f& smooth = normals_[vertex];
     if (face.dot(smooth) < kSharpEdge * face.norm() * smooth.norm()) corner.light = light_on(face);
     return corner;
+  }
+
+  /// The nearer ones come later and lie over what is there.
+  void cover(size_t at, const RenderItem& item, float light) {
+    Veil& veil = canvas_.veils[at];
+    const float lets = 1 - item.opacity;
+    veil = {veil.red * lets + item.opacity * item.rgb.x() * light,
+            veil.green * lets + item.opacity * item.rgb.y() * light,
+            veil.blue * lets + item.opacity * item.rgb.z() * light,
+            veil.cover * lets + item.opacity};
+  }
+
+  Eigen::Vector3f behind_veil(int x, int y) const {
+    const Eigen::Vector3f bare = colour(x, y);
+    if (canvas_.veils.empty()) return bare;
+    const Veil& veil = canvas_.veils[static_cast<size_t>(y) * static_cast<size_t>(canvas_.width) +
+                                     static_cast<size_t>(x)];
+    return Eigen::Vector3f(veil.red, veil.green, veil.blue) + (1 - veil.cover) * bare;
   }
 
   Eigen::Vector3f colour(int x, int y) const {
@@ -281,7 +316,16 @@ Image render(std::span<const RenderItem> items, const Camera& camera,
   assert(options.width > 0 && options.height > 0 && options.samples >= 1 && options.samples <= 4);
   assert(camera.eye_m != camera.target_m);
   Painter painter(camera, options);
-  for (const RenderItem& item : items) painter.draw(item);
+  std::vector<const RenderItem*> see_through;
+  for (const RenderItem& item : items)
+    if (item.opacity < 1)
+      see_through.push_back(&item);
+    else
+      painter.draw(item);
+  const auto depth = [&](const RenderItem* item) { return painter.depth_of(*item); };
+  std::stable_sort(see_through.begin(), see_through.end(),
+                   [&](const RenderItem* a, const RenderItem* b) { return depth(a) > depth(b); });
+  for (const RenderItem* item : see_through) painter.draw(*item);
   return painter.finish();
 }
 

@@ -25,6 +25,8 @@ struct RenderItem {
   Eigen::Isometry3f world_from_mesh = Eigen::Isometry3f::Identity();
   float scale = 1;
   Eigen::Vector3f rgb = Eigen::Vector3f::Constant(0.7F);  ///< 0..1
+  float opacity = 1;  ///< below 1, what is behind shines through: drawn last, the far ones first
+  bool casts_shadow = true;
 };
 
 struct RenderOptions {
