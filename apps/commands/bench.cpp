@@ -18,6 +18,7 @@
 #include "base/errors.h"
 #include "base/say.h"
 #include "bench/engines/engines.h"
+#include "bench/exchange.h"
 #include "bench/report.h"
 #include "bench/steering.h"
 
@@ -35,10 +36,14 @@ Examples:
   throng bench --avatars 5000 --engines none --threads 2 --json bench.json
   throng bench --avatars 5000 --age 300 --engines fcl,embree
   throng bench --avatars 1000 --frames 3 --parts ordop26
+  throng bench --export frames                    then own_engine frames
+  throng bench --check frames/found.csv
   throng bench --steering)";
 
 // A frame of the slower engines may take this long; then its result still counts.
 constexpr std::chrono::milliseconds kPatience{700};
+
+constexpr int kStride = 20;  // steps between two frames, where few frames stand for a crowd
 
 constexpr std::pair<const char*, PairSearch> kSearches[] = {
     {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
@@ -53,12 +58,16 @@ struct BenchCommand {
   std::string json;
   std::string csv;
   std::string parts;
+  std::string exports;  // a folder
+  std::string check;    // a file
   int aged_frames = 0;
   bool steering = false;
   Option* avatars = nullptr;
   Option* frames = nullptr;
 
-  bool measures_engines() const { return !steering && parts.empty() && aged_frames == 0; }
+  bool measures_engines() const {
+    return !steering && parts.empty() && exports.empty() && check.empty() && aged_frames == 0;
+  }
 };
 
 std::vector<std::string> known_engines() {
@@ -88,6 +97,7 @@ OpenOutputs opened_outputs(const BenchCommand& command) {
   OutputPlan plan;
   plan.writes_json(command.json);
   plan.writes({.option = "--csv", .path = command.csv, .writing = Writing::kAppended});
+  plan.fills("--export", command.exports, bench::exported_files());
   return plan.open();
 }
 
@@ -135,13 +145,29 @@ Measured measure_steering(const BenchCommand& command, const bench::Progress& pr
 Measured measure_parts(const BenchCommand& command, const bench::Progress& progress) {
   bench::BenchOptions options = command.options;
   const std::unique_ptr<bench::Crowd> crowd = bench::make_crowd(options);
-  const auto result = bench::count_false_positives(*crowd, bench::project_volumes(),
-                                                   {options.frames, 20, command.parts}, progress);
+  const auto result = bench::count_false_positives(
+      *crowd, bench::project_volumes(), {options.frames, kStride, command.parts}, progress);
   const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
   return {bench::to_text(result),
           bench::to_json(result, command.options),
           {},
           std::none_of(result.volumes.begin(), result.volumes.end(), misses)};
+}
+
+/// Fewer people and frames than are measured: somebody is going to read them.
+Measured export_frames(const BenchCommand& command, const bench::Progress& progress) {
+  bench::BenchOptions options = command.options;
+  if (!command.avatars->is_given()) options.avatars = 1000;
+  if (!command.frames->is_given()) options.frames = 3;
+  return {bench::to_text(bench::export_frames(options, kStride, command.exports, progress),
+                         command.exports),
+          {},
+          {}};
+}
+
+Measured check_pairs(const BenchCommand& command) {
+  const bench::JudgedPairs judged = bench::check_pairs(command.check);
+  return {bench::to_text(judged), {}, {}, judged.agrees()};
 }
 
 Measured measure_ageing(const BenchCommand& command, const bench::Progress& progress) {
@@ -165,6 +191,8 @@ Measured measure_engines(const BenchCommand& command, const bench::Progress& pro
 
 Measured measured(const BenchCommand& command, const bench::Progress& progress) {
   if (command.steering) return measure_steering(command, progress);
+  if (!command.exports.empty()) return export_frames(command, progress);
+  if (!command.check.empty()) return check_pairs(command);
   if (!command.parts.empty()) return measure_parts(command, progress);
   if (command.aged_frames > 0) return measure_ageing(command, progress);
   return measure_engines(command, progress);
@@ -266,9 +294,20 @@ void add_options(CommandOptions& app, BenchCommand& command) {
                     ->type_name("VOLUME")
                     ->excludes(age);
   parts->expected(0, 1)->default_str("ordop26");
-  app.add_option("--json", command.json, kJsonHelp)->type_name("FILE");
+  auto* json = app.add_option("--json", command.json, kJsonHelp)->type_name("FILE");
   auto* csv = app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
                   ->type_name("FILE");
+  auto* exports =
+      app.add_option("--export", command.exports,
+                     "Frames of boxes, poses and shapes, with the pairs that there are, "
+                     "for an engine of your own [1000 people, 3 frames]")
+          ->type_name("DIR");
+  auto* check = app.add_option("--check", command.check,
+                               "Judges the pairs that an engine found, in a file of such a folder")
+                    ->type_name("FILE");
+  for (Option* each : {exports, check})
+    each->excludes(age)->excludes(parts)->excludes(csv)->excludes(json);
+  exports->excludes(check);
   app.add_flag("--steering", command.steering,
                "A step of each steering model, of 1000, 10000 and 100000 people or --avatars")
       ->excludes(age)
@@ -276,7 +315,9 @@ void add_options(CommandOptions& app, BenchCommand& command) {
       ->excludes(crowd)
       ->excludes(engines)
       ->excludes(search)
-      ->excludes(csv);
+      ->excludes(csv)
+      ->excludes(exports)
+      ->excludes(check);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "bench/engines/engines.h"
@@ -129,6 +131,68 @@ TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
     EXPECT_TRUE(
         nlohmann::json::parse(read_file(folder / "s.json"))["steering"][0]["rvo2_ms"].is_null());
   }
+}
+
+/// The example's engine on exported frames; what it found is then spoilt in each way that there is.
+TEST(BenchCommand, JudgesWhatAnotherProgramFinds) {
+  const ScratchFolder folder;
+  const Outcome exported =
+      shell("throng bench --export f --avatars 80 --density 4 --frames 2", folder);
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_THAT(exported.out, HasSubstr("f: 2 frames of 80 people with 15 parts"));
+  const std::string pairs = read_file(folder / "f/pairs.csv");
+  const std::string touching = read_file(folder / "f/touching.csv");
+  EXPECT_EQ(line_count(read_file(folder / "f/boxes.csv")), 1 + 2 * 80 * 15);
+  EXPECT_EQ(line_count(read_file(folder / "f/poses.csv")), 1 + 2 * 80 * 15);
+  EXPECT_EQ(line_count(read_file(folder / "f/parts.csv")), 1 + 15);
+  EXPECT_GT(line_count(touching), 10);
+  EXPECT_GT(line_count(pairs), line_count(touching));
+  EXPECT_EQ(read_file(folder / "f/README.txt").substr(0, 33), "Frames of 80 people with 15 parts");
+
+  ASSERT_EQ(shell("own_engine f", folder).exit_code, 0);
+  const Outcome agreed = shell("throng bench --check f/found.csv", folder);
+  EXPECT_EQ(agreed.exit_code, 0) << agreed.out;
+  EXPECT_THAT(agreed.out, HasSubstr("0 missing, 0 that are none\nthey agree"));
+
+  const auto judged = [&](const std::string& text) {
+    std::ofstream(folder / "f/spoilt.csv") << text;
+    return shell("throng bench --check f/spoilt.csv", folder);
+  };
+  const size_t second = pairs.find('\n', pairs.find('\n') + 1) + 1;
+  const std::string header = "frame,a,b\n",
+                    first = pairs.substr(header.size(), second - header.size());
+  const Outcome left_out = judged(header + pairs.substr(second));
+  EXPECT_EQ(left_out.exit_code, 1);
+  EXPECT_THAT(left_out.out, HasSubstr("1 missing, 0 that are none\nfirst missing: frame 0, "));
+  const Outcome twice = judged(pairs + first);
+  EXPECT_EQ(twice.exit_code, 1);
+  EXPECT_THAT(twice.out, HasSubstr("0 missing, 0 that are none, 1 twice\nfirst twice: frame 0, "));
+  const Outcome beyond = judged(pairs + "1,0,1\n");
+  EXPECT_EQ(beyond.exit_code, 1);
+  EXPECT_THAT(beyond.out, HasSubstr("first not a pair: frame 1, 0 (pelvis of 0) and 1 ("));
+
+  // Parts: boxes may be reported that do not touch, and none that touches may be missing.
+  std::string parts = pairs;
+  parts.replace(0, header.size(), "frame,part_a,part_b\n");
+  EXPECT_EQ(judged(parts).exit_code, 0);
+  const size_t last = touching.rfind('\n', touching.size() - 2) + 1;
+  const Outcome missed = judged(touching.substr(0, last));
+  EXPECT_EQ(missed.exit_code, 1);
+  EXPECT_THAT(missed.out, HasSubstr("1 of these missing"));
+
+  for (const auto& [text, expected] : std::map<std::string, std::string>{
+           {"a,b\n", "f/spoilt.csv:1: expected frame,a,b or frame,part_a,part_b, found 'a,b'"},
+           {header + "0,1\n", "f/spoilt.csv:2: expected three whole numbers, FRAME,A,B"},
+           {header + "0,1,-2\n", "f/spoilt.csv:2: expected three whole numbers"},
+           {header + "0,1,2,3\n", "f/spoilt.csv:2: expected three whole numbers"}}) {
+    const Outcome refused = judged(text);
+    EXPECT_EQ(refused.exit_code, 2) << text;
+    EXPECT_THAT(refused.err, HasSubstr(expected));
+    EXPECT_EQ(line_count(refused.err), 1);
+  }
+  std::ofstream(folder / "alone.csv") << header;
+  EXPECT_EQ(shell("throng bench --check alone.csv", folder).exit_code, 2);
+  EXPECT_EQ(shell("throng bench --check none.csv", folder).exit_code, 2);
 }
 
 TEST(BenchCommand, RefusesWhatItDoesNotKnow) {

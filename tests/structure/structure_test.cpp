@@ -51,7 +51,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"DetourNavMeshQuery.h", {"scenes"}},
     {"DetourNavMeshBuilder.h", {"scenes"}},
     {"lcm", {"lcmtypes", "examples"}},
-    {"fcl", {"culling", "bench"}},
+    {"fcl", {"culling", "bench", "examples"}},
     {"tbb", {"base"}},
     {"hwy", {"base", "kinematics", "culling", "avatars", "scenes"}},
     {"png.h", {"viewer"}},
