@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <string_view>
 
 #include "bench/boxes.h"
@@ -129,7 +130,7 @@ std::vector<Quarter> quarters_of(const std::vector<double>& ours,
 std::unique_ptr<Crowd> make_crowd(BenchOptions& options) {
   if (options.crowd == CrowdKind::kSquare)
     return std::make_unique<Crowd>(
-        load_model(adult_urdf()),
+        load_model(options.model.empty() ? adult_urdf() : std::filesystem::path(options.model)),
         CrowdShape{.avatars = options.avatars, .per_m2 = options.per_m2, .seed = options.seed});
   auto plaza = std::make_unique<PlazaCrowd>(options.avatars, options.seed, options.threads);
   options.avatars = plaza->count();

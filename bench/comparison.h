@@ -26,6 +26,7 @@ struct BenchOptions {
   uint64_t seed = 1;
   SimdTarget simd = SimdTarget::kBest;
   PairSearch pair_search = PairSearch::kGrid;
+  std::string model{};                 ///< a URDF instead of the bundled adult's
   std::vector<std::string> engines{};  ///< names of engine_kinds(); empty: ours alone
 };
 

@@ -1,16 +1,22 @@
 #include "bench/crowd.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "base/errors.h"
 #include "base/random.h"
 
 namespace throng::bench {
 
 Crowd::Crowd(std::shared_ptr<const Model> model, const CrowdShape& shape)
     : model_(std::move(model)), gait_(*model_), shape_(shape) {
+  if (static_cast<size_t>(gait_.column_count()) > kMaxColumns)
+    throw InputError(model_->name, fmt::format("a model of at most {} joints", kMaxColumns),
+                     fmt::format("{}", gait_.column_count()));
   const int side = static_cast<int>(std::ceil(std::sqrt(shape.avatars)));
   const double spacing_m = 1 / std::sqrt(shape.per_m2);
   const float speed = static_cast<float>(shape.speed_mps);
@@ -56,7 +62,6 @@ std::shared_ptr<const BodyType> Crowd::body_type() const {
 }
 
 void Crowd::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
-  constexpr size_t kMaxColumns = 64;
   std::array<float, kMaxBatch> phases, speeds, scales;
   std::array<RootFrame, kMaxBatch> frames;
   std::array<float, kMaxBatch * kMaxColumns> postures;

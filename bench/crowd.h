@@ -22,7 +22,9 @@ struct CrowdShape {
 
 class Crowd : public PoseSource {
  public:
+  /// Throws InputError for a model with more joints than kMaxColumns.
   Crowd(std::shared_ptr<const Model> model, const CrowdShape& shape);
+  static constexpr size_t kMaxColumns = 64;
 
   /// Everybody walks on for one step.
   virtual void advance();

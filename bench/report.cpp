@@ -65,10 +65,11 @@ Json quarters_json(const BenchResult& r) {
 
 std::string to_text(const BenchResult& r, const MachineLine& machine) {
   std::string out;
-  append(out, "{}: {} avatars, {:.4g} per m2, {} frames, {} thread{}, {} on {}\n\n",
-         r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square", r.options.avatars,
-         r.options.per_m2, r.options.frames, r.options.threads, r.options.threads == 1 ? "" : "s",
-         r.throng.simd, machine.cpu);
+  append(out, "{}{}: {} avatars, {:.4g} per m2, {} frames, {} thread{}, {} on {}\n\n",
+         r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square",
+         r.options.model.empty() ? "" : ", " + r.options.model, r.options.avatars, r.options.per_m2,
+         r.options.frames, r.options.threads, r.options.threads == 1 ? "" : "s", r.throng.simd,
+         machine.cpu);
   append(out, "  {:<22}{:>9}{:>9}{:>9}{:>11}{:>9}{:>9}\n", "", "min ms", "median", "p95", "pairs",
          "/ ours", "/ boxes");
   const ThrongResult& t = r.throng;

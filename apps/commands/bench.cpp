@@ -38,6 +38,7 @@ Examples:
   throng bench --avatars 1000 --frames 3 --parts ordop26
   throng bench --export frames                    then own_engine frames
   throng bench --check frames/found.csv
+  throng bench --model robot.urdf --avatars 500 --frames 3 --parts
   throng bench --steering)";
 
 // A frame of the slower engines may take this long; then its result still counts.
@@ -95,6 +96,7 @@ std::vector<std::string> engines_of(const std::string& list) {
 
 OpenOutputs opened_outputs(const BenchCommand& command) {
   OutputPlan plan;
+  plan.reads("the model", command.options.model);
   plan.writes_json(command.json);
   plan.writes({.option = "--csv", .path = command.csv, .writing = Writing::kAppended});
   plan.fills("--export", command.exports, bench::exported_files());
@@ -219,6 +221,8 @@ int stopped(const BenchCommand& command, const Measured& result, const std::stri
 int measure(BenchCommand& command) {
   bench::BenchOptions& options = command.options;
   options.engines = engines_of(command.engines);
+  if (command.crowd == "plaza" && !options.model.empty())
+    throw InputError("--model", "none with --crowd plaza: the scene has its own", options.model);
   if (command.crowd == "plaza" && command.density)
     throw InputError("--density", "none with --crowd plaza: the scene has its own",
                      fmt::format("{}", *command.density));
@@ -257,6 +261,9 @@ void add_options(CommandOptions& app, BenchCommand& command) {
              "[square]")
           ->check(name_option({"square", "plaza"}))
           ->type_name("NAME");
+  auto* model = app.add_option("--model", options.model,
+                               "A crowd of this URDF instead of the bundled adult's")
+                    ->type_name("URDF");
   command.frames =
       app.add_option("--frames", options.frames, "Frames to measure, after 3 of warm-up [20]")
           ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
@@ -317,7 +324,8 @@ void add_options(CommandOptions& app, BenchCommand& command) {
       ->excludes(search)
       ->excludes(csv)
       ->excludes(exports)
-      ->excludes(check);
+      ->excludes(check)
+      ->excludes(model);
 }
 
 }  // namespace

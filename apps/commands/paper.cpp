@@ -27,6 +27,7 @@ Ctrl-C ends it with the tables that are finished.
 
 Examples:
   throng paper --json paper.json
+  throng paper --model robot.urdf --frames 100 --out out/robot
   throng paper --seeds 100 --out out/paper)";
 
 struct PaperCommand {
@@ -50,11 +51,12 @@ int reproduce_paper(const PaperCommand& command) {
   // What would fail after a minute of measuring has to fail before.
   const StopSignal stop;
   OutputPlan plan;
+  plan.reads("the model", command.options.model);
   plan.writes_json(command.json);
   plan.fills("--out", command.out, {"report.html", "report.md", "*.svg", "*.png"});
   if (!command.out.empty()) require_gnuplot();
   const OpenOutputs outputs = plan.open();
-  const auto objects = paper::load_objects();
+  const auto objects = paper::load_objects(command.options.model);
   const auto kept = std::make_shared<Kept>();
   const auto experiments = [objects, kept, options = command.options] {
     paper::run_experiments(
@@ -94,6 +96,9 @@ Command add_paper_command(CommandLine& parent) {
                ? ""
                : fmt::format("expected a multiple of 5, found '{}'", text);
   };
+  app->add_option("--model", command->options.model,
+                  "The parts of this URDF instead of the bundled adult's")
+      ->type_name("URDF");
   app->add_option("--frames", command->options.frames, "Frames of Part I [500]")
       ->check(whole_option(10, 10000, "10 to 10000 frames"))
       ->check(five)

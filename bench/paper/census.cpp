@@ -12,7 +12,7 @@ struct Motion {
 };
 
 Motion record(const std::vector<Object>& objects, int frames, uint64_t seed) {
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(seed));
+  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   Motion motion{objects.size(), static_cast<size_t>(frames - 1), margin_m(objects, world), {}};
   motion.poses.reserve(motion.objects * motion.frames);
   for (size_t frame = 0; frame < motion.frames; ++frame) {

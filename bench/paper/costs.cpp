@@ -31,7 +31,7 @@ struct Inputs {
 };
 
 Inputs record(const std::vector<Object>& objects, int frames, uint64_t seed) {
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(seed));
+  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   const auto count = static_cast<uint32_t>(objects.size());
   Inputs inputs;
   inputs.margin_m = margin_m(objects, world);
@@ -103,7 +103,7 @@ void measure_motion(const std::vector<Object>& objects, const Inputs& inputs, Me
 template <typename Method>
 double run_ms(const std::vector<Object>& objects, int frames, uint64_t seed) {
   const auto fitted = fit_all<Method>(objects);
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(seed));
+  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   const float margin = margin_m(objects, world);
   std::vector<typename Method::Placed> placed;
   placed.reserve(objects.size());

@@ -101,6 +101,17 @@ double PaperResult::noise() const {
   return ratios[(ratios.size() - 1) / 2];
 }
 
+std::string PaperResult::frame_in_words() const {
+  return fmt::format("{} updates, {} tests", objects.size(),
+                     objects.size() * (objects.size() - 1) / 2);
+}
+
+double PaperResult::frame_ns(const VolumeResult& volume) const {
+  const auto count = static_cast<double>(objects.size());
+  return count * volume.costs.update.median_ns +
+         count * (count - 1) / 2 * volume.costs.test.median_ns;
+}
+
 PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptions& options,
                             const std::function<void(const std::string&)>& tell,
                             const std::function<void(const PaperResult&)>& keep) {
@@ -110,7 +121,7 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
     if (keep) keep(result);
   };
   result.options = options;
-  result.edge_m = part_one_box(options.seed).edge_m;
+  result.edge_m = part_one_box(objects, options.seed).edge_m;
   for (const Object& object : objects) {
     result.objects.push_back(object.name);
     result.elongations.push_back(elongation(object));

@@ -15,7 +15,8 @@
 namespace throng::paper {
 
 struct PaperOptions {
-  int frames = 500;  ///< of Part I; a multiple of 5
+  std::string model = {};  ///< a URDF instead of the bundled adult's
+  int frames = 500;        ///< of Part I; a multiple of 5
   uint64_t seed = 1;
   int seeds = 1;            ///< seed, seed + 1, ... for the collisions
   int threads = 1;          ///< over seeds; nothing that is timed
@@ -100,6 +101,9 @@ struct PaperResult {
   /// How much slower the slowest tenth of all runs of a strategy was than the fastest tenth, the
   /// median over strategies and sizes: 1.0 on a machine that does nothing else.
   double noise() const;
+  /// "15 updates, 105 tests": what a frame of Part I takes.
+  std::string frame_in_words() const;
+  double frame_ns(const VolumeResult& volume) const;
 };
 
 /// `tell` hears what comes next; `keep` gets the result so far whenever a stage of it is finished.

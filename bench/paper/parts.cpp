@@ -1,20 +1,44 @@
 #include "bench/paper/parts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
+#include "base/errors.h"
 #include "culling/volumes/volumes.h"
 #include "scenes/box/loose_parts.h"
 
 namespace throng::paper {
+
+namespace {
+
+constexpr double kAdultEdge_m = 2.41;
+constexpr size_t kCopies = 15;
+
+/// In proportion to the mean room in which the spheres of two objects overlap.
+double sphere_room_m3(const std::vector<Object>& objects) {
+  double sum_m3 = 0;
+  size_t pairs = 0;
+  for (size_t a = 0; a < objects.size(); ++a)
+    for (size_t b = a + 1; b < objects.size(); ++b, ++pairs)
+      sum_m3 += std::pow(objects[a].radius_m + objects[b].radius_m, 3);
+  return sum_m3 / static_cast<double>(pairs);
+}
+
+}  // namespace
 
 std::vector<Object> load_objects(const std::string& urdf) {
   std::vector<Object> objects;
   for (const std::shared_ptr<const Model>& part :
        loose_parts(*load_model(urdf.empty() ? adult_urdf() : std::filesystem::path(urdf)))) {
     const Mesh& mesh = part->parts.front().mesh;
+    if (mesh.is_point_cloud())
+      throw InputError(urdf, "triangles in every part, which say what truly touches",
+                       fmt::format("'{}' without", part->name));
     PartShape shape{mesh.vertices, mesh.triangles};
     const double radius_m = reach_m(*part);
     // Rounded up, so that no point is left out.
@@ -23,6 +47,7 @@ std::vector<Object> load_objects(const std::string& urdf) {
     auto type = std::make_shared<BodyType>(std::vector<PartShape>{shape}, sphere, false);
     objects.push_back({part->name, std::move(shape), mesh, radius_m, std::move(type)});
   }
+  if (objects.size() == 1) objects.resize(kCopies, Object(objects.front()));
   return objects;
 }
 
@@ -33,10 +58,11 @@ BoxWorld world_of(const std::vector<Object>& objects, size_t count, size_t stati
   return BoxWorld::of_kinds(options, radii_m, count, static_every);
 }
 
-BoxWorldOptions part_one_box(uint64_t seed) {
+BoxWorldOptions part_one_box(const std::vector<Object>& objects, uint64_t seed) {
+  static const double adult_room_m3 = sphere_room_m3(load_objects());
   BoxWorldOptions options;
   options.seed = seed;
-  options.edge_m = 2.41;
+  options.edge_m = kAdultEdge_m * std::cbrt(sphere_room_m3(objects) / adult_room_m3);
   return options;
 }
 

@@ -21,15 +21,17 @@ struct Object {
   std::shared_ptr<const BodyType> type;  ///< the same for culling
 };
 
-/// The parts of a model, in the order of its URDF; the bundled adult's if none is named.
+/// The parts of a model, in the order of its URDF; the bundled adult's if none is named. Of a model
+/// of one part as many copies as the adult has parts. Throws InputError if one has no triangles.
 std::vector<Object> load_objects(const std::string& urdf = {});
 
 /// `count` objects, the parts in turn; every `static_every`-th stands still (0: none does).
 BoxWorld world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
                   const BoxWorldOptions& options);
 
-/// Part I's box. Its edge is calibrated: spheres then collide about as often as in the paper.
-BoxWorldOptions part_one_box(uint64_t seed);
+/// Part I's box. Its edge is calibrated on the adult, and in proportion to the room in which the
+/// spheres of other objects collide: they then do about as often as in the paper.
+BoxWorldOptions part_one_box(const std::vector<Object>& objects, uint64_t seed);
 
 /// What tests over these objects in a box must allow for rounding.
 float margin_m(const std::vector<Object>& objects, const BoxWorld& world);

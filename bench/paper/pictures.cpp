@@ -254,7 +254,7 @@ std::vector<SlotPair> ordop_pairs(const std::vector<Object>& objects, const BoxW
 }
 
 Picture figure_4(const std::vector<Object>& objects, uint64_t seed) {
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(seed));
+  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   std::vector<SlotPair> pairs;
   for (int frame = 0; frame < kFrames || (pairs.empty() && frame < 10 * kFrames); ++frame) {
     world.step();

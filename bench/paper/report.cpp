@@ -28,8 +28,8 @@ constexpr double kQuiet = 1.25;
 
 constexpr const char* kIntroduction =
     "Every experiment of Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes "
-    "Manipulation in Massive Rigid Body Simulation, TELKOMNIKA 11(6), 2013, run again on the 15 "
-    "parts of Throng's adult, with the paper's numbers beside. docs/paper.md lists what had to be "
+    "Manipulation in Massive Rigid Body Simulation, TELKOMNIKA 11(6), 2013, run again on the {} "
+    "parts of {}, with the paper's numbers beside. docs/paper.md lists what had to be "
     "guessed and why numbers differ.";
 
 std::string read_file(const fs::path& file) {
@@ -83,11 +83,15 @@ struct Pages {
 void write_report(const PaperResult& result, const std::vector<Object>& objects,
                   const std::string& cpu, const fs::path& folder) {
   Pages pages;
+  const std::string model = result.options.model.empty()
+                                ? "Throng's adult"
+                                : fs::path(result.options.model).filename().string();
+  const std::string introduction = fmt::format(kIntroduction, objects.size(), model);
   const std::string title = "The paper, reproduced";
   pages.html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
                "</title><style>" + kStyle + "</style></head><body>\n<h1>" + title + "</h1>\n<p>" +
-               kIntroduction + "</p>\n<p>" + html_escaped(how(result, cpu)) + "</p>\n";
-  pages.markdown = "# " + title + "\n\n" + kIntroduction + "\n\n" + how(result, cpu) + "\n\n";
+               html_escaped(introduction) + "</p>\n<p>" + html_escaped(how(result, cpu)) + "</p>\n";
+  pages.markdown = "# " + title + "\n\n" + introduction + "\n\n" + how(result, cpu) + "\n\n";
   const std::vector<Picture> pictures = pictures_of(objects, result.options.seed);
   auto picture = pictures.begin();
   const auto add_pictures_before = [&](const std::string& id) {

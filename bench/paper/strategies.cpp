@@ -20,7 +20,7 @@ constexpr double kLongRun_ms = 300;
 }  // namespace
 
 BoxWorld part_two_world(const std::vector<Object>& objects, size_t count, uint64_t seed) {
-  BoxWorldOptions options = part_one_box(seed);
+  BoxWorldOptions options = part_one_box(objects, seed);
   options.edge_m *= std::cbrt(static_cast<double>(count) / static_cast<double>(objects.size()));
   return world_of(objects, count, 2, options);
 }

@@ -112,10 +112,11 @@ Table figures_8_to_10(const PaperResult& result) {
   const int frames = result.options.frames;
   Table table;
   table.title = "Fig. 8, 9, 10: frames a second, and longer runs";
-  table.note =
-      "By the processor time of the thread: motion, updates and tests of 15 objects, no drawing "
-      "(the paper's frame rates "
-      "have no number in the text). T by the formula. Collisions of the first seed.";
+  table.note = fmt::format(
+      "By the processor time of the thread: motion, updates and tests of {} objects, no "
+      "drawing (the paper's frame rates have no number in the text). T by the formula. "
+      "Collisions of the first seed.",
+      result.objects.size());
   table.head = {"volume", "frames/s"};
   for (const int length : kRunLengths) {
     table.head.push_back(fmt::format("T ms, {} frames", length * frames));
@@ -138,14 +139,14 @@ Table figures_8_to_10(const PaperResult& result) {
 Table figure_3(const PaperResult& result) {
   Table table;
   table.title = "Fig. 3: simplicity against accuracy, measured";
-  table.note =
-      "Simplicity: what a frame of 15 updates and 105 tests costs. Accuracy: how many of the pairs "
-      "found touch.";
+  table.note = fmt::format(
+      "Simplicity: what a frame of {} costs. Accuracy: how many of the pairs found "
+      "touch.",
+      result.frame_in_words());
   table.head = {"volume", "ns a frame", "touching, of the pairs found"};
   std::vector<std::pair<double, const VolumeResult*>> order;
   for (const VolumeResult& volume : result.volumes)
-    order.emplace_back(15 * volume.costs.update.median_ns + 105 * volume.costs.test.median_ns,
-                       &volume);
+    order.emplace_back(result.frame_ns(volume), &volume);
   std::sort(order.begin(), order.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [ns, volume] : order)

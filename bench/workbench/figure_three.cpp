@@ -16,7 +16,7 @@ struct Motion {
 };
 
 Motion record(const std::vector<paper::Object>& objects, int frames, uint64_t seed) {
-  BoxWorld world = paper::world_of(objects, objects.size(), 0, paper::part_one_box(seed));
+  BoxWorld world = paper::world_of(objects, objects.size(), 0, paper::part_one_box(objects, seed));
   const float margin = paper::margin_m(objects, world);
   const auto count = static_cast<uint32_t>(objects.size());
   Motion motion;

@@ -133,6 +133,29 @@ TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
   }
 }
 
+TEST(BenchCommand, TakesAModelOfYourOwn) {
+  const ScratchFolder folder;
+  const std::string robot =
+      repository("tests/kinematics/fixtures/humanoid_description/urdf/humanoid.urdf");
+  auto [out, json] =
+      bench_told("--avatars 60 --density 4 --frames 2 --engines none --model " + robot, folder);
+  EXPECT_THAT(out, HasSubstr("humanoid.urdf: 60 avatars"));
+  EXPECT_GT(json["throng"]["pairs"].get<int>(), 0);
+  auto [parts, matrix] =
+      bench_told("--avatars 30 --density 4 --frames 1 --parts ordop26 --model " + robot, folder);
+  EXPECT_EQ(matrix["matrix"].size(), 19u * 20 / 2);
+  for (const auto& volume : matrix["volumes"]) EXPECT_EQ(volume["missed"], 0);
+  const std::string one = repository("tests/kinematics/fixtures/single.urdf");
+  EXPECT_GT(bench_told("--avatars 60 --density 4 --frames 2 --engines none --model " + one, folder)
+                .json["throng"]["pairs"]
+                .get<int>(),
+            0);
+  const Outcome missing = shell("throng bench --model none.urdf --engines none", folder);
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_EQ(line_count(missing.err), 1);
+  EXPECT_EQ(shell("throng bench --crowd plaza --model " + one, folder).exit_code, 2);
+}
+
 /// The example's engine on exported frames; what it found is then spoilt in each way that there is.
 TEST(BenchCommand, JudgesWhatAnotherProgramFinds) {
   const ScratchFolder folder;

@@ -35,6 +35,25 @@ TEST(Census, CountsAsThePaperDoes) {
   }
 }
 
+/// The adult's box is as it ever was; that of other parts is as crowded.
+TEST(Census, TakesThePartsOfAnyModel) {
+  EXPECT_EQ(part_one_box(objects(), kSeed).edge_m, 2.41);
+  const std::string fixtures = std::string(THRONG_SOURCE_DIR) + "/tests/kinematics/fixtures/";
+  const auto robot = load_objects(fixtures + "humanoid_description/urdf/humanoid.urdf");
+  ASSERT_EQ(robot.size(), 19u);
+  const CensusTable table = take_census(robot, kFrames, kSeed);
+  const CensusTable adult = take_census(objects(), kFrames, kSeed);
+  const auto rate = [](const Census& census) {
+    return static_cast<double>(census.collisions.back()) / static_cast<double>(census.tests);
+  };
+  EXPECT_EQ(table[kSphereMethod].tests, 19u * 18 / 2 * 99);
+  EXPECT_GT(rate(table[kSphereMethod]), 0.5 * rate(adult[kSphereMethod]));
+  EXPECT_LT(rate(table[kSphereMethod]), 2 * rate(adult[kSphereMethod]));
+  for (size_t v = 0; v < kMethods.size(); ++v) EXPECT_EQ(table[v].missed, 0u) << kMethods[v];
+  // One part alone has nothing to meet: as many copies as the adult has parts.
+  EXPECT_EQ(load_objects(fixtures + "single.urdf").size(), 15u);
+}
+
 TEST(Census, FiveHundredFramesAreThePapersNumberOfTests) {
   EXPECT_EQ(105u * 499u, 52395u);
   const std::vector<Object> three(objects().begin(), objects().begin() + 3);
