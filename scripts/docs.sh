@@ -15,7 +15,7 @@ for argument in "$@"; do
     *) filter=${filter:+$filter:}*/$(basename "$argument" .md) ;;
   esac
 done
-bash scripts/build.sh release docs_tests schema_tests throng no_miss stress_tests test_stepping walk_tests fuzz_replay
+bash scripts/build.sh release docs_tests schema_tests throng no_miss stress_tests test_stepping walk_tests fuzz_replay own_volume own_engine
 if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then build/release/throng scenes --schema >scenes/scene.schema.json; fi
 build/release/schema_tests --gtest_filter='SceneKeys.*'
 exec build/release/docs_tests --gtest_filter="${filter:-*Document*}"

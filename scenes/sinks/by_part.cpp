@@ -84,15 +84,15 @@ class Panels {
   }
 
  private:
-  static constexpr int kWidth = 1650, kHeight = 520;
+  static constexpr int kWidth = 1750, kHeight = 520;
   static constexpr size_t kMany = 24;  // names that need smaller letters
 
   std::string margins() const {
-    const double left = 0.068 + 0.333 * panels_;
+    const double left = 0.078 + 0.325 * panels_;
     return fmt::format(
         "set lmargin at screen {:.3f}\nset rmargin at screen {:.3f}\nset tmargin at screen "
         "0.93\nset bmargin at screen 0.2\n",
-        left, left + 0.225);
+        left, left + 0.212);
   }
 
   const PartNameTally& tally_;
