@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/counting_sort.h"
 #include "culling/fitted.h"
 #include "culling/kernels/kernels_of.h"
-#include "culling/kernels/kernels_scalar.h"
+#include "culling/stages/part_pair.h"
 #include "culling/stages/stopwatch.h"
 
 namespace throng {
@@ -20,51 +19,6 @@ bool bodies_overlap(const float* a, const float* b, const float* shift) {
     apart |= b[axis] + shift[axis] > a[4 + axis];
   }
   return !apart;
-}
-
-struct PartOf {
-  const BodyType::Volumes* volumes;
-  size_t part;
-  const PartPose* pose;
-  float scale;
-};
-
-/// Two parts that a candidate names, and how far apart their roots are.
-struct PartPair {
-  PartOf a, b;
-  Eigen::Vector3f a_to_b_m;
-  float margin_m;
-};
-
-PartPair part_pair(const PartStageFrame& frame, const PartPose* poses, const BodyPair& pair,
-                   const Candidate& c) {
-  return {{&frame.types[pair.type_a]->volumes(), c.part_a, &poses[pair.pose_a + c.part_a],
-           pair.scale_a},
-          {&frame.types[pair.type_b]->volumes(), c.part_b, &poses[pair.pose_b + c.part_b],
-           pair.scale_b},
-          {pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]},
-          pair.shift_m[3]};
-}
-
-/// Updates both volumes, then tests them: two updates a test, as the paper counts.
-template <typename Volume>
-bool placed_overlap(const PartPair& p) {
-  const auto place = [&](const PartOf& part) {
-    return Volume::place(part.volumes->of<Volume>()[part.part], *part.pose, part.scale);
-  };
-  return Volume::overlaps(place(p.a), place(p.b), p.a_to_b_m, p.margin_m);
-}
-
-bool parts_touch(const PartPair& p, ExactCounters& primitive) {
-  return solids_touch(p.a.volumes->surfaces()[p.a.part], *p.a.pose, p.a.scale,
-                      p.b.volumes->surfaces()[p.b.part], *p.b.pose, p.b.scale, p.a_to_b_m,
-                      primitive);
-}
-
-/// A shape that has buckets.
-const OrdopTable& table_of(const PartStageFrame& frame, size_t shape) {
-  const uint16_t type = frame.shape_type[shape];
-  return frame.types[type]->volumes().tables()[shape - frame.type_first_shape[type]];
 }
 
 void add_stage(StageCounters& sum, const StageCounters& other) {
@@ -155,25 +109,6 @@ void PartStage::keep_pairs(const PartStageFrame& frame, size_t count) {
   pair_count_ = count;
 }
 
-void PartStage::test_parts(const PartStageFrame& frame) {
-  Stopwatch watch;
-  overlaps_.resize(candidate_count_);
-  if (frame.is_mixed) {
-    test_mixture(frame);
-  } else {
-    with_volume(frame.volume, [&]<typename Volume>() {
-      if constexpr (KernelsOf<Volume>::kExist)
-        test_by_kernel<Volume>(frame);
-      else
-        test_one_by_one<Volume>(frame);
-    });
-  }
-  counters_.part.tests += candidate_count_;
-  counters_.part.passed +=
-      static_cast<uint64_t>(std::count(overlaps_.data(), overlaps_.data() + candidate_count_, 1));
-  counters_.part.test_ns += watch.lap_ns();
-}
-
 /// Candidates of a pair are consecutive and sorted, and so are its parts. No branch: which
 /// candidates overlap, and where a pair ends, is hard to foretell.
 void PartStage::write_runs(PartPairs& out) const {
@@ -217,159 +152,6 @@ void PartStage::find_candidates(const PartStageFrame& frame) {
   }
   counters_.box.passed += candidate_count_;
   counters_.box.test_ns += watch.lap_ns();
-}
-
-void PartStage::sort_into_buckets() {
-  const size_t buckets = bucket_count(boxes_.shapes);
-  bucket_start_.resize(buckets + 2);
-  order_.resize(candidate_count_);
-  counting_sort(
-      candidate_count_, buckets, bucket_start_.data(),
-      [&](size_t i) { return candidates_[i].bucket(); },
-      [&](size_t i, uint32_t at) { order_[at] = static_cast<uint32_t>(i); });
-}
-
-template <typename Test, typename Rest>
-void PartStage::for_each_bucket(const Test& test, const Rest& rest) {
-  sort_into_buckets();
-  const uint32_t shapes = boxes_.shapes;
-  for (size_t a = 0; a < shapes; ++a) {
-    for (size_t b = a; b < shapes; ++b) {
-      const size_t bucket = a * shapes + b;
-      const uint32_t begin = bucket_start_[bucket], count = bucket_start_[bucket + 1] - begin;
-      if (count > 0) test(a, b, std::span(order_.data() + begin, count));
-    }
-  }
-  for (uint32_t i = bucket_start_[bucket_count(shapes) - 1]; i < candidate_count_; ++i)
-    rest(order_[i]);
-}
-
-template <typename Volume>
-void PartStage::test_by_kernel(const PartStageFrame& frame) {
-  const Kernels::OrdopPairs test = frame.kernels->*KernelsOf<Volume>::kPairs;
-  for_each_bucket(
-      [&](size_t a, size_t b, std::span<uint32_t> some) {
-        test(table_of(frame, a), table_of(frame, b), pairs_.data(), bodies_->poses(),
-             candidates_.data(), some.data(), some.size(), overlaps_.data());
-      },
-      [&](uint32_t one) { test_by_reference<Volume>(frame, one); });
-}
-
-/// Shapes beyond the buckets: rare, so one by one with the reference.
-template <typename Volume>
-void PartStage::test_by_reference(const PartStageFrame& frame, uint32_t candidate) {
-  const Candidate& c = candidates_[candidate];
-  const BodyPair& pair = pairs_[c.pair];
-  const Kernels::OrdopPairs reference = scalar_kernels().*KernelsOf<Volume>::kPairs;
-  reference(frame.types[pair.type_a]->volumes().tables()[c.part_a],
-            frame.types[pair.type_b]->volumes().tables()[c.part_b], pairs_.data(), bodies_->poses(),
-            candidates_.data(), &candidate, 1, overlaps_.data());
-}
-
-/// Two parts with different volumes are apart if either kind of volume says so: the one that comes
-/// first in the list is asked first, then the other.
-void PartStage::test_mixture(const PartStageFrame& frame) {
-  for_each_bucket(
-      [&](size_t a, size_t b, std::span<uint32_t> some) {
-        const auto volume = [&](size_t shape) {
-          const uint16_t type = frame.shape_type[shape];
-          return frame.volume_of(type, shape - frame.type_first_shape[type]);
-        };
-        const VolumeKind of_a = volume(a), of_b = volume(b);
-        const auto decide = [&](VolumeKind kind) {
-          with_volume(kind, [&]<typename Volume>() {
-            if constexpr (KernelsOf<Volume>::kExist)
-              (frame.kernels->*KernelsOf<Volume>::kPairs)(
-                  table_of(frame, a), table_of(frame, b), pairs_.data(), bodies_->poses(),
-                  candidates_.data(), some.data(), some.size(), overlaps_.data());
-            else
-              test_one_by_one<Volume>(frame, some);
-          });
-        };
-        decide(std::min(of_a, of_b));
-        if (of_a == of_b) return;
-        some = still_overlapping(some);
-        decide(std::max(of_a, of_b));
-      },
-      [&](uint32_t one) {
-        const Candidate& c = candidates_[one];
-        const BodyPair& pair = pairs_[c.pair];
-        const VolumeKind of_a = frame.volume_of(pair.type_a, c.part_a);
-        const VolumeKind of_b = frame.volume_of(pair.type_b, c.part_b);
-        const auto decide = [&](VolumeKind kind) {
-          with_volume(kind, [&]<typename Volume>() {
-            if constexpr (KernelsOf<Volume>::kExist)
-              test_by_reference<Volume>(frame, one);
-            else
-              test_one_by_one<Volume>(frame, {&one, 1});
-          });
-        };
-        decide(std::min(of_a, of_b));
-        if (of_a != of_b && overlaps_[one]) decide(std::max(of_a, of_b));
-      });
-}
-
-/// Moves them to the front.
-std::span<uint32_t> PartStage::still_overlapping(std::span<uint32_t> candidates) const {
-  size_t kept = 0;
-  for (const uint32_t candidate : candidates)
-    if (overlaps_[candidate]) candidates[kept++] = candidate;
-  return candidates.first(kept);
-}
-
-template <typename Volume>
-bool PartStage::overlap(const PartStageFrame& frame, uint32_t candidate) const {
-  const Candidate& c = candidates_[candidate];
-  return placed_overlap<Volume>(part_pair(frame, bodies_->poses(), pairs_[c.pair], c));
-}
-
-template <typename Volume>
-void PartStage::test_one_by_one(const PartStageFrame& frame) {
-  for (uint32_t i = 0; i < candidate_count_; ++i) overlaps_[i] = overlap<Volume>(frame, i);
-  counters_.part.updates += 2 * candidate_count_;
-}
-
-template <typename Volume>
-void PartStage::test_one_by_one(const PartStageFrame& frame, std::span<const uint32_t> candidates) {
-  for (const uint32_t i : candidates) overlaps_[i] = overlap<Volume>(frame, i);
-  counters_.part.updates += 2 * candidates.size();
-}
-
-/// Before triangles decide, which write over what the volumes said.
-void PartStage::tally_tests(const PartStageFrame& frame) {
-  const auto block_of = [&](const BodyPair& pair) -> PartTally::Block& {
-    return tally_->block(pair.type_a, pair.type_b, frame.type_parts[pair.type_a],
-                         frame.type_parts[pair.type_b]);
-  };
-  for (size_t i = 0; i < pair_count_; ++i) ++block_of(pairs_[i]).body_pairs;
-  for (size_t i = 0; i < candidate_count_; ++i) {
-    const Candidate& c = candidates_[i];
-    const BodyPair& pair = pairs_[c.pair];
-    PartPairCounts& cell =
-        PartTally::cell(block_of(pair), pair.type_a, pair.type_b, c.part_a, c.part_b);
-    ++cell.box_passed;
-    cell.part_passed += overlaps_[i];
-  }
-}
-
-/// What truly touches: as the triangles have decided, or judged here, aside from the answer.
-void PartStage::tally_truth(const PartStageFrame& frame) {
-  ExactCounters aside;
-  for (size_t i = 0; i < candidate_count_; ++i) {
-    if (!overlaps_[i]) continue;
-    const Candidate& c = candidates_[i];
-    const BodyPair& pair = pairs_[c.pair];
-    bool touches = frame.exact;
-    if (!frame.exact) {
-      const auto &type_a = *frame.types[pair.type_a], &type_b = *frame.types[pair.type_b];
-      tally_->knows_truth &= type_a.has_triangles() && type_b.has_triangles();
-      touches =
-          tally_->knows_truth && parts_touch(part_pair(frame, bodies_->poses(), pair, c), aside);
-    }
-    PartTally::Block& block = tally_->block(pair.type_a, pair.type_b, frame.type_parts[pair.type_a],
-                                            frame.type_parts[pair.type_b]);
-    PartTally::cell(block, pair.type_a, pair.type_b, c.part_a, c.part_b).touching += touches;
-  }
 }
 
 size_t PartStage::decide_by_triangles(const PartStageFrame& frame, uint64_t most) {

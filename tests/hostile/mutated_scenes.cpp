@@ -62,7 +62,7 @@ obstacles:
 name: rich box
 step_s: 0.02
 duration_s: 2
-culling: {part_volume: kdop18, exact: false}
+culling: {part_volume: {hands: sphere, left legs: obb, default: kdop18}, exact: false}
 box: {count: 12, edge_m: 1.5, static_every: 3, min_speed_mps: 0.2, max_speed_mps: 2, max_spin_radps: 4, model: adult}
 )",
     R"(name: gap
