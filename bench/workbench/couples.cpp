@@ -16,7 +16,7 @@ using Eigen::Vector3f;
 constexpr double kSpacing_m = 12;     // between couples: far more than a body reaches
 constexpr double kPartReach_m = 0.3;  // how far a part's frame is from its root
 constexpr double kNear_m = 0.01;
-constexpr size_t kBrute = 16 * 16;  // triangle pairs that are all tried, in double
+constexpr size_t kBrute = size_t{16} * 16;  // triangle pairs that are all tried, in double
 
 PartShape shape_of(const Solid& solid) { return {solid.points, solid.triangles}; }
 

@@ -20,7 +20,7 @@ Motion record(const std::vector<paper::Object>& objects, int frames, uint64_t se
   const float margin = paper::margin_m(objects, world);
   const auto count = static_cast<uint32_t>(objects.size());
   Motion motion;
-  std::vector<uint32_t> where(count * static_cast<uint32_t>(frames - 1));
+  std::vector<uint32_t> where(size_t{count} * static_cast<size_t>(frames - 1));
   for (uint32_t i = 0; i < where.size(); ++i) where[i] = i;
   shuffle(where, seed);
   motion.places.resize(where.size());
@@ -86,7 +86,7 @@ std::string figure_3_script(std::span<const LabelledPoint> points, const std::st
   const auto series = [](const char* data, const char* colour) {
     return fmt::format(
         "{0} using 2:3 with points pointtype 7 linecolor rgb '{1}', {0} using 2:3:1 with labels "
-        "left offset 0.8,0 font ',9' textcolor rgb '{1}'",
+        "left offset 0.8,0 font ',9' textcolor rgb '{1}' noenhanced",
         data, colour);
   };
   std::string script = "$data << EOD\n" + ours + "EOD\n";
