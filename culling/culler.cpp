@@ -1,5 +1,7 @@
 #include "culling/culler.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <functional>
@@ -7,6 +9,7 @@
 
 #include "base/errors.h"
 #include "culling/deadline/deadline.h"
+#include "culling/distance/near_search.h"
 #include "culling/event_hash.h"
 #include "culling/stages/pass.h"
 #include "culling/stages/pipeline.h"
@@ -37,6 +40,19 @@ void require_pipeline(BodyTypes types, const CullerOptions& options) {
         throw InputError("volumes of single parts", "the pipeline", name_of(options.strategy));
 }
 
+std::unique_ptr<NearSearch> make_near(BodyTypes types, const CullerOptions& options,
+                                      Workers& workers) {
+  for (const float margin_m : {options.near.near_m, options.near.body_near_m})
+    if (!(margin_m >= 0 && margin_m <= kMostNear_m))
+      throw InputError("margin", fmt::format("0 to {} m", kMostNear_m),
+                       fmt::format("{}", margin_m));
+  if (!options.near.is_asked()) return nullptr;
+  if (options.strategy != Strategy::kPipeline)
+    throw InputError("margins", "the pipeline",
+                     "a strategy of the paper, which knows no distances");
+  return std::make_unique<NearSearch>(types, options, workers);
+}
+
 std::unique_ptr<Pass> make_pass(BodyTypes types, const CullerOptions& options, Workers& workers) {
   require_triangles(types, options);
   require_pipeline(types, options);
@@ -56,6 +72,7 @@ struct Culler::State {
         Workers& workers)
       : types(std::move(body_types)),
         pass(make_pass(types, options, workers)),
+        near(make_near(types, options, workers)),
         events(last_level(options)) {}
 
   void hash_events() {
@@ -63,10 +80,13 @@ struct Culler::State {
     sum.add(events.events(), pass->hash_kind());
     hash.add_frame(frame++, sum);
   }
-  uint64_t times_grown() const { return pass->times_grown() + events.times_grown(); }
+  uint64_t times_grown() const {
+    return pass->times_grown() + events.times_grown() + (near ? near->times_grown() : 0);
+  }
 
   std::vector<std::shared_ptr<const BodyType>> types;
   std::unique_ptr<Pass> pass;
+  std::unique_ptr<NearSearch> near;  // null where no distance is asked
   PairEvents events;
   CullingCounters counters;
   EventHash hash;
@@ -92,6 +112,7 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   Stopwatch hashing;
   s.hash_events();
   s.counters.events_ns += hashing.lap_ns();
+  if (s.near) s.near->run(bodies, poses, s.counters.near);
   s.counters.wall_ns = whole.lap_ns();
   s.counters.allocations_grown = s.times_grown() - grown_before;
 }
@@ -118,11 +139,19 @@ void Culler::archive(Archive& a) {
     s.events.resume(touching);
   }
   s.pass->archive(a, touching);
+  if (s.near) s.near->archive(a);
 }
 
 std::span<const PairKey> Culler::pairs() const { return state_->events.touching(); }
 std::span<const PairEvent> Culler::events() const { return state_->events.events(); }
 std::span<const uint8_t> Culler::levels() const { return state_->pass->levels(); }
+std::span<const NearPair> Culler::near_pairs() const {
+  return state_->near ? state_->near->pairs() : std::span<const NearPair>();
+}
+std::span<const NearPair> Culler::near_bodies() const {
+  return state_->near ? state_->near->bodies() : std::span<const NearPair>();
+}
+uint64_t Culler::near_hash() const { return state_->near ? state_->near->hash() : 0; }
 uint64_t Culler::persisting() const { return state_->events.persisting(); }
 const CullingCounters& Culler::counters() const { return state_->counters; }
 uint64_t Culler::hash() const { return state_->hash.value(); }

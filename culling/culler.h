@@ -13,6 +13,7 @@
 #include "culling/bodies.h"
 #include "culling/body_type.h"
 #include "culling/counters.h"
+#include "culling/near.h"
 #include "culling/pair.h"
 #include "culling/part_tally.h"
 #include "culling/strategies/strategy.h"
@@ -31,18 +32,22 @@ struct CullerOptions {
   /// level it reached. Both may be given.
   std::optional<double> deadline_ms{};       ///< of a whole pass, by the clock: not repeatable
   std::optional<uint64_t> deadline_tests{};  ///< of boxes, part volumes and triangles together
-  /// The paper's recipes run on one thread and know no deadline (asserted).
+  /// The paper's recipes run on one thread, know no deadline (asserted) and no margins.
   Strategy strategy = Strategy::kPipeline;
   /// Counts by pair of parts, too, and judges by triangles what the part volumes report; see
   /// part_tally(). Never changes a result. Only of the pipeline without a deadline.
   bool by_part = false;
+  /// Distances beside what touches; by triangles with `exact`. A deadline counts for them again, by
+  /// itself: what it leaves undecided is listed with what its volumes prove.
+  NearOptions near{};
 };
 
 class Culler {
  public:
   /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
   /// triangles, or of spheres alone; if a part has a volume of its own, or by_part is asked, under
-  /// a strategy of the paper; or if by_part is asked under a deadline.
+  /// a strategy of the paper; if by_part is asked under a deadline; if margins are negative,
+  /// infinite, or asked of a strategy of the paper.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
   ~Culler();
@@ -61,11 +66,18 @@ class Culler {
   /// spheres alone are tested.
   std::span<const uint8_t> levels() const;
   uint64_t persisting() const;
+  /// The pairs of parts within `near.near_m`, and of each two bodies within `near.body_near_m` the
+  /// nearest pair; sorted.
+  std::span<const NearPair> near_pairs() const;
+  std::span<const NearPair> near_bodies() const;
   const CullingCounters& counters() const;
   /// Of every event so far (see event_hash.h); with a deadline, levels count.
   uint64_t hash() const;
   /// All frames so far, by pair of parts; empty without CullerOptions::by_part.
   PartTally part_tally() const;
+  /// Of every near row so far: its pair, interval and level. hash() is the same with and without
+  /// margins.
+  uint64_t near_hash() const;
 
  private:
   struct State;

@@ -6,4 +6,5 @@
 #include "culling/body_type.h"
 #include "culling/counters.h"
 #include "culling/culler.h"
+#include "culling/near.h"
 #include "culling/pair.h"

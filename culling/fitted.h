@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "culling/body_type.h"
+#include "culling/distance/hull_depth.h"
 #include "culling/exact/triangle_bvh.h"
 #include "culling/kernels/kernels_of.h"
 #include "culling/volumes/ordop_pair.h"
@@ -67,8 +68,12 @@ struct BodyType::Volumes {
     return surfaces_.get(
         parts_, [](const PartShape& part) { return TriangleBvh(part.points, part.triangles); });
   }
+  /// Of the points that lie on a part, for distances and depths.
+  const std::vector<ConvexHull>& hulls() const { return hulls_.get(parts_, hull_of); }
 
  private:
+  static ConvexHull hull_of(const PartShape& part);
+
   template <typename List>
   struct FitsOf;
   template <typename... Entries>
@@ -81,6 +86,7 @@ struct BodyType::Volumes {
   FittedOnce<OrdopTable> tables_;
   std::array<FittedOnce<OrdopLanes>, kVolumeCount> lanes_;  // where a volume has kernels
   FittedOnce<TriangleBvh> surfaces_;
+  FittedOnce<ConvexHull> hulls_;
 };
 
 }  // namespace throng

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "culling/exact/segments.h"
+
 namespace throng {
 namespace {
 
@@ -24,40 +26,14 @@ bool separates(const Vector3d& axis, const Triangle& a, const Triangle& b, doubl
          min3(a0, a1, a2) - max3(b0, b1, b2) > tolerance;
 }
 
-/// The shortest vector from segment p + [0, 1] u to segment q + [0, 1] v (Ericson 2005, 5.1.9).
-Vector3d between_segments(const Vector3d& p, const Vector3d& u, const Vector3d& q,
-                          const Vector3d& v) {
-  const Vector3d r = p - q;
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), ur = u.dot(r),
-               vr = v.dot(r);
-  double s = 0, t = 0;
-  const double determinant = uu * vv - uv * uv;
-  if (uu > 0 && vv > 0) {
-    s = determinant > 0 ? std::clamp((uv * vr - ur * vv) / determinant, 0.0, 1.0) : 0.0;
-    t = (uv * s + vr) / vv;
-    if (t < 0) {
-      t = 0;
-      s = std::clamp(-ur / uu, 0.0, 1.0);
-    } else if (t > 1) {
-      t = 1;
-      s = std::clamp((uv - ur) / uu, 0.0, 1.0);
-    }
-  } else if (uu > 0) {
-    s = std::clamp(-ur / uu, 0.0, 1.0);
-  } else if (vv > 0) {
-    t = std::clamp(vr / vv, 0.0, 1.0);
-  }
-  return q + t * v - (p + s * u);
-}
-
 /// Where a triangle is a segment or both lie in one plane, the face normals and edge products say
 /// nothing. The shortest vector between two disjoint triangles always separates, and there it joins
 /// two edges.
 bool shortest_vector_separates(const Triangle& a, const Triangle& b, double reach) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      const Vector3d axis = between_segments(a.corner[i], a.corner[(i + 1) % 3] - a.corner[i],
-                                             b.corner[j], b.corner[(j + 1) % 3] - b.corner[j]);
+      const NearestPoints points = nearest_of_segments(a, i, b, j);
+      const Vector3d axis = points.on_b - points.on_a;
       if (separates(axis, a, b, kRounding * axis.norm() * reach)) return true;
     }
   }

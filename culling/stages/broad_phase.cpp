@@ -19,8 +19,12 @@ int tasks_of(size_t count) { return static_cast<int>((count + kTaskBodies - 1) /
 }  // namespace
 
 BroadPhase::BroadPhase(std::span<const std::shared_ptr<const BodyType>> types,
-                       const Kernels& kernels, Workers& workers, PairSearch kind)
-    : types_(types), kernels_(kernels), workers_(workers), kind_(kind) {
+                       const Kernels& kernels, Workers& workers, PairSearch kind, float near_m)
+    : types_(types),
+      kernels_(kernels),
+      workers_(workers),
+      kind_(kind),
+      half_near_m_(0.5f * near_m * (1 + 0x1p-20f)) {
   counters_.volume = "sphere";
   for (const auto& type : types) {
     const RootSphere& sphere = type->sphere();
@@ -98,7 +102,8 @@ void BroadPhase::place_one(const RootPose& root, float scale, const TypeSize& ty
   out.y = centre.y();
   out.z = centre.z();
   // Coordinates are rounded when stored and when the search adds and subtracts them.
-  const float margin = scale * type.margin_m + 0x1p-22f * centre.cwiseAbs().maxCoeff();
+  const float margin =
+      scale * type.margin_m + 0x1p-22f * centre.cwiseAbs().maxCoeff() + half_near_m_;
   out.radius = scale * type.radius_m + margin;
   const bool upright = q.x() == 0 && q.y() == 0;
   out.upright = upright ? std::min(out.radius, scale * type.upright_m + margin) : out.radius;
@@ -209,8 +214,8 @@ void BroadPhase::box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low,
   low = root + Eigen::Vector3f(box[0], box[1], box[2]);
   high = root + Eigen::Vector3f(box[4], box[5], box[6]);
   // Rounding of the three sums; the crowd's radii hold their own.
-  const Eigen::Vector3f slack =
-      Eigen::Vector3f::Constant(0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()));
+  const Eigen::Vector3f slack = Eigen::Vector3f::Constant(
+      0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()) + half_near_m_);
   low -= slack;
   high += slack;
 }

@@ -19,8 +19,9 @@ namespace throng {
 
 class BroadPhase {
  public:
+  /// `near_m`: bodies that are within it of each other are listed, too.
   BroadPhase(std::span<const std::shared_ptr<const BodyType>> types, const Kernels& kernels,
-             Workers& workers, PairSearch kind);
+             Workers& workers, PairSearch kind, float near_m = 0);
 
   /// Places the bodies, fills `slots` in the order of the search and lists the pairs.
   void run(const BodiesView& bodies, const PoseSource& source, Slots& slots);
@@ -75,6 +76,7 @@ class BroadPhase {
   const Kernels& kernels_;
   Workers& workers_;
   PairSearch kind_;
+  float half_near_m_;  // by how much every body is widened
   std::vector<TypeSize> sizes_of_type_;
   bool any_static_ = false;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();  // of the coordinates of placed_

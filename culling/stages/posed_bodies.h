@@ -50,6 +50,8 @@ class PosedBodies {
   void pose(const Frame& frame, Workers& workers);
 
   size_t count() const { return count_; }
+  /// Whether a slot was needed.
+  bool has(uint32_t slot) const { return local_of_slot_[slot] != kNone; }
   /// Of a slot that was needed before the last pose().
   const PosedBody& of_slot(uint32_t slot) const { return bodies_[local_of_slot_[slot]]; }
   const PartPose* poses() const { return poses_.data(); }

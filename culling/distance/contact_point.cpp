@@ -1,0 +1,85 @@
+#include "culling/distance/contact_point.h"
+
+#include <Eigen/Geometry>
+#include <limits>
+
+#include "culling/distance/triangle_distance.h"
+#include "culling/exact/touching_triangles.h"
+
+namespace throng {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Sums up where the edges of one triangle go through the other.
+struct Crossings {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+
+  void add(const Triangle& edges, const Triangle& face) {
+    const Vector3d u = face.corner[1] - face.corner[0], v = face.corner[2] - face.corner[0];
+    const Vector3d normal = u.cross(v);
+    const double squared = normal.squaredNorm();
+    if (!(squared > 0)) return;
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d &p = edges.corner[i], &q = edges.corner[(i + 1) % 3];
+      const double before = normal.dot(p - face.corner[0]), after = normal.dot(q - face.corner[0]);
+      if (before == after || (before > 0) == (after > 0)) continue;
+      const Vector3d at = p + before / (before - after) * (q - p), r = at - face.corner[0];
+      const double s = normal.dot(r.cross(v)) / squared, t = normal.dot(u.cross(r)) / squared;
+      if (s < 0 || t < 0 || s + t > 1) continue;
+      sum += at;
+      ++count;
+    }
+  }
+};
+
+/// Of two triangles that touch: the middle of the segment that they share, or, where they lie in
+/// one plane or touch by a corner, of their nearest points.
+Vector3d shared_point(const Triangle& a, const Triangle& b) {
+  Crossings crossings;
+  crossings.add(a, b);
+  crossings.add(b, a);
+  if (crossings.count > 0) return crossings.sum / crossings.count;
+  const NearestPoints nearest = triangle_gap(a, b).points;
+  return 0.5 * (nearest.on_a + nearest.on_b);
+}
+
+}  // namespace
+
+std::optional<Vector3d> contact_point(const PlacedSurface& a, const PlacedSurface& b,
+                                      const Eigen::Vector3f& a_to_b_m, ExactCounters& counters) {
+  const Relative a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
+  const double ratio = static_cast<double>(b.scale) / static_cast<double>(a.scale);
+  const TouchingTriangles triangles(*a.surface, *b.surface, a_from_b, ratio, counters);
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+  triangles.visit([&](const Triangle& ta, const Triangle& tb) {
+    sum += shared_point(ta, tb);
+    ++count;
+    return false;
+  });
+  const auto placed = [&](const Vector3d& in_a) -> Vector3d {
+    return scaled_rotation(*a.pose, a.scale) * in_a + translation(*a.pose);
+  };
+  if (count == 0) {
+    const std::optional<Vector3d> inside = piece_inside(*a.surface, *b.surface, a_from_b);
+    if (!inside) return std::nullopt;
+    return placed(*inside);
+  }
+  const Vector3d middle = sum / count;
+  Vector3d best = middle;
+  double least = std::numeric_limits<double>::infinity();
+  triangles.visit([&](const Triangle& ta, const Triangle& tb) {
+    const Vector3d point = shared_point(ta, tb);
+    const double squared = (point - middle).squaredNorm();
+    if (squared < least) {
+      least = squared;
+      best = point;
+    }
+    return false;
+  });
+  return placed(best);
+}
+
+}  // namespace throng

@@ -1,0 +1,18 @@
+// Where two parts touch: one point that both share.
+// One rule: it lies where triangles cross, nearest to the middle of all such places; or inside a
+// solid, where one part holds the other.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "culling/distance/surface_distance.h"
+
+namespace throng {
+
+/// Relative to A's root, in world axes; nothing for parts that do not touch. No allocation.
+std::optional<Eigen::Vector3d> contact_point(const PlacedSurface& a, const PlacedSurface& b,
+                                             const Eigen::Vector3f& a_to_b_m,
+                                             ExactCounters& counters);
+
+}  // namespace throng

@@ -1,0 +1,32 @@
+// How far apart the surfaces of two parts are, and where they are nearest.
+// One rule: an interval that holds the distance, proven from both sides: two points of the
+// surfaces, and for all else a gap along a direction, of triangles or of the boxes around them.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "culling/exact/segments.h"
+#include "culling/exact/triangle_bvh.h"
+
+namespace throng {
+
+/// A surface where it is. Scale and pose as in base/pose.h.
+struct PlacedSurface {
+  const TriangleBvh* surface = nullptr;
+  const PartPose* pose = nullptr;
+  float scale = 1;
+};
+
+struct SurfaceGap {
+  double lo_m = 0, hi_m = 0;  ///< hold the distance; nearer to each other than 1 um on a body
+  NearestPoints points_m;     ///< at hi_m from each other; relative to A's root, in world axes
+};
+
+/// Of surfaces that do not touch. Nothing if they are proven farther apart than `within_m`.
+/// a_to_b_m is B's root minus A's. No allocation.
+std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurface& b,
+                                      const Eigen::Vector3f& a_to_b_m, double within_m,
+                                      ExactCounters& counters);
+
+}  // namespace throng

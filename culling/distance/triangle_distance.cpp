@@ -1,0 +1,74 @@
+#include "culling/distance/triangle_distance.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace throng {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The nearest so far.
+struct Nearest {
+  NearestPoints points;
+  double squared = std::numeric_limits<double>::infinity();
+
+  void take(const Vector3d& on_a, const Vector3d& on_b) {
+    const double distance = (on_b - on_a).squaredNorm();
+    if (distance < squared) {
+      squared = distance;
+      points = {on_a, on_b};
+    }
+  }
+};
+
+/// Calls visit(corner, point) with each corner of `from` that lies over the face of `to`, and the
+/// point of the face below it.
+template <typename Visit>
+void for_corners_over(const Triangle& from, const Triangle& to, const Visit& visit) {
+  const Vector3d u = to.corner[1] - to.corner[0], v = to.corner[2] - to.corner[0];
+  const double uu = u.squaredNorm(), uv = u.dot(v), vv = v.squaredNorm();
+  const double determinant = uu * vv - uv * uv;
+  if (!(determinant > 0)) return;  // a segment: its edges say it all
+  for (const Vector3d& corner : from.corner) {
+    const Vector3d r = corner - to.corner[0];
+    const double ru = r.dot(u), rv = r.dot(v);
+    const double s = (vv * ru - uv * rv) / determinant, t = (uu * rv - uv * ru) / determinant;
+    if (s >= 0 && t >= 0 && s + t <= 1) visit(corner, Vector3d(to.corner[0] + s * u + t * v));
+  }
+}
+
+double least_along(const Vector3d& axis, const Triangle& t) {
+  return std::min({axis.dot(t.corner[0]), axis.dot(t.corner[1]), axis.dot(t.corner[2])});
+}
+
+double most_along(const Vector3d& axis, const Triangle& t) {
+  return std::max({axis.dot(t.corner[0]), axis.dot(t.corner[1]), axis.dot(t.corner[2])});
+}
+
+}  // namespace
+
+/// Two triangles apart are nearest at two edges, or at a corner and a face.
+TriangleGap triangle_gap(const Triangle& a, const Triangle& b) {
+  Nearest nearest;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const NearestPoints points = nearest_of_segments(a, i, b, j);
+      nearest.take(points.on_a, points.on_b);
+    }
+  }
+  for_corners_over(
+      a, b, [&](const Vector3d& corner, const Vector3d& below) { nearest.take(corner, below); });
+  for_corners_over(
+      b, a, [&](const Vector3d& corner, const Vector3d& below) { nearest.take(below, corner); });
+  TriangleGap out{nearest.points, std::sqrt(nearest.squared), 0};
+  if (out.hi > 0) {
+    const Vector3d axis = (out.points.on_b - out.points.on_a) / out.hi;
+    out.lo = std::clamp(least_along(axis, b) - most_along(axis, a), 0.0, out.hi);
+  }
+  return out;
+}
+
+}  // namespace throng

@@ -1,0 +1,71 @@
+// Distances the slow and obvious way.
+#pragma once
+
+#include <Eigen/QR>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "culling/distance/triangle_distance.h"
+#include "culling/exact/triangle_bvh.h"
+#include "tests/culling/random_world.h"
+
+namespace throng::test {
+
+/// Two triangles are nearest between a corner, an edge or the face of each: all 49 pairs of these
+/// are tried as the flat spaces that they span, and count where the points found lie within them.
+inline double triangle_distance_by_features(const Triangle& a, const Triangle& b) {
+  static const std::vector<std::vector<int>> kFeatures = {{0},    {1},    {2},      {0, 1},
+                                                          {1, 2}, {2, 0}, {0, 1, 2}};
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<int>& fa : kFeatures) {
+    for (const std::vector<int>& fb : kFeatures) {
+      const auto free_a = static_cast<Eigen::Index>(fa.size()) - 1;
+      const auto free_b = static_cast<Eigen::Index>(fb.size()) - 1;
+      const Eigen::Vector3d &p = a.corner[fa[0]], &q = b.corner[fb[0]];
+      Eigen::MatrixXd spans(3, free_a + free_b);
+      for (Eigen::Index i = 0; i < free_a; ++i)
+        spans.col(i) = a.corner[fa[static_cast<size_t>(i) + 1]] - p;
+      for (Eigen::Index i = 0; i < free_b; ++i)
+        spans.col(free_a + i) = q - b.corner[fb[static_cast<size_t>(i) + 1]];
+      Eigen::VectorXd x = Eigen::VectorXd::Zero(free_a + free_b);
+      if (x.size() > 0) x = spans.completeOrthogonalDecomposition().solve(q - p);
+      constexpr double kSlack = 1e-9;
+      const bool within = (x.array() >= -kSlack).all() && x.head(free_a).sum() <= 1 + kSlack &&
+                          x.tail(free_b).sum() <= 1 + kSlack;
+      if (!within) continue;
+      Eigen::Vector3d between = q - p;
+      if (x.size() > 0) between -= spans * x;
+      least = std::min(least, between.norm());
+    }
+  }
+  return least;
+}
+
+/// A part's triangles where they are, relative to some root.
+inline std::vector<Triangle> placed_triangles(const PartShape& part, const PartPose& pose,
+                                              float scale, const Eigen::Vector3d& root_m) {
+  std::vector<Triangle> out;
+  const Eigen::Isometry3d there = to_isometry(pose);
+  for (const Eigen::Vector3i& t : part.triangles) {
+    Triangle placed;
+    for (int c = 0; c < 3; ++c)
+      placed.corner[c] = there * (static_cast<double>(scale) *
+                                  part.points[static_cast<size_t>(t[c])].cast<double>()) +
+                         root_m;
+    out.push_back(placed);
+  }
+  return out;
+}
+
+/// Of surfaces that do not touch: every triangle against every other.
+inline double surface_distance_by_brute_force(const std::vector<Triangle>& a,
+                                              const std::vector<Triangle>& b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Triangle& ta : a)
+    for (const Triangle& tb : b) least = std::min(least, triangle_gap(ta, tb).hi);
+  return least;
+}
+
+}  // namespace throng::test
