@@ -26,7 +26,8 @@ struct CullingCounters {
   StageCounters box;             ///< boxes over the parts of pairs whose body boxes overlap
   StageCounters part;            ///< the part volume over surviving parts
   StageCounters exact;           ///< triangles
-  StageCounters near;            ///< distances: pairs of parts that were asked, and those listed
+  /// Distances, beside the pass and not in its times: pairs of parts that were asked, and listed.
+  StageCounters near;
   uint64_t primitive_tests = 0;  ///< boxes and triangles inside the exact stage: the paper's N_p
   std::array<uint64_t, kPairLevels> levels{};  ///< pairs reported at each PairLevel
   uint64_t posed_bodies = 0;

@@ -112,8 +112,8 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   Stopwatch hashing;
   s.hash_events();
   s.counters.events_ns += hashing.lap_ns();
-  if (s.near) s.near->run(bodies, poses, s.counters.near);
   s.counters.wall_ns = whole.lap_ns();
+  if (s.near) s.near->run(bodies, poses, s.counters.near);
   s.counters.allocations_grown = s.times_grown() - grown_before;
 }
 

@@ -1,5 +1,7 @@
 #include "apps/input/run_source.h"
 
+#include <fmt/format.h>
+
 #include "apps/output/output_plan.h"
 #include "base/errors.h"
 #include "culling/culler.h"
@@ -45,7 +47,17 @@ void add_run_source_options(CommandOptions& app, RunSourceOptions& options) {
                  steering_choices() + "; instead of the scene's model")
       ->check(name_option(steering_names()))
       ->type_name("MODEL");
-  app.add_flag("--exact", options.exact, "Triangles decide what touches");
+  app.add_flag("--exact", options.exact, "Triangles decide what touches, and how near");
+  const auto add_margin = [&app](const char* name, std::optional<double>& margin_m,
+                                 const char* what) {
+    app.add_option(name, margin_m, what)
+        ->check(number_option(0, static_cast<double>(kMostNear_m), false,
+                              fmt::format("metres from 0 to {}", kMostNear_m)))
+        ->type_name("M");
+  };
+  add_margin("--near", options.near_m, "Distances of all parts that are nearer than M metres");
+  add_margin("--person-near", options.person_near_m,
+             "Of each two people nearer than M metres the nearest parts");
   add_recording_options(app, options.recording);
   app.add_option("--step", options.step,
                  "Of a recording: recorded, its frames alone, or smooth, at most 1/60 s [smooth]")

@@ -8,8 +8,8 @@ namespace throng {
 
 class OutputPlan;
 
-/// FILE, --avatars, --seconds, --seed, --steering, --part-volume, --exact, and what recordings
-/// need.
+/// FILE, --avatars, --seconds, --seed, --steering, --part-volume, --exact, --near, --person-near,
+/// and what recordings need.
 void add_run_source_options(CommandOptions& app, RunSourceOptions& options);
 
 /// The files that it was read from.

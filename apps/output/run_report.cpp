@@ -137,6 +137,15 @@ std::string deadline_text(const RunReport& report) {
   return text;
 }
 
+Json near_json(const NearSummary& near) {
+  return {{"pairs", near.pairs},
+          {"people", near.people},
+          {"pairs_peak", near.pairs_peak},
+          {"least_m", near.least_m},
+          {"ms", {{"median", near.ms.median}, {"p95", near.ms.p95}, {"max", near.ms.max}}},
+          {"hash", hash_text(near.hash)}};
+}
+
 Json recording_json(const RunReport::Recording& recording) {
   Json json = {{"kind", recording.facts.kind},
                {"people", recording.people},
@@ -212,6 +221,7 @@ Json to_json(const RunReport& report) {
       {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
   json["pairs_peak"] = summary.pairs_peak;
   if (report.deadline_ms || report.deadline_tests) json["deadline"] = deadline_json(report);
+  if (summary.near.is_asked) json["near"] = near_json(summary.near);
   json["hash"] = hash_text(summary.hash);
   json["run_id"] = hash_text(summary.run_id);
   json["lcm"] = {{"url", report.lcm.url},
@@ -276,6 +286,12 @@ std::string format_table(const RunReport& report) {
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
                              summary.begins, summary.persists, summary.ends, summary.pairs_peak));
   if (report.deadline_ms || report.deadline_tests) line("deadline", deadline_text(report));
+  if (summary.near.is_asked)
+    line("near",
+         fmt::format("{} rows of parts, {} of two people; at most {} at once, least {:.3f} "
+                     "m; {:.2f} ms a frame (hash {})",
+                     summary.near.pairs, summary.near.people, summary.near.pairs_peak,
+                     summary.near.least_m, summary.near.ms.median, hash_text(summary.near.hash)));
   if (summary.steering.rounds > 0)
     line("walking",
          fmt::format("longest stall {:.1f} s, deepest overlap {:.1f} cm ({:.1f} sweeps, at most "

@@ -6,6 +6,8 @@
 #include <cassert>
 #include <limits>
 
+#include "culling/distance/placed_points.h"
+
 namespace throng {
 namespace {
 
@@ -126,30 +128,11 @@ double ConvexHull::extent(const Eigen::Vector3d& direction) const {
 
 namespace {
 
-/// A hull's map into the common frame, as the floats of its pose have it.
-struct Placed {
-  explicit Placed(const PlacedHull& placed) : hull(*placed.hull) {
-    const Eigen::Isometry3d pose = to_isometry(*placed.pose);
-    linear = static_cast<double>(placed.scale) * pose.linear();
-    shift = pose.translation();
-  }
-  Eigen::Vector3d support(const Eigen::Vector3d& direction) const {
-    return linear * hull.support(linear.transpose() * direction) + shift;
-  }
-  double extent(const Eigen::Vector3d& direction) const {
-    return hull.extent(linear.transpose() * direction) + direction.dot(shift);
-  }
-
-  const ConvexHull& hull;
-  Eigen::Matrix3d linear;
-  Eigen::Vector3d shift;
-};
-
 // An expanding polytope (van den Bergen 2001) with two changes. It lies inside the difference of
 // the hulls from the start, but need not hold the origin: the face whose plane is lowest is pushed
 // out, and where the difference ends before the origin does, the hulls are apart. And a small cube
 // is added to the difference, so that flat hulls need no cases of their own.
-Depth find_depth(const Placed& a, const Placed& b, const Fineness& fineness,
+Depth find_depth(const PlacedPoints& a, const PlacedPoints& b, const Fineness& fineness,
                  GrowingPolytope& inside) {
   const auto support = [&](const Eigen::Vector3d& n) {
     return Eigen::Vector3d(a.support(n) - b.support(-n));
@@ -187,9 +170,7 @@ Depth find_depth(const Placed& a, const Placed& b, const Fineness& fineness,
 
 Depth DepthFinder::depth(const PlacedHull& a, const PlacedHull& b,
                          const Eigen::Vector3f& a_to_b_m) {
-  const Placed placed_a(a);
-  Placed placed_b(b);
-  placed_b.shift += a_to_b_m.cast<double>();
+  const PlacedPoints placed_a(a), placed_b(b, a_to_b_m.cast<double>());
   Depth coarse = find_depth(placed_a, placed_b, kCoarse, inside_);
   if (coarse.depth_m == 0 || coarse.depth_m > kMayBeNone_m) return coarse;
   return find_depth(placed_a, placed_b, kFine, inside_);

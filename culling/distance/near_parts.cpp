@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "culling/distance/contact_point.h"
+#include "culling/distance/hull_distance.h"
 #include "culling/distance/surface_distance.h"
 #include "culling/fitted.h"
 
@@ -15,8 +16,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using NearVolume = Ordop<26>;
 
-/// Directions that are tried after the or-DOP's best: each is that of the points found so far.
-constexpr int kTurns = 3;
+/// By how much parts that are nearly convex are farther apart than their hulls.
+constexpr double kLikely_m = 1e-3;
 
 /// Low corner, high corner.
 struct Box {
@@ -61,25 +62,6 @@ Box moved(Box box, const Vector3f& by) {
   return box;
 }
 
-/// A part's hull where it is, relative to a's root.
-struct HullThere {
-  HullThere(const ConvexHull& of, const PartPose& pose, float scale, const Vector3d& root)
-      : hull(of) {
-    const Eigen::Isometry3d there = to_isometry(pose);
-    linear = static_cast<double>(scale) * there.linear();
-    shift = there.translation() + root;
-  }
-  Vector3d support(const Vector3d& d) const {
-    return linear * hull.support(linear.transpose() * d) + shift;
-  }
-  double extent(const Vector3d& d) const {
-    return hull.extent(linear.transpose() * d) + d.dot(shift);
-  }
-  const ConvexHull& hull;
-  Eigen::Matrix3d linear;
-  Vector3d shift;
-};
-
 struct PartThere {
   const BodyType::Volumes& volumes;
   const PartPose& pose;
@@ -91,22 +73,13 @@ PartThere part_of(const NearFrame& frame, const PosedBody& body, size_t part) {
           body.slot.scale};
 }
 
-/// Both bounds by corners of the hulls: a gap along the direction, and the distance of the two
-/// corners that lie farthest along it; then along the line through these.
-void narrow(const HullThere& a, const HullThere& b, Vector3d direction, NearCandidate& candidate) {
-  double lo = static_cast<double>(candidate.lo_m), hi = static_cast<double>(candidate.hi_m);
-  for (int turn = 0; turn < kTurns; ++turn) {
-    const Vector3d on_a = a.support(direction), on_b = b.support(-direction);
-    lo = std::max(lo, -b.extent(-direction) - a.extent(direction));
-    const Vector3d between = on_b - on_a;
-    const double distance = between.norm();
-    hi = std::min(hi, distance);
-    if (!(distance > 0)) break;
-    direction = between / distance;
-  }
-  // Both rounded outwards, doubles as well.
-  candidate.lo_m = std::max(0.0f, static_cast<float>(lo * (1 - 1e-6) - 1e-7));
-  candidate.hi_m = static_cast<float>(hi * (1 + 1e-6) + 1e-7);
+/// Both bounds by the hulls, rounded outwards, doubles as well.
+void narrow(const HullGap& gap, NearCandidate& candidate) {
+  candidate.lo_m = std::max(candidate.lo_m, static_cast<float>(gap.lo_m * (1 - 1e-6) - 1e-7));
+  candidate.hi_m = static_cast<float>(gap.corners_m * (1 + 1e-6) + 1e-7);
+  candidate.about_m = static_cast<float>(gap.about_m);
+  for (size_t axis = 0; axis < 3; ++axis)
+    candidate.direction[axis] = static_cast<float>(gap.direction[static_cast<Eigen::Index>(axis)]);
 }
 
 /// The points of a part that lie on it: all, or, where there are triangles, their corners.
@@ -173,11 +146,12 @@ void find_near_parts(const NearFrame& frame, const NearBodies& bodies,
                                           b.volumes.of<NearVolume>()[part_b], b.pose, b.scale,
                                           bodies.a_to_b_m, bodies.margin_m);
       if (gap.at_least_m > frame.near_m) continue;
-      NearCandidate candidate{gap.at_least_m, std::numeric_limits<float>::max(),
-                              static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b)};
-      narrow({a.volumes.hulls()[part_a], a.pose, a.scale, Vector3d::Zero()},
-             {b.volumes.hulls()[part_b], b.pose, b.scale, bodies.a_to_b_m.cast<double>()},
-             gap.direction.cast<double>(), candidate);
+      NearCandidate candidate{
+          gap.at_least_m, 0, 0, {}, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b)};
+      narrow(hull_gap({&a.volumes.hulls()[part_a], &a.pose, a.scale},
+                      {&b.volumes.hulls()[part_b], &b.pose, b.scale}, bodies.a_to_b_m,
+                      gap.direction.cast<double>()),
+             candidate);
       if (candidate.lo_m > frame.near_m) continue;
       out.grow(count + 1, count);
       out[count++] = candidate;
@@ -208,13 +182,20 @@ NearVerdict NearDecider::decide(const NearFrame& frame, const NearBodies& bodies
     out.depth_m = depth.depth_m;
     return out;
   }
-  const std::optional<SurfaceGap> gap =
-      surface_gap(surface_a, surface_b, bodies.a_to_b_m, within_m, counters.primitives);
+  const Eigen::Vector3f direction(candidate.direction.data());
+  const KnownGap known{direction.cast<double>().normalized(), static_cast<double>(candidate.lo_m)};
+  // They are not farther apart than two of their corners; and as their hulls, most likely.
+  const double most_m = std::min(within_m, static_cast<double>(candidate.hi_m));
+  const double likely_m = static_cast<double>(candidate.about_m) + kLikely_m;
+  std::optional<SurfaceGap> gap;
+  if (likely_m < most_m)
+    gap = surface_gap(surface_a, surface_b, bodies.a_to_b_m, likely_m, known, counters.primitives);
+  if (!gap)
+    gap = surface_gap(surface_a, surface_b, bodies.a_to_b_m, most_m, known, counters.primitives);
   if (!gap) return out;
   out.is_near = true;
-  // Of both proofs the better one.
   out.hi_m = gap->hi_m;
-  out.lo_m = std::min(out.hi_m, std::max(gap->lo_m, static_cast<double>(candidate.lo_m)));
+  out.lo_m = gap->lo_m;
   out.on_a_m = gap->points_m.on_a;
   out.on_b_m = gap->points_m.on_b;
   const Vector3d between = out.on_b_m - out.on_a_m;

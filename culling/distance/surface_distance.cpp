@@ -1,6 +1,7 @@
 #include "culling/distance/surface_distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -27,22 +28,24 @@ double gap(const Vector3d& between, const Vector3d& reach) {
 class Search {
  public:
   Search(const PlacedSurface& a, const PlacedSurface& b, const Relative& a_from_b, double within_m,
-         ExactCounters& counters)
+         const KnownGap& known, ExactCounters& counters)
       : a_(*a.surface),
         b_(*b.surface),
         a_from_b_(a_from_b),
-        metres_(static_cast<double>(a.scale)),
-        ratio_(static_cast<double>(b.scale) / metres_),
-        most_(within_m / metres_),
+        ratio_(static_cast<double>(b.scale) / static_cast<double>(a.scale)),
+        along_((scaled_rotation(*a.pose, 1).transpose() * known.direction).normalized()),
+        along_in_b_(a_from_b.linear.transpose() * along_),
+        enough_((known.lo_m + kEnough_m) / static_cast<double>(a.scale)),
+        most_(within_m / static_cast<double>(a.scale)),
         counters_(counters) {}
 
   /// Depth first, the nearer of two nodes first, so that little is left by the time it is looked
-  /// at.
+  /// at; until what is found is as near as the surfaces are known to be.
   void run() {
     Pair stack[2 * TriangleBvh::kMaxDepth + 2];
     int top = 0;
     stack[top++] = pair(0, 0);
-    while (top > 0) {
+    while (top > 0 && !found_enough()) {
       const Pair at = stack[--top];
       if (at.bound * kOfFrames > most_) continue;
       const Node& node_a = a_.nodes()[at.a];
@@ -54,21 +57,25 @@ class Search {
       const bool of_a = opens_a(node_a, node_b, ratio_);
       Pair near = of_a ? pair(at.a + 1, at.b) : pair(at.a, at.b + 1);
       Pair far = of_a ? pair(node_a.first, at.b) : pair(at.a, node_b.first);
-      if (far.bound < near.bound) std::swap(near, far);
+      if (far.between2 < near.between2) std::swap(near, far);
       stack[top++] = far;
       stack[top++] = near;
     }
   }
 
   bool found() const { return found_; }
-  double lo() const { return std::min(lo_, most_) * kOfFrames; }  ///< in A's unit of length
-  const NearestPoints& points() const { return points_; }         ///< in A's frame
+  /// In A's unit of length; nothing where the search ended early.
+  double lo() const { return found_enough() ? 0 : std::min(lo_, most_) * kOfFrames; }
+  const NearestPoints& points() const { return points_; }  ///< in A's frame
 
  private:
   struct Pair {
     uint32_t a, b;
-    double bound;  ///< all of it is at least as far apart, in A's unit of length
+    double bound;     ///< all of it is at least as far apart, in A's unit of length
+    double between2;  ///< squared, from middle to middle
   };
+
+  bool found_enough() const { return found_ && most_ <= enough_; }
 
   Pair pair(uint32_t a, uint32_t b) {
     ++counters_.node_tests;
@@ -80,23 +87,37 @@ class Search {
     // The box of each, and the box with its axes around the other's.
     const double by_a = gap(t, half_a + a_from_b_.linear_abs * half_b);
     const double by_b = gap(a_from_b_.inverse * t, half_b + a_from_b_.inverse_abs * half_a);
-    return {a, b, std::max(by_a, ratio_ * by_b)};
+    const double by_known =
+        along_.dot(t) - along_.cwiseAbs().dot(half_a) - along_in_b_.cwiseAbs().dot(half_b);
+    return {a, b, std::max({by_a, ratio_ * by_b, by_known}), t.squaredNorm()};
   }
 
   void compare_leaves(const Node& node_a, const Node& node_b) {
-    const Vector3d centre = to_double(node_a.centre_m), half = to_double(node_a.half_m);
+    std::array<Triangle, TriangleBvh::kLeafTriangles> own;
+    std::array<double, TriangleBvh::kLeafTriangles> reach;
+    for (uint32_t i = 0; i < node_a.count; ++i) {
+      own[i] = in_own_frame(a_.triangles()[node_a.first + i]);
+      reach[i] = most_along(along_, own[i]);
+    }
     for (uint32_t j = node_b.first; j < node_b.first + node_b.count; ++j) {
       Triangle tb = in_own_frame(b_.triangles()[j]);
       for (Vector3d& corner : tb.corner) corner = a_from_b_.linear * corner + a_from_b_.offset;
-      const Vector3d low = tb.corner[0].cwiseMin(tb.corner[1]).cwiseMin(tb.corner[2]) - centre;
-      const Vector3d high = tb.corner[0].cwiseMax(tb.corner[1]).cwiseMax(tb.corner[2]) - centre;
-      const Vector3d beyond = (low - half).cwiseMax(-half - high).cwiseMax(0);
-      if (beyond.norm() * kOfFrames > most_) continue;
-      for (uint32_t i = node_a.first; i < node_a.first + node_a.count; ++i) {
+      const double from = least_along(along_, tb);
+      for (uint32_t i = 0; i < node_a.count; ++i) {
+        // Farther apart than matters, along the known direction or from middle to middle: most are.
+        if ((from - reach[i]) * kOfFrames > most_ || is_apart(own[i], tb)) continue;
         ++counters_.triangle_tests;
-        take(triangle_gap(in_own_frame(a_.triangles()[i]), tb));
+        take(triangle_gap(own[i], tb));
       }
     }
+  }
+
+  /// Farther apart than matters along the line through their middles; costs a tenth of a distance.
+  bool is_apart(const Triangle& a, const Triangle& b) const {
+    const Vector3d between =
+        (b.corner[0] + b.corner[1] + b.corner[2]) - (a.corner[0] + a.corner[1] + a.corner[2]);
+    const double length = between.norm();
+    return length > 0 && gap_along(between / length, a, b) * kOfFrames > most_;
   }
 
   void take(const TriangleGap& gap) {
@@ -110,9 +131,10 @@ class Search {
   const TriangleBvh& a_;
   const TriangleBvh& b_;
   const Relative& a_from_b_;
-  double metres_;  ///< of A's unit of length
-  double ratio_;   ///< B's unit of length in A's
-  double most_;    ///< nothing farther apart than this matters, in A's unit of length
+  double ratio_;                 ///< B's unit of length in A's
+  Vector3d along_, along_in_b_;  ///< the known direction, in A's frame and pulled back to B's
+  double enough_;                ///< what is found may stay; in A's unit of length, as the next
+  double most_;                  ///< nothing farther apart than this matters
   double lo_ = std::numeric_limits<double>::infinity();
   bool found_ = false;
   NearestPoints points_;
@@ -123,11 +145,11 @@ class Search {
 
 std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurface& b,
                                       const Eigen::Vector3f& a_to_b_m, double within_m,
-                                      ExactCounters& counters) {
+                                      const KnownGap& known, ExactCounters& counters) {
   assert(a.scale > 0 && b.scale > 0);
   const Relative a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
   // What is within the margin by a hair is found.
-  Search search(a, b, a_from_b, within_m / kOfFrames, counters);
+  Search search(a, b, a_from_b, within_m / kOfFrames, known, counters);
   search.run();
   if (!search.found()) return std::nullopt;
   const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
@@ -135,7 +157,7 @@ std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurfac
   SurfaceGap out;
   out.points_m = {linear * search.points().on_a + shift, linear * search.points().on_b + shift};
   out.hi_m = (out.points_m.on_b - out.points_m.on_a).norm();
-  out.lo_m = std::clamp(static_cast<double>(a.scale) * search.lo(), 0.0, out.hi_m);
+  out.lo_m = std::min(out.hi_m, std::max(known.lo_m, static_cast<double>(a.scale) * search.lo()));
   return out;
 }
 

@@ -18,8 +18,18 @@ struct PlacedSurface {
   float scale = 1;
 };
 
+/// What is known before the triangles are asked: along `direction` (unit, world axes, from A to B)
+/// the surfaces lie at least `lo_m` apart.
+struct KnownGap {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
+  double lo_m = 0;
+};
+
+/// The search ends with two points that are no farther apart than the surfaces by more than this.
+inline constexpr double kEnough_m = 2e-4;
+
 struct SurfaceGap {
-  double lo_m = 0, hi_m = 0;  ///< hold the distance; nearer to each other than 1 um on a body
+  double lo_m = 0, hi_m = 0;  ///< hold the distance; at most kEnough_m and 1 um apart on a body
   NearestPoints points_m;     ///< at hi_m from each other; relative to A's root, in world axes
 };
 
@@ -27,6 +37,6 @@ struct SurfaceGap {
 /// a_to_b_m is B's root minus A's. No allocation.
 std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurface& b,
                                       const Eigen::Vector3f& a_to_b_m, double within_m,
-                                      ExactCounters& counters);
+                                      const KnownGap& known, ExactCounters& counters);
 
 }  // namespace throng

@@ -40,6 +40,8 @@ void for_corners_over(const Triangle& from, const Triangle& to, const Visit& vis
   }
 }
 
+}  // namespace
+
 double least_along(const Vector3d& axis, const Triangle& t) {
   return std::min({axis.dot(t.corner[0]), axis.dot(t.corner[1]), axis.dot(t.corner[2])});
 }
@@ -48,7 +50,9 @@ double most_along(const Vector3d& axis, const Triangle& t) {
   return std::max({axis.dot(t.corner[0]), axis.dot(t.corner[1]), axis.dot(t.corner[2])});
 }
 
-}  // namespace
+double gap_along(const Vector3d& unit, const Triangle& a, const Triangle& b) {
+  return std::max(0.0, least_along(unit, b) - most_along(unit, a));
+}
 
 /// Two triangles apart are nearest at two edges, or at a corner and a face.
 TriangleGap triangle_gap(const Triangle& a, const Triangle& b) {
@@ -66,7 +70,7 @@ TriangleGap triangle_gap(const Triangle& a, const Triangle& b) {
   TriangleGap out{nearest.points, std::sqrt(nearest.squared), 0};
   if (out.hi > 0) {
     const Vector3d axis = (out.points.on_b - out.points.on_a) / out.hi;
-    out.lo = std::clamp(least_along(axis, b) - most_along(axis, a), 0.0, out.hi);
+    out.lo = std::min(gap_along(axis, a, b), out.hi);
   }
   return out;
 }

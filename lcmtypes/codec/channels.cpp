@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::array<std::string_view, kChannelCount> kNames = {
     "THRONG_RUN", "THRONG_STATES", "THRONG_EVENTS", "THRONG_TOUCHING", "THRONG_COUNTERS",
-    "THRONG_END", "THRONG_PARTS",  "THRONG_CHECKS", "THRONG_STAGES"};
+    "THRONG_END", "THRONG_PARTS",  "THRONG_CHECKS", "THRONG_STAGES",   "THRONG_NEAR"};
 
 }  // namespace
 

@@ -19,12 +19,19 @@ enum class Channel : uint8_t {
   kEnd,
   kParts,
   kChecks,
-  kStages
+  kStages,
+  kNear
 };
-inline constexpr int kChannelCount = 9;
+inline constexpr int kChannelCount = 10;
 inline constexpr std::array<Channel, kChannelCount> kAllChannels = {
     Channel::kRun, Channel::kStates, Channel::kEvents, Channel::kTouching, Channel::kCounters,
-    Channel::kEnd, Channel::kParts,  Channel::kChecks, Channel::kStages};
+    Channel::kEnd, Channel::kParts,  Channel::kChecks, Channel::kStages,   Channel::kNear};
+
+/// What a run says of its channels names those of a run without options always, the others where
+/// they said something: what nobody asked for changes no byte.
+constexpr bool is_named(Channel channel, int64_t messages) {
+  return channel != Channel::kNear || messages > 0;
+}
 
 /// "THRONG_RUN", "THRONG_STATES", ...
 std::string_view name_of(Channel channel);

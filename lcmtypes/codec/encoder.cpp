@@ -34,6 +34,7 @@ constexpr size_t kPartsFixed = kHeaderBytes + 4 * sizeof(int32_t);
 constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
 constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 12;
 constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
+constexpr size_t kNearPerMessage = (kMaxMessageBytes - kHeaderBytes - 20) / 88;
 
 /// A message takes some hundred microseconds; all slots together fit the second cache.
 constexpr size_t kSlotsAThread = 4;
@@ -74,6 +75,24 @@ void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
   m.part_a[i] = static_cast<uint8_t>(pair.part_a());
   m.part_b[i] = static_cast<uint8_t>(pair.part_b());
   m.level[i] = level;
+}
+
+void set_near(near_t& m, size_t i, const NearPair& row, bool of_people) {
+  set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
+  m.of[i] = of_people ? 1 : 0;
+  m.lo_m[i] = row.lo_m;
+  m.hi_m[i] = row.hi_m;
+  m.a_x_m[i] = row.point_a_m[0];
+  m.a_y_m[i] = row.point_a_m[1];
+  m.a_z_m[i] = row.point_a_m[2];
+  m.b_x_m[i] = row.point_b_m[0];
+  m.b_y_m[i] = row.point_b_m[1];
+  m.b_z_m[i] = row.point_b_m[2];
+  m.normal_x[i] = row.normal[0];
+  m.normal_y[i] = row.normal[1];
+  m.normal_z[i] = row.normal[2];
+  m.depth_m[i] = row.depth_m;
+  m.closing_mps[i] = row.closing_mps;
 }
 
 template <class Message>
@@ -229,6 +248,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
     last_second_ = frame.utime_us / kSecond_us;
     send_touching(frame.pairs, frame.levels);
   }
+  if (run.culler.near.is_asked()) send_near(run, frame);
   states_to_.clear();
   parts_to_.clear();
   for (Outlet* outlet : open_) {
@@ -277,6 +297,33 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
     for (size_t i = 0; i < count; ++i)
       set_pair(m, i, pairs[first + i], level_at(levels, first + i, last_level_));
     send(open_, Channel::kTouching, m, chunk, chunks);
+  }
+}
+
+void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
+  const size_t parts = frame.near_pairs.size(), rows = parts + frame.near_people.size();
+  // Also when nothing is near: a receiver learns that nothing is.
+  const int chunks = std::max(1, chunks_of(rows, kNearPerMessage));
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * kNearPerMessage;
+    const size_t count = std::min(kNearPerMessage, rows - first);
+    near_t& m = near_;
+    m.near_m = run.culler.near.near_m;
+    m.person_near_m = run.culler.near.body_near_m;
+    m.hash = static_cast<int64_t>(frame.near_hash);
+    resize_pairs(m, count);
+    m.of.resize(count);
+    for (auto* column :
+         {&m.lo_m, &m.hi_m, &m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m, &m.closing_mps})
+      column->resize(count);
+    for (auto* column : {&m.a_x_m, &m.a_y_m, &m.a_z_m, &m.b_x_m, &m.b_y_m, &m.b_z_m})
+      column->resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      const bool of_people = first + i >= parts;
+      set_near(m, i, of_people ? frame.near_people[first + i - parts] : frame.near_pairs[first + i],
+               of_people);
+    }
+    send(open_, Channel::kNear, m, chunk, chunks);
   }
 }
 
@@ -473,7 +520,7 @@ void RunEncoder::fill_end(const RunEnd& end, const Outlet& of, end_t& m) {
   m.messages.clear();
   m.bytes.clear();
   for (const Channel channel : kAllChannels) {
-    if (channel == Channel::kEnd) continue;
+    if (channel == Channel::kEnd || !is_named(channel, of.totals(channel).messages)) continue;
     m.channels.emplace_back(name_of(channel));
     m.messages.push_back(of.totals(channel).messages);
     m.bytes.push_back(of.totals(channel).bytes);

@@ -17,6 +17,7 @@
 #include "throng/checks_t.hpp"
 #include "throng/counters_t.hpp"
 #include "throng/events_t.hpp"
+#include "throng/near_t.hpp"
 #include "throng/parts_t.hpp"
 #include "throng/run_t.hpp"
 #include "throng/stages_t.hpp"
@@ -41,8 +42,8 @@ class RunEncoder final : public Sink {
   /// Encodes the description; what is sent of it is up to the targets. Throws InputError if it is
   /// larger than a reader takes.
   void begin(const RunInfo& run) override;
-  /// Messages in this order: events, touching (once a simulated second), states, parts, stages,
-  /// counters, checks.
+  /// Messages in this order: events, touching (once a simulated second), near (where distances are
+  /// asked for), states, parts, stages, counters, checks.
   /// A run that was resumed first sends what touched before, as touching of the frame before.
   void frame(const RunInfo& run, const Frame& frame) override;
   /// The last ends, then THRONG_END.
@@ -80,6 +81,7 @@ class RunEncoder final : public Sink {
   void send_description_chunk(Outlet& to, int chunk);
   void send_events(std::span<const PairEvent> events);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
+  void send_near(const RunInfo& run, const Frame& frame);
   bool states_are_due(double state_every, int64_t frame) const;
   void send_states(const RunInfo& run, const Frame& frame);
   void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
@@ -113,6 +115,7 @@ class RunEncoder final : public Sink {
   run_t run_{};
   events_t events_{};
   touching_t touching_{};
+  near_t near_{};
   stages_t stages_{};
   counters_t counters_{};
   parts_t parts_{};

@@ -78,6 +78,12 @@ void walk(Cursor& c, const touching_t*) {
   c.array(c.count(11), 11);
 }
 
+void walk(Cursor& c, const near_t*) {
+  c.skip(kMessageHeaderBytes + 4 + 4 + 8);
+  constexpr size_t kRow = 4 * 1 + 2 * 4 + 2 * 4 + 6 * 8 + 5 * 4;
+  c.array(c.count(kRow), kRow);
+}
+
 void walk(Cursor& c, const counters_t*) {
   c.skip(kMessageHeaderBytes + (5 * 4 + 5 + 9) * sizeof(int64_t));
 }
@@ -233,6 +239,8 @@ int64_t fingerprint_of(Channel channel) {
       return checks_t::getHash();
     case Channel::kStages:
       return stages_t::getHash();
+    case Channel::kNear:
+      return near_t::getHash();
   }
   return 0;
 }
@@ -296,6 +304,18 @@ std::string decode(std::span<const uint8_t> bytes, touching_t& out) {
   std::string defect = decode_message(Channel::kTouching, bytes, out);
   if (!defect.empty()) return defect;
   return defect_of_pairs(out);
+}
+
+std::string decode(std::span<const uint8_t> bytes, near_t& out) {
+  std::string defect = decode_message(Channel::kNear, bytes, out);
+  if (defect.empty()) defect = defect_of_pairs(out);
+  for (size_t i = 0; defect.empty() && i < out.a.size(); ++i) {
+    // Written so that NaN is refused, too.
+    if (!(out.lo_m[i] >= 0 && out.lo_m[i] <= out.hi_m[i]))
+      defect = fmt::format("a distance from {} to {} m", out.lo_m[i], out.hi_m[i]);
+    if (out.of[i] > 1) defect = fmt::format("near rows of kind {}", out.of[i]);
+  }
+  return defect;
 }
 
 std::string decode(std::span<const uint8_t> bytes, counters_t& out) {
@@ -392,6 +412,8 @@ std::string check_message(Channel channel, std::span<const uint8_t> bytes) {
       return check<checks_t>(bytes);
     case Channel::kStages:
       return check<stages_t>(bytes);
+    case Channel::kNear:
+      return check<near_t>(bytes);
   }
   return "an unknown channel";
 }

@@ -13,6 +13,7 @@
 #include "throng/drive_t.hpp"
 #include "throng/end_t.hpp"
 #include "throng/events_t.hpp"
+#include "throng/near_t.hpp"
 #include "throng/parts_t.hpp"
 #include "throng/run_description_t.hpp"
 #include "throng/run_t.hpp"
@@ -48,6 +49,7 @@ std::string decode(std::span<const uint8_t> bytes, run_t& out);
 std::string decode(std::span<const uint8_t> bytes, states_t& out);
 std::string decode(std::span<const uint8_t> bytes, events_t& out);
 std::string decode(std::span<const uint8_t> bytes, touching_t& out);
+std::string decode(std::span<const uint8_t> bytes, near_t& out);
 std::string decode(std::span<const uint8_t> bytes, counters_t& out);
 std::string decode(std::span<const uint8_t> bytes, stages_t& out);
 std::string decode(std::span<const uint8_t> bytes, end_t& out);

@@ -45,6 +45,9 @@ void RunReader::rewind() {
   pending_touching_frame_ = -1;
   pending_touching_chunks_.clear();
   new_events_.clear();
+  near_pairs_.clear();
+  near_people_.clear();
+  pending_near_frame_ = -1;
   counters_.reset();
   stages_.reset();
   end_.reset();
@@ -95,6 +98,8 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
       return take<checks_t>(*channel, bytes);
     case Channel::kStages:
       return take<stages_t>(*channel, bytes);
+    case Channel::kNear:
+      return take<near_t>(*channel, bytes);
   }
   return Update::kNothing;
 }
@@ -274,6 +279,41 @@ std::string RunReader::use(const touching_t& m, Update& update) {
   pending_touching_.clear();
   pending_touching_chunks_.clear();
   update = Update::kTouching;
+  return "";
+}
+
+std::string RunReader::use(const near_t& m, Update& update) {
+  const size_t before =
+      m.frame == pending_near_frame_ ? pending_near_pairs_.size() + pending_near_people_.size() : 0;
+  std::string defect = defect_of_pairs(m, run_.get(), before);
+  if (!defect.empty()) return defect;
+  if (m.frame != pending_near_frame_) {
+    if (!pending_near_chunks_.empty()) ++tally_[Channel::kNear].incomplete;
+    pending_near_frame_ = m.frame;
+    pending_near_pairs_.clear();
+    pending_near_people_.clear();
+    pending_near_chunks_.clear();
+  }
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    NearPair row;
+    row.pair = pair_at(m, i);
+    row.level = static_cast<PairLevel>(m.level[i]);
+    row.lo_m = m.lo_m[i];
+    row.hi_m = m.hi_m[i];
+    row.point_a_m = {m.a_x_m[i], m.a_y_m[i], m.a_z_m[i]};
+    row.point_b_m = {m.b_x_m[i], m.b_y_m[i], m.b_z_m[i]};
+    row.normal = {m.normal_x[i], m.normal_y[i], m.normal_z[i]};
+    row.depth_m = m.depth_m[i];
+    row.closing_mps = m.closing_mps[i];
+    (m.of[i] == 0 ? pending_near_pairs_ : pending_near_people_).push_back(row);
+  }
+  pending_near_chunks_.insert(m.chunk);
+  if (pending_near_chunks_.size() < static_cast<size_t>(m.chunk_count)) return "";
+  near_pairs_.swap(pending_near_pairs_);
+  near_people_.swap(pending_near_people_);
+  pending_near_frame_ = -1;
+  pending_near_chunks_.clear();
+  update = Update::kNear;
   return "";
 }
 

@@ -43,6 +43,7 @@ class RunReader {
     kCounters,  ///< counters() is new, and the frame is over
     kEnd,       ///< end() is known
     kChecks,    ///< checks() is new
+    kNear,      ///< near_pairs() and near_people() are new
     kRefused    ///< damaged, hostile or of another version: see refusal()
   };
 
@@ -75,6 +76,9 @@ class RunReader {
   const Touching& touching() const { return touching_; }
   /// Of the last THRONG_EVENTS message.
   std::span<const PairEvent> new_events() const { return new_events_; }
+  /// How near parts are, of the newest frame that said so; of a run that was asked for distances.
+  std::span<const NearPair> near_pairs() const { return near_pairs_; }
+  std::span<const NearPair> near_people() const { return near_people_; }
   const std::optional<counters_t>& counters() const { return counters_; }
   /// Of the newest frame that had them; logs of an older Throng have none.
   const std::optional<stages_t>& stages() const { return stages_; }
@@ -100,6 +104,7 @@ class RunReader {
   std::string use(const states_t& states, Update& update);
   std::string use(const events_t& events, Update& update);
   std::string use(const touching_t& touching, Update& update);
+  std::string use(const near_t& near, Update& update);
   std::string use(counters_t& counters, Update& update);
   std::string use(stages_t& stages, Update& update);
   std::string use(end_t& end, Update& update);
@@ -134,6 +139,9 @@ class RunReader {
   int64_t pending_touching_frame_ = -1;
   std::set<int32_t> pending_touching_chunks_;
   std::vector<PairEvent> new_events_;
+  std::vector<NearPair> near_pairs_, near_people_, pending_near_pairs_, pending_near_people_;
+  int64_t pending_near_frame_ = -1;
+  std::set<int32_t> pending_near_chunks_;
   std::optional<counters_t> counters_;
   std::optional<stages_t> stages_;
   std::optional<end_t> end_;

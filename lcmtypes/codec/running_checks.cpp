@@ -31,17 +31,22 @@ void RunningChecks::add(Channel channel, int64_t number, int64_t stamp_us,
 
 void RunningChecks::fill(checks_t& out) const {
   out.check_kind = kCheckKind;
-  out.channel_count = kChannelCount;
-  out.channels.resize(kChannelCount);
-  out.messages.resize(kChannelCount);
-  out.bytes.resize(kChannelCount);
-  out.checks.resize(kChannelCount);
+  size_t named = 0;
+  for (const Channel channel : kAllChannels) named += is_named(channel, (*this)[channel].messages);
+  out.channel_count = static_cast<int32_t>(named);
+  out.channels.resize(named);
+  out.messages.resize(named);
+  out.bytes.resize(named);
+  out.checks.resize(named);
+  size_t i = 0;
   for (const Channel channel : kAllChannels) {
-    const auto i = static_cast<size_t>(channel);
+    const Sum& sum = (*this)[channel];
+    if (!is_named(channel, sum.messages)) continue;
     out.channels[i] = name_of(channel);
-    out.messages[i] = sums_[i].messages;
-    out.bytes[i] = sums_[i].bytes;
-    out.checks[i] = static_cast<int64_t>(sums_[i].check);
+    out.messages[i] = sum.messages;
+    out.bytes[i] = sum.bytes;
+    out.checks[i] = static_cast<int64_t>(sum.check);
+    ++i;
   }
 }
 

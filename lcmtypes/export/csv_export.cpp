@@ -46,6 +46,30 @@ void add_touching(RunReader& run, const MessageHeader& header, std::string& out)
            names_of(*run.run(), pair), static_cast<int>(level));
 }
 
+void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
+  const auto add = [&](std::span<const NearPair> rows, const char* of) {
+    for (const NearPair& row : rows) {
+      append(out, "{},{:.6f},{},{},{},{},{}", header.frame, seconds(header.utime_us), of,
+             names_of(*run.run(), row.pair), static_cast<int>(row.level), row.lo_m, row.hi_m);
+      if (row.level != PairLevel::kExact) {
+        out += ",,,,,,,,,,,,\n";
+        continue;
+      }
+      for (const auto* point : {&row.point_a_m, &row.point_b_m})
+        for (const double x : *point) append(out, ",{:.6f}", x);
+      for (const float x : row.normal) append(out, ",{:.6f}", x);
+      append(out, ",{:.6f},", row.depth_m);
+      if (!std::isnan(row.closing_mps))
+        append(out, "{:.6f},{:.6f}", row.closing_mps, row.contact_in_s());
+      else
+        out += ',';
+      out += '\n';
+    }
+  };
+  add(run.near_pairs(), "parts");
+  add(run.near_people(), "people");
+}
+
 void add_states(RunReader& run, const MessageHeader&, std::string& out) {
   const CrowdState& state = run.state();
   for (size_t id = 0; id < state.roots.size(); ++id) {
@@ -95,6 +119,11 @@ const std::vector<Table>& tables() {
        add_states},
       {"touching", Update::kTouching, fmt::format("frame,time_s,{},level", kPairColumns),
        add_touching},
+      {"near", Update::kNear,
+       fmt::format("frame,time_s,of,{},level,lo_m,hi_m,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,"
+                   "normal_x,normal_y,normal_z,depth_m,closing_mps,contact_in_s",
+                   kPairColumns),
+       add_near},
       {"counters", Update::kCounters, counter_columns(), add_counters}};
   return all;
 }

@@ -136,6 +136,8 @@ RunSource open_run_source(const RunSourceOptions& options) {
   if (!options.part_volume.empty())
     out.scene.part_volume = part_volumes_of(options.part_volume, "--part-volume");
   if (options.exact) out.scene.exact = true;
+  if (options.near_m) out.scene.near_m = *options.near_m;
+  if (options.person_near_m) out.scene.person_near_m = *options.person_near_m;
   return out;
 }
 

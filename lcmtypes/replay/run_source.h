@@ -20,6 +20,7 @@ struct RunSourceOptions {
   std::string steering;
   std::string part_volume;  ///< see part_volumes_of()
   bool exact = false;
+  std::optional<double> near_m, person_near_m;
   RecordingFlags recording;
   std::string step;  ///< of a recording: "smooth" or "recorded"
 };

@@ -2,12 +2,14 @@
 // One rule: the order of rows is that of the documentation and of the content hash.
 #pragma once
 
+#include "culling/near.h"
 #include "scenes/file/key.h"
 
 namespace throng {
 
 /// Of waiting, starting late and arriving: from at once to the end of the longest run.
 inline constexpr Range kTimeRange{0, 1e7};
+inline constexpr Range kNearRange{0, static_cast<double>(kMostNear_m)};
 
 const KeyTable<Scene>& scene_keys();
 const KeyTable<Group>& group_keys();

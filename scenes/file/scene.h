@@ -186,6 +186,8 @@ struct Scene {
   SteeringRule steering;
   PartVolumes part_volume;
   bool exact = false;
+  double near_m = 0;         ///< pairs of parts within it are listed with their distance; 0: none
+  double person_near_m = 0;  ///< of each two people within it the nearest parts; 0: none
   bool planted_feet = true;  ///< feet stay where they are put on curves, too
   bool yielding = true;      ///< bodies give way to what is near; who stands breathes and sways
   uint64_t content_hash =

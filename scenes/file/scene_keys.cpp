@@ -296,6 +296,14 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
   doors.is_default = [](const Scene& scene) { return scene.doors.empty(); };
   return {
       recording,
+      number("near_m",
+             "pairs of parts that are not farther apart are listed with an interval that holds "
+             "their distance, see [near.md](near.md); at most 100, 0: none",
+             &Scene::near_m, kNearRange),
+      number("person_near_m",
+             "of each two people who are not farther apart the two parts that are nearest to each "
+             "other; at most 100, 0: none",
+             &Scene::person_near_m, kNearRange),
       flag("yielding",
            "bodies give way to those near them and to walls, and those who stand breathe and sway; "
            "needs `planted_feet` ([realism.md](realism.md))",

@@ -13,6 +13,8 @@ double apply(const RunChoices& choices, Scene& scene, std::vector<std::string>& 
   if (choices.steering) scene.steering.model = *choices.steering;
   if (choices.part_volume) scene.part_volume = *choices.part_volume;
   if (choices.exact) scene.exact = true;
+  if (choices.near_m) scene.near_m = *choices.near_m;
+  if (choices.person_near_m) scene.person_near_m = *choices.person_near_m;
   return choices.avatars ? scale_to(scene, *choices.avatars, notes) : 1;
 }
 

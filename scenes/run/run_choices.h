@@ -1,4 +1,5 @@
-// What somebody asks of a run beside its scene: how many people, how long, how contacts are found.
+// What somebody asks of a run beside its scene: how many people, how long, how contacts and
+// distances are found.
 // One rule: what is not asked for stays as the scene has it.
 #pragma once
 
@@ -18,6 +19,7 @@ struct RunChoices {
   std::optional<SteeringKind> steering;
   std::optional<PartVolumes> part_volume;
   bool exact = false;
+  std::optional<double> near_m, person_near_m;
 };
 
 /// Changes the scene; says on `notes` what else had to change with it. Returns how many times

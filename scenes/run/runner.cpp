@@ -42,13 +42,14 @@ class Samples {
 
 /// A sample a frame of everything whose median is asked for.
 struct Measurements {
-  explicit Measurements(int64_t frames) : frame(frames), cull(frames) {
+  explicit Measurements(int64_t frames) : frame(frames), cull(frames), near(frames) {
     stages.reserve(kStageCount);  // a copy would have no room
     for (size_t i = 0; i < kStageCount; ++i) stages.emplace_back(frames);
   }
 
   void add(const FrameTimes& times, const CullingCounters& counters) {
     frame.add(times.frame_ns * 1e-6);
+    near.add((counters.near.update_ns + counters.near.test_ns) * 1e-6);
     cull.add((counters.wall_ns - counters.events_ns) * 1e-6);
     for (size_t i = 0; i < kStageCount; ++i) stages[i].add(times.stage_ns[i] * 1e-6);
   }
@@ -56,10 +57,11 @@ struct Measurements {
   void summarise(RunSummary& summary) const {
     summary.frame_ms = frame.quantiles();
     summary.cull_ms = cull.quantiles();
+    summary.near.ms = near.quantiles();
     for (size_t i = 0; i < kStageCount; ++i) summary.stage_ms[i] = stages[i].median();
   }
 
-  Samples frame, cull;
+  Samples frame, cull, near;
   std::vector<Samples> stages;
 };
 
@@ -85,6 +87,14 @@ void add_counters(CullingCounters& total, const CullingCounters& frame) {
   total.allocations_grown += frame.allocations_grown;
 }
 
+void add_near(NearSummary& near, const Frame& frame) {
+  near.pairs += frame.near_pairs.size();
+  near.people += frame.near_people.size();
+  near.pairs_peak = std::max(near.pairs_peak, uint64_t{frame.near_pairs.size()});
+  for (const std::span<const NearPair> rows : {frame.near_pairs, frame.near_people})
+    for (const NearPair& row : rows) near.least_m = std::min(near.least_m, row.lo_m);
+}
+
 void add_frame(RunSummary& summary, const Frame& frame, bool exact,
                const SteeringCounters& steering) {
   summary.persists += frame.persisting;
@@ -96,6 +106,7 @@ void add_frame(RunSummary& summary, const Frame& frame, bool exact,
   summary.queuing_peak = std::max(summary.queuing_peak, steering.queuing);
   summary.longest_stall_s = std::max(summary.longest_stall_s, steering.longest_stall_s);
   add_counters(summary.totals, *frame.counters);
+  if (summary.near.is_asked) add_near(summary.near, frame);
 }
 
 RunSummary describe(const Simulation& simulation) {
@@ -104,6 +115,8 @@ RunSummary describe(const Simulation& simulation) {
   summary.avatars = info.avatar_count();
   summary.unplaced = simulation.unplaced();
   summary.run_id = info.run_id;
+  summary.near.is_asked = info.culler.near.is_asked();
+  summary.near.least_m = info.culler.near.most_m();
   for (const uint16_t model : info.model_of_avatar)
     summary.parts += info.models[model]->part_count();
   return summary;
@@ -156,6 +169,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
   summary.begins = end.begins;
   summary.ends = end.ends;
   summary.hash = end.hash;
+  summary.near.hash = end.near_hash;
   summary.traffic = simulation.traffic();
   summary.strandings = simulation.strandings();
   measurements.summarise(summary);

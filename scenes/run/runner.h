@@ -21,6 +21,17 @@ struct Quantiles {
   double max = 0;
 };
 
+/// Distances, where a margin is asked.
+struct NearSummary {
+  bool is_asked = false;
+  uint64_t pairs = 0;       ///< rows over all frames, as the next
+  uint64_t people = 0;      ///< of two people
+  uint64_t pairs_peak = 0;  ///< rows of a frame
+  float least_m = 0;        ///< the least lower bound of all
+  Quantiles ms;             ///< the search, summed over threads
+  uint64_t hash = 0;
+};
+
 struct RunSummary {
   int64_t frames = 0;  ///< of this run; a resumed one has fewer than its duration
   int avatars = 0;
@@ -40,6 +51,7 @@ struct RunSummary {
   uint64_t persists = 0;
   uint64_t ends = 0;  ///< those of the last moment included
   uint64_t pairs_peak = 0;
+  NearSummary near;
   int64_t frames_cut = 0;  ///< in which a deadline left pairs undecided
   uint64_t hash = 0;
   uint64_t run_id = 0;

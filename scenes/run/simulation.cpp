@@ -73,6 +73,8 @@ SimulationOptions with_tables(SimulationOptions options) {
 SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
   options.culler.part_volume = scene.part_volume.fallback;
   options.culler.exact = scene.exact;
+  options.culler.near = {static_cast<float>(scene.near_m), static_cast<float>(scene.person_near_m),
+                         scene.step_s};
   return options;
 }
 
@@ -256,6 +258,9 @@ void Simulation::State::fill_frame() {
   frame.levels = culler->levels();
   frame.persisting = culler->persisting();
   frame.hash = culler->hash();
+  frame.near_pairs = culler->near_pairs();
+  frame.near_people = culler->near_bodies();
+  frame.near_hash = culler->near_hash();
   frame.counters = &culler->counters();
   frame.times = &times;
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
@@ -331,6 +336,7 @@ RunEnd Simulation::finish() {
   end.hash = s.culler->hash();
   if (s.options.culler.by_part) s.part_tally = s.culler->part_tally();
   end.by_part = s.part_tally ? &*s.part_tally : nullptr;
+  end.near_hash = s.culler->near_hash();
   return end;
 }
 

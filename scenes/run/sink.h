@@ -62,6 +62,10 @@ struct Frame {
   std::span<const uint8_t> present;
   /// PairLevel, one a pair; empty: all are fully decided.
   std::span<const uint8_t> levels;
+  /// Of parts within the scene's near_m, and the nearest parts of two people within person_near_m;
+  /// sorted.
+  std::span<const NearPair> near_pairs, near_people;
+  uint64_t near_hash = 0;  ///< of all near rows up to this frame's
   uint64_t persisting = 0;
   uint64_t hash = 0;  ///< of all events up to this frame's (see culling/event_hash.h)
   const CullingCounters* counters = nullptr;
@@ -77,6 +81,7 @@ struct RunEnd {
   uint64_t hash = 0;                  ///< of all events
   /// Of the whole run, where CullerOptions::by_part asks for it.
   const PartTally* by_part = nullptr;
+  uint64_t near_hash = 0;             ///< of all near rows
 };
 
 /// What a frame costs more to hold, so that it only does for those who need it.

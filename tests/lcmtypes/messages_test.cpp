@@ -32,6 +32,7 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"drive_t", {drive_t::getHash(), 0x413474c4188a3919}},
       {"stages_t", {stages_t::getHash(), 0x3cf87a4616479eaf}},
       {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
+      {"near_t", {near_t::getHash(), 0xa556b0d68e2546c0}},
   };
   for (const auto& [name, hashes] : golden)
     EXPECT_EQ(static_cast<uint64_t>(hashes.first), hashes.second)

@@ -49,6 +49,7 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.run_id = 0x1234'5678'9abc'def0 + options.seed;
   info_.instance = 0xfeed'beef'0000'0001;
   info_.step_s = 1.0 / 60;
+  if (options.near) info_.culler.near = {0.3f, 1, info_.step_s};
   if (options.deadline) info_.culler.deadline_tests = 1000;
   if (options.crowd != Crowd::kRovers) info_.models.push_back(adult());
   if (options.crowd != Crowd::kAdults) info_.models.push_back(rover());
@@ -155,6 +156,24 @@ void SyntheticRun::add_to_hash() {
   hash_.add_frame(static_cast<uint64_t>(next_frame_), sum);
 }
 
+/// Every other one by triangles.
+void SyntheticRun::list_near() {
+  near_.clear();
+  for (const PairKey& pair : pairs_) {
+    NearPair& row = near_.emplace_back();
+    row.pair = pair;
+    row.lo_m = 0.001f * static_cast<float>(near_.size());
+    row.hi_m = row.lo_m + 0.0005f;
+    if (near_.size() % 2 == 0) continue;
+    row.level = PairLevel::kExact;
+    row.point_a_m = {1.5, 2.5, 1};
+    row.point_b_m = {1.5, 2.5, 1 + static_cast<double>(row.hi_m)};
+    row.normal = {0, 0, 1};
+  }
+  frame_.near_pairs = near_;
+  frame_.near_people = std::span(near_).first(near_.size() / 2);
+}
+
 const Frame& SyntheticRun::step() {
   pose();
   if (options_.comings) come_and_go();
@@ -177,6 +196,7 @@ const Frame& SyntheticRun::step() {
   frame_.events = pair_events_.events();
   frame_.present = present_;
   frame_.levels = levels_;
+  if (options_.near) list_near();
   frame_.hash = hash_.value();
   frame_.persisting = pair_events_.persisting();
   frame_.counters = &counters_;

@@ -24,6 +24,7 @@ class SyntheticRun {
     double spread_m = 50;   ///< avatars are within this distance of the origin
     bool comings = false;   ///< avatars come and go
     bool deadline = false;  ///< some pairs are not refined to the end
+    bool near = false;      ///< whatever touches has a near row, too
   };
   explicit SyntheticRun(const Options& options);
 
@@ -45,6 +46,7 @@ class SyntheticRun {
   void touch();
   void come_and_go();
   void level();
+  void list_near();
   void count(std::span<const PairEvent> events);
   void add_to_hash();
 
@@ -60,6 +62,7 @@ class SyntheticRun {
   std::vector<size_t> offsets_;
   std::vector<PairKey> pairs_;
   std::vector<uint8_t> present_, levels_;
+  std::vector<NearPair> near_;
   int64_t next_frame_ = 0;
   EventHash hash_;
   int64_t begins_ = 0, ends_ = 0;

@@ -1,0 +1,31 @@
+// A hull's corners and points where they are, in a frame that two parts share.
+// One rule: placed as the floats of the pose have it, in double precision.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "culling/distance/hull_depth.h"
+
+namespace throng {
+
+struct PlacedPoints {
+  explicit PlacedPoints(const PlacedHull& placed,
+                        const Eigen::Vector3d& root_m = Eigen::Vector3d::Zero())
+      : hull(*placed.hull) {
+    const Eigen::Isometry3d pose = to_isometry(*placed.pose);
+    linear = static_cast<double>(placed.scale) * pose.linear();
+    shift = pose.translation() + root_m;
+  }
+  Eigen::Vector3d support(const Eigen::Vector3d& direction) const {
+    return linear * hull.support(linear.transpose() * direction) + shift;
+  }
+  double extent(const Eigen::Vector3d& direction) const {
+    return hull.extent(linear.transpose() * direction) + direction.dot(shift);
+  }
+
+  const ConvexHull& hull;
+  Eigen::Matrix3d linear;
+  Eigen::Vector3d shift;
+};
+
+}  // namespace throng
