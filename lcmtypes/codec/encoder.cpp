@@ -11,6 +11,8 @@
 #include "base/errors.h"
 #include "base/limits.h"
 #include "lcmtypes/codec/log_format.h"
+#include "lcmtypes/codec/near_rows.h"
+#include "lcmtypes/codec/pair_columns.h"
 #include "lcmtypes/codec/readable.h"
 #include "scenes/run/stages.h"
 
@@ -57,44 +59,6 @@ uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
 }
 
 /// The message in the room of `buffer`, which holds the largest.
-/// The columns that name pairs, in messages that have some.
-template <class Message>
-void resize_pairs(Message& m, size_t count) {
-  m.count = static_cast<int32_t>(count);
-  m.a.resize(count);
-  m.b.resize(count);
-  m.part_a.resize(count);
-  m.part_b.resize(count);
-  m.level.resize(count);
-}
-
-template <class Message>
-void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
-  m.a[i] = static_cast<int32_t>(pair.a());
-  m.b[i] = static_cast<int32_t>(pair.b());
-  m.part_a[i] = static_cast<uint8_t>(pair.part_a());
-  m.part_b[i] = static_cast<uint8_t>(pair.part_b());
-  m.level[i] = level;
-}
-
-void set_near(near_t& m, size_t i, const NearPair& row, bool of_people) {
-  set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
-  m.of[i] = of_people ? 1 : 0;
-  m.lo_m[i] = row.lo_m;
-  m.hi_m[i] = row.hi_m;
-  m.a_x_m[i] = row.point_a_m[0];
-  m.a_y_m[i] = row.point_a_m[1];
-  m.a_z_m[i] = row.point_a_m[2];
-  m.b_x_m[i] = row.point_b_m[0];
-  m.b_y_m[i] = row.point_b_m[1];
-  m.b_z_m[i] = row.point_b_m[2];
-  m.normal_x[i] = row.normal[0];
-  m.normal_y[i] = row.normal[1];
-  m.normal_z[i] = row.normal[2];
-  m.depth_m[i] = row.depth_m;
-  m.closing_mps[i] = row.closing_mps;
-}
-
 template <class Message>
 std::span<uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer) {
   const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
@@ -308,16 +272,7 @@ void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
     const size_t first = static_cast<size_t>(chunk) * kNearPerMessage;
     const size_t count = std::min(kNearPerMessage, rows - first);
     near_t& m = near_;
-    m.near_m = run.culler.near.near_m;
-    m.person_near_m = run.culler.near.body_near_m;
-    m.hash = static_cast<int64_t>(frame.near_hash);
-    resize_pairs(m, count);
-    m.of.resize(count);
-    for (auto* column :
-         {&m.lo_m, &m.hi_m, &m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m, &m.closing_mps})
-      column->resize(count);
-    for (auto* column : {&m.a_x_m, &m.a_y_m, &m.a_z_m, &m.b_x_m, &m.b_y_m, &m.b_z_m})
-      column->resize(count);
+    begin_near(m, run.culler.near, frame.near_hash, count);
     for (size_t i = 0; i < count; ++i) {
       const bool of_people = first + i >= parts;
       set_near(m, i, of_people ? frame.near_people[first + i - parts] : frame.near_pairs[first + i],

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "lcmtypes/codec/near_rows.h"
+#include "lcmtypes/codec/pair_columns.h"
 
 namespace throng {
 
@@ -223,12 +225,6 @@ namespace {
 /// A hundred thousand people shoulder to shoulder have a million; who says more lies.
 constexpr size_t kMaxTouching = size_t{1} << 22;
 
-template <class Message>
-PairKey pair_at(const Message& m, size_t i) {
-  return PairKey(static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i],
-                 m.part_b[i]);
-}
-
 /// Whether all pairs are of bodies and parts that the run has; without a description nobody knows.
 template <class Message>
 std::string defect_of_pairs(const Message& m, const run_description_t* run, size_t touching) {
@@ -295,17 +291,7 @@ std::string RunReader::use(const near_t& m, Update& update) {
     pending_near_chunks_.clear();
   }
   for (size_t i = 0; i < m.a.size(); ++i) {
-    NearPair row;
-    row.pair = pair_at(m, i);
-    row.level = static_cast<PairLevel>(m.level[i]);
-    row.lo_m = m.lo_m[i];
-    row.hi_m = m.hi_m[i];
-    row.point_a_m = {m.a_x_m[i], m.a_y_m[i], m.a_z_m[i]};
-    row.point_b_m = {m.b_x_m[i], m.b_y_m[i], m.b_z_m[i]};
-    row.normal = {m.normal_x[i], m.normal_y[i], m.normal_z[i]};
-    row.depth_m = m.depth_m[i];
-    row.closing_mps = m.closing_mps[i];
-    (m.of[i] == 0 ? pending_near_pairs_ : pending_near_people_).push_back(row);
+    (m.of[i] == 0 ? pending_near_pairs_ : pending_near_people_).push_back(near_at(m, i));
   }
   pending_near_chunks_.insert(m.chunk);
   if (pending_near_chunks_.size() < static_cast<size_t>(m.chunk_count)) return "";

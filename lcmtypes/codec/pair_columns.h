@@ -1,0 +1,37 @@
+// The columns that name pairs of parts, in the messages that have some.
+// One rule: the same five in every type, so that one reader serves all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "culling/pair.h"
+
+namespace throng {
+
+template <class Message>
+void resize_pairs(Message& m, size_t count) {
+  m.count = static_cast<int32_t>(count);
+  m.a.resize(count);
+  m.b.resize(count);
+  m.part_a.resize(count);
+  m.part_b.resize(count);
+  m.level.resize(count);
+}
+
+template <class Message>
+void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
+  m.a[i] = static_cast<int32_t>(pair.a());
+  m.b[i] = static_cast<int32_t>(pair.b());
+  m.part_a[i] = static_cast<uint8_t>(pair.part_a());
+  m.part_b[i] = static_cast<uint8_t>(pair.part_b());
+  m.level[i] = level;
+}
+
+/// Of a message that was checked.
+template <class Message>
+PairKey pair_at(const Message& m, size_t i) {
+  return {static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i], m.part_b[i]};
+}
+
+}  // namespace throng
