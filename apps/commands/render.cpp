@@ -71,7 +71,8 @@ std::vector<std::string> words_of(const std::string& list) {
 }
 
 std::vector<std::string> layers_of(const std::string& list) {
-  const std::vector<std::string> words = words_of(list), known = volume_layers();
+  std::vector<std::string> words = words_of(list);
+  const std::vector<std::string> known = volume_layers();
   for (const std::string& word : words)
     if (std::find(known.begin(), known.end(), word) == known.end())
       throw InputError("--volumes", fmt::format("some of {}", fmt::join(known, ",")),

@@ -31,14 +31,19 @@ const std::vector<CommandLine>& commands() {
   static const std::vector<CommandLine> all = {
       {"run",
        "my.yaml --seconds 0.1 --lcm off",
-       {"--log", "--json", "--trajectory", "--html", "--contacts", "--trace-hash", "--checkpoint"},
+       {"--log", "--json", "--trajectory", "--html", "--contacts", "--by-part", "--trace-hash",
+        "--checkpoint"},
        {"--resume"},
        {"my.yaml", "body.urdf", "body.tri", "rock.tri"}},
       {"check", "a.lcmlog", {"--repair"}, {}, {"a.lcmlog"}},
       {"render", "a.lcmlog --frame 0 --width 64 --height 64", {"--out"}, {}, {"a.lcmlog"}},
       {"view", "a.lcmlog", {"--html"}, {}, {"a.lcmlog"}},
       {"paper", "--frames 10", {"--json", "--out"}, {}},
-      {"bench", "--avatars 20 --engines none --frames 1", {"--json", "--csv"}, {}},
+      // Frames for others, and their pairs judged, are instead of a measurement.
+      {"bench",
+       "--avatars 20 --engines none --frames 1",
+       {"--json", "--csv"},
+       {"--export", "--check"}},
       {"validate", "--only rimea_1", {"--json", "--out"}, {"--recordings"}},
       {"compare", "my.yaml my.yaml --seconds 0.1", {"--json", "--out"}, {}, {"my.yaml"}},
       {"export", "a.lcmlog", {"--mcap"}, {"--out"}, {"a.lcmlog"}},
@@ -55,6 +60,10 @@ const std::vector<CommandLine>& commands() {
 std::string ending_of(const CommandLine& command, const std::string& option) {
   if (command.command == "render") return ".png";
   return option == "--trajectory" ? ".csv" : "";
+}
+
+bool is_always_folder(const std::string& option) {
+  return option == "--contacts" || option == "--by-part";
 }
 
 TEST(OutputPlan, KnowsEveryOptionOfEveryCommandThatNamesAFile) {
@@ -128,7 +137,7 @@ TEST(OutputPlan, NoOutputIsWhatIsRead) {
       for (const std::string& file : command.read) {
         const std::string name = fmt::format("link{}", ending_of(command, option));
         const bool is_folder =
-            option == "--contacts" || (command.command == "compare" && option == "--out");
+            is_always_folder(option) || (command.command == "compare" && option == "--out");
         const char* said = is_folder ? "a file of that name" : kTwice;
         Workplace place;
         fs::create_symlink(file, place / name);
@@ -165,7 +174,7 @@ TEST(OutputPlan, AFolderIsNoFileAndAFileNoFolder) {
     for (const std::string& option : command.outputs) {
       Workplace place;
       const bool is_folder =
-          option == "--contacts" || (option == "--out" && command.command != "render");
+          is_always_folder(option) || (option == "--out" && command.command != "render");
       const std::string name = fmt::format("x{}", ending_of(command, option));
       shell(is_folder ? fmt::format("echo old >{}", name)
                       : fmt::format("mkdir {0}; echo old >{0}/old", name),
@@ -179,7 +188,7 @@ TEST(OutputPlan, AFolderIsNoFileAndAFileNoFolder) {
 TEST(OutputPlan, AFolderThatIsMissingIsToldBeforeTheWork) {
   for (const CommandLine& command : commands())
     for (const std::string& option : command.outputs) {
-      if (option == "--contacts" || (option == "--out" && command.command != "render")) continue;
+      if (is_always_folder(option) || (option == "--out" && command.command != "render")) continue;
       Workplace place;
       expect_refused(place,
                      fmt::format("throng {} {} {} no/x{}", command.command, command.line, option,
