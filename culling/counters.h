@@ -21,11 +21,11 @@ struct StageCounters {
 };
 
 struct CullingCounters {
-  StageCounters avatar;          ///< spheres over bodies
-  StageCounters body_box;        ///< what bounds() says of a body, then its box in its pose
-  StageCounters box;             ///< boxes over the parts of pairs whose body boxes overlap
-  StageCounters part;            ///< the part volume over surviving parts
-  StageCounters exact;           ///< triangles
+  StageCounters avatar;    ///< spheres over bodies
+  StageCounters body_box;  ///< what bounds() says of a body, then its box in its pose
+  StageCounters box;       ///< boxes over the parts of pairs whose body boxes overlap
+  StageCounters part;      ///< the part volume over surviving parts
+  StageCounters exact;     ///< triangles
   /// Distances, beside the pass and not in its times: pairs of parts that were asked, and listed.
   StageCounters near;
   uint64_t primitive_tests = 0;  ///< boxes and triangles inside the exact stage: the paper's N_p

@@ -216,7 +216,7 @@ py::array step(OwnCuller& culler, const DoubleArray& matrices, const Numbers<int
 
 std::unique_ptr<OwnCuller> made(std::vector<ShapePtr> shapes, const std::string& part_volume,
                                 bool exact, const std::string& pair_search,
-                                std::optional<int64_t> threads) {
+                                std::optional<int64_t> threads, const NearOptions& near) {
   if (shapes.empty()) throw InputError("bodies", "at least one kind of body", "none");
   py::dict given;
   given["part_volume"] = part_volume;
@@ -225,6 +225,7 @@ std::unique_ptr<OwnCuller> made(std::vector<ShapePtr> shapes, const std::string&
   CullerOptions options = request.simulation.culler;
   options.part_volume = volume_of(part_volume).value();
   options.exact = exact;
+  options.near = near;
   const int workers = checked_threads(threads);
   const py::gil_scoped_release others;
   return std::make_unique<OwnCuller>(std::move(shapes), options, workers);
@@ -240,8 +241,21 @@ void bind_culler(py::module_& module) {
   module.def("body_of_model", shape_of_model);
   module.def("body_of_parts", shape_of_parts);
   py::class_<OwnCuller>(module, "Culler")
-      .def(py::init(&made), py::arg("bodies"), py::arg("part_volume"), py::arg("exact"),
-           py::arg("pair_search"), py::arg("threads"))
+      .def(py::init([](std::vector<ShapePtr> shapes, const std::string& part_volume, bool exact,
+                       const std::string& pair_search, std::optional<int64_t> threads, float near_m,
+                       float body_near_m, double step_s) {
+             return made(std::move(shapes), part_volume, exact, pair_search, threads,
+                         {near_m, body_near_m, step_s});
+           }),
+           py::arg("bodies"), py::arg("part_volume"), py::arg("exact"), py::arg("pair_search"),
+           py::arg("threads"), py::arg("near_m"), py::arg("body_near_m"), py::arg("step_s"))
+      .def(
+          "near",
+          [](const OwnCuller& culler) { return array_of(near_rows(culler.culler().near_pairs())); })
+      .def("near_bodies",
+           [](const OwnCuller& culler) {
+             return array_of(near_rows(culler.culler().near_bodies()));
+           })
       .def("step", step)
       .def("finish",
            [](OwnCuller& culler) {

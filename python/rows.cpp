@@ -49,11 +49,35 @@ std::vector<ContactRow> contacts_of(const std::vector<EventRow>& events, double 
   return contacts;
 }
 
+std::vector<NearRow> near_rows(std::span<const NearPair> pairs) {
+  std::vector<NearRow> rows;
+  rows.reserve(pairs.size());
+  for (const NearPair& pair : pairs) {
+    NearRow& row = rows.emplace_back();
+    row.a = pair.pair.a();
+    row.b = pair.pair.b();
+    row.part_a = static_cast<uint8_t>(pair.pair.part_a());
+    row.part_b = static_cast<uint8_t>(pair.pair.part_b());
+    row.level = static_cast<uint8_t>(pair.level);
+    row.lo_m = pair.lo_m;
+    row.hi_m = pair.hi_m;
+    std::copy(pair.point_a_m.begin(), pair.point_a_m.end(), row.a_m);
+    std::copy(pair.point_b_m.begin(), pair.point_b_m.end(), row.b_m);
+    std::copy(pair.normal.begin(), pair.normal.end(), row.normal);
+    row.depth_m = pair.depth_m;
+    row.closing_mps = pair.closing_mps;
+    row.contact_in_s = pair.contact_in_s();
+  }
+  return rows;
+}
+
 void register_rows() {
   PYBIND11_NUMPY_DTYPE(EventRow, frame, a, b, part_a, part_b, kind, level);
   PYBIND11_NUMPY_DTYPE(ContactRow, a, b, part_a, part_b, level, ended, begin_frame, end_frame,
                        begin_s, end_s);
   PYBIND11_NUMPY_DTYPE(PairRow, a, b, part_a, part_b);
+  PYBIND11_NUMPY_DTYPE(NearRow, a, b, part_a, part_b, level, lo_m, hi_m, a_m, b_m, normal, depth_m,
+                       closing_mps, contact_in_s);
   PYBIND11_NUMPY_DTYPE(PersonRow, id, group, model, scale, height_m);
   PYBIND11_NUMPY_DTYPE(PlaceRow, frame, time_s, id, x_m, y_m, z_m, heading_rad, speed_mps);
   PYBIND11_NUMPY_DTYPE(FrameRow, frame, time_s, touching, begins, ends, persisting, avatar_updates,

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "culling/near.h"
 #include "culling/pair.h"
 
 namespace throng {
@@ -33,6 +35,17 @@ struct ContactRow {
 struct PairRow {
   uint32_t a, b;
   uint8_t part_a, part_b;
+};
+
+/// How near a pair of parts is; see culling/near.h. NaN where only volumes were asked.
+struct NearRow {
+  uint32_t a, b;
+  uint8_t part_a, part_b;
+  uint8_t level;  ///< PairLevel: 2 volumes, 3 triangles
+  float lo_m, hi_m;
+  double a_m[3], b_m[3];  ///< the nearest points, in the world
+  float normal[3];
+  float depth_m, closing_mps, contact_in_s;
 };
 
 struct PersonRow {
@@ -65,6 +78,8 @@ struct FrameRow {
   int64_t posed_bodies;
   double frame_ms, cull_ms;
 };
+
+std::vector<NearRow> near_rows(std::span<const NearPair> pairs);
 
 inline EventRow event_row(int64_t frame, const PairEvent& event) {
   return {frame,

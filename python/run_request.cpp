@@ -94,6 +94,10 @@ void take_source(Given& given, RunSourceOptions& source) {
   given.take("part_volume", "a volume, or 'hands: sphere, default: ordop26'", source.part_volume);
   if (!source.part_volume.empty()) part_volumes_of(source.part_volume, "part_volume");
   given.take("exact", "True or False", source.exact);
+  const double most_m = static_cast<double>(kMostNear_m);
+  const std::string margin = fmt::format("metres from 0 to {}", kMostNear_m);
+  given.number("near", 0, most_m, false, margin, source.near_m);
+  given.number("person_near", 0, most_m, false, margin, source.person_near_m);
   RecordingFlags& flags = source.recording;
   given.number("fps", 0, 10'000, true, "a number of frames a second above 0", flags.fps);
   flags.unit = given.name("unit", unit_names());

@@ -88,6 +88,8 @@ struct FrameView {
       for (const PairEvent& event : f.events) out.push_back(event_row(number, event));
     });
   }
+  py::array near() const { return array_of(near_rows(frame().near_pairs)); }
+  py::array near_people() const { return array_of(near_rows(frame().near_people)); }
   py::array part_poses(const std::vector<uint32_t>& people) const;
 };
 
@@ -173,6 +175,8 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("postures", &FrameView::postures)
       .def_property_readonly("pairs", &FrameView::pairs)
       .def_property_readonly("events", &FrameView::events)
+      .def_property_readonly("near", &FrameView::near)
+      .def_property_readonly("near_people", &FrameView::near_people)
       .def_property_readonly("hash", [](const FrameView& f) { return hash_text(f.frame().hash); })
       .def("part_poses", &FrameView::part_poses, py::arg("people"));
   py::class_<SteppedRun, std::shared_ptr<SteppedRun>>(module, "Simulation")

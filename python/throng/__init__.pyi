@@ -58,6 +58,8 @@ def run(
     steering: Optional[str] = None,
     part_volume: Optional[str] = None,
     exact: bool = False,
+    near: Optional[float] = None,
+    person_near: Optional[float] = None,
     threads: Optional[int] = None,
     deadline_ms: Optional[float] = None,
     deadline_tests: Optional[int] = None,
@@ -108,6 +110,10 @@ class Frame:
     def pairs(self) -> Table: ...
     @property
     def events(self) -> Table: ...
+    @property
+    def near(self) -> Table: ...
+    @property
+    def near_people(self) -> Table: ...
     def part_poses(self, people: Iterable[int]) -> npt.NDArray[np.float64]: ...
 
 class Simulation:
@@ -199,7 +205,13 @@ class Culler:
         pair_search: str = "grid",
         threads: Optional[int] = None,
         step_s: float = 1.0,
+        near: float = 0.0,
+        body_near: float = 0.0,
     ) -> None: ...
+    @property
+    def near(self) -> Table: ...
+    @property
+    def near_bodies(self) -> Table: ...
     def step(
         self,
         poses: Union[npt.ArrayLike, Sequence[npt.ArrayLike]],

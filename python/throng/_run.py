@@ -148,6 +148,8 @@ def run(
     steering=None,
     part_volume=None,
     exact=False,
+    near=None,
+    person_near=None,
     threads=None,
     deadline_ms=None,
     deadline_tests=None,
@@ -182,6 +184,7 @@ def run(
     Args:
         source: a scene file, the name of a bundled scene (see scenes()), a recording, or a log.
         seconds, avatars, seed, steering, part_volume, exact: as the command's.
+        near, person_near: margins in metres, as the command's: rows go to the log, and to Frame.near of a Simulation.
         threads, deadline_ms, deadline_tests, strategy, simd, pair_search: as the command's.
         fps, unit, columns, separator, tracks, strict, step: of a recording, as the command's.
         trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].

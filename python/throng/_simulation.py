@@ -19,6 +19,10 @@ class Frame:
         postures (float32): joint values of everybody, one after another, see Simulation.posture_offsets.
         pairs (Table): a, b, part_a, part_b of all that touches now, sorted.
         events (Table): what began and ended in this frame, see Run.events.
+        near (Table): of a simulation with near=M, each pair of parts within M metres: a, b, part_a, part_b, level
+            (2 volumes, 3 triangles), lo_m and hi_m, which hold their distance; with exact=True the nearest points
+            a_m and b_m (3, world), normal (3, from a to b), depth_m, closing_mps, contact_in_s; nan otherwise.
+        near_people (Table): of a simulation with person_near=M, of each two people within M the nearest parts.
     """
 
     def __init__(self, frame, names):
@@ -36,6 +40,8 @@ class Frame:
     postures = property(lambda self: self._frame.postures)
     pairs = property(lambda self: Table(self._frame.pairs, self._names.of_pairs))
     events = property(lambda self: Table(self._frame.events, self._names.of_pairs))
+    near = property(lambda self: Table(self._frame.near, self._names.of_pairs))
+    near_people = property(lambda self: Table(self._frame.near_people, self._names.of_pairs))
 
     def part_poses(self, people):
         """world_from_part of some people of one model (K ids): K x P x 4 x 4, float64.

@@ -81,7 +81,7 @@ struct RunEnd {
   uint64_t hash = 0;                  ///< of all events
   /// Of the whole run, where CullerOptions::by_part asks for it.
   const PartTally* by_part = nullptr;
-  uint64_t near_hash = 0;             ///< of all near rows
+  uint64_t near_hash = 0;  ///< of all near rows
 };
 
 /// What a frame costs more to hold, so that it only does for those who need it.

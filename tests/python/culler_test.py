@@ -30,6 +30,21 @@ class Boxes(Case):
     def culler(self, **options):
         return throng.Culler(throng.Body([(BOX, BOX_TRIANGLES)]), **options)
 
+    def test_tell_how_near_they_are_and_when_they_meet(self):
+        culler = self.culler(exact=True, step_s=0.5, near=1.5, body_near=3)
+        for x in (3, 2.5, 2.25):
+            culler.step(at((0, 0, 0), (x, 0, 0)))
+        (row,) = culler.near
+        self.assertAlmostEqual(float(row["lo_m"]), 1.25, delta=1e-3)
+        self.assertAlmostEqual(float(row["hi_m"]), 1.25, delta=1e-3)
+        self.assertAlmostEqual(float(row["closing_mps"]), 0.5, delta=1e-3)
+        self.assertAlmostEqual(float(row["contact_in_s"]), 2.5, delta=1e-2)
+        self.assertAlmostEqual(float(row["normal"][0]), 1, delta=1e-3)
+        self.assertEqual(key(culler.near), key(culler.near_bodies))
+        self.assertEqual(len(culler.pairs), 0)
+        with self.assertRaises(throng.InputError):
+            self.culler(near=-1)
+
     def test_touch_when_they_overlap_and_leave_when_they_do_not(self):
         culler = self.culler(exact=True, step_s=0.5)
         for x in (3, 2, 0.9, 0.5, 0.9, 1.5, 3):

@@ -117,6 +117,7 @@ TEST_F(Structure, CullingIsKnownByItsDoor) {
                                            "culling/culling.h",
                                            "culling/distance/hull_depth.h",
                                            "culling/event_hash.h",
+                                           "culling/near.h",
                                            "culling/pair.h",
                                            "culling/part_tally.h",
                                            "culling/strategies/strategy.h",
