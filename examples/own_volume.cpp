@@ -7,7 +7,6 @@
 #include "bench/workbench/workbench.h"
 
 using Eigen::Vector3d, Eigen::Vector3f;
-
 double distance(const Vector3d& p, const Vector3d& begin, const Vector3d& along) {
   const double length2 = along.squaredNorm(), at = (p - begin).dot(along);
   return (begin + (length2 > 0 ? std::clamp(at / length2, 0.0, 1.0) : 0) * along - p).norm();
@@ -16,7 +15,6 @@ double distance(const Vector3d& p, const Vector3d& begin, const Vector3d& along)
 struct Capsule {
   Vector3f begin_m, end_m;
   float radius_m;
-
   /// About the line along which the points scatter most, as short as its round ends allow.
   static Capsule fit(std::span<const Vector3f> points) {
     Eigen::Matrix3Xd p(3, points.size());
@@ -59,5 +57,4 @@ struct Capsule {
     return least <= double(a.radius_m) + double(b.radius_m) + double(margin);
   }
 };
-
 int main(int argc, char** argv) { return throng::workbench_main<Capsule>("capsule", argc, argv); }

@@ -60,8 +60,7 @@ NearSearch::NearSearch(BodyTypes types, const CullerOptions& options, Workers& w
       kernels_(kernels_for(options.simd)),
       workers_(workers),
       slots_(types),
-      broad_(types, kernels_, workers, options.pair_search, options.near.most_m()),
-      deciders_(static_cast<size_t>(workers.threads())) {
+      broad_(types, kernels_, workers, options.pair_search, options.near.most_m()) {
   for (const auto& type : types) fit_for_near(*type, exact_);
 }
 
@@ -91,9 +90,8 @@ void NearSearch::run(const BodiesView& bodies, const PoseSource& source, StageCo
   workers_.for_blocks(static_cast<int>(task_count_),
                       [&](int task, int) { find(static_cast<size_t>(task)); });
   plan_budget();
-  workers_.for_blocks(static_cast<int>(task_count_), [&](int task, int worker) {
-    decide(static_cast<size_t>(task), deciders_[static_cast<size_t>(worker)]);
-  });
+  workers_.for_blocks(static_cast<int>(task_count_),
+                      [&](int task, int) { decide(static_cast<size_t>(task)); });
   gather();
   hash_rows();
   remember(bodies);
@@ -155,19 +153,19 @@ void NearSearch::plan_budget() {
   }
 }
 
-void NearSearch::decide(size_t index, NearDecider& decider) {
+void NearSearch::decide(size_t index) {
   Task& task = tasks_[index];
   task.row_count = task.nearest_count = 0;
   for (size_t i = 0; i < task.pair_count; ++i) {
     Pair& pair = task.pairs[i];
     if (deadline_ms_ && pair.is_decided) pair.is_decided = Clock::now() < until_;
-    list(pair, task, decider);
+    list(pair, task);
   }
 }
 
 /// The rows of two bodies. By triangles the candidates that may be nearest come first: all within
 /// near_m, then as long as one can be nearer than the nearest yet.
-void NearSearch::list(const Pair& pair, Task& task, NearDecider& decider) {
+void NearSearch::list(const Pair& pair, Task& task) {
   const NearFrame frame{types_, posed_, options_.most_m()};
   const NearBodies bodies = bodies_of(pair);
   const bool has_static =
@@ -189,7 +187,7 @@ void NearSearch::list(const Pair& pair, Task& task, NearDecider& decider) {
     if (pair.is_decided) {
       const float within_m = std::max(is_listed ? options_.near_m : 0, of_bodies_m);
       const NearVerdict verdict =
-          decider.decide(frame, bodies, *c, static_cast<double>(within_m), task.counters);
+          task.decider.decide(frame, bodies, *c, static_cast<double>(within_m), task.counters);
       if (!verdict.is_near) continue;
       row = decided(bodies, *c, verdict);
     }

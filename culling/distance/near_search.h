@@ -50,6 +50,8 @@ class NearSearch {
     GrowBuffer<NearPair> rows, nearest;
     size_t pair_count = 0, candidate_count = 0, row_count = 0, nearest_count = 0;
     NearCounters counters;
+    NearDecider
+        decider;  // a task's, not a worker's: whoever runs it finds the memory that it needs
     uint32_t times_grown() const;
   };
   /// A body of a frame that was posed.
@@ -62,8 +64,8 @@ class NearSearch {
   NearBodies bodies_of(const Pair& pair) const;
   void find(size_t task);
   void plan_budget();
-  void decide(size_t task, NearDecider& decider);
-  void list(const Pair& pair, Task& task, NearDecider& decider);
+  void decide(size_t task);
+  void list(const Pair& pair, Task& task);
   NearPair undecided(const NearBodies& bodies, const NearCandidate& candidate) const;
   NearPair decided(const NearBodies& bodies, const NearCandidate& candidate,
                    const NearVerdict& verdict) const;
@@ -88,8 +90,7 @@ class NearSearch {
   Clock::time_point until_;
   std::vector<Task> tasks_;
   size_t task_count_ = 0;
-  std::vector<NearDecider> deciders_;  // one a worker
-  GrowBuffer<Pair*> urgent_;           // under a deadline: the nearest first
+  GrowBuffer<Pair*> urgent_;  // under a deadline: the nearest first
   GrowBuffer<NearPair> pairs_, nearest_;
   size_t pair_count_ = 0, nearest_count_ = 0;
   EventHash hash_;

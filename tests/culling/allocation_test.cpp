@@ -43,5 +43,19 @@ TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
   }
 }
 
+TEST(Culler, AllocatesNothingForDistancesOfFramesItHasSeen) {
+  std::vector<testing::RandomWorld> frames;
+  for (uint64_t seed = 1; seed <= 3; ++seed)
+    frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());
+  for (const bool exact : {false, true}) {
+    for (const int threads : {1, 3}) {
+      CullerOptions options{.exact = exact, .near = {0.2f, 0.4f, 0.1}};
+      expect_none(frames, options, threads);
+      options.deadline_tests = 100;
+      expect_none(frames, options, threads);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace throng
