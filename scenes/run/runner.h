@@ -28,7 +28,7 @@ struct NearSummary {
   uint64_t people = 0;      ///< of two people
   uint64_t pairs_peak = 0;  ///< rows of a frame
   float least_m = 0;        ///< the least lower bound of all
-  Quantiles ms;             ///< the search, summed over threads
+  Quantiles ms;             ///< the search, by the clock
   uint64_t hash = 0;
 };
 
