@@ -96,7 +96,8 @@ class Search {
     std::array<Triangle, TriangleBvh::kLeafTriangles> own;
     std::array<double, TriangleBvh::kLeafTriangles> reach;
     for (uint32_t i = 0; i < node_a.count; ++i) {
-      own[i] = in_own_frame(a_.triangles()[node_a.first + i]);
+      for (size_t c = 0; c < 3; ++c)
+        own[i].corner[c] = a_.triangles()[node_a.first + i][c].cast<double>();
       reach[i] = most_along(along_, own[i]);
     }
     for (uint32_t j = node_b.first; j < node_b.first + node_b.count; ++j) {

@@ -16,11 +16,11 @@ namespace throng::test {
 /// Two triangles are nearest between a corner, an edge or the face of each: all 49 pairs of these
 /// are tried as the flat spaces that they span, and count where the points found lie within them.
 inline double triangle_distance_by_features(const Triangle& a, const Triangle& b) {
-  static const std::vector<std::vector<int>> kFeatures = {{0},    {1},    {2},      {0, 1},
-                                                          {1, 2}, {2, 0}, {0, 1, 2}};
+  static const std::vector<std::vector<int>> features = {{0},    {1},    {2},      {0, 1},
+                                                         {1, 2}, {2, 0}, {0, 1, 2}};
   double least = std::numeric_limits<double>::infinity();
-  for (const std::vector<int>& fa : kFeatures) {
-    for (const std::vector<int>& fb : kFeatures) {
+  for (const std::vector<int>& fa : features) {
+    for (const std::vector<int>& fb : features) {
       const auto free_a = static_cast<Eigen::Index>(fa.size()) - 1;
       const auto free_b = static_cast<Eigen::Index>(fb.size()) - 1;
       const Eigen::Vector3d &p = a.corner[fa[0]], &q = b.corner[fb[0]];
