@@ -139,15 +139,15 @@ void NearSearch::plan_budget() {
   if (!exact_ || (!deadline_tests_ && !deadline_ms_)) return;
   size_t count = 0;
   for (size_t i = 0; i < task_count_; ++i)
-    for (size_t p = 0; p < tasks_[i].pair_count; ++p) append(urgent_, count, &tasks_[i].pairs[p]);
-  const auto key = [&](const Pair* p) {
-    return std::tuple(p->least_m, slots_.body(p->slot_a), slots_.body(p->slot_b));
+    for (size_t p = 0; p < tasks_[i].pair_count; ++p) append(urgent_, count, {&tasks_[i].pairs[p]});
+  const auto key = [&](const Urgent& u) {
+    return std::tuple(u.pair->least_m, slots_.body(u.pair->slot_a), slots_.body(u.pair->slot_b));
   };
   std::sort(urgent_.data(), urgent_.data() + count,
-            [&](const Pair* p, const Pair* q) { return key(p) < key(q); });
+            [&](const Urgent& p, const Urgent& q) { return key(p) < key(q); });
   uint64_t left = deadline_tests_.value_or(std::numeric_limits<uint64_t>::max());
   for (size_t i = 0; i < count; ++i) {
-    Pair& pair = *urgent_[i];
+    Pair& pair = *urgent_[i].pair;
     pair.is_decided = pair.count <= left;
     left = pair.is_decided ? left - pair.count : 0;
   }
@@ -312,6 +312,8 @@ void NearSearch::archive(Archive& a) {
     was_poses_.resize(poses);
     was_count_ = count;
     was_pose_count_ = poses;
+    std::fill_n(was_.data(), count, Was{});
+    std::fill_n(was_poses_.data(), poses, PartPose{});
   }
   for (size_t i = 0; i < count; ++i) {
     Was& one = was_[i];

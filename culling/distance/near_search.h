@@ -43,6 +43,9 @@ class NearSearch {
     uint32_t first, count;
     bool is_decided;  ///< by triangles, where these are asked
   };
+  struct Urgent {
+    Pair* pair;
+  };
   /// What a task finds.
   struct Task {
     GrowBuffer<Pair> pairs;
@@ -90,7 +93,7 @@ class NearSearch {
   Clock::time_point until_;
   std::vector<Task> tasks_;
   size_t task_count_ = 0;
-  GrowBuffer<Pair*> urgent_;  // under a deadline: the nearest first
+  GrowBuffer<Urgent> urgent_;  // under a deadline: the nearest first
   GrowBuffer<NearPair> pairs_, nearest_;
   size_t pair_count_ = 0, nearest_count_ = 0;
   EventHash hash_;
