@@ -96,15 +96,6 @@ std::vector<Vector3f> points_on(const PartShape& part) {
 
 }  // namespace
 
-void NearCounters::add(const NearCounters& other) {
-  body_tests += other.body_tests;
-  box_tests += other.box_tests;
-  volume_tests += other.volume_tests;
-  exact_tests += other.exact_tests;
-  primitives.node_tests += other.primitives.node_tests;
-  primitives.triangle_tests += other.primitives.triangle_tests;
-}
-
 ConvexHull BodyType::Volumes::hull_of(const PartShape& part) { return ConvexHull(points_on(part)); }
 
 void fit_for_near(const BodyType& type, bool exact) {
@@ -131,9 +122,7 @@ void find_near_parts(const NearFrame& frame, const NearBodies& bodies,
   const float most2 = widened2(frame.near_m);
   for (size_t part_a = 0; part_a < parts_a; ++part_a) {
     const Box box_a = boxes_a.at(part_a);
-    ++counters.box_tests;
     if (gap2(box_a, all_b) > most2) continue;
-    counters.box_tests += parts_b;
     const Box seen_from_b = moved(box_a, -bodies.a_to_b_m);
     std::array<float, padded_parts(BodyType::kMaxParts)> gaps2;
     for (size_t part_b = 0; part_b < parts_b; ++part_b)

@@ -35,9 +35,8 @@ struct NearCandidate {
 };
 
 struct NearCounters {
-  uint64_t body_tests = 0, box_tests = 0, volume_tests = 0, exact_tests = 0;
+  uint64_t volume_tests = 0, exact_tests = 0;
   ExactCounters primitives;
-  void add(const NearCounters& other);
 };
 
 /// Makes what is read here of a type; once, before steps.

@@ -122,7 +122,6 @@ void NearSearch::find(size_t index) {
               0,
               exact_};
     const NearBodies bodies = bodies_of(pair);
-    ++task.counters.body_tests;
     if (!may_be_near(frame, bodies)) continue;
     find_near_parts(frame, bodies, task.candidates, task.candidate_count, task.counters);
     pair.count = static_cast<uint32_t>(task.candidate_count) - pair.first;
