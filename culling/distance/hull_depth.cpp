@@ -111,15 +111,26 @@ ConvexHull::ConvexHull(std::span<const Eigen::Vector3f> points)
   for (size_t i = 0; i < points.size(); ++i)
     points_.row(static_cast<Eigen::Index>(i)) = points[i].cast<double>();
   const double size_m = (points_.colwise().maxCoeff() - points_.colwise().minCoeff()).maxCoeff();
-  std::vector<Eigen::Index> corners = corners_of(points_, kShare * size_m);
+  beyond_corners_m_ = kShare * size_m;
+  std::vector<Eigen::Index> corners = corners_of(points_, beyond_corners_m_);
   std::sort(corners.begin(), corners.end());
   corner_count_ = static_cast<int>(corners.size());
   for (size_t i = 0; i < corners.size(); ++i)  // ascending, so that none is moved away
     points_.row(static_cast<Eigen::Index>(i)).swap(points_.row(corners[i]));
+  supports_ = SupportMap(points_, corner_count_);
 }
 
 Eigen::Vector3d ConvexHull::support(const Eigen::Vector3d& direction) const {
-  return points_.row(farthest(points_, corner_count_, direction));
+  if (supports_.is_empty()) return points_.row(farthest(points_, corner_count_, direction));
+  Eigen::Index best = 0;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const uint16_t corner : supports_.along(direction)) {
+    const double along = points_.row(corner).dot(direction);
+    if (along <= most) continue;
+    most = along;
+    best = corner;
+  }
+  return points_.row(best);
 }
 
 double ConvexHull::extent(const Eigen::Vector3d& direction) const {

@@ -10,6 +10,7 @@
 
 #include "base/pose.h"
 #include "culling/distance/growing_polytope.h"
+#include "culling/distance/support_map.h"
 
 namespace throng {
 
@@ -30,10 +31,14 @@ class ConvexHull {
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const;
   /// How far any point lies along it.
   double extent(const Eigen::Vector3d& direction) const;
+  /// By how much at most a point reaches beyond the corners, along any unit direction.
+  double beyond_corners_m() const { return beyond_corners_m_; }
 
  private:
   Eigen::Matrix<double, Eigen::Dynamic, 3> points_;
   int corner_count_ = 0;
+  double beyond_corners_m_ = 0;
+  SupportMap supports_;
 };
 
 /// A hull where it is in a frame that both share. Scale and pose as in base/pose.h.

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "culling/distance/hull_depth.h"
+#include "culling/exact/segments.h"
 
 namespace throng {
 
@@ -16,6 +17,7 @@ struct HullGap {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< along which lo_m is proven: unit,
                                                          ///< world axes, from A to B
   double corners_m = 0;  ///< the distance of two corners that were met: the parts are not farther
+  NearestPoints points_m = {};  ///< of the hulls, at about_m; relative to A's root, in world axes
 };
 
 /// `direction`: unit, from A to B, to begin with. a_to_b_m is B's root minus A's, as in

@@ -13,7 +13,8 @@ struct PlacedPoints {
                         const Eigen::Vector3d& root_m = Eigen::Vector3d::Zero())
       : hull(*placed.hull) {
     const Eigen::Isometry3d pose = to_isometry(*placed.pose);
-    linear = static_cast<double>(placed.scale) * pose.linear();
+    scale = static_cast<double>(placed.scale);
+    linear = scale * pose.linear();
     shift = pose.translation() + root_m;
   }
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const {
@@ -22,8 +23,11 @@ struct PlacedPoints {
   double extent(const Eigen::Vector3d& direction) const {
     return hull.extent(linear.transpose() * direction) + direction.dot(shift);
   }
+  /// By how much at most a point reaches beyond support(), along any unit direction.
+  double beyond_support_m() const { return scale * hull.beyond_corners_m(); }
 
   const ConvexHull& hull;
+  double scale;
   Eigen::Matrix3d linear;
   Eigen::Vector3d shift;
 };

@@ -35,7 +35,8 @@ class Search {
         ratio_(static_cast<double>(b.scale) / static_cast<double>(a.scale)),
         along_((scaled_rotation(*a.pose, 1).transpose() * known.direction).normalized()),
         along_in_b_(a_from_b.linear.transpose() * along_),
-        enough_((known.lo_m + kEnough_m) / static_cast<double>(a.scale)),
+        slack_(kEnough_m / static_cast<double>(a.scale)),
+        enough_(known.lo_m / static_cast<double>(a.scale) + slack_),
         most_(within_m / static_cast<double>(a.scale)),
         counters_(counters) {}
 
@@ -47,7 +48,7 @@ class Search {
     stack[top++] = pair(0, 0);
     while (top > 0 && !found_enough()) {
       const Pair at = stack[--top];
-      if (at.bound * kOfFrames > most_) continue;
+      if (at.bound * kOfFrames > matters()) continue;
       const Node& node_a = a_.nodes()[at.a];
       const Node& node_b = b_.nodes()[at.b];
       if (node_a.count > 0 && node_b.count > 0) {
@@ -65,7 +66,7 @@ class Search {
 
   bool found() const { return found_; }
   /// In A's unit of length; nothing where the search ended early.
-  double lo() const { return found_enough() ? 0 : std::min(lo_, most_) * kOfFrames; }
+  double lo() const { return found_enough() ? 0 : std::min(lo_, matters()) * kOfFrames; }
   const NearestPoints& points() const { return points_; }  ///< in A's frame
 
  private:
@@ -76,6 +77,8 @@ class Search {
   };
 
   bool found_enough() const { return found_ && most_ <= enough_; }
+  /// What is farther apart need not be looked at: the interval may be as wide as slack_.
+  double matters() const { return found_ ? most_ - slack_ : most_; }
 
   Pair pair(uint32_t a, uint32_t b) {
     ++counters_.node_tests;
@@ -106,7 +109,7 @@ class Search {
       const double from = least_along(along_, tb);
       for (uint32_t i = 0; i < node_a.count; ++i) {
         // Farther apart than matters, along the known direction or from middle to middle: most are.
-        if ((from - reach[i]) * kOfFrames > most_ || is_apart(own[i], tb)) continue;
+        if ((from - reach[i]) * kOfFrames > matters() || is_apart(own[i], tb)) continue;
         ++counters_.triangle_tests;
         take(triangle_gap(own[i], tb));
       }
@@ -118,7 +121,7 @@ class Search {
     const Vector3d between =
         (b.corner[0] + b.corner[1] + b.corner[2]) - (a.corner[0] + a.corner[1] + a.corner[2]);
     const double length = between.norm();
-    return length > 0 && gap_along(between / length, a, b) * kOfFrames > most_;
+    return length > 0 && gap_along(between / length, a, b) * kOfFrames > matters();
   }
 
   void take(const TriangleGap& gap) {
@@ -134,7 +137,8 @@ class Search {
   const Relative& a_from_b_;
   double ratio_;                 ///< B's unit of length in A's
   Vector3d along_, along_in_b_;  ///< the known direction, in A's frame and pulled back to B's
-  double enough_;                ///< what is found may stay; in A's unit of length, as the next
+  double slack_;                 ///< in A's unit of length, as the next
+  double enough_;                ///< what is found may stay
   double most_;                  ///< nothing farther apart than this matters
   double lo_ = std::numeric_limits<double>::infinity();
   bool found_ = false;

@@ -26,7 +26,7 @@ struct KnownGap {
 };
 
 /// The search ends with two points that are no farther apart than the surfaces by more than this.
-inline constexpr double kEnough_m = 2e-4;
+inline constexpr double kEnough_m = 8e-4;
 
 struct SurfaceGap {
   double lo_m = 0, hi_m = 0;  ///< hold the distance; at most kEnough_m and 1 um apart on a body

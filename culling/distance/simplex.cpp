@@ -1,0 +1,122 @@
+#include "culling/distance/simplex.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+
+namespace throng {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A point of a simplex by its weights.
+struct Nearest {
+  std::array<double, 4> weights{};
+  double squared = std::numeric_limits<double>::infinity();
+};
+
+class Finder {
+ public:
+  explicit Finder(const Simplex& simplex) : simplex_(simplex) {}
+
+  void point(int a) { take({{a, 1}}); }
+
+  void segment(int a, int b) {
+    const Vector3d& pa = at(a);
+    const Vector3d along = at(b) - pa;
+    const double length2 = along.squaredNorm();
+    const double share = length2 > 0 ? std::clamp(-pa.dot(along) / length2, 0.0, 1.0) : 0.0;
+    take({{a, 1 - share}, {b, share}});
+  }
+
+  /// By the signs that say beyond which edge or corner the origin lies.
+  void triangle(int a, int b, int c) {
+    const Vector3d &pa = at(a), &pb = at(b), &pc = at(c);
+    const Vector3d ab = pb - pa, ac = pc - pa;
+    const double d1 = -ab.dot(pa), d2 = -ac.dot(pa);
+    if (d1 <= 0 && d2 <= 0) return point(a);
+    const double d3 = -ab.dot(pb), d4 = -ac.dot(pb);
+    if (d3 >= 0 && d4 <= d3) return point(b);
+    const double d5 = -ab.dot(pc), d6 = -ac.dot(pc);
+    if (d6 >= 0 && d5 <= d6) return point(c);
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+    const double sum = va + vb + vc;
+    if (va > 0 && vb > 0 && vc > 0) {
+      take({{a, va / sum}, {b, vb / sum}, {c, vc / sum}});
+      return;
+    }
+    // Beyond an edge, or flat.
+    if (vc <= 0) segment(a, b);
+    if (vb <= 0) segment(a, c);
+    if (va <= 0) segment(b, c);
+  }
+
+  /// True if the origin is inside, as far as rounding lets it be known.
+  bool holds_origin() const {
+    const auto side = [&](int a, int b, int c, int beyond) {
+      const Vector3d normal = (at(b) - at(a)).cross(at(c) - at(a));
+      return -normal.dot(at(a)) * normal.dot(at(beyond) - at(a));
+    };
+    return side(0, 1, 2, 3) > 0 && side(0, 1, 3, 2) > 0 && side(0, 2, 3, 1) > 0 &&
+           side(1, 2, 3, 0) > 0;
+  }
+
+  const Nearest& nearest() const { return nearest_; }
+
+ private:
+  struct Weight {
+    int corner;
+    double weight;
+  };
+
+  const Vector3d& at(int corner) const {
+    return simplex_.corners[static_cast<size_t>(corner)].between;
+  }
+  void take(std::initializer_list<Weight> weights) {
+    Vector3d point = Vector3d::Zero();
+    for (const Weight& w : weights) point += w.weight * at(w.corner);
+    const double squared = point.squaredNorm();
+    if (!(squared < nearest_.squared)) return;
+    nearest_ = {{}, squared};
+    for (const Weight& w : weights) nearest_.weights[static_cast<size_t>(w.corner)] = w.weight;
+  }
+
+  const Simplex& simplex_;
+  Nearest nearest_;
+};
+
+}  // namespace
+
+Vector3d Simplex::reduce() {
+  Finder finder(*this);
+  switch (count) {
+    case 1:
+      finder.point(0);
+      break;
+    case 2:
+      finder.segment(0, 1);
+      break;
+    case 3:
+      finder.triangle(0, 1, 2);
+      break;
+    default:
+      if (finder.holds_origin()) return Vector3d::Zero();
+      finder.triangle(0, 1, 2);
+      finder.triangle(0, 1, 3);
+      finder.triangle(0, 2, 3);
+      finder.triangle(1, 2, 3);
+  }
+  Vector3d out = Vector3d::Zero();
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    const double weight = finder.nearest().weights[static_cast<size_t>(i)];
+    if (weight <= 0) continue;
+    corners[static_cast<size_t>(kept)] = corners[static_cast<size_t>(i)];
+    weights[static_cast<size_t>(kept)] = weight;
+    out += weight * corners[static_cast<size_t>(kept++)].between;
+  }
+  count = kept;
+  return out;
+}
+
+}  // namespace throng
