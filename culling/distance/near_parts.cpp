@@ -16,9 +16,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using NearVolume = Ordop<26>;
 
-/// By how much parts that are nearly convex are farther apart than their hulls.
-constexpr double kLikely_m = 1e-3;
-
 /// Low corner, high corner.
 struct Box {
   float low[3], high[3];
@@ -77,9 +74,8 @@ PartThere part_of(const NearFrame& frame, const PosedBody& body, size_t part) {
 void narrow(const HullGap& gap, NearCandidate& candidate) {
   candidate.lo_m = std::max(candidate.lo_m, static_cast<float>(gap.lo_m * (1 - 1e-6) - 1e-7));
   candidate.hi_m = static_cast<float>(gap.corners_m * (1 + 1e-6) + 1e-7);
-  candidate.about_m = static_cast<float>(gap.about_m);
-  for (size_t axis = 0; axis < 3; ++axis)
-    candidate.direction[axis] = static_cast<float>(gap.direction[static_cast<Eigen::Index>(axis)]);
+  Eigen::Map<Vector3f>(candidate.direction.data()) = gap.direction.cast<float>();
+  Eigen::Map<Vector3f>(candidate.near_m.data()) = gap.points_m.on_a.cast<float>();
 }
 
 /// The points of a part that lie on it: all, or, where there are triangles, their corners.
@@ -136,7 +132,7 @@ void find_near_parts(const NearFrame& frame, const NearBodies& bodies,
                                           bodies.a_to_b_m, bodies.margin_m);
       if (gap.at_least_m > frame.near_m) continue;
       NearCandidate candidate{
-          gap.at_least_m, 0, 0, {}, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b)};
+          gap.at_least_m, 0, {}, {}, static_cast<uint8_t>(part_a), static_cast<uint8_t>(part_b)};
       narrow(hull_gap({&a.volumes.hulls()[part_a], &a.pose, a.scale},
                       {&b.volumes.hulls()[part_b], &b.pose, b.scale}, bodies.a_to_b_m,
                       gap.direction.cast<double>()),
@@ -171,16 +167,14 @@ NearVerdict NearDecider::decide(const NearFrame& frame, const NearBodies& bodies
     out.depth_m = depth.depth_m;
     return out;
   }
-  const Eigen::Vector3f direction(candidate.direction.data());
-  const KnownGap known{direction.cast<double>().normalized(), static_cast<double>(candidate.lo_m)};
-  // They are not farther apart than two of their corners; and as their hulls, most likely.
+  const Eigen::Vector3f direction(candidate.direction.data()), near_m(candidate.near_m.data());
+  // They are not farther apart than two of their corners.
   const double most_m = std::min(within_m, static_cast<double>(candidate.hi_m));
-  const double likely_m = static_cast<double>(candidate.about_m) + kLikely_m;
-  std::optional<SurfaceGap> gap;
-  if (likely_m < most_m)
-    gap = surface_gap(surface_a, surface_b, bodies.a_to_b_m, likely_m, known, counters.primitives);
-  if (!gap)
-    gap = surface_gap(surface_a, surface_b, bodies.a_to_b_m, most_m, known, counters.primitives);
+  const std::optional<SurfaceGap> gap =
+      surface_gap(surface_a, surface_b, bodies.a_to_b_m, most_m,
+                  {direction.cast<double>().normalized(), static_cast<double>(candidate.lo_m),
+                   near_m.cast<double>()},
+                  counters.primitives);
   if (!gap) return out;
   out.is_near = true;
   out.hi_m = gap->hi_m;

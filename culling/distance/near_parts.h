@@ -28,8 +28,8 @@ struct NearBodies {
 /// Two parts that may be near: what their volumes prove.
 struct NearCandidate {
   float lo_m, hi_m;
-  float about_m;                   ///< how far apart their hulls are
   std::array<float, 3> direction;  ///< along which lo_m is proven; unit, world axes, from a to b
+  std::array<float, 3> near_m;     ///< where a's hull is nearest to b's, relative to a's root
   uint8_t part_a, part_b;
   uint16_t parts() const { return static_cast<uint16_t>(PairKey::parts_of(part_a, part_b)); }
 };

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "culling/distance/surface_front.h"
+#include "culling/distance/surface_point.h"
 #include "culling/distance/triangle_distance.h"
 #include "culling/exact/tree_pair.h"
 
@@ -20,10 +22,31 @@ using Node = TriangleBvh::Node;
 /// frame to another; a bound in A's frame counts for this share of itself.
 constexpr double kOfFrames = 1 - 1e-6;
 
+constexpr int kMostWalks = 8;
+/// A walk that comes no nearer than by this share of what an interval may be wide is the last.
+constexpr double kWorthwhile = 0.25;
+
 /// How far apart two boxes with the same axes are at least; `between` their centres.
 double gap(const Vector3d& between, const Vector3d& reach) {
   return (between.cwiseAbs() - reach).cwiseMax(0).norm();
 }
+
+/// A triangle and a ball around it.
+struct Rounded {
+  Triangle triangle;
+  double behind, radius;
+  Vector3d middle;
+
+  Rounded() = default;
+  Rounded(const Triangle& placed, double is_behind) : triangle(placed), behind(is_behind) {
+    middle = (placed.corner[0] + placed.corner[1] + placed.corner[2]) / 3;
+    const auto from_middle = [&](const Vector3d& corner) {
+      return (corner - middle).squaredNorm();
+    };
+    radius = std::sqrt(std::max({from_middle(placed.corner[0]), from_middle(placed.corner[1]),
+                                 from_middle(placed.corner[2])}));
+  }
+};
 
 class Search {
  public:
@@ -39,6 +62,51 @@ class Search {
         enough_(known.lo_m / static_cast<double>(a.scale) + slack_),
         most_(within_m / static_cast<double>(a.scale)),
         counters_(counters) {}
+
+  /// From a point near A, to the nearest on B, from there to the nearest on A, and so on: where the
+  /// parts bulge towards each other, that is most of the way, and no pair of boxes is looked at.
+  void walk_from(const Vector3d& near_a) {
+    Vector3d on_a = near_a;
+    for (int walk = 0; walk < kMostWalks && !found_enough(); ++walk) {
+      const Vector3d in_b = a_from_b_.inverse * (on_a - a_from_b_.offset);
+      const Vector3d on_b =
+          a_from_b_.linear * nearest_on_surface(b_, in_b, counters_).point + a_from_b_.offset;
+      on_a = nearest_on_surface(a_, on_b, counters_).point;
+      const double apart = (on_b - on_a).norm();
+      const bool is_far = apart > most_ - kWorthwhile * slack_;
+      if (apart <= most_) {
+        found_ = true;
+        most_ = apart;
+        points_ = {on_a, on_b};
+      }
+      if (is_far) break;
+    }
+  }
+
+  /// Along the known direction B lies beyond A, so what can be nearer than the best lies at A's
+  /// front and at B's: a few triangles each, each of A's against each of B's. False where they are
+  /// too many.
+  bool sweep() {
+    const double a_ends = farthest_along(a_, along_), b_ends = farthest_along(b_, -along_in_b_);
+    const double between = (along_.dot(a_from_b_.offset) - b_ends - a_ends) * kOfFrames;
+    const double behind = matters() - between;
+    SurfaceFront front_a, front_b;
+    if (!front_a.gather(a_, along_, a_ends, behind) ||
+        !front_b.gather(b_, -along_in_b_, b_ends, behind))
+      return false;
+    std::array<Rounded, SurfaceFront::kMost> of_b;
+    for (size_t j = 0; j < front_b.count; ++j)
+      of_b[j] = {placed_b(front_b.triangles[j].index), front_b.triangles[j].behind};
+    for (size_t i = 0; i < front_a.count && !found_enough(); ++i) {
+      const Rounded of_a(in_own_frame(a_.triangles()[front_a.triangles[i].index]),
+                         front_a.triangles[i].behind);
+      for (size_t j = 0; j < front_b.count; ++j) {
+        if (between + of_a.behind + of_b[j].behind > matters()) break;  // so are the next
+        compare_if_near(of_a, of_b[j]);
+      }
+    }
+    return true;
+  }
 
   /// Depth first, the nearer of two nodes first, so that little is left by the time it is looked
   /// at; until what is found is as near as the surfaces are known to be.
@@ -95,6 +163,20 @@ class Search {
     return {a, b, std::max({by_a, ratio_ * by_b, by_known}), t.squaredNorm()};
   }
 
+  Triangle placed_b(uint32_t index) const {
+    Triangle out = in_own_frame(b_.triangles()[index]);
+    for (Vector3d& corner : out.corner) corner = a_from_b_.linear * corner + a_from_b_.offset;
+    return out;
+  }
+
+  void compare_if_near(const Rounded& of_a, const Rounded& of_b) {
+    const double reach = matters() / kOfFrames + of_a.radius + of_b.radius;
+    if ((of_a.middle - of_b.middle).squaredNorm() > reach * reach) return;
+    if (is_apart(of_a.triangle, of_b.triangle)) return;
+    ++counters_.triangle_tests;
+    take(triangle_gap(of_a.triangle, of_b.triangle));
+  }
+
   void compare_leaves(const Node& node_a, const Node& node_b) {
     std::array<Triangle, TriangleBvh::kLeafTriangles> own;
     std::array<double, TriangleBvh::kLeafTriangles> reach;
@@ -104,8 +186,7 @@ class Search {
       reach[i] = most_along(along_, own[i]);
     }
     for (uint32_t j = node_b.first; j < node_b.first + node_b.count; ++j) {
-      Triangle tb = in_own_frame(b_.triangles()[j]);
-      for (Vector3d& corner : tb.corner) corner = a_from_b_.linear * corner + a_from_b_.offset;
+      const Triangle tb = placed_b(j);
       const double from = least_along(along_, tb);
       for (uint32_t i = 0; i < node_a.count; ++i) {
         // Farther apart than matters, along the known direction or from middle to middle: most are.
@@ -155,10 +236,11 @@ std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurfac
   const Relative a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
   // What is within the margin by a hair is found.
   Search search(a, b, a_from_b, within_m / kOfFrames, known, counters);
-  search.run();
-  if (!search.found()) return std::nullopt;
   const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
   const Vector3d shift = translation(*a.pose);
+  search.walk_from(linear.inverse() * (known.near_m - shift));
+  if (!search.sweep()) search.run();
+  if (!search.found()) return std::nullopt;
   SurfaceGap out;
   out.points_m = {linear * search.points().on_a + shift, linear * search.points().on_b + shift};
   out.hi_m = (out.points_m.on_b - out.points_m.on_a).norm();

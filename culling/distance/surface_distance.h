@@ -19,10 +19,11 @@ struct PlacedSurface {
 };
 
 /// What is known before the triangles are asked: along `direction` (unit, world axes, from A to B)
-/// the surfaces lie at least `lo_m` apart.
+/// the surfaces lie at least `lo_m` apart; and where A may be nearest to B, relative to A's root.
 struct KnownGap {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   double lo_m = 0;
+  Eigen::Vector3d near_m = Eigen::Vector3d::Zero();
 };
 
 /// The search ends with two points that are no farther apart than the surfaces by more than this.
