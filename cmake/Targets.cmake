@@ -17,8 +17,12 @@ target_compile_options(throng_warnings INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${THRONG_PCH}>>:-Wno-array-bounds>)
 
 # Libraries go into the command and into the Python module alike. What a file defines it may still take for
-# the one definition there is, so that it inlines as without -fPIC: the command pays nothing.
-add_compile_options(-fPIC -fvisibility=hidden -ftls-model=initial-exec)
+# the one definition there is, so that it inlines as without -fPIC: the command pays nothing. Not where
+# definitions are compared to the byte (preset lto): under -fPIC a class's own file refers to its vtable in
+# fewer bytes than others do.
+if(NOT CMAKE_CXX_FLAGS MATCHES "-flto")
+  add_compile_options(-fPIC -fvisibility=hidden -ftls-model=initial-exec)
+endif()
 
 # What a frame does not wait for is compiled without the optimisations that take longest: two thirds of the
 # time, and the same results.

@@ -9,6 +9,7 @@
 
 #include "base/errors.h"
 #include "culling/deadline/deadline.h"
+#include "culling/distance/near_alone.h"
 #include "culling/distance/near_search.h"
 #include "culling/event_hash.h"
 #include "culling/stages/pass.h"
@@ -53,16 +54,20 @@ std::unique_ptr<NearSearch> make_near(BodyTypes types, const CullerOptions& opti
   return std::make_unique<NearSearch>(types, options, workers);
 }
 
-std::unique_ptr<Pass> make_pass(BodyTypes types, const CullerOptions& options, Workers& workers) {
+bool has_deadline(const CullerOptions& options) {
+  return options.deadline_ms || options.deadline_tests;
+}
+
+std::unique_ptr<Pass> make_pass(BodyTypes types, const CullerOptions& options, Workers& workers,
+                                NearSearch* near) {
   require_triangles(types, options);
   require_pipeline(types, options);
-  const bool has_deadline = options.deadline_ms || options.deadline_tests;
   if (options.strategy != Strategy::kPipeline) {
-    assert(!has_deadline);
+    assert(!has_deadline(options));
     return std::make_unique<RecipePass>(types, options);
   }
-  if (has_deadline) return std::make_unique<Deadline>(types, options, workers);
-  return std::make_unique<Pipeline>(types, options, workers);
+  if (has_deadline(options)) return std::make_unique<Deadline>(types, options, workers);
+  return std::make_unique<Pipeline>(types, options, workers, near);
 }
 
 }  // namespace
@@ -71,9 +76,12 @@ struct Culler::State {
   State(std::vector<std::shared_ptr<const BodyType>> body_types, const CullerOptions& options,
         Workers& workers)
       : types(std::move(body_types)),
-        pass(make_pass(types, options, workers)),
         near(make_near(types, options, workers)),
-        events(last_level(options)) {}
+        pass(make_pass(types, options, workers, near.get())),
+        events(last_level(options)) {
+    if (near && has_deadline(options))
+      near_alone = std::make_unique<NearAlone>(types, options, workers, *near);
+  }
 
   void hash_events() {
     EventSum sum;
@@ -81,12 +89,14 @@ struct Culler::State {
     hash.add_frame(frame++, sum);
   }
   uint64_t times_grown() const {
-    return pass->times_grown() + events.times_grown() + (near ? near->times_grown() : 0);
+    return pass->times_grown() + events.times_grown() + (near ? near->times_grown() : 0) +
+           (near_alone ? near_alone->times_grown() : 0);
   }
 
   std::vector<std::shared_ptr<const BodyType>> types;
-  std::unique_ptr<Pass> pass;
   std::unique_ptr<NearSearch> near;  // null where no distance is asked
+  std::unique_ptr<Pass> pass;
+  std::unique_ptr<NearAlone> near_alone;  // under a deadline; else the pass finds distances, too
   PairEvents events;
   CullingCounters counters;
   EventHash hash;
@@ -113,7 +123,7 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   s.hash_events();
   s.counters.events_ns += hashing.lap_ns();
   s.counters.wall_ns = whole.lap_ns();
-  if (s.near) s.near->run(bodies, poses, s.counters.near);
+  if (s.near_alone) s.near_alone->run(bodies, poses, s.counters.near);
   s.counters.allocations_grown = s.times_grown() - grown_before;
 }
 

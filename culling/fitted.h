@@ -15,6 +15,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "culling/kernels/kernels_of.h"
 #include "culling/volumes/ordop_pair.h"
+#include "culling/volumes/spread_points.h"
 #include "culling/volumes/volume_list.h"
 
 namespace throng {
@@ -69,10 +70,17 @@ struct BodyType::Volumes {
         parts_, [](const PartShape& part) { return TriangleBvh(part.points, part.triangles); });
   }
   /// Of the points that lie on a part, for distances and depths.
-  const std::vector<ConvexHull>& hulls() const { return hulls_.get(parts_, hull_of); }
+  const std::vector<ConvexHull>& hulls() const {
+    return hulls_.get(parts_, [](const PartShape& part) { return ConvexHull(points_on(part)); });
+  }
+  const std::vector<SpreadPoints>& spread_points() const {
+    return spread_points_.get(parts_,
+                              [](const PartShape& part) { return SpreadPoints(points_on(part)); });
+  }
 
  private:
-  static ConvexHull hull_of(const PartShape& part);
+  /// All, or, where there are triangles, their corners.
+  static std::vector<Eigen::Vector3f> points_on(const PartShape& part);
 
   template <typename List>
   struct FitsOf;
@@ -87,6 +95,7 @@ struct BodyType::Volumes {
   std::array<FittedOnce<OrdopLanes>, kVolumeCount> lanes_;  // where a volume has kernels
   FittedOnce<TriangleBvh> surfaces_;
   FittedOnce<ConvexHull> hulls_;
+  FittedOnce<SpreadPoints> spread_points_;
 };
 
 }  // namespace throng

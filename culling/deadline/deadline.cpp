@@ -169,7 +169,7 @@ void Deadline::cut_pairs(const Frame& frame, size_t tasks) {
   for (size_t task = 0; task < tasks; ++task) {
     PartStage& stage = stages_[task];
     size_t kept = 0;
-    for (const BodyPair& pair : stage.pairs()) {
+    for (const BodyPair& pair : stage.parts().pairs()) {
       const uint64_t tests = box_tests(frame.parts, pair);
       stop = stop || tests > tests_left_;
       if (stop) {
@@ -179,7 +179,7 @@ void Deadline::cut_pairs(const Frame& frame, size_t tasks) {
         ++kept;
       }
     }
-    stage.keep_pairs(frame.parts, kept);
+    stage.parts().keep_pairs(frame.parts, kept);
   }
 }
 
@@ -188,11 +188,12 @@ void Deadline::cut_candidates(size_t tasks) {
   const bool stop = time_is_up();
   for (size_t task = 0; task < tasks; ++task) {
     PartStage& stage = stages_[task];
-    const auto candidates = stage.candidates();
+    const auto candidates = stage.parts().candidates();
     const size_t kept = stop ? 0 : std::min<uint64_t>(candidates.size(), tests_left_);
-    for (const Candidate& c : candidates.subspan(kept)) add(stage.key_of(c), PairLevel::kBox);
+    for (const Candidate& c : candidates.subspan(kept))
+      add(stage.parts().key_of(c), PairLevel::kBox);
     tests_left_ -= kept;
-    stage.keep_candidates(kept);
+    stage.parts().keep_candidates(kept);
     decided_[task] = kept;
   }
 }
@@ -211,10 +212,11 @@ void Deadline::cut_triangles(size_t tasks) {
 
 void Deadline::report(const PartStage& stage, size_t decided) {
   const PairLevel last = last_level(options_);
-  const auto candidates = stage.candidates();
+  const auto candidates = stage.parts().candidates();
   const auto overlaps = stage.overlaps();
   for (size_t i = 0; i < candidates.size(); ++i)
-    if (overlaps[i]) add(stage.key_of(candidates[i]), i < decided ? last : PairLevel::kPartVolume);
+    if (overlaps[i])
+      add(stage.parts().key_of(candidates[i]), i < decided ? last : PairLevel::kPartVolume);
 }
 
 /// By body a with a counting sort, then each body's few by comparison; then from body indices to

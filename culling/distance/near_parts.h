@@ -1,61 +1,65 @@
-// The parts of two bodies that may be within a margin of each other, from boxes to or-DOPs and
-// hulls to triangles. One rule: a pair of parts is dropped only by a proof that it is farther
-// apart.
+// The parts of two bodies that may be within a margin of each other: boxes, then or-DOPs and a few
+// points of each, then hulls and triangles.
+// One rule: a pair of parts is dropped only by a proof that it is farther apart.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "base/grow_buffer.h"
-#include "culling/body_type.h"
 #include "culling/distance/hull_depth.h"
 #include "culling/exact/triangle_bvh.h"
 #include "culling/near.h"
-#include "culling/stages/posed_bodies.h"
+#include "culling/stages/part_candidates.h"
+#include "culling/stages/part_pair.h"
 
 namespace throng {
 
-/// Two bodies that may be near, a before b by index into the BodiesView.
-struct NearBodies {
-  const PosedBody* a;
-  const PosedBody* b;
-  Eigen::Vector3f a_to_b_m;
-  float margin_m;  ///< bounds all float rounding
-};
+/// Makes what is read here of a type; once, before steps.
+void fit_for_near(const BodyType& type, bool exact);
 
-/// Two parts that may be near: what their volumes prove.
+/// Two parts that may be near: what is proven of their distance.
 struct NearCandidate {
   float lo_m, hi_m;
-  std::array<float, 3> direction;  ///< along which lo_m is proven; unit, world axes, from a to b
-  std::array<float, 3> near_m;     ///< where a's hull is nearest to b's, relative to a's root
   uint8_t part_a, part_b;
   uint16_t parts() const { return static_cast<uint16_t>(PairKey::parts_of(part_a, part_b)); }
 };
 
 struct NearCounters {
   uint64_t volume_tests = 0, exact_tests = 0;
+  double ns = 0;
   ExactCounters primitives;
 };
 
-/// Makes what is read here of a type; once, before steps.
-void fit_for_near(const BodyType& type, bool exact);
+/// Candidates of a task by boxes and or-DOPs. One a worker.
+class NearParts {
+ public:
+  void begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m);
+  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
+    parts_.add(frame, pairs);
+  }
+  void find(const PartStageFrame& frame);
 
-/// What all bodies of a frame share.
-struct NearFrame {
-  std::span<const std::shared_ptr<const BodyType>> types;
-  const PosedBodies& posed;
-  float near_m;
+  const PosedBodies& posed() const { return *bodies_; }
+  std::span<const BodyPair> pairs() const { return parts_.pairs(); }
+  /// Those of a pair are consecutive and sorted, pairs in their order.
+  std::span<const Candidate> candidates() const { return parts_.candidates(); }
+  /// One a candidate; of those farther apart than the margin only lo_m is set.
+  std::span<const GapBounds> bounds() const { return {bounds_.data(), parts_.candidates().size()}; }
+
+  void reserve_like(const NearParts& other);
+  uint32_t times_grown() const { return parts_.times_grown() + bounds_.times_grown(); }
+
+ private:
+  const PosedBodies* bodies_ = nullptr;
+  float near_m_ = 0;
+  PartCandidates parts_;
+  GrowBuffer<GapBounds> bounds_;
 };
 
-/// Whether the boxes of the two bodies, in their poses, are within the margin.
-bool may_be_near(const NearFrame& frame, const NearBodies& bodies);
-
-/// Appends the parts that are not proven farther apart than the margin, in the order of
-/// (part_a, part_b).
-void find_near_parts(const NearFrame& frame, const NearBodies& bodies,
-                     GrowBuffer<NearCandidate>& out, size_t& count, NearCounters& counters);
+/// Both bounds by the convex hulls: within 0.2 mm of each other where the parts are convex.
+void narrow_by_hulls(const PartPair& pair, NearCandidate& candidate);
 
 /// What triangles say of a candidate.
 struct NearVerdict {
@@ -69,10 +73,12 @@ struct NearVerdict {
 /// Asks the triangles. One a thread: keeps memory.
 class NearDecider {
  public:
-  NearVerdict decide(const NearFrame& frame, const NearBodies& bodies,
-                     const NearCandidate& candidate, double within_m, NearCounters& counters);
+  NearVerdict decide(const PartPair& pair, const NearCandidate& candidate, double within_m,
+                     NearCounters& counters);
 
  private:
+  NearVerdict touching(const PartPair& pair, NearCounters& counters);
+
   DepthFinder depths_;
 };
 

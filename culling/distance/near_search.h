@@ -1,17 +1,21 @@
 // Distances of a frame: every pair of parts within a margin, and of each two bodies the nearest
-// pair. A search of its own beside the pass that finds what touches, so that neither changes the
-// other. One rule: rows are the same for any number of threads, SIMD target and pair search.
+// pair. Works beside the narrow phase, task by task, on the bodies that it has posed; what touches
+// is found as without it.
+// One rule: rows are the same for any number of threads, SIMD target and pair search.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/files/archive.h"
 #include "culling/distance/near_parts.h"
-#include "culling/stages/broad_phase.h"
+#include "culling/distance/past_poses.h"
 #include "culling/stages/pass.h"
+#include "culling/stages/sorted_runs.h"
 
 namespace throng {
 
@@ -20,13 +24,20 @@ class NearSearch {
   /// Keeps references to `types` and `workers`.
   NearSearch(BodyTypes types, const CullerOptions& options, Workers& workers);
 
-  /// Spans returned earlier become invalid.
-  void run(const BodiesView& bodies, const PoseSource& source, StageCounters& counters);
+  /// A frame: begin_frame(), every task once on any worker, end_frame(). Spans returned earlier
+  /// become invalid.
+  void begin_frame(const PartStageFrame& frame, const BodiesView& bodies, size_t tasks);
+  /// A task: begin() with the posed bodies, add() pairs of their slots, finish(). Under a deadline
+  /// the bodies stay posed until end_frame().
+  void begin(int worker, const PosedBodies& bodies);
+  void add(int worker, std::span<const SlotPair> pairs);
+  void finish(int worker, size_t task);
+  void end_frame(StageCounters& counters);
 
   /// Sorted by their keys.
-  std::span<const NearPair> pairs() const { return {pairs_.data(), pair_count_}; }
+  std::span<const NearPair> pairs() const { return pairs_.all(); }
   /// One for each two bodies, sorted.
-  std::span<const NearPair> bodies() const { return {nearest_.data(), nearest_count_}; }
+  std::span<const NearPair> bodies() const { return nearest_.all(); }
   /// Of every row so far: its key, its interval and its level.
   uint64_t hash() const { return hash_.value(); }
   /// The hash, and where bodies were, which closing speeds depend on.
@@ -36,18 +47,23 @@ class NearSearch {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Two bodies and their candidates.
+  /// Two bodies, their candidates and what came of them.
   struct Pair {
-    uint32_t slot_a, slot_b;
+    BodyPair bodies;
     float least_m;  ///< no two parts of theirs are nearer
     uint32_t first, count;
-    bool is_decided;  ///< by triangles, where these are asked
+    uint32_t task;
+    bool is_decided = false;  ///< by triangles
+    bool by_volumes = false;  ///< every candidate is a row, as it is
+    uint32_t first_row = 0, rows = 0;
+    uint32_t first_nearest = 0, nearest = 0;  ///< 0 or 1 of them
   };
   struct Urgent {
     Pair* pair;
   };
   /// What a task finds.
   struct Task {
+    const PosedBodies* posed = nullptr;
     GrowBuffer<Pair> pairs;
     GrowBuffer<NearCandidate> candidates;
     GrowBuffer<NearPair> rows, nearest;
@@ -55,52 +71,55 @@ class NearSearch {
     NearCounters counters;
     NearDecider
         decider;  // a task's, not a worker's: whoever runs it finds the memory that it needs
-    uint32_t times_grown() const;
+    uint64_t times_grown() const;
   };
-  /// A body of a frame that was posed.
-  struct Was {
-    uint32_t id, pose;
-    float scale;
-    std::array<double, 3> root_m;
+  /// Those of all tasks in the order of their keys.
+  struct Rows {
+    using Runs = SortedRuns<Pair>;
+    Runs runs;  ///< a run's items are those of one pair, whatever their number
+    GrowBuffer<NearPair> rows;
+    GrowBuffer<EventSum> sums;  ///< by block
+    size_t count = 0;
+
+    std::span<const NearPair> all() const { return {rows.data(), count}; }
+    uint64_t times_grown() const {
+      return runs.times_grown() + rows.times_grown() + sums.times_grown();
+    }
   };
 
-  NearBodies bodies_of(const Pair& pair) const;
-  void find(size_t task);
+  bool has_deadline() const { return deadline_ms_ || deadline_tests_; }
+  void take_candidates(const NearParts& parts, uint32_t index);
   void plan_budget();
-  void decide(size_t task);
-  void list(const Pair& pair, Task& task);
-  NearPair undecided(const NearBodies& bodies, const NearCandidate& candidate) const;
-  NearPair decided(const NearBodies& bodies, const NearCandidate& candidate,
+  void decide(Task& task);
+  void narrow(Pair& pair, Task& task);
+  void list(Pair& pair, Task& task);
+  template <typename CountOf, typename Write>
+  EventSum take_rows(Rows& rows, uint64_t kind, const CountOf& count_of, const Write& write);
+  NearPair undecided(const BodyPair& bodies, const NearCandidate& candidate) const;
+  NearPair decided(const Task& task, const BodyPair& bodies, const NearCandidate& candidate,
                    const NearVerdict& verdict) const;
-  float closing_mps(const NearBodies& bodies, const NearCandidate& candidate,
+  float closing_mps(const Task& task, const BodyPair& bodies, const NearCandidate& candidate,
                     const NearVerdict& verdict) const;
-  const Was* was(uint32_t id) const;
-  void gather();
-  void hash_rows();
-  void remember(const BodiesView& bodies);
 
   BodyTypes types_;
   NearOptions options_;
   bool exact_;
   std::optional<double> deadline_ms_;
   std::optional<uint64_t> deadline_tests_;
-  const Kernels& kernels_;
   Workers& workers_;
-  Slots slots_;
-  BroadPhase broad_;
-  PosedBodies posed_;
-  std::span<const uint32_t> ids_;  // of the frame
+  std::vector<NearParts> parts_;  // one a worker
+  // Of the frame.
+  PartStageFrame frame_{};
+  BodiesView bodies_{};
   Clock::time_point until_;
   std::vector<Task> tasks_;
   size_t task_count_ = 0;
+
   GrowBuffer<Urgent> urgent_;  // under a deadline: the nearest first
-  GrowBuffer<NearPair> pairs_, nearest_;
-  size_t pair_count_ = 0, nearest_count_ = 0;
+  PastPoses past_;
+  Rows pairs_, nearest_;
   EventHash hash_;
-  uint64_t frame_ = 0;
-  GrowBuffer<Was> was_;  // of the last frame, by id
-  GrowBuffer<PartPose> was_poses_;
-  size_t was_count_ = 0, was_pose_count_ = 0;
+  uint64_t frame_number_ = 0;
 };
 
 }  // namespace throng

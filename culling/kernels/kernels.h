@@ -13,6 +13,7 @@
 #include "base/pose.h"
 #include "base/simd.h"
 #include "culling/volumes/ordop_table.h"
+#include "culling/volumes/spread_points.h"
 
 namespace throng {
 
@@ -72,8 +73,9 @@ struct alignas(16) BodyPair {
   uint16_t type_a, type_b;
 };
 
-/// Two parts whose boxes overlap. Candidates of the same two part shapes share a bucket: the lower
-/// shape number first, so (thigh of a, hand of b) and (hand of a, thigh of b) meet there.
+/// Two parts whose boxes overlap, or are near. Candidates of the same two part shapes share a
+/// bucket: the lower shape number first, so (thigh of a, hand of b) and (hand of a, thigh of b)
+/// meet there.
 struct Candidate {
   uint32_t pair;  ///< index into the task's BodyPairs
   uint8_t part_a, part_b;
@@ -91,6 +93,7 @@ struct BoxFrame {
   const uint16_t* type_parts;        ///< part count by type
   const uint16_t* type_first_shape;  ///< first shape number by type
   uint32_t shapes;                   ///< shapes with a number below this have buckets of their own
+  float near_m = 0;                  ///< boxes so near each other along every axis are candidates
 };
 
 /// Candidates of shapes a <= b go to bucket a * shapes + b; the rest share the last one, as they
@@ -126,6 +129,15 @@ inline size_t worst_candidates(const BoxFrame& frame, const BodyPair& pair) {
   return size_t{frame.type_parts[pair.type_a]} * frame.type_parts[pair.type_b] + kBoxLanes;
 }
 
+/// Holds how far apart two parts are.
+struct GapBounds {
+  float lo_m;  ///< by a direction of their or-DOPs; 0: perhaps they overlap
+  float hi_m;  ///< from a point on one to a point on the other
+};
+/// The share of a length that rounding leaves at least, where it was worked out from lengths no
+/// greater than it and the parts', whose rounding the margin bounds.
+inline constexpr float kGapDown = 1 - 0x1p-19f, kGapUp = 1 + 0x1p-19f;
+
 struct OrdopLanes;
 
 struct Kernels {
@@ -149,9 +161,9 @@ struct Kernels {
                      const float* scales, const float* margins, size_t bodies,
                      float* const* blocks);
 
-  /// Writes the overlapping part boxes of pairs [first, count) to out until less than one pair's
-  /// worst case of room is left; returns the first pair not done and sets *found. Candidates of a
-  /// pair come in the order (part_a, part_b).
+  /// Writes the overlapping or near part boxes of pairs [first, count) to out until less than one
+  /// pair's worst case of room is left; returns the first pair not done and sets *found. Candidates
+  /// of a pair come in the order (part_a, part_b).
   size_t (*box_pairs)(const BoxFrame& frame, const BodyPair* pairs, size_t first, size_t count,
                       Candidate* out, size_t room, size_t* found);
 
@@ -161,6 +173,13 @@ struct Kernels {
                               const PartPose* poses, const Candidate* candidates,
                               const uint32_t* order, size_t count, uint8_t* overlaps);
   OrdopPairs ordop_pairs_14, ordop_pairs_18, ordop_pairs_26;
+
+  /// How far apart candidates of one bucket are, as ordop_pairs: sets bounds[order[i]]. `on_a` is
+  /// of the part that `a` is of.
+  void (*ordop_gaps)(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
+                     const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
+                     const Candidate* candidates, const uint32_t* order, size_t count, float near_m,
+                     GapBounds* bounds);
 
   /// One or-DOP of the paper's against one other; see ordop_pair.h. shift_m: root of b minus
   /// root of a, then the margin that bounds all float rounding.

@@ -110,14 +110,14 @@ HWY_INLINE Box splat(const float* low, const float* high) {
 /// The boxes of sixteen parts.
 class SixteenBoxes {
  public:
-  /// rows: of the first of them; moved by shift.
-  HWY_INLINE SixteenBoxes(const float* rows, size_t padded, const V (&shift)[3]) {
+  /// rows: of the first of them; moved by shift, then widened.
+  HWY_INLINE SixteenBoxes(const float* rows, size_t padded, const V (&shift)[3], V wider) {
     const Lanes d;
     for (size_t axis = 0; axis < 3; ++axis) {
       for (size_t i = 0; i < kRegisters; ++i) {
         const float* low = rows + axis * padded + i * kLanes;
-        low_[axis][i] = hn::Add(hn::Load(d, low), shift[axis]);
-        high_[axis][i] = hn::Add(hn::Load(d, low + 3 * padded), shift[axis]);
+        low_[axis][i] = hn::Sub(hn::Add(hn::Load(d, low), shift[axis]), wider);
+        high_[axis][i] = hn::Add(hn::Add(hn::Load(d, low + 3 * padded), shift[axis]), wider);
       }
     }
   }
@@ -138,28 +138,31 @@ class SixteenBoxes {
   V low_[3][kRegisters], high_[3][kRegisters];
 };
 
-/// Where the body boxes of a pair overlap, in a's coordinates; false where they do not.
+/// Where the body boxes of a pair overlap, a's widened, in a's coordinates; false where they do
+/// not.
 struct Overlap {
   float low[3], high[3];
 };
-HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift, Overlap& out) {
+HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift, float near_m,
+                             Overlap& out) {
   bool apart = false;
   for (size_t axis = 0; axis < 3; ++axis) {
     const float b_low = b[axis] + shift[axis], b_high = b[4 + axis] + shift[axis];
-    out.low[axis] = a[axis] > b_low ? a[axis] : b_low;
-    out.high[axis] = a[4 + axis] < b_high ? a[4 + axis] : b_high;
+    const float a_low = a[axis] - near_m, a_high = a[4 + axis] + near_m;
+    out.low[axis] = a_low > b_low ? a_low : b_low;
+    out.high[axis] = a_high < b_high ? a_high : b_high;
     apart |= out.low[axis] > out.high[axis];
   }
   return !apart;
 }
 
-/// The box of one part, in every lane.
-HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part) {
+/// The box of one part, widened, in every lane.
+HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part, float near_m) {
   const Lanes d;
   Box b;
   for (size_t axis = 0; axis < 3; ++axis) {
-    b.low[axis] = hn::Set(d, rows[axis * padded + part]);
-    b.high[axis] = hn::Set(d, rows[(axis + 3) * padded + part]);
+    b.low[axis] = hn::Set(d, rows[axis * padded + part] - near_m);
+    b.high[axis] = hn::Set(d, rows[(axis + 3) * padded + part] + near_m);
   }
   return b;
 }
@@ -226,7 +229,7 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   const float* block_a = frame.blocks + size_t{pair.box_a} * kBoxLanes;
   const float* block_b = frame.blocks + size_t{pair.box_b} * kBoxLanes;
   Overlap both;
-  if (!body_overlap(block_a, block_b, pair.shift_m, both)) return out;
+  if (!body_overlap(block_a, block_b, pair.shift_m, frame.near_m, both)) return out;
   const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
   const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
   const float* rows_a = block_a + kBoxLanes;
@@ -236,26 +239,29 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   const V shift[3] = {hn::Set(d, pair.shift_m[0]), hn::Set(d, pair.shift_m[1]),
                       hn::Set(d, pair.shift_m[2])};
   const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  const V none = hn::Zero(d), wider = hn::Set(d, frame.near_m);
   const CandidateWriter writer(frame, pair, index);
   if (padded_a == kBoxLanes && padded_b == kBoxLanes) {  // all in registers
-    const SixteenBoxes boxes_a(rows_a, padded_a, still), boxes_b(rows_b, padded_b, shift);
+    const SixteenBoxes boxes_a(rows_a, padded_a, still, wider),
+        boxes_b(rows_b, padded_b, shift, none);
     const uint32_t inside_b = boxes_b.overlapping(overlap);
     uint32_t inside_a = inside_b == 0 ? 0 : boxes_a.overlapping(overlap);
     for (; inside_a != 0; inside_a &= inside_a - 1) {
       const uint32_t part_a = static_cast<uint32_t>(std::countr_zero(inside_a));
-      const Box box = part_box(rows_a, kBoxLanes, part_a);
+      const Box box = part_box(rows_a, kBoxLanes, part_a, frame.near_m);
       out = writer.add(part_a, 0, inside_b & boxes_b.overlapping(box), out);
     }
     return out;
   }
   for (uint32_t group_a = 0; group_a < padded_a; group_a += kBoxLanes) {
-    uint32_t inside_a = SixteenBoxes(rows_a + group_a, padded_a, still).overlapping(overlap);
+    uint32_t inside_a = SixteenBoxes(rows_a + group_a, padded_a, still, wider).overlapping(overlap);
     for (; inside_a != 0; inside_a &= inside_a - 1) {
       const uint32_t part_a = group_a + static_cast<uint32_t>(std::countr_zero(inside_a));
-      const Box box = part_box(rows_a, padded_a, part_a);
+      const Box box = part_box(rows_a, padded_a, part_a, frame.near_m);
       for (uint32_t group_b = 0; group_b < padded_b; group_b += kBoxLanes)
-        out = writer.add(part_a, group_b,
-                         SixteenBoxes(rows_b + group_b, padded_b, shift).overlapping(box), out);
+        out =
+            writer.add(part_a, group_b,
+                       SixteenBoxes(rows_b + group_b, padded_b, shift, none).overlapping(box), out);
     }
   }
   return out;

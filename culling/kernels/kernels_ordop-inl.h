@@ -16,6 +16,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 
+HWY_INLINE M nowhere() { return hn::RebindMask(Lanes(), hn::FirstN(LaneBits(), 0)); }
+
 /// Separating axes along the directions of one or-DOP ("own") against another ("other"), in units
 /// of own's half sides and scale, so that own's slabs are constants.
 template <int K>
@@ -38,29 +40,51 @@ struct HalfTest {
     const V reach = hn::Add(hn::Add(hn::Set(tag, near.half), far.half), margin_along);
     return hn::Gt(hn::Abs(between), reach);
   }
-  HWY_INLINE M axes() const {
-    const M x = separates(0, column[0], offset.x);
-    const M y = separates(1, column[1], offset.y);
-    const M z = separates(2, column[2], offset.z);
-    return hn::Or(x, hn::Or(y, z));
+  /// Calls visit(index, direction in other's frame, tau) for own's directions.
+  template <typename Visit>
+  HWY_INLINE void each_axis(const Visit& visit) const {
+    visit(0, column[0], offset.x);
+    visit(1, column[1], offset.y);
+    visit(2, column[2], offset.z);
   }
-  HWY_INLINE M edges() const {
+  template <typename Visit>
+  HWY_INLINE void each_edge(const Visit& visit) const {
     const V3 &x = column[0], &y = column[1], &z = column[2];
-    M out = separates(3, y + z, hn::Add(offset.y, offset.z));
-    out = hn::Or(out, separates(4, y - z, hn::Sub(offset.y, offset.z)));
-    out = hn::Or(out, separates(5, x + z, hn::Add(offset.x, offset.z)));
-    out = hn::Or(out, separates(6, x - z, hn::Sub(offset.x, offset.z)));
-    out = hn::Or(out, separates(7, x + y, hn::Add(offset.x, offset.y)));
-    return hn::Or(out, separates(8, x - y, hn::Sub(offset.x, offset.y)));
+    visit(3, y + z, hn::Add(offset.y, offset.z));
+    visit(4, y - z, hn::Sub(offset.y, offset.z));
+    visit(5, x + z, hn::Add(offset.x, offset.z));
+    visit(6, x - z, hn::Sub(offset.x, offset.z));
+    visit(7, x + y, hn::Add(offset.x, offset.y));
+    visit(8, x - y, hn::Sub(offset.x, offset.y));
   }
-  HWY_INLINE M corners() const {
+  template <typename Visit>
+  HWY_INLINE void each_corner(const Visit& visit) const {
     const V3 sum = column[0] + column[1], difference = column[0] - column[1];
     const V3& z = column[2];
     const V plus = hn::Add(offset.x, offset.y), minus = hn::Sub(offset.x, offset.y);
-    M out = separates(9, sum + z, hn::Add(plus, offset.z));
-    out = hn::Or(out, separates(10, sum - z, hn::Sub(plus, offset.z)));
-    out = hn::Or(out, separates(11, difference + z, hn::Add(minus, offset.z)));
-    return hn::Or(out, separates(12, difference - z, hn::Sub(minus, offset.z)));
+    visit(9, sum + z, hn::Add(plus, offset.z));
+    visit(10, sum - z, hn::Sub(plus, offset.z));
+    visit(11, difference + z, hn::Add(minus, offset.z));
+    visit(12, difference - z, hn::Sub(minus, offset.z));
+  }
+
+  HWY_INLINE M axes() const {
+    M out = nowhere();
+    each_axis([&](size_t index, const V3& d, V tau)
+                  HWY_ATTR { out = hn::Or(out, separates(index, d, tau)); });
+    return out;
+  }
+  HWY_INLINE M edges() const {
+    M out = nowhere();
+    each_edge([&](size_t index, const V3& d, V tau)
+                  HWY_ATTR { out = hn::Or(out, separates(index, d, tau)); });
+    return out;
+  }
+  HWY_INLINE M corners() const {
+    M out = nowhere();
+    each_corner([&](size_t index, const V3& d, V tau)
+                    HWY_ATTR { out = hn::Or(out, separates(index, d, tau)); });
+    return out;
   }
 
   /// How many times as far as own reaches other's centre lies: at most 1 inside own.
@@ -93,8 +117,7 @@ struct HalfTest {
 /// m_a + 1 / m_b >= 1. What rounding can make of this is less than the margin.
 template <int K>
 HWY_INLINE M share_a_point(const HalfTest<K>& from_a, const HalfTest<K>& from_b) {
-  if (!from_a.own.holds_origin || !from_b.own.holds_origin)
-    return hn::RebindMask(Lanes(), hn::FirstN(LaneBits(), 0));
+  if (!from_a.own.holds_origin || !from_b.own.holds_origin) return nowhere();
   const V one = hn::Set(Lanes(), 1.0f);
   const V beyond_a = hn::Sub(from_a.centre_over_reach(), one);
   const V beyond_b = hn::Sub(from_b.centre_over_reach(), one);
@@ -135,6 +158,29 @@ struct ChunkInput {
   }
 };
 
+/// The parts of a register's candidates where they are, the bucket's part a first.
+struct PairLanes {
+  Poses a, b;
+  V3 shift;  ///< root of b minus root of a
+  V margin, scale_a, scale_b;
+
+  PairLanes(const PartPose* poses, const ChunkInput& in, size_t first)
+      : a(load_poses([&](size_t lane) { return &poses[in.pose_a[first + lane]]; })),
+        b(load_poses([&](size_t lane) { return &poses[in.pose_b[first + lane]]; })) {
+    const Lanes d;
+    const LaneBits bits;
+    V rows[4], scales[4];
+    load_rows([&](size_t lane) { return &in.pair[first + lane]->shift_m[0]; }, rows);
+    load_rows([&](size_t lane) { return &in.pair[first + lane]->scale_a; }, scales);
+    const M turned = hn::RebindMask(d, hn::Ne(hn::Load(bits, in.turned + first), hn::Zero(bits)));
+    const auto towards = [&](V v) { return hn::IfThenElse(turned, hn::Neg(v), v); };
+    shift = {towards(rows[0]), towards(rows[1]), towards(rows[2])};
+    margin = rows[3];
+    scale_a = hn::IfThenElse(turned, scales[1], scales[0]);
+    scale_b = hn::IfThenElse(turned, scales[0], scales[1]);
+  }
+};
+
 /// One part seen from the other, all that both halves of the test need.
 struct Relative {
   static constexpr size_t kRows = 19;
@@ -145,36 +191,25 @@ struct Relative {
   V b_over_a, a_over_b;  ///< scales
 
   Relative() = default;
-  Relative(const OrdopTable& a, const OrdopTable& b, const PartPose* poses, const ChunkInput& in,
-           size_t first) {
+  Relative(const OrdopTable& a, const OrdopTable& b, const PairLanes& there) {
     const Lanes d;
-    const Poses pa = load_poses([&](size_t lane) { return &poses[in.pose_a[first + lane]]; });
-    const Poses pb = load_poses([&](size_t lane) { return &poses[in.pose_b[first + lane]]; });
-    V shift[4], scales[4];
-    load_rows([&](size_t lane) { return &in.pair[first + lane]->shift_m[0]; }, shift);
-    load_rows([&](size_t lane) { return &in.pair[first + lane]->scale_a; }, scales);
-    const LaneBits bits;
-    const M turned = hn::RebindMask(d, hn::Ne(hn::Load(bits, in.turned + first), hn::Zero(bits)));
-    const auto towards = [&](V v) { return hn::IfThenElse(turned, hn::Neg(v), v); };
-    const V scale_a = hn::IfThenElse(turned, scales[1], scales[0]);
-    const V scale_b = hn::IfThenElse(turned, scales[0], scales[1]);
+    const Poses &pa = there.a, &pb = there.b;
     const V3 delta =
-        (V3{towards(shift[0]), towards(shift[1]), towards(shift[2])} + centre_of(b, pb, scale_b)) -
-        centre_of(a, pa, scale_a);
+        (there.shift + centre_of(b, pb, there.scale_b)) - centre_of(a, pa, there.scale_a);
     for (size_t i = 0; i < 3; ++i)
       for (size_t j = 0; j < 3; ++j) axes[i][j] = dot(pb.column[i], pa.column[j]);
     const V one = hn::Set(d, 1.0f);
-    const V per_a = hn::Div(one, scale_a), per_b = hn::Div(one, scale_b);
-    b_over_a = hn::Mul(scale_b, per_a);
-    a_over_b = hn::Mul(scale_a, per_b);
+    const V per_a = hn::Div(one, there.scale_a), per_b = hn::Div(one, there.scale_b);
+    b_over_a = hn::Mul(there.scale_b, per_a);
+    a_over_b = hn::Mul(there.scale_a, per_b);
     offset_a = in_units(
         a,
         V3{dot(pa.column[0], delta), dot(pa.column[1], delta), dot(pa.column[2], delta)} * per_a);
     offset_b = in_units(b, V3{hn::Neg(dot(pb.column[0], delta)), hn::Neg(dot(pb.column[1], delta)),
                               hn::Neg(dot(pb.column[2], delta))} *
                                per_b);
-    margin_a = hn::Mul(shift[3], per_a);
-    margin_b = hn::Mul(shift[3], per_b);
+    margin_a = hn::Mul(there.margin, per_a);
+    margin_b = hn::Mul(there.margin, per_b);
   }
 
   /// Calls visit(row number, register) for everything above.
@@ -264,7 +299,7 @@ HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const Bo
     const ChunkInput input(pairs, candidates, order, in_chunk);
     Undecided undecided;
     for (size_t first = 0; first < in_chunk; first += kLanes) {
-      Relative relative(a, b, poses, input, first);
+      Relative relative(a, b, PairLanes(poses, input, first));
       const HalfTest<K> from_a = relative.from_a<K>(a, b), from_b = relative.from_b<K>(a, b);
       const M apart = hn::Or(from_a.axes(), from_b.axes());
       const M together = hn::AndNot(apart, share_a_point(from_a, from_b));

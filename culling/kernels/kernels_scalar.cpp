@@ -94,7 +94,7 @@ void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, c
   }
 }
 
-/// Part boxes of a against part boxes of b, all of them, one by one, in a's coordinates.
+/// Part boxes of a, widened, against part boxes of b, all of them, one by one, in a's coordinates.
 Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index, Candidate* out) {
   const size_t parts_a = frame.type_parts[pair.type_a], padded_a = padded_parts(parts_a);
   const size_t parts_b = frame.type_parts[pair.type_b], padded_b = padded_parts(parts_b);
@@ -107,7 +107,8 @@ Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
       for (size_t axis = 0; axis < 3; ++axis) {
         const float low = rows_b[axis * padded_b + b] + pair.shift_m[axis];
         const float high = rows_b[(axis + 3) * padded_b + b] + pair.shift_m[axis];
-        overlap &= low <= rows_a[(axis + 3) * padded_a + a] && high >= rows_a[axis * padded_a + a];
+        overlap &= low <= rows_a[(axis + 3) * padded_a + a] + frame.near_m &&
+                   high >= rows_a[axis * padded_a + a] - frame.near_m;
       }
       if (!overlap) continue;
       *out++ = {index, static_cast<uint8_t>(a), static_cast<uint8_t>(b),
@@ -162,6 +163,23 @@ struct HalfTest {
     }
     return false;
   }
+
+  /// How far apart the two are along the direction of own's that parts them most, over own's scale;
+  /// below 0 where none does.
+  float widest_gap() const {
+    float most = -kEmptyLow;
+    for (size_t i = 0; i < kDirections.size(); ++i) {
+      const Eigen::Vector3f n = direction_vector(static_cast<int>(i));
+      const Eigen::Vector3f d(along(n, other_from_own.row(0)), along(n, other_from_own.row(1)),
+                              along(n, other_from_own.row(2)));
+      const Slab far = other.slabs.bound<26>(d);
+      const Slab& near = own.slabs.slab[i];
+      const float beyond =
+          std::fabs((along(n, offset) + far.centre) - near.centre) - (near.half + far.half);
+      most = std::max(most, beyond * (1.0f / own.length[i]));
+    }
+    return most;
+  }
 };
 
 /// One part of a pair of bodies.
@@ -171,46 +189,123 @@ struct Side {
   float scale;
 };
 
-template <int K>
-bool overlap(const Side& a, const Side& b, const Eigen::Vector3f& a_to_b, float margin) {
-  const Eigen::Vector3f delta =
-      a_to_b + centre_m(b.table, b.pose, b.scale) - centre_m(a.table, a.pose, a.scale);
-  Eigen::Matrix3f b_from_a;
-  for (int column = 0; column < 3; ++column)
-    b_from_a.col(column) = turned_back(
-        b.pose, {a.pose.rows[0][column], a.pose.rows[1][column], a.pose.rows[2][column]});
-  const float per_a = 1.0f / a.scale, per_b = 1.0f / b.scale;
-  const HalfTest from_a(a.table, b.table, b_from_a, b.scale * per_a, turned_back(a.pose, delta),
-                        per_a, margin);
-  const HalfTest from_b(b.table, a.table, b_from_a.transpose(), a.scale * per_b,
-                        -turned_back(b.pose, delta), per_b, margin);
-  return !from_a.separates<K>() && !from_b.separates<K>();
+/// Both halves of a test.
+struct Halves {
+  HalfTest from_a, from_b;
+
+  static Halves of(const Side& a, const Side& b, const Eigen::Vector3f& a_to_b, float margin) {
+    const Eigen::Vector3f delta =
+        a_to_b + centre_m(b.table, b.pose, b.scale) - centre_m(a.table, a.pose, a.scale);
+    const Eigen::Matrix3f axes = b_from_a(a.pose, b.pose);
+    const float per_a = 1.0f / a.scale, per_b = 1.0f / b.scale;
+    return {{a.table, b.table, axes, b.scale * per_a, turned_back(a.pose, delta), per_a, margin},
+            {b.table, a.table, axes.transpose(), a.scale * per_b, -turned_back(b.pose, delta),
+             per_b, margin}};
+  }
+  /// Row i: axis i of b, in a's frame.
+  static Eigen::Matrix3f b_from_a(const PartPose& a, const PartPose& b) {
+    Eigen::Matrix3f out;
+    for (int column = 0; column < 3; ++column)
+      out.col(column) = turned_back(b, {a.rows[0][column], a.rows[1][column], a.rows[2][column]});
+    return out;
+  }
+};
+
+/// Calls visit(candidate's index, the bucket's part a, its part b, root to root, margin).
+template <typename Visit>
+void for_sides(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
+               const PartPose* poses, const Candidate* candidates, std::span<const uint32_t> order,
+               const Visit& visit) {
+  for (const uint32_t index : order) {
+    const Candidate& c = candidates[index];
+    const BodyPair& pair = pairs[c.pair];
+    const Eigen::Vector3f shift(pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]);
+    const PartPose& pose_a = poses[pair.pose_a + c.part_a];
+    const PartPose& pose_b = poses[pair.pose_b + c.part_b];
+    if (c.is_turned())
+      visit(index, Side{a, pose_b, pair.scale_b}, Side{b, pose_a, pair.scale_a}, -shift,
+            pair.shift_m[3]);
+    else
+      visit(index, Side{a, pose_a, pair.scale_a}, Side{b, pose_b, pair.scale_b}, shift,
+            pair.shift_m[3]);
+  }
 }
 
 template <int K>
 void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
                  const PartPose* poses, const Candidate* candidates, const uint32_t* order,
                  size_t count, uint8_t* overlaps) {
-  for (size_t i = 0; i < count; ++i) {
-    const Candidate& c = candidates[order[i]];
-    const BodyPair& pair = pairs[c.pair];
-    const Eigen::Vector3f shift(pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]);
-    const PartPose& pose_a = poses[pair.pose_a + c.part_a];
-    const PartPose& pose_b = poses[pair.pose_b + c.part_b];
-    overlaps[order[i]] = c.is_turned()
-                             ? overlap<K>({a, pose_b, pair.scale_b}, {b, pose_a, pair.scale_a},
-                                          -shift, pair.shift_m[3])
-                             : overlap<K>({a, pose_a, pair.scale_a}, {b, pose_b, pair.scale_b},
-                                          shift, pair.shift_m[3]);
+  for_sides(a, b, pairs, poses, candidates, {order, count},
+            [&](uint32_t index, const Side& side_a, const Side& side_b,
+                const Eigen::Vector3f& a_to_b, float margin) {
+              const Halves halves = Halves::of(side_a, side_b, a_to_b, margin);
+              overlaps[index] = !halves.from_a.separates<K>() && !halves.from_b.separates<K>();
+            });
+}
+
+Eigen::Vector3f nearest_of(const SpreadPoints& points, const Eigen::Vector3f& to) {
+  Eigen::Vector3f best;
+  float least2 = std::numeric_limits<float>::max();
+  for (size_t i = 0; i < SpreadPoints::kCount; ++i) {
+    const Eigen::Vector3f point(points.x[i], points.y[i], points.z[i]), between = point - to;
+    const float apart2 = along(between, between);
+    if (apart2 >= least2 && i > 0) continue;
+    least2 = apart2;
+    best = point;
   }
+  return best;
+}
+
+/// From a point of a to the nearest of b's, from there to the nearest of a's, and once more.
+float point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b, const Side& side_a,
+                     const Side& side_b, const Eigen::Vector3f& a_to_b) {
+  const float per_a = 1.0f / side_a.scale, per_b = 1.0f / side_b.scale;
+  const Eigen::Vector3f root =
+      turned_back(side_a.pose, (a_to_b + translation_m(side_b.pose)) - translation_m(side_a.pose));
+  const Eigen::Matrix3f axes = Halves::b_from_a(side_a.pose, side_b.pose);
+  const auto from_a = [&](const Eigen::Vector3f& b) -> Eigen::Vector3f {
+    const Eigen::Vector3f scaled_b = b * side_b.scale;
+    return root + Eigen::Vector3f(along(axes.col(0), scaled_b), along(axes.col(1), scaled_b),
+                                  along(axes.col(2), scaled_b));
+  };
+  const auto from_b = [&](const Eigen::Vector3f& a) -> Eigen::Vector3f {
+    const Eigen::Vector3f away = a * side_a.scale - root;
+    return Eigen::Vector3f(along(axes.row(0), away), along(axes.row(1), away),
+                           along(axes.row(2), away)) *
+           per_b;
+  };
+  Eigen::Vector3f b(side_b.table.origin[0], side_b.table.origin[1], side_b.table.origin[2]);
+  Eigen::Vector3f a = nearest_of(on_a, from_a(b) * per_a);
+  b = nearest_of(on_b, from_b(a));
+  a = nearest_of(on_a, from_a(b) * per_a);
+  b = nearest_of(on_b, from_b(a));
+  const Eigen::Vector3f apart = a * side_a.scale - from_a(b);
+  return std::sqrt(along(apart, apart));
+}
+
+void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
+                const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
+                const Candidate* candidates, const uint32_t* order, size_t count, float near_m,
+                GapBounds* bounds) {
+  for_sides(a, b, pairs, poses, candidates, {order, count},
+            [&](uint32_t index, const Side& side_a, const Side& side_b,
+                const Eigen::Vector3f& a_to_b, float margin) {
+              const Halves halves = Halves::of(side_a, side_b, a_to_b, margin);
+              const float gap = std::max(halves.from_a.widest_gap() * side_a.scale,
+                                         halves.from_b.widest_gap() * side_b.scale);
+              bounds[index].lo_m = std::max(gap * kGapDown - margin, 0.0f);
+              if (bounds[index].lo_m > near_m) return;
+              bounds[index].hi_m =
+                  point_to_point(on_a, on_b, side_a, side_b, a_to_b) * kGapUp + margin;
+            });
 }
 
 }  // namespace
 
 const Kernels& scalar_kernels() {
-  static constexpr Kernels kernels = {
-      sphere_run,      body_runs,       part_boxes,     box_pairs,      ordop_pairs<14>,
-      ordop_pairs<18>, ordop_pairs<26>, ordop_pair<14>, ordop_pair<18>, ordop_pair<26>};
+  static constexpr Kernels kernels = {sphere_run,      body_runs,       part_boxes,      box_pairs,
+                                      ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>, ordop_gaps,
+                                      ordop_pair<14>,  ordop_pair<18>,  ordop_pair<26>};
   return kernels;
 }
 

@@ -7,6 +7,7 @@
 #include <hwy/foreach_target.h>
 
 #include "culling/kernels/kernels_boxes-inl.h"
+#include "culling/kernels/kernels_gaps-inl.h"
 #include "culling/kernels/kernels_ordop-inl.h"
 #include "culling/kernels/kernels_pair-inl.h"
 #include "culling/kernels/kernels_search-inl.h"
@@ -16,8 +17,8 @@ HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 extern const Kernels kKernels;
 const Kernels kKernels = {sphere_run,      body_runs,       part_boxes,      box_pairs,
-                          ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>, ordop_pair<14>,
-                          ordop_pair<18>,  ordop_pair<26>};
+                          ordop_pairs<14>, ordop_pairs<18>, ordop_pairs<26>, ordop_gaps,
+                          ordop_pair<14>,  ordop_pair<18>,  ordop_pair<26>};
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

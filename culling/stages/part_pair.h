@@ -24,13 +24,16 @@ struct PartPair {
 };
 
 inline PartPair part_pair(const PartStageFrame& frame, const PartPose* poses, const BodyPair& pair,
+                          uint8_t part_a, uint8_t part_b) {
+  return {
+      {&frame.types[pair.type_a]->volumes(), part_a, &poses[pair.pose_a + part_a], pair.scale_a},
+      {&frame.types[pair.type_b]->volumes(), part_b, &poses[pair.pose_b + part_b], pair.scale_b},
+      {pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]},
+      pair.shift_m[3]};
+}
+inline PartPair part_pair(const PartStageFrame& frame, const PartPose* poses, const BodyPair& pair,
                           const Candidate& c) {
-  return {{&frame.types[pair.type_a]->volumes(), c.part_a, &poses[pair.pose_a + c.part_a],
-           pair.scale_a},
-          {&frame.types[pair.type_b]->volumes(), c.part_b, &poses[pair.pose_b + c.part_b],
-           pair.scale_b},
-          {pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]},
-          pair.shift_m[3]};
+  return part_pair(frame, poses, pair, c.part_a, c.part_b);
 }
 
 /// Updates both volumes, then tests them: two updates a test, as the paper counts.
@@ -48,10 +51,19 @@ inline bool parts_touch(const PartPair& p, ExactCounters& primitive) {
                       primitive);
 }
 
-/// A shape that has buckets.
-inline const OrdopTable& table_of(const PartStageFrame& frame, size_t shape) {
+/// A shape that has buckets, as a part of its type.
+struct ShapePart {
+  const BodyType::Volumes& volumes;
+  size_t part;
+  const OrdopTable& table() const { return volumes.tables()[part]; }
+  const SpreadPoints& spread_points() const { return volumes.spread_points()[part]; }
+};
+inline ShapePart shape_part(const PartStageFrame& frame, size_t shape) {
   const uint16_t type = frame.shape_type[shape];
-  return frame.types[type]->volumes().tables()[shape - frame.type_first_shape[type]];
+  return {frame.types[type]->volumes(), shape - frame.type_first_shape[type]};
+}
+inline const OrdopTable& table_of(const PartStageFrame& frame, size_t shape) {
+  return shape_part(frame, shape).table();
 }
 
 }  // namespace throng

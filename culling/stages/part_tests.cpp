@@ -2,7 +2,6 @@
 // pair of parts.
 #include <algorithm>
 
-#include "base/counting_sort.h"
 #include "culling/kernels/kernels_of.h"
 #include "culling/kernels/kernels_scalar.h"
 #include "culling/stages/part_pair.h"
@@ -11,38 +10,13 @@
 
 namespace throng {
 
-void PartStage::sort_into_buckets() {
-  const size_t buckets = bucket_count(boxes_.shapes);
-  bucket_start_.resize(buckets + 2);
-  order_.resize(candidate_count_);
-  counting_sort(
-      candidate_count_, buckets, bucket_start_.data(),
-      [&](size_t i) { return candidates_[i].bucket(); },
-      [&](size_t i, uint32_t at) { order_[at] = static_cast<uint32_t>(i); });
-}
-
-template <typename Test, typename Rest>
-void PartStage::for_each_bucket(const Test& test, const Rest& rest) {
-  sort_into_buckets();
-  const uint32_t shapes = boxes_.shapes;
-  for (size_t a = 0; a < shapes; ++a) {
-    for (size_t b = a; b < shapes; ++b) {
-      const size_t bucket = a * shapes + b;
-      const uint32_t begin = bucket_start_[bucket], count = bucket_start_[bucket + 1] - begin;
-      if (count > 0) test(a, b, std::span(order_.data() + begin, count));
-    }
-  }
-  for (uint32_t i = bucket_start_[bucket_count(shapes) - 1]; i < candidate_count_; ++i)
-    rest(order_[i]);
-}
-
 template <typename Volume>
 void PartStage::test_by_kernel(const PartStageFrame& frame) {
   const Kernels::OrdopPairs test = frame.kernels->*KernelsOf<Volume>::kPairs;
-  for_each_bucket(
+  parts_.for_each_bucket(
       [&](size_t a, size_t b, std::span<uint32_t> some) {
-        test(table_of(frame, a), table_of(frame, b), pairs_.data(), bodies_->poses(),
-             candidates_.data(), some.data(), some.size(), overlaps_.data());
+        test(table_of(frame, a), table_of(frame, b), parts_.pairs().data(), bodies_->poses(),
+             parts_.candidates().data(), some.data(), some.size(), overlaps_.data());
       },
       [&](uint32_t one) { test_by_reference<Volume>(frame, one); });
 }
@@ -50,18 +24,18 @@ void PartStage::test_by_kernel(const PartStageFrame& frame) {
 /// Shapes beyond the buckets: rare, so one by one with the reference.
 template <typename Volume>
 void PartStage::test_by_reference(const PartStageFrame& frame, uint32_t candidate) {
-  const Candidate& c = candidates_[candidate];
-  const BodyPair& pair = pairs_[c.pair];
+  const Candidate& c = parts_.candidates()[candidate];
+  const BodyPair& pair = parts_.pairs()[c.pair];
   const Kernels::OrdopPairs reference = scalar_kernels().*KernelsOf<Volume>::kPairs;
   reference(frame.types[pair.type_a]->volumes().tables()[c.part_a],
-            frame.types[pair.type_b]->volumes().tables()[c.part_b], pairs_.data(), bodies_->poses(),
-            candidates_.data(), &candidate, 1, overlaps_.data());
+            frame.types[pair.type_b]->volumes().tables()[c.part_b], parts_.pairs().data(),
+            bodies_->poses(), parts_.candidates().data(), &candidate, 1, overlaps_.data());
 }
 
 /// Two parts with different volumes are apart if either kind of volume says so: the one that comes
 /// first in the list is asked first, then the other.
 void PartStage::test_mixture(const PartStageFrame& frame) {
-  for_each_bucket(
+  parts_.for_each_bucket(
       [&](size_t a, size_t b, std::span<uint32_t> some) {
         const auto volume = [&](size_t shape) {
           const uint16_t type = frame.shape_type[shape];
@@ -72,8 +46,8 @@ void PartStage::test_mixture(const PartStageFrame& frame) {
           with_volume(kind, [&]<typename Volume>() {
             if constexpr (KernelsOf<Volume>::kExist)
               (frame.kernels->*KernelsOf<Volume>::kPairs)(
-                  table_of(frame, a), table_of(frame, b), pairs_.data(), bodies_->poses(),
-                  candidates_.data(), some.data(), some.size(), overlaps_.data());
+                  table_of(frame, a), table_of(frame, b), parts_.pairs().data(), bodies_->poses(),
+                  parts_.candidates().data(), some.data(), some.size(), overlaps_.data());
             else
               test_one_by_one<Volume>(frame, some);
           });
@@ -84,8 +58,8 @@ void PartStage::test_mixture(const PartStageFrame& frame) {
         decide(std::max(of_a, of_b));
       },
       [&](uint32_t one) {
-        const Candidate& c = candidates_[one];
-        const BodyPair& pair = pairs_[c.pair];
+        const Candidate& c = parts_.candidates()[one];
+        const BodyPair& pair = parts_.pairs()[c.pair];
         const VolumeKind of_a = frame.volume_of(pair.type_a, c.part_a);
         const VolumeKind of_b = frame.volume_of(pair.type_b, c.part_b);
         const auto decide = [&](VolumeKind kind) {
@@ -111,14 +85,15 @@ std::span<uint32_t> PartStage::still_overlapping(std::span<uint32_t> candidates)
 
 template <typename Volume>
 bool PartStage::overlap(const PartStageFrame& frame, uint32_t candidate) const {
-  const Candidate& c = candidates_[candidate];
-  return placed_overlap<Volume>(part_pair(frame, bodies_->poses(), pairs_[c.pair], c));
+  const Candidate& c = parts_.candidates()[candidate];
+  return placed_overlap<Volume>(part_pair(frame, bodies_->poses(), parts_.pairs()[c.pair], c));
 }
 
 template <typename Volume>
 void PartStage::test_one_by_one(const PartStageFrame& frame) {
-  for (uint32_t i = 0; i < candidate_count_; ++i) overlaps_[i] = overlap<Volume>(frame, i);
-  counters_.part.updates += 2 * candidate_count_;
+  for (uint32_t i = 0; i < parts_.candidates().size(); ++i)
+    overlaps_[i] = overlap<Volume>(frame, i);
+  counters_.part.updates += 2 * parts_.candidates().size();
 }
 
 template <typename Volume>
@@ -129,7 +104,7 @@ void PartStage::test_one_by_one(const PartStageFrame& frame, std::span<const uin
 
 void PartStage::test_parts(const PartStageFrame& frame) {
   Stopwatch watch;
-  overlaps_.resize(candidate_count_);
+  overlaps_.resize(parts_.candidates().size());
   if (frame.is_mixed) {
     test_mixture(frame);
   } else {
@@ -140,9 +115,9 @@ void PartStage::test_parts(const PartStageFrame& frame) {
         test_one_by_one<Volume>(frame);
     });
   }
-  counters_.part.tests += candidate_count_;
+  counters_.part.tests += parts_.candidates().size();
   // Every candidate lies in a bucket or in the rest: each has been written, 0 or 1.
-  for (size_t i = 0; i < candidate_count_; ++i)
+  for (size_t i = 0; i < parts_.candidates().size(); ++i)
     counters_.part.passed += overlaps_[i];  // NOLINT(clang-analyzer-*)
   counters_.part.test_ns += watch.lap_ns();
 }
@@ -153,10 +128,10 @@ void PartStage::tally_tests(const PartStageFrame& frame) {
     return tally_->block(pair.type_a, pair.type_b, frame.type_parts[pair.type_a],
                          frame.type_parts[pair.type_b]);
   };
-  for (size_t i = 0; i < pair_count_; ++i) ++block_of(pairs_[i]).body_pairs;
-  for (size_t i = 0; i < candidate_count_; ++i) {
-    const Candidate& c = candidates_[i];
-    const BodyPair& pair = pairs_[c.pair];
+  for (const BodyPair& pair : parts_.pairs()) ++block_of(pair).body_pairs;
+  for (size_t i = 0; i < parts_.candidates().size(); ++i) {
+    const Candidate& c = parts_.candidates()[i];
+    const BodyPair& pair = parts_.pairs()[c.pair];
     PartPairCounts& cell =
         PartTally::cell(block_of(pair), pair.type_a, pair.type_b, c.part_a, c.part_b);
     ++cell.box_passed;
@@ -167,10 +142,10 @@ void PartStage::tally_tests(const PartStageFrame& frame) {
 /// What truly touches: as the triangles have decided, or judged here, aside from the answer.
 void PartStage::tally_truth(const PartStageFrame& frame) {
   ExactCounters aside;
-  for (size_t i = 0; i < candidate_count_; ++i) {
+  for (size_t i = 0; i < parts_.candidates().size(); ++i) {
     if (!overlaps_[i]) continue;
-    const Candidate& c = candidates_[i];
-    const BodyPair& pair = pairs_[c.pair];
+    const Candidate& c = parts_.candidates()[i];
+    const BodyPair& pair = parts_.pairs()[c.pair];
     bool touches = frame.exact;
     if (!frame.exact) {
       const auto &type_a = *frame.types[pair.type_a], &type_b = *frame.types[pair.type_b];

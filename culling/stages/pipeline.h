@@ -7,12 +7,17 @@
 
 #include "culling/stages/pass.h"
 #include "culling/stages/shared_stages.h"
+#include "culling/stages/sorted_runs.h"
 
 namespace throng {
 
+class NearSearch;
+
 class Pipeline final : public Pass {
  public:
-  Pipeline(BodyTypes types, const CullerOptions& options, Workers& workers);
+  /// `near` finds distances in the same tasks, of the same poses; null where none is asked.
+  Pipeline(BodyTypes types, const CullerOptions& options, Workers& workers,
+           NearSearch* near = nullptr);
 
   void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
            CullingCounters& counters) override;
@@ -25,12 +30,6 @@ class Pipeline final : public Pass {
     size_t first = 0, end = 0;
     PartPairs found;
   };
-  /// The parts of a pair of bodies; runs lie in the order of body a.
-  struct SortedRun {
-    uint32_t body_b, count;
-    const uint16_t* parts;
-  };
-
   void plan_tasks();
   void refine(const PoseSource& source);
   void sort_runs(size_t bodies);
@@ -39,6 +38,7 @@ class Pipeline final : public Pass {
 
   PairLevel last_level_;
   Workers& workers_;
+  NearSearch* near_;
   SharedStages shared_;
   // One a worker.
   std::vector<PartStage> stages_;
@@ -46,8 +46,7 @@ class Pipeline final : public Pass {
   Workers alone_{1};  // a task poses its bodies by itself
   std::vector<Task> tasks_;
   size_t task_count_ = 0;
-  GrowBuffer<SortedRun> runs_;
-  GrowBuffer<uint32_t> start_of_body_, keys_of_block_;
+  SortedRuns<uint16_t> runs_;  // PairKey::parts_of()
 };
 
 }  // namespace throng

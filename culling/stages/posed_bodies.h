@@ -54,6 +54,7 @@ class PosedBodies {
   bool has(uint32_t slot) const { return local_of_slot_[slot] != kNone; }
   /// Of a slot that was needed before the last pose().
   const PosedBody& of_slot(uint32_t slot) const { return bodies_[local_of_slot_[slot]]; }
+  std::span<const PosedBody> bodies() const { return {bodies_.data(), posed_}; }
   const PartPose* poses() const { return poses_.data(); }
   const float* boxes() const { return boxes_.data(); }
   /// Low corner, -, high corner, - relative to the root.

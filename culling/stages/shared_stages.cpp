@@ -16,14 +16,15 @@ std::vector<VolumeKind> volumes_of(BodyTypes types, VolumeKind volume) {
 
 }  // namespace
 
-SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers)
+SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers,
+                           float near_m)
     : types_(types),
       kernels_(kernels_for(options.simd)),
       volume_(options.part_volume),
       volumes_(volumes_of(types, volume_)),
       exact_(options.exact),
       slots_(types),
-      broad_(types, kernels_, workers, options.pair_search) {
+      broad_(types, kernels_, workers, options.pair_search, near_m) {
   if (volumes_.size() == 1) volume_ = volumes_.front();
   size_t shapes = 0;
   for (size_t type = 0; type < types.size(); ++type) {

@@ -1,0 +1,134 @@
+// How far apart parts are, with Highway, compiled once a target: pairs of the same two part shapes
+// as lanes. Included by kernels_simd.cpp only.
+#if defined(THRONG_CULLING_KERNELS_GAPS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef THRONG_CULLING_KERNELS_GAPS_INL_H_
+#undef THRONG_CULLING_KERNELS_GAPS_INL_H_
+#else
+#define THRONG_CULLING_KERNELS_GAPS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "culling/kernels/kernels.h"
+#include "culling/kernels/kernels_ordop-inl.h"
+
+#if THRONG_HAS_LANES  // the scalar reference is gaps_scalar.cpp
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE {
+
+/// How far apart two or-DOPs are along the direction of own's that parts them most, over own's
+/// scale; below 0 where none does.
+HWY_INLINE V widest_gap(const HalfTest<26>& half) {
+  const Lanes tag;
+  V most = hn::Set(tag, -kEmptyLow);
+  const auto note = [&](size_t index, const V3& d, V tau) HWY_ATTR {
+    const Interval far = bound<26>(half.other, d);
+    const Slab& near = half.own.slabs.slab[index];
+    V between = hn::Add(tau, far.centre);
+    if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
+    const V beyond = hn::Sub(hn::Abs(between), hn::Add(hn::Set(tag, near.half), far.half));
+    most = hn::Max(most, hn::Mul(beyond, hn::Set(tag, 1.0f / half.own.length[index])));
+  };
+  half.each_axis(note);
+  half.each_edge(note);
+  half.each_corner(note);
+  return most;
+}
+
+/// The one of a part's points that is nearest to another, in the part's frame.
+HWY_INLINE V3 nearest_of(const SpreadPoints& points, const V3& to) {
+  const Lanes tag;
+  V3 best = {hn::Set(tag, points.x[0]), hn::Set(tag, points.y[0]), hn::Set(tag, points.z[0])};
+  const V3 first = best - to;
+  V least2 = dot(first, first);
+  for (size_t i = 1; i < SpreadPoints::kCount; ++i) {
+    const V3 point = {hn::Set(tag, points.x[i]), hn::Set(tag, points.y[i]),
+                      hn::Set(tag, points.z[i])};
+    const V3 between = point - to;
+    const V apart2 = dot(between, between);
+    const M nearer = hn::Lt(apart2, least2);
+    least2 = hn::IfThenElse(nearer, apart2, least2);
+    best = {hn::IfThenElse(nearer, point.x, best.x), hn::IfThenElse(nearer, point.y, best.y),
+            hn::IfThenElse(nearer, point.z, best.z)};
+  }
+  return best;
+}
+
+/// From a point of a to the nearest of b's, from there to the nearest of a's, and once more.
+HWY_INLINE V point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b,
+                            const OrdopTable& table_b, const PairLanes& there,
+                            const Relative& relative) {
+  const Lanes tag;
+  const V one = hn::Set(tag, 1.0f);
+  const V per_a = hn::Div(one, there.scale_a), per_b = hn::Div(one, there.scale_b);
+  const V3 between = (there.shift + there.b.translation) - there.a.translation;
+  const V3 root = {dot(there.a.column[0], between), dot(there.a.column[1], between),
+                   dot(there.a.column[2], between)};  // of b in a's frame
+  const auto& axes = relative.axes;
+  const auto from_a = [&](const V3& b) HWY_ATTR {  // metres, not yet over a's scale
+    const V3 scaled_b = b * there.scale_b;
+    const V3 turned_b = {dot({axes[0][0], axes[1][0], axes[2][0]}, scaled_b),
+                         dot({axes[0][1], axes[1][1], axes[2][1]}, scaled_b),
+                         dot({axes[0][2], axes[1][2], axes[2][2]}, scaled_b)};
+    return root + turned_b;
+  };
+  const auto from_b = [&](const V3& a) HWY_ATTR {
+    const V3 away = a * there.scale_a - root;
+    return V3{dot({axes[0][0], axes[0][1], axes[0][2]}, away),
+              dot({axes[1][0], axes[1][1], axes[1][2]}, away),
+              dot({axes[2][0], axes[2][1], axes[2][2]}, away)} *
+           per_b;
+  };
+  V3 b = {hn::Set(tag, table_b.origin[0]), hn::Set(tag, table_b.origin[1]),
+          hn::Set(tag, table_b.origin[2])};
+  V3 a = nearest_of(on_a, from_a(b) * per_a);
+  b = nearest_of(on_b, from_b(a));
+  a = nearest_of(on_a, from_a(b) * per_a);
+  b = nearest_of(on_b, from_b(a));
+  const V3 apart = a * there.scale_a - from_a(b);
+  return hn::Sqrt(dot(apart, apart));
+}
+
+HWY_NOINLINE void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
+                             const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
+                             const Candidate* candidates, const uint32_t* order, size_t count,
+                             float near_m, GapBounds* bounds) {
+  const Lanes d;
+  HWY_ALIGN float found[kLanes];
+  uint32_t near[kChunk];
+  for (size_t chunk = 0; chunk < count; chunk += kChunk, order += kChunk) {
+    const size_t in_chunk = HWY_MIN(count - chunk, kChunk);
+    const ChunkInput input(pairs, candidates, order, in_chunk);
+    size_t near_count = 0;
+    for (size_t first = 0; first < in_chunk; first += kLanes) {
+      const PairLanes there(poses, input, first);
+      const Relative relative(a, b, there);
+      const V gap = hn::Max(hn::Mul(widest_gap(relative.from_a<26>(a, b)), there.scale_a),
+                            hn::Mul(widest_gap(relative.from_b<26>(a, b)), there.scale_b));
+      const V lo = hn::Sub(hn::Mul(gap, hn::Set(d, kGapDown)), there.margin);
+      hn::Store(hn::Max(lo, hn::Zero(d)), d, found);
+      const size_t in_use = HWY_MIN(kLanes, in_chunk - first);
+      for (size_t lane = 0; lane < in_use; ++lane) {
+        bounds[input.order[first + lane]].lo_m = found[lane];
+        near[near_count] = input.order[first + lane];
+        near_count += found[lane] <= near_m;
+      }
+    }
+    if (near_count == 0) continue;
+    const ChunkInput left(pairs, candidates, near, near_count);
+    for (size_t first = 0; first < near_count; first += kLanes) {
+      const PairLanes there(poses, left, first);
+      const V hi = point_to_point(on_a, on_b, b, there, Relative(a, b, there));
+      hn::Store(hn::Add(hn::Mul(hi, hn::Set(d, kGapUp)), there.margin), d, found);
+      const size_t in_use = HWY_MIN(kLanes, near_count - first);
+      for (size_t lane = 0; lane < in_use; ++lane)
+        bounds[left.order[first + lane]].hi_m = found[lane];
+    }
+  }
+}
+
+}  // namespace throng::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif  // THRONG_HAS_LANES
+
+#endif  // per-target include guard

@@ -1,0 +1,117 @@
+#include "culling/stages/part_candidates.h"
+
+#include <utility>
+
+#include "base/counting_sort.h"
+#include "culling/stages/stopwatch.h"
+
+namespace throng {
+namespace {
+
+/// The two body boxes are within `near_m` of each other along every axis, b's shifted into a's
+/// coordinates.
+bool bodies_are_near(const float* a, const float* b, const float* shift, float near_m) {
+  bool apart = false;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    apart |= a[axis] - near_m > b[4 + axis] + shift[axis];
+    apart |= b[axis] + shift[axis] > a[4 + axis] + near_m;
+  }
+  return !apart;
+}
+
+}  // namespace
+
+uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair) {
+  return uint64_t{frame.type_parts[pair.type_a]} * frame.type_parts[pair.type_b];
+}
+
+void PartCandidates::begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m) {
+  bodies_ = &bodies;
+  boxes_ = {bodies.boxes(), frame.type_parts.data(), frame.type_first_shape.data(),
+            static_cast<uint32_t>(frame.shape_type.size()), near_m};
+  pair_count_ = 0;
+}
+
+/// Keeps the pairs whose boxes, in their poses, are near.
+void PartCandidates::add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
+  Stopwatch watch;
+  pairs_.grow(pair_count_ + pairs.size(), pair_count_);
+  const size_t pairs_before = pair_count_;
+  uint64_t parts = 0;
+  for (const SlotPair& slots : pairs) {
+    const PosedBody* a = &bodies_->of_slot(slots.a);
+    const PosedBody* b = &bodies_->of_slot(slots.b);
+    if (a->slot.body > b->slot.body) std::swap(a, b);
+    const Eigen::Vector3f shift = (b->slot.root() - a->slot.root()).cast<float>();
+    if (!bodies_are_near(bodies_->box_of(*a), bodies_->box_of(*b), shift.data(), boxes_.near_m))
+      continue;
+    pairs_[pair_count_] = {{shift.x(), shift.y(), shift.z(), a->slot.margin_m + b->slot.margin_m},
+                           a->slot.scale,
+                           b->slot.scale,
+                           a->pose,
+                           b->pose,
+                           a->block,
+                           b->block,
+                           a->slot.body,
+                           b->slot.body,
+                           a->slot.type,
+                           b->slot.type};
+    parts += box_tests(frame, pairs_[pair_count_++]);
+  }
+  counters_.body_box.tests += pairs.size();
+  counters_.body_box.passed += pair_count_ - pairs_before;
+  counters_.body_box.test_ns += watch.lap_ns();
+  counters_.box.tests += parts;
+}
+
+void PartCandidates::find(const PartStageFrame& frame) {
+  Stopwatch watch;
+  candidate_count_ = 0;
+  constexpr size_t kWorstPair = size_t{BodyType::kMaxParts} * BodyType::kMaxParts + kBoxLanes;
+  size_t next = 0;
+  while (next < pair_count_) {
+    size_t found = 0;
+    next = frame.kernels->box_pairs(boxes_, pairs_.data(), next, pair_count_,
+                                    candidates_.data() + candidate_count_,
+                                    candidates_.capacity() - candidate_count_, &found);
+    candidate_count_ += found;
+    if (next < pair_count_)
+      candidates_.grow(2 * candidates_.capacity() + kWorstPair, candidate_count_);
+  }
+  counters_.box.passed += candidate_count_;
+  counters_.box.test_ns += watch.lap_ns();
+}
+
+PairKey PartCandidates::key_of(const Candidate& candidate) const {
+  const BodyPair& pair = pairs_[candidate.pair];
+  return {pair.body_a, pair.body_b, candidate.part_a, candidate.part_b};
+}
+
+void PartCandidates::keep_pairs(const PartStageFrame& frame, size_t count) {
+  for (size_t i = count; i < pair_count_; ++i) counters_.box.tests -= box_tests(frame, pairs_[i]);
+  pair_count_ = count;
+}
+
+void PartCandidates::sort_into_buckets() {
+  const size_t buckets = bucket_count(boxes_.shapes);
+  bucket_start_.resize(buckets + 2);
+  order_.resize(candidate_count_);
+  counting_sort(
+      candidate_count_, buckets, bucket_start_.data(),
+      [&](size_t i) { return candidates_[i].bucket(); },
+      [&](size_t i, uint32_t at) { order_[at] = static_cast<uint32_t>(i); });
+}
+
+void PartCandidates::reserve_like(const PartCandidates& other) {
+  pairs_.match(other.pairs_);
+  candidates_.match(other.candidates_);
+  bucket_start_.match(other.bucket_start_);
+  order_.match(other.order_);
+}
+
+uint32_t PartCandidates::times_grown() const {
+  return pairs_.times_grown() + candidates_.times_grown() + bucket_start_.times_grown() +
+         order_.times_grown();
+}
+
+}  // namespace throng

@@ -1,0 +1,96 @@
+// From pairs of bodies to pairs of parts whose boxes are near each other, sorted by the shapes of
+// the two parts, for kernels that work on many pairs of the same shapes at once. One rule: works on
+// one task at a time with buffers of its own, so that tasks can run on any thread in any order.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "base/grow_buffer.h"
+#include "culling/body_type.h"
+#include "culling/counters.h"
+#include "culling/kernels/kernels.h"
+#include "culling/pair.h"
+#include "culling/stages/posed_bodies.h"
+#include "culling/stages/slots.h"
+
+namespace throng {
+
+/// What all tasks of a frame read.
+struct PartStageFrame {
+  std::span<const std::shared_ptr<const BodyType>> types;
+  std::span<const uint16_t> shape_type;  ///< type of each shape that has buckets
+  std::span<const uint16_t> type_first_shape;
+  std::span<const uint16_t> type_parts;
+  const Kernels* kernels;
+  VolumeKind volume;
+  bool is_mixed;  ///< parts have volumes of their own, see PartShape::volume
+  bool exact;
+
+  VolumeKind volume_of(size_t type, size_t part) const {
+    return types[type]->parts()[part].volume.value_or(volume);
+  }
+};
+
+/// Tests that the part boxes of two bodies take.
+uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair);
+
+class PartCandidates {
+ public:
+  /// A task: begin() with the posed bodies, add() pairs of their slots, find(). Boxes that are
+  /// within `near_m` of each other along every axis are candidates.
+  void begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m = 0);
+  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs);
+  void find(const PartStageFrame& frame);
+
+  /// Pairs of bodies whose boxes are near, and pairs of parts whose boxes are, in the order of
+  /// add().
+  std::span<const BodyPair> pairs() const { return {pairs_.data(), pair_count_}; }
+  std::span<const Candidate> candidates() const { return {candidates_.data(), candidate_count_}; }
+  PairKey key_of(const Candidate& candidate) const;
+  /// Forgets all but the first.
+  void keep_pairs(const PartStageFrame& frame, size_t count);
+  void keep_candidates(size_t count) { candidate_count_ = count; }
+
+  /// Calls test(shape a, shape b, candidates of the bucket) for each bucket that is not empty, and
+  /// rest(one candidate) for each of shapes beyond the buckets; candidates as indices.
+  template <typename Test, typename Rest>
+  void for_each_bucket(const Test& test, const Rest& rest);
+
+  struct Counters {
+    StageCounters body_box, box;
+  };
+  const Counters& counters() const { return counters_; }
+  void clear_counters() { counters_ = {}; }
+  void reserve_like(const PartCandidates& other);
+  uint32_t times_grown() const;
+
+ private:
+  void sort_into_buckets();
+
+  const PosedBodies* bodies_ = nullptr;
+  BoxFrame boxes_{};
+  GrowBuffer<BodyPair> pairs_;
+  GrowBuffer<Candidate> candidates_;
+  GrowBuffer<uint32_t> bucket_start_, order_;
+  size_t pair_count_ = 0, candidate_count_ = 0;
+  Counters counters_;
+};
+
+template <typename Test, typename Rest>
+void PartCandidates::for_each_bucket(const Test& test, const Rest& rest) {
+  sort_into_buckets();
+  const uint32_t shapes = boxes_.shapes;
+  for (size_t a = 0; a < shapes; ++a) {
+    for (size_t b = a; b < shapes; ++b) {
+      const size_t bucket = a * shapes + b;
+      const uint32_t begin = bucket_start_[bucket], count = bucket_start_[bucket + 1] - begin;
+      if (count > 0) test(a, b, std::span(order_.data() + begin, count));
+    }
+  }
+  for (uint32_t i = bucket_start_[bucket_count(shapes) - 1]; i < candidate_count_; ++i)
+    rest(order_[i]);
+}
+
+}  // namespace throng
