@@ -1,0 +1,46 @@
+// The distance of two surfaces by a tree of balls in double precision: slow enough to be obvious,
+// quick enough for millions of pairs.
+// One rule: shares nothing with the search that it judges but the distance of two triangles, which
+// has an oracle of its own (distance_oracle.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "base/pose.h"
+#include "culling/body_type.h"
+#include "culling/exact/triangle_test.h"
+
+namespace throng::test {
+
+class DistanceTree {
+ public:
+  /// At least one triangle.
+  explicit DistanceTree(const PartShape& part);
+
+  /// Where a surface is. Scale and pose as in base/pose.h.
+  struct Placed {
+    const DistanceTree* tree;
+    const PartPose* pose;
+    float scale;
+  };
+  /// Of surfaces that do not touch; infinite where it is more than `within_m`.
+  static double distance(const Placed& a, const Placed& b, const Eigen::Vector3d& a_to_b_m,
+                         double within_m);
+  /// The same by all triangles against all.
+  static double distance_by_all(const Placed& a, const Placed& b, const Eigen::Vector3d& a_to_b_m);
+
+ private:
+  struct Ball {
+    Eigen::Vector3d middle;
+    double radius;
+    size_t first, end;           ///< its triangles
+    size_t left = 0, right = 0;  ///< 0: a leaf
+  };
+  size_t add(size_t first, size_t end);
+
+  std::vector<Triangle> triangles_;
+  std::vector<Ball> balls_;
+};
+
+}  // namespace throng::test
