@@ -42,7 +42,7 @@ std::string NearRowsJudge::verdict(const DistanceTree::Placed& a, const Distance
   tally_.near += is_near;
   tally_.touching += touches;
   tally_.listed += is_listed;
-  if (is_near && !touches && tally_.near % kByAllEvery == 0) {
+  if (is_near && !touches && (tally_.near - tally_.touching) % kByAllEvery == 1) {
     const double by_all = DistanceTree::distance_by_all(a, b, a_to_b_m);
     const bool is_same = std::abs(by_all - distance) <= 1e-9;
     ++(is_same ? tally_.by_all : tally_.differing);
