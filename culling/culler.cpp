@@ -41,6 +41,17 @@ void require_pipeline(BodyTypes types, const CullerOptions& options) {
         throw InputError("volumes of single parts", "the pipeline", name_of(options.strategy));
 }
 
+void require_filter(BodyTypes types, const CullerOptions& options) {
+  if (options.filter.is_empty()) return;
+  if (options.strategy != Strategy::kPipeline)
+    throw InputError("a filter", "the pipeline", name_of(options.strategy));
+  const auto& of_part = options.filter.of_part;
+  bool fits = of_part.empty() || of_part.size() == types.size();
+  for (size_t type = 0; fits && type < of_part.size(); ++type)
+    fits = of_part[type].size() == types[type]->parts().size();
+  if (!fits) throw InputError("a filter", "sides of every part of every type", "others");
+}
+
 std::unique_ptr<NearSearch> make_near(BodyTypes types, const CullerOptions& options,
                                       Workers& workers) {
   for (const float margin_m : {options.near.near_m, options.near.body_near_m})
@@ -62,6 +73,7 @@ std::unique_ptr<Pass> make_pass(BodyTypes types, const CullerOptions& options, W
                                 NearSearch* near) {
   require_triangles(types, options);
   require_pipeline(types, options);
+  require_filter(types, options);
   if (options.strategy != Strategy::kPipeline) {
     assert(!has_deadline(options));
     return std::make_unique<RecipePass>(types, options);

@@ -15,6 +15,7 @@
 #include "culling/counters.h"
 #include "culling/near.h"
 #include "culling/pair.h"
+#include "culling/pair_filter.h"
 #include "culling/part_tally.h"
 #include "culling/strategies/strategy.h"
 #include "culling/volumes/volume_kind.h"
@@ -40,6 +41,8 @@ struct CullerOptions {
   /// Distances beside what touches; by triangles with `exact`. A deadline counts for them again, by
   /// itself: what it leaves undecided is listed with what its volumes prove.
   NearOptions near{};
+  /// What is asked for, of events and of distances alike. Not of a strategy of the paper.
+  PairFilter filter{};
 };
 
 class Culler {
@@ -47,7 +50,8 @@ class Culler {
   /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
   /// triangles, or of spheres alone; if a part has a volume of its own, or by_part is asked, under
   /// a strategy of the paper; if by_part is asked under a deadline; if margins are negative,
-  /// infinite, or asked of a strategy of the paper.
+  /// infinite, or asked of a strategy of the paper; if a filter is asked of one, or its types and
+  /// parts are not those of `types`.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
   ~Culler();

@@ -8,3 +8,4 @@
 #include "culling/culler.h"
 #include "culling/near.h"
 #include "culling/pair.h"
+#include "culling/pair_filter.h"

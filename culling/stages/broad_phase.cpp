@@ -19,11 +19,13 @@ int tasks_of(size_t count) { return static_cast<int>((count + kTaskBodies - 1) /
 }  // namespace
 
 BroadPhase::BroadPhase(std::span<const std::shared_ptr<const BodyType>> types,
-                       const Kernels& kernels, Workers& workers, PairSearch kind, float near_m)
+                       const Kernels& kernels, Workers& workers, PairSearch kind,
+                       const PairFilter& filter, float near_m)
     : types_(types),
       kernels_(kernels),
       workers_(workers),
       kind_(kind),
+      filter_(filter),
       half_near_m_(0.5f * near_m * (1 + 0x1p-20f)) {
   counters_.volume = "sphere";
   for (const auto& type : types) {
@@ -167,18 +169,22 @@ void BroadPhase::search_small(const Slots& slots) {
     Block& block = blocks_[static_cast<size_t>(index)];
     block.found = searcher_.search_block(kernels_, static_cast<size_t>(index), block.pairs);
     block.count = block.found.pairs;
-    if (!any_static_) return;
-    const auto both_static = [&](const SlotPair& pair) {
-      return slots.is_static(pair.a) && slots.is_static(pair.b);
-    };
+    if (!any_static_ && filter_.of_body.empty()) return;
+    const auto nobody_asks = [&](const SlotPair& pair) { return !is_asked(pair.a, pair.b, slots); };
     SlotPair* const pairs = block.pairs.data();
     block.count =
-        static_cast<size_t>(std::remove_if(pairs, pairs + block.found.pairs, both_static) - pairs);
+        static_cast<size_t>(std::remove_if(pairs, pairs + block.found.pairs, nobody_asks) - pairs);
     block.found.spheres -= block.found.pairs - block.count;
   });
   Block& last = blocks_[block_count_ - 1];
   last.count = 0;
   last.found = {};
+}
+
+/// Not of two that never move, nor what a filter leaves out.
+bool BroadPhase::is_asked(size_t slot_a, size_t slot_b, const Slots& slots) const {
+  return !(slots.is_static(slot_a) && slots.is_static(slot_b)) &&
+         filter_.asks_bodies(slots.id(slot_a), slots.id(slot_b));
 }
 
 void BroadPhase::add(Block& block, size_t a, size_t b) {
@@ -199,7 +205,7 @@ void BroadPhase::search_large(const PoseSource& source, const Slots& slots) {
     box_of(slot, slots, low, high);
     meet_crowd(slot, low, high, slots);
     for (size_t other = slot + 1; other < slots.count(); ++other) {
-      if (slots.is_static(slot) && slots.is_static(other)) continue;
+      if (!is_asked(slot, other, slots)) continue;
       ++last.found.tests;
       add(last, slot, other);  // both boxes are known: the next stage decides at once
     }
@@ -247,7 +253,7 @@ void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen
       const Eigen::Vector3f centre(p.x, p.y, p.z);
       const float distance2 = (centre - centre.cwiseMax(low).cwiseMin(high)).squaredNorm();
       if (distance2 > p.radius * p.radius) continue;
-      if (slots.is_static(slot) && slots.is_static(other)) continue;
+      if (!is_asked(slot, other, slots)) continue;
       add(block, slot, other);
     }
   };

@@ -19,9 +19,10 @@ namespace throng {
 
 class BroadPhase {
  public:
-  /// `near_m`: bodies that are within it of each other are listed, too.
+  /// `near_m`: bodies that are within it of each other are listed, too; of all, those that the
+  /// filter asks for. Keeps a reference to it.
   BroadPhase(std::span<const std::shared_ptr<const BodyType>> types, const Kernels& kernels,
-             Workers& workers, PairSearch kind, float near_m = 0);
+             Workers& workers, PairSearch kind, const PairFilter& filter, float near_m);
 
   /// Places the bodies, fills `slots` in the order of the search and lists the pairs.
   void run(const BodiesView& bodies, const PoseSource& source, Slots& slots);
@@ -71,11 +72,13 @@ class BroadPhase {
   void meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                   const Slots& slots);
   void add(Block& block, size_t a, size_t b);
+  bool is_asked(size_t slot_a, size_t slot_b, const Slots& slots) const;
 
   std::span<const std::shared_ptr<const BodyType>> types_;
   const Kernels& kernels_;
   Workers& workers_;
   PairSearch kind_;
+  const PairFilter& filter_;
   float half_near_m_;  // by how much every body is widened
   std::vector<TypeSize> sizes_of_type_;
   bool any_static_ = false;

@@ -1,5 +1,6 @@
 #include "culling/stages/part_candidates.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "base/counting_sort.h"
@@ -78,8 +79,19 @@ void PartCandidates::find(const PartStageFrame& frame) {
     if (next < pair_count_)
       candidates_.grow(2 * candidates_.capacity() + kWorstPair, candidate_count_);
   }
+  if (!frame.filter->of_part.empty()) leave_out_unasked(*frame.filter);
   counters_.box.passed += candidate_count_;
   counters_.box.test_ns += watch.lap_ns();
+}
+
+void PartCandidates::leave_out_unasked(const PairFilter& filter) {
+  Candidate* const end = candidates_.data() + candidate_count_;
+  const auto nobody_asks = [&](const Candidate& c) {
+    const BodyPair& pair = pairs_[c.pair];
+    return !filter.asks_parts(pair.type_a, c.part_a, pair.type_b, c.part_b);
+  };
+  candidate_count_ = static_cast<size_t>(std::remove_if(candidates_.data(), end, nobody_asks) -
+                                         candidates_.data());
 }
 
 PairKey PartCandidates::key_of(const Candidate& candidate) const {

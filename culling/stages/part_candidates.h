@@ -12,6 +12,7 @@
 #include "culling/counters.h"
 #include "culling/kernels/kernels.h"
 #include "culling/pair.h"
+#include "culling/pair_filter.h"
 #include "culling/stages/posed_bodies.h"
 #include "culling/stages/slots.h"
 
@@ -24,6 +25,7 @@ struct PartStageFrame {
   std::span<const uint16_t> type_first_shape;
   std::span<const uint16_t> type_parts;
   const Kernels* kernels;
+  const PairFilter* filter;
   VolumeKind volume;
   bool is_mixed;  ///< parts have volumes of their own, see PartShape::volume
   bool exact;
@@ -67,6 +69,7 @@ class PartCandidates {
   uint32_t times_grown() const;
 
  private:
+  void leave_out_unasked(const PairFilter& filter);
   void sort_into_buckets();
 
   const PosedBodies* bodies_ = nullptr;

@@ -23,8 +23,9 @@ SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Worker
       volume_(options.part_volume),
       volumes_(volumes_of(types, volume_)),
       exact_(options.exact),
+      filter_(options.filter),
       slots_(types),
-      broad_(types, kernels_, workers, options.pair_search, near_m) {
+      broad_(types, kernels_, workers, options.pair_search, filter_, near_m) {
   if (volumes_.size() == 1) volume_ = volumes_.front();
   size_t shapes = 0;
   for (size_t type = 0; type < types.size(); ++type) {

@@ -33,8 +33,8 @@ class SharedStages {
     return {types_, kernels_, slots_, source};
   }
   PartStageFrame parts() const {
-    return {types_,    shape_type_, type_first_shape_,   type_parts_,
-            &kernels_, volume_,     volumes_.size() > 1, exact_};
+    return {types_,   shape_type_, type_first_shape_,   type_parts_, &kernels_,
+            &filter_, volume_,     volumes_.size() > 1, exact_};
   }
   /// The frame's counters, of all stages.
   void count(const PartStageCounters& parts, const PosedBodies::Counters& posed,
@@ -47,6 +47,7 @@ class SharedStages {
   VolumeKind volume_;
   std::vector<VolumeKind> volumes_;  // of all parts, each once
   bool exact_;
+  PairFilter filter_;
   // By type, or by shape: what kernels read instead of BodyType.
   std::vector<uint16_t> type_parts_, type_first_shape_, shape_type_;
   Slots slots_;

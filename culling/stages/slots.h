@@ -35,6 +35,7 @@ class Slots {
                    std::span<const uint32_t> large);
 
   uint32_t body(size_t slot) const { return body_[slot]; }
+  uint32_t id(size_t slot) const { return bodies_.ids[body_[slot]]; }
   SlotBody operator[](size_t slot) const {
     const uint32_t body = body_[slot];
     const uint16_t type = bodies_.types[body];

@@ -11,7 +11,7 @@ class NearRows : public ::testing::TestWithParam<bench::Family> {};
 
 TEST_P(NearRows, HoldTheDistanceAndMissNothing) {
   for (uint64_t seed = 1; seed <= 2; ++seed) {
-    const NearRowsTally tally = check_near_rows(GetParam(), 3000, seed);
+    const NearRowsTally tally = check_near_rows(GetParam(), 1000, seed);
     EXPECT_EQ(tally.missed, 0u) << tally.first_wrong;
     EXPECT_EQ(tally.outside, 0u) << tally.first_wrong;
     EXPECT_EQ(tally.wide, 0u) << tally.first_wrong;

@@ -119,6 +119,7 @@ TEST_F(Structure, CullingIsKnownByItsDoor) {
                                            "culling/event_hash.h",
                                            "culling/near.h",
                                            "culling/pair.h",
+                                           "culling/pair_filter.h",
                                            "culling/part_tally.h",
                                            "culling/strategies/strategy.h",
                                            "culling/volumes/volume_kind.h"};
