@@ -257,7 +257,8 @@ Figure BodyMap::figure() const {
   const int height = views.front().height;
   // An image is a whole rectangle.
   constexpr std::array<int, 3> kPaper = {255, 255, 255};
-  std::vector<std::array<int, 3>> canvas(static_cast<size_t>(width * height), kPaper);
+  std::vector<std::array<int, 3>> canvas(static_cast<size_t>(width) * static_cast<size_t>(height),
+                                         kPaper);
   std::string labels;
   constexpr const char* kSides[] = {"front", "right", "back", "left"};
   int left = kBetween;
@@ -267,7 +268,8 @@ Figure BodyMap::figure() const {
       if (!(view.pixels[i].light > 0)) continue;
       const auto x = static_cast<int>(i) % view.width, y = static_cast<int>(i) / view.width;
       // A square root, so that a rare contact is seen beside a frequent one.
-      canvas[static_cast<size_t>((height - 1 - y) * width + left + x)] =
+      canvas[static_cast<size_t>(height - 1 - y) * static_cast<size_t>(width) +
+             static_cast<size_t>(left + x)] =
           colour_of(most > 0 ? std::sqrt(heats[side][i] / most) : 0,
                     static_cast<double>(view.pixels[i].light));
     }
