@@ -84,7 +84,9 @@ void run_to_end(RunWork& work, WorkSigns& signs) {
         std::make_unique<TrajectorySink>(TrajectoryOptions{file, request.trajectory_fps}));
   if (!request.html.empty())
     files.push_back(std::make_unique<ReplaySink>(request.html, page_html(), kReplayLimitMb));
-  if (!request.contacts.empty()) files.push_back(std::make_unique<ContactSink>(request.contacts));
+  if (!request.contacts.empty())
+    files.push_back(
+        std::make_unique<ContactSink>(request.contacts, BodyMap::is_known(simulation.scene())));
   if (!request.trace_hash.empty()) files.push_back(std::make_unique<TraceSink>(request.trace_hash));
   if (!request.log.empty()) {
     LogOptions options;

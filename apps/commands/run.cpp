@@ -28,6 +28,7 @@
 #include "lcmtypes/wire/lcm_sink.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/run/runner.h"
+#include "scenes/separation/separation_check.h"
 
 namespace throng {
 namespace {
@@ -46,6 +47,7 @@ Examples:
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run plaza --pace 1                          as fast as life, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
+  throng run cell.yaml --separation separation      how near robots came to whom, docs/near.md
   throng run plaza --by-part parts                  tests, passes and false positives, part by part
   throng run plaza --part-volume 'hands: sphere, default: ordop26'
   throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
@@ -286,6 +288,8 @@ RunReport report_of(const RunOptions& options, const SimulationOptions& simulate
   report.log_bytes = listeners.log == nullptr ? 0 : listeners.log->bytes();
   if (const ContactSink* contacts = listeners.recorders->contacts())
     report.contacts = {options.recorders.contacts, contacts->statistics()->totals()};
+  if (const SeparationSink* separation = listeners.recorders->separation())
+    report.separation = {options.recorders.separation, *separation->totals()};
   return report;
 }
 
@@ -299,8 +303,8 @@ void share_encoder(Listeners& listeners) {
 }
 
 /// Opens what the run writes, the log last: its older one is moved away only when all else is open.
-Listeners open_listeners(const RunOptions& options, const PlannedFile& log, double states,
-                         OpenOutputs& outputs) {
+Listeners open_listeners(const RunOptions& options, const Scene& scene, const PlannedFile& log,
+                         double states, OpenOutputs& outputs) {
   Listeners listeners;
   if (options.lcm != "off") {
     LcmOptions lcm;
@@ -309,7 +313,7 @@ Listeners open_listeners(const RunOptions& options, const PlannedFile& log, doub
     lcm.part_poses = options.publish_parts;
     listeners.lcm = std::make_unique<LcmSink>(lcm);
   }
-  listeners.recorders = std::make_unique<Recorders>(options.recorders);
+  listeners.recorders = std::make_unique<Recorders>(options.recorders, scene);
   outputs.keep_older();
   for (const std::string& note : outputs.notes()) say("note: {}\n", note);
   if (!log.path.empty()) {
@@ -331,9 +335,8 @@ int report_end(const RunOptions& options, const RunReport& report, const Listene
   show_beside_json(options.json, format_table(report));
   if (listeners.lost_log()) say("{}\n", listeners.guard->failure());
   say("{}", listeners.recorders->failures());
-  if (const ContactSink* contacts = listeners.recorders->contacts();
-      contacts != nullptr && !contacts->note().empty() && !listeners.lost_file())
-    say("note: {}\n", contacts->note());
+  if (!listeners.lost_file())
+    for (const std::string& note : listeners.recorders->notes()) say("note: {}\n", note);
   if (!checkpoints.failure().empty()) say("{}\n", checkpoints.failure());
   if (!options.checkpoints.file.empty() && checkpoints.written() == 0)
     say("note: no checkpoint: the run ended before the first was due; see --every\n");
@@ -348,6 +351,8 @@ int run_scene(const RunOptions& options) {
   OutputPlan plan = planned_outputs(options, log);
   plan.check();  // before what takes its time
   RunSource source = open_run_source(options.source);
+  require_recordable(options.recorders, source.scene);
+  for (std::string& note : separation_notes(source.scene)) source.notes.push_back(std::move(note));
   for (const std::string& note : source.notes) say("note: {}\n", note);
   const double states = state_every(options, source.scene);
   plan_inputs(source.scene, plan);
@@ -365,7 +370,7 @@ int run_scene(const RunOptions& options) {
   // their ends.
   const StopSignal stop;
   OpenOutputs outputs = plan.open();
-  const Listeners listeners = open_listeners(options, log, states, outputs);
+  const Listeners listeners = open_listeners(options, simulation.scene(), log, states, outputs);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
   const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get(), checkpoints);
   for (const Stranding& stranding : summary.strandings)

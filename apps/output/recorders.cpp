@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/errors.h"
 #include "scenes/sinks/by_part.h"
 #include "scenes/sinks/trace.h"
 #include "viewer/replay/replay_file.h"
@@ -30,6 +31,9 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
       ->type_name("FILE");
   app.add_option("--contacts", options.contacts, "Contact statistics: a folder of CSV and figures")
       ->type_name("DIR");
+  app.add_option("--separation", options.separation,
+                 "How near robots come to people, as the scene's separation judges it: a folder")
+      ->type_name("DIR");
   app.add_option("--by-part", options.by_part,
                  "Tests, passes and false positives by pair of parts: a folder of CSV and figures")
       ->type_name("DIR")
@@ -53,7 +57,14 @@ void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
   plan.writes({.option = "--trace-hash", .path = options.trace, .writing = Writing::kAsItRuns});
   plan.writes({.option = "--html", .path = options.html, .is_recording = true});
   plan.fills("--contacts", options.contacts, contact_files());
+  plan.fills("--separation", options.separation, separation_files());
   plan.fills("--by-part", options.by_part, by_part_files());
+}
+
+void require_recordable(const RecorderOptions& options, const Scene& scene) {
+  if (!options.separation.empty() && !scene.separation)
+    throw InputError("--separation", "a scene with a 'separation' (see docs/near.md)",
+                     fmt::format("none in {}", scene.name));
 }
 
 template <typename Recorder>
@@ -62,15 +73,20 @@ void Recorders::add(std::unique_ptr<Recorder> recorder) {
   recorders_.push_back(std::move(recorder));
 }
 
-Recorders::Recorders(const RecorderOptions& options) {
+Recorders::Recorders(const RecorderOptions& options, const Scene& scene) {
   for (const std::string& file : options.trajectories)
     add(std::make_unique<TrajectorySink>(TrajectoryOptions{file, options.trajectory_fps}));
   if (!options.trace.empty()) add(std::make_unique<TraceSink>(options.trace));
   if (!options.html.empty())
     add(std::make_unique<ReplaySink>(options.html, page_html(), kReplayLimitMb));
   if (!options.by_part.empty()) add(std::make_unique<ByPartSink>(options.by_part));
+  if (scene.separation) {
+    auto separation = std::make_unique<SeparationSink>(options.separation, *scene.separation);
+    separation_ = separation.get();
+    add(std::move(separation));
+  }
   if (options.contacts.empty()) return;
-  auto contacts = std::make_unique<ContactSink>(options.contacts);
+  auto contacts = std::make_unique<ContactSink>(options.contacts, BodyMap::is_known(scene));
   contacts_ = contacts.get();
   add(std::move(contacts));
 }
@@ -79,6 +95,13 @@ std::vector<Sink*> Recorders::sinks() const {
   std::vector<Sink*> all;
   for (const auto& guard : guards_) all.push_back(guard.get());
   return all;
+}
+
+std::vector<std::string> Recorders::notes() const {
+  std::vector<std::string> notes;
+  if (contacts_ != nullptr) notes = contacts_->notes();
+  if (separation_ != nullptr && !separation_->note().empty()) notes.push_back(separation_->note());
+  return notes;
 }
 
 bool Recorders::failed() const {

@@ -12,6 +12,7 @@
 #include "apps/output/log_guard.h"
 #include "apps/output/output_plan.h"
 #include "scenes/sinks/contacts/contact_sink.h"
+#include "scenes/sinks/separation/separation_sink.h"
 #include "scenes/sinks/trajectories/trajectory_sink.h"
 
 namespace throng {
@@ -19,24 +20,31 @@ namespace throng {
 struct RecorderOptions {
   std::vector<std::string> trajectories;
   std::optional<double> trajectory_fps;
-  std::string contacts;  ///< a folder, or ""
-  std::string trace;     ///< a hash a stage and frame, or ""
-  std::string by_part;   ///< a folder, or ""; needs CullerOptions::by_part
-  std::string html;      ///< the page with the run in it, or ""
+  std::string contacts;    ///< a folder, or ""
+  std::string separation;  ///< a folder, or ""; needs a scene with a separation
+  std::string trace;       ///< a hash a stage and frame, or ""
+  std::string by_part;     ///< a folder, or ""; needs CullerOptions::by_part
+  std::string html;        ///< the page with the run in it, or ""
 };
 
 void add_recorder_options(CommandOptions& app, RecorderOptions& options);
 void plan_recorders(const RecorderOptions& options, OutputPlan& plan);
+/// Throws InputError for what the scene gives no occasion to.
+void require_recordable(const RecorderOptions& options, const Scene& scene);
 
 class Recorders {
  public:
   /// Opens the files, which are emptied when the run begins. Throws InputError or EnvironmentError.
-  explicit Recorders(const RecorderOptions& options);
+  Recorders(const RecorderOptions& options, const Scene& scene);
 
   std::vector<Sink*> sinks() const;
   bool failed() const;
   /// Null without --contacts.
   const ContactSink* contacts() const { return contacts_; }
+  /// Null where the scene has no separation.
+  const SeparationSink* separation() const { return separation_; }
+  /// What of their files there is none of, and why; a line each.
+  std::vector<std::string> notes() const;
   /// One line a failure.
   std::string failures() const;
 
@@ -46,6 +54,7 @@ class Recorders {
 
   std::vector<std::unique_ptr<Sink>> recorders_;
   const ContactSink* contacts_ = nullptr;
+  const SeparationSink* separation_ = nullptr;
   std::vector<std::unique_ptr<SinkGuard>> guards_;
 };
 

@@ -146,6 +146,44 @@ Json near_json(const NearSummary& near) {
           {"hash", hash_text(near.hash)}};
 }
 
+Json separation_json(const RunReport::Separation& separation) {
+  const SeparationTotals& totals = separation.totals;
+  Json regions = Json::object();
+  for (size_t i = 0; i < kBodyRegions; ++i) {
+    const RegionTotals& region = totals.regions[i];
+    if (!region.is_there) continue;
+    const bool is_far = region.least_lo_m == RegionSeparation::kFar;
+    regions[std::string(name_of(static_cast<BodyRegion>(i)))] = {
+        {"shortfalls", region.shortfalls},
+        {"short_s", region.short_s},
+        {"most_short_m", region.most_short_m},
+        {"least_m", is_far ? Json() : Json{region.least_lo_m, region.least_hi_m}}};
+  }
+  return {{"folder", separation.folder},
+          {"robots", totals.robots},
+          {"shortfalls", totals.shortfalls},
+          {"pairs", totals.pairs},
+          {"unjudged", totals.unjudged},
+          {"beyond_margin", totals.beyond_margin},
+          {"regions", regions}};
+}
+
+/// The region in which robots were too near for longest.
+std::string separation_text(const SeparationTotals& totals) {
+  size_t worst = 0;
+  for (size_t i = 1; i < kBodyRegions; ++i)
+    if (totals.regions[i].short_s > totals.regions[worst].short_s) worst = i;
+  std::string text = fmt::format("{} shortfalls", totals.shortfalls);
+  if (totals.shortfalls > 0)
+    text += fmt::format(", {} for longest ({:.2f} s, by {:.3f} m at most)",
+                        name_of(static_cast<BodyRegion>(worst)), totals.regions[worst].short_s,
+                        totals.regions[worst].most_short_m);
+  text += fmt::format("; of {} pairs of parts {} have no speed", totals.pairs, totals.unjudged);
+  if (totals.beyond_margin > 0)
+    text += fmt::format(", {} require more than the margin", totals.beyond_margin);
+  return text;
+}
+
 Json recording_json(const RunReport::Recording& recording) {
   Json json = {{"kind", recording.facts.kind},
                {"people", recording.people},
@@ -239,6 +277,7 @@ Json to_json(const RunReport& report) {
                         {"touching_share", totals.touching_s / std::max(1e-9, totals.person_s)},
                         {"median_s", totals.median_s}};
   }
+  if (report.separation) json["separation"] = separation_json(*report.separation);
   json["peak_rss_bytes"] = peak_rss_bytes();
   json["machine"] = {{"cpu", cpu_name()}, {"simd", report.simd}};
   return json;
@@ -314,6 +353,7 @@ std::string format_table(const RunReport& report) {
                                  report.contacts->folder, totals.contacts, totals.per_person_min(),
                                  totals.median_s, totals.obstacle_contacts));
   }
+  if (report.separation) line("separated", separation_text(report.separation->totals));
   line("hash", hash_text(summary.hash));
   return text;
 }

@@ -13,6 +13,7 @@
 #include "lcmtypes/wire/drive_receiver.h"
 #include "scenes/run/runner.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
+#include "scenes/sinks/separation/separation_monitor.h"
 
 namespace throng {
 
@@ -50,6 +51,12 @@ struct RunReport {
     ContactTotals totals;
   };
   std::optional<Contacts> contacts;  ///< with --contacts
+
+  struct Separation {
+    std::string folder;  ///< of --separation, or ""
+    SeparationTotals totals;
+  };
+  std::optional<Separation> separation;  ///< of a scene that has one
 
   using Recording = RunSource::Recording;
   std::optional<Recording> recording;

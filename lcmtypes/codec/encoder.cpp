@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <iterator>
 
 #include "base/checksum.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "lcmtypes/codec/counter_rows.h"
 #include "lcmtypes/codec/log_format.h"
 #include "lcmtypes/codec/near_rows.h"
 #include "lcmtypes/codec/pair_columns.h"
 #include "lcmtypes/codec/readable.h"
-#include "scenes/run/stages.h"
+#include "lcmtypes/codec/separation_rows.h"
 
 namespace throng {
 namespace {
@@ -37,6 +37,7 @@ constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
 constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 12;
 constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
 constexpr size_t kNearPerMessage = (kMaxMessageBytes - kHeaderBytes - 20) / 88;
+constexpr size_t kShortfallsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 32;
 
 /// A message takes some hundred microseconds; all slots together fit the second cache.
 constexpr size_t kSlotsAThread = 4;
@@ -147,6 +148,8 @@ void RunEncoder::begin(const RunInfo& run) {
   utime_us_ = frame_ = 0;
   last_second_ = -1;
 
+  monitor_.reset();
+  if (run.scene->separation) monitor_.emplace(run);
   describe_checks(run, checks_);
 
   description_ = readable_description(run);
@@ -213,6 +216,10 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
     send_touching(frame.pairs, frame.levels);
   }
   if (run.culler.near.is_asked()) send_near(run, frame);
+  if (monitor_) {
+    monitor_->frame(run, frame);
+    send_separation();
+  }
   states_to_.clear();
   parts_to_.clear();
   for (Outlet* outlet : open_) {
@@ -279,6 +286,23 @@ void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
                of_people);
     }
     send(open_, Channel::kNear, m, chunk, chunks);
+  }
+}
+
+void RunEncoder::send_separation() {
+  const std::span<const Shortfall> begun = monitor_->begun(), ended = monitor_->ended();
+  const size_t rows = begun.size() + ended.size();
+  const int chunks = chunks_of(rows, kShortfallsPerMessage);
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * kShortfallsPerMessage;
+    const size_t count = std::min(kShortfallsPerMessage, rows - first);
+    begin_separation(separation_, count);
+    for (size_t i = 0; i < count; ++i) {
+      const bool is_begin = first + i < begun.size();
+      set_shortfall(separation_, i, is_begin ? EventKind::kBegin : EventKind::kEnd,
+                    is_begin ? begun[first + i] : ended[first + i - begun.size()]);
+    }
+    send(open_, Channel::kSeparation, separation_, chunk, chunks);
   }
 }
 
@@ -403,55 +427,13 @@ void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float 
 }
 
 void RunEncoder::send_stages(Outlet& to, const Frame& frame) {
-  stages_t& m = stages_;
-  const bool clock = to.options_.with_clock_times;
-  const auto counted = culling_stages(*frame.counters);
-  m.culling_count = static_cast<int32_t>(counted.size());
-  for (auto* column : {&m.updates, &m.tests, &m.passed}) column->resize(counted.size());
-  for (auto* column : {&m.update_ns, &m.test_ns}) column->resize(counted.size());
-  for (size_t i = 0; i < counted.size(); ++i) {
-    m.updates[i] = static_cast<int64_t>(counted[i]->updates);
-    m.tests[i] = static_cast<int64_t>(counted[i]->tests);
-    m.passed[i] = static_cast<int64_t>(counted[i]->passed);
-    m.update_ns[i] = clock ? counted[i]->update_ns : 0;
-    m.test_ns[i] = clock ? counted[i]->test_ns : 0;
-  }
-  m.stage_count = static_cast<int32_t>(kStageCount);
-  m.stage_ns.assign(kStageCount, 0);
-  if (clock && frame.times)
-    m.stage_ns.assign(frame.times->stage_ns.begin(), frame.times->stage_ns.end());
-  send(to, Channel::kStages, m, 0, 1);
+  fill_stages(stages_, frame, to.options_.with_clock_times);
+  send(to, Channel::kStages, stages_, 0, 1);
 }
 
 void RunEncoder::send_counters(Outlet& to, const Frame& frame, int64_t begins) {
-  counters_t& m = counters_;
-  const CullingCounters& c = *frame.counters;
-  // The four that the type has had from its beginning; stages_t has all.
-  const StageCounters* stages[] = {&c.avatar, &c.box, &c.part, &c.exact};
-  const bool clock = to.options_.with_clock_times;
-  for (size_t i = 0; i < std::size(stages); ++i) {
-    m.updates[i] = static_cast<int64_t>(stages[i]->updates);
-    m.tests[i] = static_cast<int64_t>(stages[i]->tests);
-    m.passed[i] = static_cast<int64_t>(stages[i]->passed);
-    m.update_ns[i] = clock ? stages[i]->update_ns : 0;
-    m.test_ns[i] = clock ? stages[i]->test_ns : 0;
-  }
-  m.posed_bodies = static_cast<int64_t>(c.posed_bodies);
-  m.begins = begins;
-  m.ends = static_cast<int64_t>(frame.events.size()) - begins;
-  m.persisting = static_cast<int64_t>(frame.persisting);
-  m.touching = static_cast<int64_t>(frame.pairs.size());
-  const FrameTimes times = clock && frame.times ? *frame.times : FrameTimes{};
-  m.steering_ns = times[Stage::kSteering];
-  m.gait_ns = times[Stage::kGait];
-  m.kinematics_ns = times[Stage::kKinematics];
-  m.avatar_cull_ns = times[Stage::kAvatarCull];
-  m.part_cull_ns = times[Stage::kPartCull];
-  m.exact_ns = times[Stage::kExact];
-  m.events_ns = times[Stage::kEvents];
-  m.publish_ns = times[Stage::kPublish];
-  m.frame_ns = times.frame_ns;
-  send(to, Channel::kCounters, m, 0, 1);
+  fill_counters(counters_, frame, begins, to.options_.with_clock_times);
+  send(to, Channel::kCounters, counters_, 0, 1);
 }
 
 void RunEncoder::send_checks(Outlet& to, uint64_t hash, bool is_last) {
@@ -489,6 +471,10 @@ void RunEncoder::end(const RunInfo&, const RunEnd& end) {
   frame_ = end.frames;
   last_hash_ = end.hash;
   send_events(end.events);
+  if (monitor_) {
+    monitor_->end();
+    send_separation();
+  }
   for (Outlet* outlet : open_) {
     fill_end(end, *outlet, outlet->end_);
     send(*outlet, Channel::kEnd, outlet->end_, 0, 1);

@@ -14,12 +14,14 @@
 #include "lcmtypes/codec/description.h"
 #include "lcmtypes/codec/message_target.h"
 #include "scenes/run/sink.h"
+#include "scenes/sinks/separation/separation_monitor.h"
 #include "throng/checks_t.hpp"
 #include "throng/counters_t.hpp"
 #include "throng/events_t.hpp"
 #include "throng/near_t.hpp"
 #include "throng/parts_t.hpp"
 #include "throng/run_t.hpp"
+#include "throng/separation_t.hpp"
 #include "throng/stages_t.hpp"
 #include "throng/states_t.hpp"
 #include "throng/touching_t.hpp"
@@ -43,7 +45,7 @@ class RunEncoder final : public Sink {
   /// larger than a reader takes.
   void begin(const RunInfo& run) override;
   /// Messages in this order: events, touching (once a simulated second), near (where distances are
-  /// asked for), states, parts, stages, counters, checks.
+  /// asked for), separation (where the scene has one), states, parts, stages, counters, checks.
   /// A run that was resumed first sends what touched before, as touching of the frame before.
   void frame(const RunInfo& run, const Frame& frame) override;
   /// The last ends, then THRONG_END.
@@ -82,6 +84,7 @@ class RunEncoder final : public Sink {
   void send_events(std::span<const PairEvent> events);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   void send_near(const RunInfo& run, const Frame& frame);
+  void send_separation();
   bool states_are_due(double state_every, int64_t frame) const;
   void send_states(const RunInfo& run, const Frame& frame);
   void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
@@ -116,6 +119,8 @@ class RunEncoder final : public Sink {
   events_t events_{};
   touching_t touching_{};
   near_t near_{};
+  separation_t separation_{};
+  std::optional<SeparationMonitor> monitor_;  // of a run whose scene has a separation
   stages_t stages_{};
   counters_t counters_{};
   parts_t parts_{};

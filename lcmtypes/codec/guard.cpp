@@ -9,6 +9,7 @@
 #include "lcmtypes/codec/description.h"
 #include "lcmtypes/codec/log_format.h"
 #include "lcmtypes/codec/running_checks.h"
+#include "scenes/separation/body_region.h"
 
 namespace throng {
 namespace {
@@ -81,6 +82,12 @@ void walk(Cursor& c, const touching_t*) {
 void walk(Cursor& c, const near_t*) {
   c.skip(kMessageHeaderBytes + 4 + 4 + 8);
   constexpr size_t kRow = 4 * 1 + 2 * 4 + 2 * 4 + 6 * 8 + 5 * 4;
+  c.array(c.count(kRow), kRow);
+}
+
+void walk(Cursor& c, const separation_t*) {
+  c.skip(kMessageHeaderBytes);
+  constexpr size_t kRow = 4 * 1 + 2 * 4 + 8 + 3 * 4;
   c.array(c.count(kRow), kRow);
 }
 
@@ -241,6 +248,8 @@ int64_t fingerprint_of(Channel channel) {
       return stages_t::getHash();
     case Channel::kNear:
       return near_t::getHash();
+    case Channel::kSeparation:
+      return separation_t::getHash();
   }
   return 0;
 }
@@ -314,6 +323,24 @@ std::string decode(std::span<const uint8_t> bytes, near_t& out) {
     if (!(out.lo_m[i] >= 0 && out.lo_m[i] <= out.hi_m[i]))
       defect = fmt::format("a distance from {} to {} m", out.lo_m[i], out.hi_m[i]);
     if (out.of[i] > 1) defect = fmt::format("near rows of kind {}", out.of[i]);
+  }
+  return defect;
+}
+
+std::string decode(std::span<const uint8_t> bytes, separation_t& out) {
+  std::string defect = decode_message(Channel::kSeparation, bytes, out);
+  for (size_t i = 0; defect.empty() && i < out.robot.size(); ++i) {
+    if (out.kind[i] > 1) defect = fmt::format("event kind {}", out.kind[i]);
+    if (out.region[i] >= kBodyRegions) defect = fmt::format("region {}", out.region[i]);
+    if (out.robot[i] < 0 || out.person[i] < 0 || out.robot[i] == out.person[i])
+      defect = fmt::format("a robot {} and a person {}", out.robot[i], out.person[i]);
+    if (out.begin_frame[i] < 0 || out.begin_frame[i] > out.frame)
+      defect = fmt::format("a begin at frame {}", out.begin_frame[i]);
+    // Written so that NaN is refused, too.
+    if (!(out.least_lo_m[i] >= 0 && out.least_lo_m[i] <= out.least_hi_m[i]))
+      defect = fmt::format("a distance from {} to {} m", out.least_lo_m[i], out.least_hi_m[i]);
+    if (!(out.most_short_m[i] >= 0))
+      defect = fmt::format("a shortfall of {} m", out.most_short_m[i]);
   }
   return defect;
 }
@@ -414,6 +441,8 @@ std::string check_message(Channel channel, std::span<const uint8_t> bytes) {
       return check<stages_t>(bytes);
     case Channel::kNear:
       return check<near_t>(bytes);
+    case Channel::kSeparation:
+      return check<separation_t>(bytes);
   }
   return "an unknown channel";
 }

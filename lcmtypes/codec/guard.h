@@ -17,6 +17,7 @@
 #include "throng/parts_t.hpp"
 #include "throng/run_description_t.hpp"
 #include "throng/run_t.hpp"
+#include "throng/separation_t.hpp"
 #include "throng/stages_t.hpp"
 #include "throng/states_t.hpp"
 #include "throng/touching_t.hpp"
@@ -50,6 +51,7 @@ std::string decode(std::span<const uint8_t> bytes, states_t& out);
 std::string decode(std::span<const uint8_t> bytes, events_t& out);
 std::string decode(std::span<const uint8_t> bytes, touching_t& out);
 std::string decode(std::span<const uint8_t> bytes, near_t& out);
+std::string decode(std::span<const uint8_t> bytes, separation_t& out);
 std::string decode(std::span<const uint8_t> bytes, counters_t& out);
 std::string decode(std::span<const uint8_t> bytes, stages_t& out);
 std::string decode(std::span<const uint8_t> bytes, end_t& out);

@@ -50,6 +50,7 @@ void RunReader::rewind() {
   near_pairs_.clear();
   near_people_.clear();
   pending_near_frame_ = -1;
+  new_shortfalls_.clear();
   counters_.reset();
   stages_.reset();
   end_.reset();
@@ -102,6 +103,8 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
       return take<stages_t>(*channel, bytes);
     case Channel::kNear:
       return take<near_t>(*channel, bytes);
+    case Channel::kSeparation:
+      return take<separation_t>(*channel, bytes);
   }
   return Update::kNothing;
 }
@@ -300,6 +303,17 @@ std::string RunReader::use(const near_t& m, Update& update) {
   pending_near_frame_ = -1;
   pending_near_chunks_.clear();
   update = Update::kNear;
+  return "";
+}
+
+std::string RunReader::use(const separation_t& m, Update& update) {
+  for (size_t i = 0; run_ != nullptr && i < m.robot.size(); ++i)
+    if (std::max(m.robot[i], m.person[i]) >= run_->avatar_count)
+      return fmt::format("a robot {} and a person {} that the run does not have", m.robot[i],
+                         m.person[i]);
+  new_shortfalls_.clear();
+  for (size_t i = 0; i < m.robot.size(); ++i) new_shortfalls_.push_back(shortfall_at(m, i));
+  update = Update::kSeparation;
   return "";
 }
 

@@ -16,6 +16,7 @@
 
 #include "lcmtypes/codec/description.h"
 #include "lcmtypes/codec/guard.h"
+#include "lcmtypes/codec/separation_rows.h"
 #include "lcmtypes/codec/tally.h"
 #include "scenes/run/sink.h"
 
@@ -35,16 +36,17 @@ class RunReader {
  public:
   /// What a message completed or changed.
   enum class Update {
-    kNothing,   ///< a piece of something, or a channel that is not ours
-    kRun,       ///< run() is new: another run, or the first
-    kState,     ///< state() is a newer frame
-    kEvents,    ///< touching() and new_events() changed
-    kTouching,  ///< touching() was set anew
-    kCounters,  ///< counters() is new, and the frame is over
-    kEnd,       ///< end() is known
-    kChecks,    ///< checks() is new
-    kNear,      ///< near_pairs() and near_people() are new
-    kRefused    ///< damaged, hostile or of another version: see refusal()
+    kNothing,     ///< a piece of something, or a channel that is not ours
+    kRun,         ///< run() is new: another run, or the first
+    kState,       ///< state() is a newer frame
+    kEvents,      ///< touching() and new_events() changed
+    kTouching,    ///< touching() was set anew
+    kCounters,    ///< counters() is new, and the frame is over
+    kEnd,         ///< end() is known
+    kChecks,      ///< checks() is new
+    kNear,        ///< near_pairs() and near_people() are new
+    kSeparation,  ///< new_shortfalls() changed
+    kRefused      ///< damaged, hostile or of another version: see refusal()
   };
 
   Update take(std::string_view channel, std::span<const uint8_t> bytes);
@@ -79,6 +81,8 @@ class RunReader {
   /// How near parts are, of the newest frame that said so; of a run that was asked for distances.
   std::span<const NearPair> near_pairs() const { return near_pairs_; }
   std::span<const NearPair> near_people() const { return near_people_; }
+  /// Begins and ends of the last THRONG_SEPARATION message.
+  std::span<const ShortfallEvent> new_shortfalls() const { return new_shortfalls_; }
   const std::optional<counters_t>& counters() const { return counters_; }
   /// Of the newest frame that had them; logs of an older Throng have none.
   const std::optional<stages_t>& stages() const { return stages_; }
@@ -105,6 +109,7 @@ class RunReader {
   std::string use(const events_t& events, Update& update);
   std::string use(const touching_t& touching, Update& update);
   std::string use(const near_t& near, Update& update);
+  std::string use(const separation_t& separation, Update& update);
   std::string use(counters_t& counters, Update& update);
   std::string use(stages_t& stages, Update& update);
   std::string use(end_t& end, Update& update);
@@ -142,6 +147,7 @@ class RunReader {
   std::vector<NearPair> near_pairs_, near_people_, pending_near_pairs_, pending_near_people_;
   int64_t pending_near_frame_ = -1;
   std::set<int32_t> pending_near_chunks_;
+  std::vector<ShortfallEvent> new_shortfalls_;
   std::optional<counters_t> counters_;
   std::optional<stages_t> stages_;
   std::optional<end_t> end_;

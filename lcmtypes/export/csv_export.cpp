@@ -70,6 +70,15 @@ void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
   add(run.near_people(), "people");
 }
 
+void add_separation(RunReader& run, const MessageHeader& header, std::string& out) {
+  for (const auto& [kind, shortfall] : run.new_shortfalls())
+    append(out, "{},{:.6f},{},{},{},{},{},{},{},{},{},{}\n", header.frame, seconds(header.utime_us),
+           kind == EventKind::kBegin ? "begin" : "end", shortfall.robot, shortfall.person,
+           name_of(shortfall.region), shortfall.begin_frame, shortfall.least_lo_m,
+           shortfall.least_hi_m, shortfall.most_short_m, shortfall.is_cut ? 1 : 0,
+           shortfall.is_beyond_margin ? 1 : 0);
+}
+
 void add_states(RunReader& run, const MessageHeader&, std::string& out) {
   const CrowdState& state = run.state();
   for (size_t id = 0; id < state.roots.size(); ++id) {
@@ -124,6 +133,10 @@ const std::vector<Table>& tables() {
                    "normal_x,normal_y,normal_z,depth_m,closing_mps,contact_in_s",
                    kPairColumns),
        add_near},
+      {"separation", Update::kSeparation,
+       "frame,time_s,kind,robot,person,region,begin_frame,least_lo_m,least_hi_m,most_short_m,cut,"
+       "beyond_margin",
+       add_separation},
       {"counters", Update::kCounters, counter_columns(), add_counters}};
   return all;
 }

@@ -21,6 +21,7 @@ const KeyTable<Companions>& companion_keys();
 const KeyTable<Door>& door_keys();
 const KeyTable<Obstacle>& obstacle_keys();
 const KeyTable<PartsBox>& box_keys();
+const KeyTable<SeparationRule>& separation_keys();
 /// Of scene.recorded and of the last group.
 const KeyTable<Scene>& recording_keys();
 

@@ -15,6 +15,7 @@
 #include "base/rectangle.h"
 #include "scenes/file/part_volumes.h"
 #include "scenes/file/people.h"
+#include "scenes/file/separation_rule.h"
 #include "scenes/file/steering_rule.h"
 #include "scenes/recorded/recording.h"
 #include "scenes/recorded/walkable_wkt.h"
@@ -188,8 +189,9 @@ struct Scene {
   bool exact = false;
   double near_m = 0;         ///< pairs of parts within it are listed with their distance; 0: none
   double person_near_m = 0;  ///< of each two people within it the nearest parts; 0: none
-  bool planted_feet = true;  ///< feet stay where they are put on curves, too
-  bool yielding = true;      ///< bodies give way to what is near; who stands breathes and sways
+  std::optional<SeparationRule> separation;  ///< of robots from people; needs near_m
+  bool planted_feet = true;                  ///< feet stay where they are put on curves, too
+  bool yielding = true;  ///< bodies give way to what is near; who stands breathes and sways
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies
 };

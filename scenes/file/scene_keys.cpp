@@ -31,7 +31,8 @@ bool is_recorded(const Fields& fields) { return is_kind(fields, "recorded"); }
 /// A box has no ground, a crowd no box: the keys of other kinds are none.
 void read_kind(Reading&, Fields& fields, Scene&) {
   std::vector<std::string> absent = {"box", "recording"};
-  if (is_box(fields)) absent = {"ground", "groups", "obstacles", "recording", "doors"};
+  if (is_box(fields))
+    absent = {"ground", "groups", "obstacles", "recording", "doors", "separation"};
   if (is_recorded(fields)) absent = {"box", "step_s"};
   expect_keys_without(absent, scene_keys(), fields);
 }
@@ -131,6 +132,13 @@ void read_box(Reading& reading, Fields& fields, Scene& scene) {
   read_keys(box_keys(), reading, inner, scene.box.emplace());
   scene.ground.max_m = Eigen::Vector2d::Constant(0.5 * scene.box->edge_m);
   scene.ground.min_m = -scene.ground.max_m;
+}
+
+void read_separation(Reading& reading, Fields& fields, Scene& scene) {
+  const YamlNode* node = fields.find("separation");
+  if (node == nullptr) return;
+  Fields inner(fields.file(), *node, separation_keys().title);
+  read_keys(separation_keys(), reading, inner, scene.separation.emplace());
 }
 
 void read_part_volume(Reading&, Fields& fields, Scene& scene) {
@@ -294,6 +302,15 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
                            add_items(door_keys(), hash, scene.doors);
                          });
   doors.is_default = [](const Scene& scene) { return scene.doors.empty(); };
+  Key<Scene> separation =
+      own_key<Scene>("separation",
+                     "how far robots have to be from people, see [A separation](#a-separation)",
+                     "none", map_rule("separation"))
+          .reading(read_separation)
+          .hashing([](Hasher& hash, const Scene& scene) {
+            add_keys(separation_keys(), hash, *scene.separation);
+          });
+  separation.is_default = [](const Scene& scene) { return !scene.separation; };
   return {
       recording,
       number("near_m",
@@ -308,7 +325,8 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
            "bodies give way to those near them and to walls, and those who stand breathe and sway; "
            "needs `planted_feet` ([realism.md](realism.md))",
            &Scene::yielding),
-      doors};
+      doors,
+      separation};
 }
 
 }  // namespace
@@ -341,6 +359,7 @@ std::vector<MapText> scene_maps() {
           text_of(obstacle_keys()),
           text_of(door_keys()),
           text_of(box_keys()),
+          text_of(separation_keys()),
           text_of(recording_keys()),
           area_text(),
           distribution_text()};

@@ -20,6 +20,7 @@
 #include "scenes/run/run_identity.h"
 #include "scenes/run/walk.h"
 #include "scenes/run/yielding_stage.h"
+#include "scenes/separation/separation_check.h"
 
 namespace throng {
 namespace {
@@ -71,6 +72,7 @@ SimulationOptions with_tables(SimulationOptions options) {
 }
 
 SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
+  require_judgeable(scene);
   options.culler.part_volume = scene.part_volume.fallback;
   options.culler.exact = scene.exact;
   options.culler.near = {static_cast<float>(scene.near_m), static_cast<float>(scene.person_near_m),

@@ -16,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A fenced block. "```sh run" is run, "```sh recordings" where THRONG_RECORDINGS names a folder of
-/// recordings; "```yaml NAME" and "```python NAME" are files that later commands of the document
-/// use.
+/// recordings; "```yaml NAME", "```python NAME" and "```xml NAME" are files that later commands of
+/// the document use.
 struct Block {
   int line = 0;
   std::string info;
@@ -60,7 +60,7 @@ int run_blocks(const std::string& kind) {
       fs::copy(scenes, folder / "docs/recordings");
     }
     for (const Block& block : blocks_of(read_file(document))) {
-      for (const std::string file : {"yaml ", "python "})
+      for (const std::string file : {"yaml ", "python ", "xml "})
         if (block.info.starts_with(file))
           write_file(folder / block.info.substr(file.size()), block.text);
       if (block.info != kind) continue;

@@ -32,7 +32,7 @@ const std::vector<CommandLine>& commands() {
       {"run",
        "my.yaml --seconds 0.1 --lcm off",
        {"--log", "--json", "--trajectory", "--html", "--contacts", "--by-part", "--trace-hash",
-        "--checkpoint"},
+        "--checkpoint", "--separation"},
        {"--resume"},
        {"my.yaml", "body.urdf", "body.tri", "rock.tri"}},
       {"check", "a.lcmlog", {"--repair"}, {}, {"a.lcmlog"}},
@@ -63,7 +63,7 @@ std::string ending_of(const CommandLine& command, const std::string& option) {
 }
 
 bool is_always_folder(const std::string& option) {
-  return option == "--contacts" || option == "--by-part";
+  return option == "--contacts" || option == "--by-part" || option == "--separation";
 }
 
 TEST(OutputPlan, KnowsEveryOptionOfEveryCommandThatNamesAFile) {

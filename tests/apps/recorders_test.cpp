@@ -67,6 +67,48 @@ TEST(ContactFiles, SayTheSameAsTheRun) {
     EXPECT_THAT(read_file(folder / ("c/" + std::string(figure) + ".svg")), HasSubstr("</svg>"));
 }
 
+/// By networkx where it is installed, by an XML parser elsewhere.
+TEST(ContactFiles, AreGraphsThatOthersRead) {
+  const ScratchFolder folder;
+  const Outcome run = shell(
+      "throng run corridor --seconds 4 --person-near 1 --lcm off --log off --contacts c", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("no seconds below 2 m: person_near_m is 1\n"));
+  write_file(folder / "read.py", R"(
+import sys
+def edges(file):
+    try:
+        import networkx
+        graph = networkx.read_graphml(file)
+        assert all(graph.nodes[n]["group"] for n in graph)
+        return graph.number_of_nodes(), [(a, b, d) for a, b, d in graph.edges(data=True)]
+    except ImportError:
+        import xml.etree.ElementTree as tree
+        ns = "{http://graphml.graphdrawing.org/xmlns}"
+        root = tree.parse(file).getroot()
+        names = {k.get("id"): (k.get("attr.name"), k.get("attr.type")) for k in root.iter(ns + "key")}
+        types = {"int": int, "double": float, "string": str}
+        graph = [(e.get("source"), e.get("target"),
+                  {names[d.get("key")][0]: types[names[d.get("key")][1]](d.text) for d in e})
+                 for e in root.iter(ns + "edge")]
+        return len(list(root.iter(ns + "node"))), graph
+nodes, graph = edges("c/touching.graphml")
+assert nodes == 120, nodes
+contacts = sum(1 for line in open("c/contacts.csv")) - 1
+assert sum(d["contacts"] for a, b, d in graph) == contacts > 0
+for a, b, d in graph:
+    spells = [tuple(map(float, s.split())) for s in d["spells"].split("; ")]
+    assert len(spells) == d["contacts"] and abs(sum(e - f for f, e in spells) - d["seconds"]) < 1e-3
+tij = {tuple(map(int, line.split())) for line in open("c/touching.tij")}
+assert {(i, j) for t, i, j in tij} == {tuple(sorted((int(a), int(b)))) for a, b, d in graph}
+nodes, near = edges("c/near.graphml")
+assert len(near) == sum(1 for line in open("c/exposure.csv")) - 1 > 0
+assert {"below_0.5_m_s", "below_1_m_s"} == set(near[0][2])
+)");
+  const Outcome read = shell("python3 read.py", folder);
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+}
+
 TEST(ContactFiles, OfASceneWithNobodyInItHaveNoRows) {
   const ScratchFolder folder;
   write_file(folder / "later.yaml", R"(
@@ -95,6 +137,54 @@ TEST(ContactFiles, AFolderThatCannotBeIsTold) {
       shell("echo >f; throng run corridor --lcm off --log off --contacts f/c", folder);
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("f/c"));
+}
+
+constexpr const char* kCell = R"(
+name: cell
+step_s: 1/20
+duration_s: 3
+near_m: 0.8
+culling: {exact: true}
+ground: {min_m: [-4, -3], max_m: [4, 3]}
+groups:
+  - {name: cart, model: ROBOT, count: 1, height_m: 1.3, spawn: {min_m: [-3, -2], max_m: [3, 2]}, goals: [{min_m: [1, -2], max_m: [3, 2]}, {min_m: [-3, -2], max_m: [-1, 2]}]}
+  - {name: people, count: 12, spawn: {min_m: [-3, -2], max_m: [3, 2]}, goals: [{min_m: [1, -2], max_m: [3, 2]}, {min_m: [-3, -2], max_m: [-1, 2]}]}
+separation: {human_mps: 1.2, reaction_s: 0.1, stopping_s: 0.2, intrusion_m: 0.1}
+)";
+
+TEST(SeparationFiles, SayTheSameAsTheRun) {
+  const ScratchFolder folder;
+  std::string scene = kCell;
+  scene.replace(scene.find("ROBOT"), 5,
+                std::string(THRONG_SOURCE_DIR) + "/scenes/bundled/robot/robot.urdf");
+  write_file(folder / "cell.yaml", scene);
+  const std::string run = "throng run cell.yaml --lcm off --log off --json r.json";
+  const Outcome outcome = shell(run + " --separation s", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("note: separation: distances are known up to near_m = 0.8 m"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nseparated "));
+  const auto with = nlohmann::json::parse(read_file(folder / "r.json"));
+  const auto separation = with["separation"];
+  EXPECT_EQ(separation["folder"], "s");
+  EXPECT_EQ(separation["robots"], 1);
+  EXPECT_GT(separation["shortfalls"], 0);
+  EXPECT_EQ(separation["regions"].size(), 7u);
+  EXPECT_EQ(line_count(read_file(folder / "s/separation.csv")), 1 + 60 * 7);
+  EXPECT_EQ(line_count(read_file(folder / "s/shortfalls.csv")),
+            1 + separation["shortfalls"].get<int>());
+  EXPECT_THAT(read_file(folder / "s/separation.svg"), HasSubstr("</svg>"));
+  ASSERT_EQ(shell(run, folder).exit_code, 0);
+  const auto without = nlohmann::json::parse(read_file(folder / "r.json"));
+  EXPECT_EQ(without["separation"]["regions"], separation["regions"]);
+  EXPECT_EQ(without["hash"], with["hash"]);
+}
+
+TEST(SeparationFiles, NeedASceneThatAsksForThem) {
+  const ScratchFolder folder;
+  const Outcome outcome = shell("throng run corridor --lcm off --separation s", folder);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--separation: expected a scene with a 'separation'"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "s"));
 }
 
 /// A limit on file sizes stands in for a full disk.

@@ -33,6 +33,7 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"stages_t", {stages_t::getHash(), 0x3cf87a4616479eaf}},
       {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
       {"near_t", {near_t::getHash(), 0xa556b0d68e2546c0}},
+      {"separation_t", {separation_t::getHash(), 0xd59f80a91bbddbaf}},
   };
   for (const auto& [name, hashes] : golden)
     EXPECT_EQ(static_cast<uint64_t>(hashes.first), hashes.second)

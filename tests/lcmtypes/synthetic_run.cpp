@@ -49,7 +49,13 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.run_id = 0x1234'5678'9abc'def0 + options.seed;
   info_.instance = 0xfeed'beef'0000'0001;
   info_.step_s = 1.0 / 60;
-  if (options.near) info_.culler.near = {0.3f, 1, info_.step_s};
+  if (options.near) {
+    info_.culler.near = {0.3f, 1, info_.step_s};
+    SeparationRule& rule = scene_.separation.emplace();
+    rule.human_mps = rule.robot_mps = 0.5;
+    rule.reaction_s = 0.1;
+    rule.stopping_s = 0.05;
+  }
   if (options.deadline) info_.culler.deadline_tests = 1000;
   if (options.crowd != Crowd::kRovers) info_.models.push_back(adult());
   if (options.crowd != Crowd::kAdults) info_.models.push_back(rover());

@@ -23,9 +23,10 @@ EnvironmentError cannot_write(const fs::path& file, int error) {
                                       file.string(), std::strerror(error)));
 }
 
-constexpr const char* kTables[] = {"contacts.csv", "pairs.csv",        "people.csv",
-                                   "minutes.csv",  "durations.csv",    "parts.csv",
-                                   "density.csv",  "parts_seconds.csv"};
+constexpr const char* kTables[] = {
+    "contacts.csv", "pairs.csv",   "people.csv",        "minutes.csv",  "durations.csv",
+    "parts.csv",    "density.csv", "parts_seconds.csv", "touching.tij", "touching.graphml"};
+constexpr const char* kBodyFigure = "contact_body";
 constexpr const char* kFigures[] = {"contact_rates", "contact_durations", "contact_parts",
                                     "contact_density"};
 
@@ -192,11 +193,14 @@ std::vector<Figure> figures_of(const ContactStatistics& statistics) {
 
 std::vector<std::string> contact_files() {
   std::vector<std::string> names(std::begin(kTables), std::end(kTables));
+  for (const std::string& name : near_table_files()) names.push_back(name);
   for (const char* figure : kFigures) names.push_back(fmt::format("{}.svg", figure));
+  names.push_back(fmt::format("{}.svg", kBodyFigure));
   return names;
 }
 
-ContactSink::ContactSink(fs::path folder) : folder_(std::move(folder)) {
+ContactSink::ContactSink(fs::path folder, bool with_points)
+    : folder_(std::move(folder)), with_points_(with_points) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw cannot_write(folder_, error.value());
@@ -207,11 +211,16 @@ void ContactSink::begin(const RunInfo& run) {
   contacts_.open(folder_ / "contacts.csv", std::ios::trunc | std::ios::binary);
   if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
   statistics_ = std::make_unique<ContactStatistics>(run);
+  touching_ = std::make_unique<TouchingNetwork>(folder_, run);
+  near_ = std::make_unique<NearTables>(folder_, run);
+  body_map_ = with_points_ ? std::make_unique<BodyMap>(run) : nullptr;
+  notes_.clear();
   contacts_ << "begin_s,duration_s,person_a,person_b,x_m,y_m,density_per_m2,first_part_a,"
                "first_part_b,part_contacts,cut\n";
 }
 
 void ContactSink::list_ended() {
+  for (const Contact& contact : statistics_->ended()) touching_->ended(contact);
   for (const Contact& contact : statistics_->ended())
     contacts_ << fmt::format("{:.4f},{:.4f},{},{},{:.3f},{:.3f},{:.3f},{},{},{},{}\n",
                              contact.begin_s, contact.duration_s, contact.a, contact.b,
@@ -222,9 +231,12 @@ void ContactSink::list_ended() {
   if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
 }
 
-void ContactSink::frame(const RunInfo&, const Frame& frame) {
+void ContactSink::frame(const RunInfo& run, const Frame& frame) {
   statistics_->frame(frame);
   list_ended();
+  touching_->frame(frame);
+  near_->frame(run, frame);
+  if (body_map_ != nullptr) body_map_->frame(run, frame);
 }
 
 void ContactSink::end(const RunInfo& run, const RunEnd& end) {
@@ -233,6 +245,9 @@ void ContactSink::end(const RunInfo& run, const RunEnd& end) {
   errno = 0;
   contacts_.close();
   if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
+  touching_->end(run);
+  near_->end(run);
+  if (!near_->note().empty()) notes_.push_back(near_->note());
   write_pairs();
   const PartMatrix parts = statistics_->parts();
   const auto write_file = [](const fs::path& file, const std::string& text) {
@@ -269,8 +284,9 @@ void ContactSink::draw_figures() {
   // Figures of an earlier run beside the numbers of this one would be wrong.
   std::error_code error;
   for (const char* name : kFigures) fs::remove(folder_ / fmt::format("{}.svg", name), error);
+  fs::remove(folder_ / fmt::format("{}.svg", kBodyFigure), error);
   if (!has_gnuplot()) {
-    note_ = fmt::format("no figures in {}: gnuplot is not installed", folder_.string());
+    notes_.push_back(fmt::format("no figures in {}: gnuplot is not installed", folder_.string()));
     return;
   }
   std::vector<std::string> missing(std::begin(kFigures), std::end(kFigures));
@@ -278,9 +294,11 @@ void ContactSink::draw_figures() {
     draw(figure, folder_);
     std::erase(missing, figure.id);
   }
+  if (body_map_ != nullptr && body_map_->has_figure()) draw(body_map_->figure(), folder_);
+  if (body_map_ != nullptr && !body_map_->has_figure()) missing.emplace_back(kBodyFigure);
   if (!missing.empty())
-    note_ = fmt::format("no {}.svg in {}: there was nothing to draw", fmt::join(missing, ".svg, "),
-                        folder_.string());
+    notes_.push_back(fmt::format("no {}.svg in {}: there was nothing to draw",
+                                 fmt::join(missing, ".svg, "), folder_.string()));
 }
 
 }  // namespace throng

@@ -10,7 +10,10 @@
 
 #include "base/figure.h"
 #include "scenes/run/sink.h"
+#include "scenes/sinks/contacts/body_map.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
+#include "scenes/sinks/contacts/near_tables.h"
+#include "scenes/sinks/contacts/networks.h"
 
 namespace throng {
 
@@ -18,16 +21,18 @@ class ContactSink final : public Sink {
  public:
   /// Creates the folder; begin() replaces contacts.csv in it. Throws EnvironmentError, here and in
   /// all calls, if something cannot be written.
-  explicit ContactSink(std::filesystem::path folder);
+  /// `with_points`: of a run that knows where contacts are on the body (see BodyMap::is_known()).
+  explicit ContactSink(std::filesystem::path folder, bool with_points = false);
 
+  SinkNeeds needs() const override { return {.postures = with_points_}; }
   void begin(const RunInfo& run) override;
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;
 
   /// Null before begin().
   const ContactStatistics* statistics() const { return statistics_.get(); }
-  /// Which figures there are none of, and why; or "".
-  const std::string& note() const { return note_; }
+  /// What there is none of, and why; a line each.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   void list_ended();
@@ -35,9 +40,13 @@ class ContactSink final : public Sink {
   void draw_figures();
 
   std::filesystem::path folder_;
+  bool with_points_;
   std::ofstream contacts_;
   std::unique_ptr<ContactStatistics> statistics_;
-  std::string note_;
+  std::unique_ptr<TouchingNetwork> touching_;
+  std::unique_ptr<NearTables> near_;
+  std::unique_ptr<BodyMap> body_map_;  ///< null without points
+  std::vector<std::string> notes_;
 };
 
 /// The names of all files that it writes into the folder.

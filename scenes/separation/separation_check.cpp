@@ -1,0 +1,79 @@
+#include "scenes/separation/separation_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+#include "base/errors.h"
+#include "scenes/separation/body_region.h"
+#include "scenes/separation/protective_distance.h"
+
+namespace throng {
+namespace {
+
+/// What is required at the speeds that the rule names, of measured ones at none.
+double least_required_m(const SeparationRule& rule) {
+  return protective_distance(rule, rule.human_mps.value_or(0), rule.robot_mps.value_or(0))
+      .total_m();
+}
+
+std::string reach_note(const Scene& scene) {
+  const SeparationRule& rule = *scene.separation;
+  const std::string text =
+      fmt::format("separation: distances are known up to near_m = {:.6g} m", scene.near_m);
+  // How much farther each metre a second of a person makes it.
+  const double seconds = protective_distance(rule, 1, rule.robot_mps.value_or(0)).human_m;
+  if (!rule.robot_mps || !(seconds > 0))
+    return text +
+           "; where a measured speed requires more, shortfalls may begin unseen, and this is "
+           "counted";
+  return text + fmt::format(
+                    ", which is enough for people who come nearer at up to {:.3g} m/s; where they "
+                    "are faster, shortfalls may begin unseen, and this is counted",
+                    (scene.near_m - least_required_m(rule)) / seconds);
+}
+
+}  // namespace
+
+void require_judgeable(const Scene& scene) {
+  if (!scene.separation) return;
+  const SeparationRule& rule = *scene.separation;
+  if (!(scene.near_m > 0))
+    throw InputError(rule.where,
+                     "'near_m' (or --near) beside 'separation', which is judged within it", "none");
+  if (rule.is_measured() && !scene.exact)
+    throw InputError(rule.where,
+                     "'exact: true' under 'culling' (or --exact), by which speeds are measured, or "
+                     "'human_mps' and 'robot_mps'",
+                     "neither");
+  const double least_m = least_required_m(rule);
+  if (!(least_m <= scene.near_m))
+    throw InputError(rule.where,
+                     fmt::format("'near_m' (or --near) of at least {:.6g}, the distance that "
+                                 "'separation' requires{}",
+                                 least_m, rule.is_measured() ? " at least" : ""),
+                     fmt::format("{:.6g}", scene.near_m));
+}
+
+std::vector<std::string> separation_notes(const Scene& scene) {
+  std::vector<std::string> notes;
+  if (!scene.separation) return notes;
+  if (scene.separation->is_measured()) notes.push_back(reach_note(scene));
+  std::set<const Model*> seen;
+  for (const Group& group : scene.groups) {
+    if (group.body == nullptr || !group.body->is_person || !seen.insert(group.body.get()).second)
+      continue;
+    std::vector<std::string> names;
+    for (const Part& part : group.body->parts)
+      if (body_region(part.name) == BodyRegion::kOther) names.push_back(part.name);
+    if (!names.empty())
+      notes.push_back(
+          fmt::format("separation: of model '{}' {} of no region of the body: {}", group.body->name,
+                      names.size() == 1 ? "1 part is" : fmt::format("{} parts are", names.size()),
+                      fmt::join(names, ", ")));
+  }
+  return notes;
+}
+
+}  // namespace throng
