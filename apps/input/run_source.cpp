@@ -58,6 +58,12 @@ void add_run_source_options(CommandOptions& app, RunSourceOptions& options) {
   add_margin("--near", options.near_m, "Distances of all parts that are nearer than M metres");
   add_margin("--person-near", options.person_near_m,
              "Of each two people nearer than M metres the nearest parts");
+  app.add_option("--between", options.between,
+                 "Pairs of these groups alone, as in 'robots: people'; a name alone is with all")
+      ->type_name("A:B");
+  app.add_option("--parts", options.parts,
+                 "Pairs of these parts alone, as in 'hands: head'; words alone are with all parts")
+      ->type_name("PARTS");
   add_recording_options(app, options.recording);
   app.add_option("--step", options.step,
                  "Of a recording: recorded, its frames alone, or smooth, at most 1/60 s [smooth]")

@@ -116,6 +116,8 @@ void require_known(const RunSourceOptions& options) {
                      fmt::format("'{}'{}", name, did_you_mean(name, names)));
   };
   if (!options.part_volume.empty()) part_volumes_of(options.part_volume, "--part-volume");
+  if (!options.between.empty()) pair_rules_of(options.between, "--between");
+  if (!options.parts.empty()) pair_rules_of(options.parts, "--parts");
   require("--steering", options.steering, steering_names());
   require("--step", options.step, step_names());
   require("--unit", options.recording.unit, unit_names());
@@ -138,6 +140,8 @@ RunSource open_run_source(const RunSourceOptions& options) {
   if (options.exact) out.scene.exact = true;
   if (options.near_m) out.scene.near_m = *options.near_m;
   if (options.person_near_m) out.scene.person_near_m = *options.person_near_m;
+  if (!options.between.empty()) out.scene.between = pair_rules_of(options.between, "--between");
+  if (!options.parts.empty()) out.scene.parts = pair_rules_of(options.parts, "--parts");
   return out;
 }
 

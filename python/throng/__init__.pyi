@@ -60,6 +60,8 @@ def run(
     exact: bool = False,
     near: Optional[float] = None,
     person_near: Optional[float] = None,
+    between: Optional[str] = None,
+    parts: Optional[str] = None,
     threads: Optional[int] = None,
     deadline_ms: Optional[float] = None,
     deadline_tests: Optional[int] = None,

@@ -150,6 +150,8 @@ def run(
     exact=False,
     near=None,
     person_near=None,
+    between=None,
+    parts=None,
     threads=None,
     deadline_ms=None,
     deadline_tests=None,
@@ -185,6 +187,7 @@ def run(
         source: a scene file, the name of a bundled scene (see scenes()), a recording, or a log.
         seconds, avatars, seed, steering, part_volume, exact: as the command's.
         near, person_near: margins in metres, as the command's: rows go to the log, and to Frame.near of a Simulation.
+        between, parts: the pairs that are asked for, as the command's: "robots: people", "hands: head".
         threads, deadline_ms, deadline_tests, strategy, simd, pair_search: as the command's.
         fps, unit, columns, separator, tracks, strict, step: of a recording, as the command's.
         trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].

@@ -4,11 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
-#include <set>
 
 #include "avatars/model/model.h"
 #include "base/errors.h"
+#include "scenes/file/part_words.h"
 
 namespace throng {
 namespace {
@@ -16,37 +15,6 @@ namespace {
 constexpr std::string_view kDefault = "default";
 constexpr size_t kMostNamed = 32;
 constexpr size_t kMostNamesShown = 12;
-
-bool is_lower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
-bool is_upper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
-
-/// "upperLeftArm", "left_upper_arms" and "upper left arm": arm, left, upper.
-std::set<std::string> words_of(std::string_view name) {
-  std::set<std::string> words;
-  std::string word;
-  const auto end = [&] {
-    if (word == "feet") word = "foot";
-    if (word.size() > 2 && word.back() == 's' && word[word.size() - 2] != 's') word.pop_back();
-    if (!word.empty()) words.insert(word);
-    word.clear();
-  };
-  for (size_t i = 0; i < name.size(); ++i) {
-    const char c = name[i];
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) {
-      end();
-      continue;
-    }
-    if (is_upper(c) && i > 0 && is_lower(name[i - 1])) end();
-    word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  end();
-  return words;
-}
-
-bool takes(const PartVolumes::Named& named, const std::set<std::string>& part) {
-  const std::set<std::string> words = words_of(named.words);
-  return std::includes(part.begin(), part.end(), words.begin(), words.end());
-}
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
@@ -65,9 +33,8 @@ VolumeKind volume_named(std::string_view name, std::string_view where) {
 
 VolumeKind PartVolumes::of(std::string_view part) const {
   if (named.empty()) return fallback;
-  const std::set<std::string> words = words_of(part);
   for (const Named& each : named)
-    if (takes(each, words)) return each.volume;
+    if (has_words(part, each.words)) return each.volume;
   return fallback;
 }
 
@@ -121,7 +88,7 @@ void require_parts(const PartVolumes& volumes,
     std::vector<std::string> names;
     for (const auto& model : models)
       for (const Part& part : model->parts) {
-        is_taken |= takes(named, words_of(part.name));
+        is_taken |= has_words(part.name, named.words);
         names.push_back(part.name);
       }
     if (is_taken) continue;

@@ -20,6 +20,7 @@ struct RunChoices {
   std::optional<PartVolumes> part_volume;
   bool exact = false;
   std::optional<double> near_m, person_near_m;
+  std::optional<PairRules> between, parts;
 };
 
 /// Changes the scene; says on `notes` what else had to change with it. Returns how many times

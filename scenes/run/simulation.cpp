@@ -1,3 +1,4 @@
+#include "scenes/run/asked_pairs.h"
 #include "scenes/run/simulation.h"
 
 #include <fmt/format.h>
@@ -156,6 +157,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
     yielding = std::make_unique<YieldingStage>(scene, posing, bodies, avatars, options.culler.simd,
                                                workers);
   }
+  options.culler.filter = filter_of(scene, info);
   culler = std::make_unique<Culler>(types(), options.culler, workers);
   options.tables.reset();  // what nobody shares goes
 }

@@ -1,0 +1,24 @@
+// Which pairs a scene asks for, by names: of whom with whom, and of which parts.
+// One rule: a rule asks for pairs of one on its left and one on its right.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace throng {
+
+struct PairRule {
+  std::string left, right;
+  bool operator==(const PairRule&) const = default;
+};
+using PairRules = std::vector<PairRule>;
+
+/// On the right of a rule that names one side only: all.
+inline constexpr std::string_view kAll = "all";
+
+/// "robots: people, doors: people". Throws InputError, which begins with `where`.
+PairRules pair_rules_of(std::string_view text, std::string_view where);
+std::string to_text(const PairRules& rules);
+
+}  // namespace throng

@@ -1,0 +1,13 @@
+// The filter of a run: who and what is meant by the names of its rules.
+// One rule: a name that means nobody is an error, never an empty answer.
+#pragma once
+
+#include "culling/pair_filter.h"
+#include "scenes/run/sink.h"
+
+namespace throng {
+
+/// Of bodies by id, avatars first, and of parts by type, models first. Throws InputError.
+PairFilter filter_of(const Scene& scene, const RunInfo& info);
+
+}  // namespace throng
