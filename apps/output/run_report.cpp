@@ -146,6 +146,34 @@ Json near_json(const NearSummary& near) {
           {"hash", hash_text(near.hash)}};
 }
 
+Json lockstep_json(const RunReport::InLockstep& lockstep) {
+  Json groups = Json::array();
+  for (const Lockstep::Counts& group : lockstep.groups)
+    groups.push_back({{"group", group.group},
+                      {"channel", group.channel},
+                      {"turns", group.turns},
+                      {"answers", group.answers},
+                      {"late", group.late},
+                      {"repeated", group.repeated},
+                      {"other_runs", group.other_runs},
+                      {"refused", group.refused},
+                      {"refusal", group.refusal},
+                      {"clamped", group.clamped}});
+  return {{"timeout_s", lockstep.timeout_s},
+          {"waited_s", lockstep.waited_s},
+          {"longest_s", lockstep.longest_s},
+          {"failure", lockstep.failure},
+          {"groups", groups}};
+}
+
+std::string lockstep_text(const Lockstep::Counts& group) {
+  return fmt::format(
+      "{} by {}: {} answers, {} late, {} repeated, {} to other runs, {} refused{}; {} values out "
+      "of range",
+      group.group, group.channel, group.answers, group.late, group.repeated, group.other_runs,
+      group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")", group.clamped);
+}
+
 Json recording_json(const RunReport::Recording& recording) {
   Json json = {{"kind", recording.facts.kind},
                {"people", recording.people},
@@ -199,6 +227,7 @@ Json to_json(const RunReport& report) {
                               {"refused", driven.refused},
                               {"refusal", driven.refusal},
                               {"clamped", driven.clamped}});
+  if (report.lockstep) json["lockstep"] = lockstep_json(*report.lockstep);
   if (report.pace.factor > 0)
     json["pace"] = {{"factor", report.pace.factor},
                     {"late_frames", report.pace.late_frames},
@@ -278,6 +307,12 @@ std::string format_table(const RunReport& report) {
                      driven.group, driven.channel, driven.messages, driven.missing, driven.late,
                      driven.refused, driven.refusal.empty() ? "" : " (" + driven.refusal + ")",
                      driven.frames_held, driven.frames, driven.clamped, driven.restarts));
+  if (report.lockstep) {
+    for (const Lockstep::Counts& group : report.lockstep->groups)
+      line("lockstep", lockstep_text(group));
+    line("waited", fmt::format("{:.2f} s for answers, {:.3f} s at most for a frame",
+                               report.lockstep->waited_s, report.lockstep->longest_s));
+  }
   if (report.pace.factor > 0)
     line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
                              "{:.0f} ms, {:.0f} ms behind at the end",

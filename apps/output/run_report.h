@@ -11,6 +11,7 @@
 
 #include "lcmtypes/replay/run_source.h"
 #include "lcmtypes/wire/drive_receiver.h"
+#include "lcmtypes/wire/lockstep.h"
 #include "scenes/run/runner.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
 
@@ -41,8 +42,16 @@ struct RunReport {
     double behind_s = 0;  ///< at the end
   };
   Pace pace;
-  std::vector<DriveReceiver::Counts> driven;  ///< one a driven group
-  std::string log;                            ///< path, or "off"
+  std::vector<DriveReceiver::Counts> driven;  ///< one a driven group, without lockstep
+  struct InLockstep {
+    std::vector<Lockstep::Counts> groups;
+    double timeout_s = 0;
+    double waited_s = 0;   ///< for answers, over all frames
+    double longest_s = 0;  ///< of a frame
+    std::string failure;   ///< why it ended, or ""
+  };
+  std::optional<InLockstep> lockstep;  ///< with --lockstep
+  std::string log;                     ///< path, or "off"
   uint64_t log_bytes = 0;
 
   struct Contacts {

@@ -322,6 +322,10 @@ int Simulation::drive(uint32_t avatar, const DrivenPose& pose) {
   return state_->driven.drive(avatar, pose, state_->scene.ground);
 }
 
+const DrivenPose* Simulation::driven_pose(uint32_t avatar) const {
+  return state_->driven.pose(avatar);
+}
+
 RunEnd Simulation::finish() {
   State& s = *state_;
   s.culler->finish();
