@@ -26,6 +26,7 @@
 #include "lcmtypes/log/log_sink.h"
 #include "lcmtypes/replay/file_kind.h"
 #include "lcmtypes/wire/lcm_sink.h"
+#include "lcmtypes/wire/own_channels.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/run/runner.h"
 
@@ -77,6 +78,7 @@ struct RunOptions {
   std::string json;
   std::optional<double> states_hz;
   bool publish_parts = false;
+  std::vector<std::string> tell;
   RecorderOptions recorders;
   double flush_s = LogOptions{}.flush_s;
   CheckpointOptions checkpoints;
@@ -159,6 +161,11 @@ void add_options(CommandOptions& app, RunOptions& options) {
       ->type_name("N");
   app.add_flag("--publish-parts", options.publish_parts,
                "The pose of every part with the states, in log and LCM");
+  app.add_option("--tell", options.tell,
+                 "Contacts and near rows of a group, a body's number or all alone, on "
+                 "CHANNEL_EVENTS and _NEAR, and when, on CHANNEL_STAMP")
+      ->take_all()
+      ->type_name("WHO:CHANNEL");
   app.add_option("--json", options.json, kJsonHelp)->type_name("FILE");
   add_recorder_options(app, options.recorders);
   add_checkpoint_options(app, options.checkpoints);
@@ -224,15 +231,26 @@ struct Listeners {
   std::unique_ptr<LcmSink> lcm;
   std::unique_ptr<RunEncoder> messages;  ///< for log and LCM, where there is one of them
   std::unique_ptr<Recorders> recorders;
+  std::unique_ptr<OwnChannels> own;  ///< where somebody asks for them
 
   std::vector<Sink*> sinks() const {
     std::vector<Sink*> all = recorders->sinks();
+    if (own != nullptr) all.push_back(own.get());
     if (messages != nullptr) all.push_back(messages.get());
     return all;
   }
   bool lost_log() const { return guard != nullptr && guard->failed(); }
   bool lost_file() const { return lost_log() || recorders->failed(); }
 };
+
+/// What --tell asks for, or nothing.
+std::unique_ptr<OwnChannels> own_channels(const RunOptions& options, const RunInfo& run) {
+  if (options.tell.empty()) return {};
+  if (options.lcm == "off") throw InputError("--tell", "LCM, to tell it over", "--lcm off");
+  std::vector<OwnChannel> asked;
+  for (const std::string& text : options.tell) asked.push_back(own_channel_of(text));
+  return std::make_unique<OwnChannels>(run, asked);
+}
 
 RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
                       Driving& driving, Checkpoints& checkpoints) {
@@ -356,6 +374,7 @@ int run_scene(const RunOptions& options) {
     require_readable(simulation.info(), options.publish_parts);
   for (const std::string& note : simulation.notes()) say("note: {}\n", note);
   Pacer pacer(options.pace);
+  std::unique_ptr<OwnChannels> own = own_channels(options, simulation.info());
   Driving driving(options.driving, simulation.info(), options.lcm, options.pace > 0);
   resume_where_asked(options.checkpoints, simulation);
   driving.begin(simulation);
@@ -364,7 +383,9 @@ int run_scene(const RunOptions& options) {
   // their ends.
   const StopSignal stop;
   OpenOutputs outputs = plan.open();
-  const Listeners listeners = open_listeners(options, log, states, outputs, driving.connection());
+  Listeners listeners = open_listeners(options, log, states, outputs, driving.connection());
+  listeners.own = std::move(own);
+  if (listeners.own != nullptr) listeners.own->publish_by(*listeners.lcm);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
   const RunSummary summary = run_to_end(simulation, listeners, pacer, driving, checkpoints);
   for (const Stranding& stranding : summary.strandings)
@@ -373,6 +394,7 @@ int run_scene(const RunOptions& options) {
 
   RunReport report =
       report_of(options, simulated, simulation.scene(), summary, listeners, log.path);
+  if (listeners.own != nullptr) report.told = listeners.own->told();
   if (driving.receiver() != nullptr) report.driven = driving.receiver()->counts();
   if (const Lockstep* lockstep = driving.lockstep(); lockstep != nullptr)
     report.lockstep = {lockstep->counts(), lockstep->timeout_s(), lockstep->waited_s(),

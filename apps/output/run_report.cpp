@@ -257,6 +257,13 @@ Json to_json(const RunReport& report) {
                  {"messages", report.lcm.messages},
                  {"bytes", report.lcm.bytes},
                  {"dropped", report.lcm.dropped}};
+  for (const OwnChannels::Told& told : report.told)
+    json["told"].push_back({{"who", told.to.who},
+                            {"channel", told.to.channel},
+                            {"bodies", told.bodies},
+                            {"messages", told.messages},
+                            {"events", told.events},
+                            {"near_rows", told.near_rows}});
   json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
@@ -342,6 +349,10 @@ std::string format_table(const RunReport& report) {
            ? "off"
            : fmt::format("{}: {} messages, {}, {} dropped", report.lcm.url, report.lcm.messages,
                          megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
+  for (const OwnChannels::Told& told : report.told)
+    line("told",
+         fmt::format("{} by {}: {} bodies, {} messages, {} events, {} near rows", told.to.who,
+                     told.to.channel, told.bodies, told.messages, told.events, told.near_rows));
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
     line("contacts", fmt::format("{}: {} between two people, {:.2f} a person and minute, median "

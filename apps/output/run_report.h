@@ -12,6 +12,7 @@
 #include "lcmtypes/replay/run_source.h"
 #include "lcmtypes/wire/drive_receiver.h"
 #include "lcmtypes/wire/lockstep.h"
+#include "lcmtypes/wire/own_channels.h"
 #include "scenes/run/runner.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
 
@@ -35,6 +36,7 @@ struct RunReport {
     int64_t dropped = 0;
   };
   Lcm lcm;
+  std::vector<OwnChannels::Told> told;  ///< one a --tell
   struct Pace {
     double factor = 0;  ///< simulated seconds a second that were asked for; 0: unpaced
     int64_t late_frames = 0;
