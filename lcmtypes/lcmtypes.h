@@ -7,4 +7,5 @@
 #include "lcmtypes/log/log_sink.h"
 #include "lcmtypes/wire/drive_receiver.h"
 #include "lcmtypes/wire/lcm_sink.h"
+#include "lcmtypes/wire/lockstep.h"
 #include "lcmtypes/wire/receiver.h"

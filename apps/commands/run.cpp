@@ -15,6 +15,7 @@
 #include "apps/output/output_plan.h"
 #include "apps/output/recorders.h"
 #include "apps/output/run_report.h"
+#include "apps/process/driving.h"
 #include "apps/process/pacer.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
@@ -24,8 +25,8 @@
 #include "lcmtypes/codec/readable.h"
 #include "lcmtypes/log/log_sink.h"
 #include "lcmtypes/replay/file_kind.h"
-#include "lcmtypes/wire/drive_receiver.h"
 #include "lcmtypes/wire/lcm_sink.h"
+#include "lcmtypes/wire/own_channels.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/run/runner.h"
 #include "scenes/separation/separation_check.h"
@@ -79,9 +80,11 @@ struct RunOptions {
   std::string json;
   std::optional<double> states_hz;
   bool publish_parts = false;
+  std::vector<std::string> tell;
   RecorderOptions recorders;
   double flush_s = LogOptions{}.flush_s;
   CheckpointOptions checkpoints;
+  DrivingOptions driving;
 };
 
 constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
@@ -160,9 +163,15 @@ void add_options(CommandOptions& app, RunOptions& options) {
       ->type_name("N");
   app.add_flag("--publish-parts", options.publish_parts,
                "The pose of every part with the states, in log and LCM");
+  app.add_option("--tell", options.tell,
+                 "Contacts and near rows of a group, a body's number or all alone, on "
+                 "CHANNEL_EVENTS and _NEAR, and when, on CHANNEL_STAMP")
+      ->take_all()
+      ->type_name("WHO:CHANNEL");
   app.add_option("--json", options.json, kJsonHelp)->type_name("FILE");
   add_recorder_options(app, options.recorders);
   add_checkpoint_options(app, options.checkpoints);
+  add_driving_options(app, options.driving);
 }
 
 SimulationOptions simulation_options(const RunOptions& options) {
@@ -224,9 +233,11 @@ struct Listeners {
   std::unique_ptr<LcmSink> lcm;
   std::unique_ptr<RunEncoder> messages;  ///< for log and LCM, where there is one of them
   std::unique_ptr<Recorders> recorders;
+  std::unique_ptr<OwnChannels> own;  ///< where somebody asks for them
 
   std::vector<Sink*> sinks() const {
     std::vector<Sink*> all = recorders->sinks();
+    if (own != nullptr) all.push_back(own.get());
     if (messages != nullptr) all.push_back(messages.get());
     return all;
   }
@@ -234,24 +245,25 @@ struct Listeners {
   bool lost_file() const { return lost_log() || recorders->failed(); }
 };
 
-/// What moves the driven groups, if the scene has any and LCM is on.
-std::unique_ptr<DriveReceiver> driver_of(const RunInfo& info, const RunOptions& options) {
-  const auto is_driven = [](const std::string& channel) { return !channel.empty(); };
-  if (std::none_of(info.drive_channels.begin(), info.drive_channels.end(), is_driven)) return {};
-  if (options.lcm != "off") return std::make_unique<DriveReceiver>(info, options.lcm);
-  say("note: with --lcm off nothing drives the driven groups: they stand\n");
-  return {};
+/// What --tell asks for, or nothing.
+std::unique_ptr<OwnChannels> own_channels(const RunOptions& options, const RunInfo& run) {
+  if (options.tell.empty()) return {};
+  if (options.lcm == "off") throw InputError("--tell", "LCM, to tell it over", "--lcm off");
+  std::vector<OwnChannel> asked;
+  for (const std::string& text : options.tell) asked.push_back(own_channel_of(text));
+  return std::make_unique<OwnChannels>(run, asked);
 }
 
 RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
-                      DriveReceiver* driver, Checkpoints& checkpoints) {
+                      Driving& driving, Checkpoints& checkpoints) {
   ProgressBar progress(simulation.scene().name,
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
   return run(simulation, listeners.sinks(), [&](const Frame& frame) {
     progress.show(frame.number + 1);
+    if (!driving.await(simulation, frame)) return false;
     const double next_s = static_cast<double>(frame.number + 1) * simulation.info().step_s;
     pacer.wait_for(std::llround(next_s * 1e6), StopSignal::requested);
-    if (driver != nullptr) driver->apply(simulation);
+    driving.take(simulation);
     const bool stops = StopSignal::requested();
     checkpoints.after(simulation, frame, stops);
     return !stops && !listeners.lost_file() && checkpoints.failure().empty();
@@ -304,14 +316,16 @@ void share_encoder(Listeners& listeners) {
 
 /// Opens what the run writes, the log last: its older one is moved away only when all else is open.
 Listeners open_listeners(const RunOptions& options, const Scene& scene, const PlannedFile& log,
-                         double states, OpenOutputs& outputs) {
+                         double states, OpenOutputs& outputs,
+                         std::shared_ptr<lcm::LCM> connection) {
   Listeners listeners;
   if (options.lcm != "off") {
     LcmOptions lcm;
     lcm.url = options.lcm;
     lcm.state_every = states;
     lcm.part_poses = options.publish_parts;
-    listeners.lcm = std::make_unique<LcmSink>(lcm);
+    listeners.lcm = connection ? std::make_unique<LcmSink>(lcm, std::move(connection))
+                               : std::make_unique<LcmSink>(lcm);
   }
   listeners.recorders = std::make_unique<Recorders>(options.recorders, scene);
   outputs.keep_older();
@@ -337,11 +351,14 @@ int report_end(const RunOptions& options, const RunReport& report, const Listene
   say("{}", listeners.recorders->failures());
   if (!listeners.lost_file())
     for (const std::string& note : listeners.recorders->notes()) say("note: {}\n", note);
-  if (!checkpoints.failure().empty()) say("{}\n", checkpoints.failure());
+  const std::string late = report.lockstep ? report.lockstep->failure : "";
+  for (const std::string& failure : {checkpoints.failure(), late})
+    if (!failure.empty()) say("{}\n", failure);
   if (!options.checkpoints.file.empty() && checkpoints.written() == 0)
     say("note: no checkpoint: the run ended before the first was due; see --every\n");
   write_json_output(options.json, json_text(report));
-  if (listeners.lost_file() || !checkpoints.failure().empty()) return kExitEnvironment;
+  if (listeners.lost_file() || !checkpoints.failure().empty() || !late.empty())
+    return kExitEnvironment;
   return report.summary.stopped_early ? StopSignal::exit_code() : kExitFine;
 }
 
@@ -363,23 +380,32 @@ int run_scene(const RunOptions& options) {
     require_readable(simulation.info(), options.publish_parts);
   for (const std::string& note : simulation.notes()) say("note: {}\n", note);
   Pacer pacer(options.pace);
-  const std::unique_ptr<DriveReceiver> driver = driver_of(simulation.info(), options);
+  std::unique_ptr<OwnChannels> own = own_channels(options, simulation.info());
+  Driving driving(options.driving, simulation.info(), options.lcm, options.pace > 0);
   resume_where_asked(options.checkpoints, simulation);
+  driving.begin(simulation);
 
   // Nothing can refuse the run any more: only now files change, and from here on a signal waits for
   // their ends.
   const StopSignal stop;
   OpenOutputs outputs = plan.open();
-  const Listeners listeners = open_listeners(options, simulation.scene(), log, states, outputs);
+  Listeners listeners = open_listeners(options, simulation.scene(), log, states, outputs,
+                                       driving.connection());
+  listeners.own = std::move(own);
+  if (listeners.own != nullptr) listeners.own->publish_by(*listeners.lcm);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
-  const RunSummary summary = run_to_end(simulation, listeners, pacer, driver.get(), checkpoints);
+  const RunSummary summary = run_to_end(simulation, listeners, pacer, driving, checkpoints);
   for (const Stranding& stranding : summary.strandings)
     say("note: {}\n", describe(stranding, simulation.scene()));
   if (summary.stopped_early) say("stopped after {} frames{}\n", summary.frames, by_signal());
 
   RunReport report =
       report_of(options, simulated, simulation.scene(), summary, listeners, log.path);
-  if (driver != nullptr) report.driven = driver->counts();
+  if (listeners.own != nullptr) report.told = listeners.own->told();
+  if (driving.receiver() != nullptr) report.driven = driving.receiver()->counts();
+  if (const Lockstep* lockstep = driving.lockstep(); lockstep != nullptr)
+    report.lockstep = {lockstep->counts(), lockstep->timeout_s(), lockstep->waited_s(),
+                       lockstep->longest_s(), lockstep->failure()};
   report.recording = std::move(source.recording);
   report.plan_factor = source.plan_factor;
   report.notes = std::move(source.notes);

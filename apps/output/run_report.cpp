@@ -184,6 +184,34 @@ std::string separation_text(const SeparationTotals& totals) {
   return text;
 }
 
+Json lockstep_json(const RunReport::InLockstep& lockstep) {
+  Json groups = Json::array();
+  for (const Lockstep::Counts& group : lockstep.groups)
+    groups.push_back({{"group", group.group},
+                      {"channel", group.channel},
+                      {"turns", group.turns},
+                      {"answers", group.answers},
+                      {"late", group.late},
+                      {"repeated", group.repeated},
+                      {"other_runs", group.other_runs},
+                      {"refused", group.refused},
+                      {"refusal", group.refusal},
+                      {"clamped", group.clamped}});
+  return {{"timeout_s", lockstep.timeout_s},
+          {"waited_s", lockstep.waited_s},
+          {"longest_s", lockstep.longest_s},
+          {"failure", lockstep.failure},
+          {"groups", groups}};
+}
+
+std::string lockstep_text(const Lockstep::Counts& group) {
+  return fmt::format(
+      "{} by {}: {} answers, {} late, {} repeated, {} to other runs, {} refused{}; {} values out "
+      "of range",
+      group.group, group.channel, group.answers, group.late, group.repeated, group.other_runs,
+      group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")", group.clamped);
+}
+
 Json recording_json(const RunReport::Recording& recording) {
   Json json = {{"kind", recording.facts.kind},
                {"people", recording.people},
@@ -237,6 +265,7 @@ Json to_json(const RunReport& report) {
                               {"refused", driven.refused},
                               {"refusal", driven.refusal},
                               {"clamped", driven.clamped}});
+  if (report.lockstep) json["lockstep"] = lockstep_json(*report.lockstep);
   if (report.pace.factor > 0)
     json["pace"] = {{"factor", report.pace.factor},
                     {"late_frames", report.pace.late_frames},
@@ -266,6 +295,13 @@ Json to_json(const RunReport& report) {
                  {"messages", report.lcm.messages},
                  {"bytes", report.lcm.bytes},
                  {"dropped", report.lcm.dropped}};
+  for (const OwnChannels::Told& told : report.told)
+    json["told"].push_back({{"who", told.to.who},
+                            {"channel", told.to.channel},
+                            {"bodies", told.bodies},
+                            {"messages", told.messages},
+                            {"events", told.events},
+                            {"near_rows", told.near_rows}});
   json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
@@ -317,6 +353,12 @@ std::string format_table(const RunReport& report) {
                      driven.group, driven.channel, driven.messages, driven.missing, driven.late,
                      driven.refused, driven.refusal.empty() ? "" : " (" + driven.refusal + ")",
                      driven.frames_held, driven.frames, driven.clamped, driven.restarts));
+  if (report.lockstep) {
+    for (const Lockstep::Counts& group : report.lockstep->groups)
+      line("lockstep", lockstep_text(group));
+    line("waited", fmt::format("{:.2f} s for answers, {:.3f} s at most for a frame",
+                               report.lockstep->waited_s, report.lockstep->longest_s));
+  }
   if (report.pace.factor > 0)
     line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
                              "{:.0f} ms, {:.0f} ms behind at the end",
@@ -346,6 +388,10 @@ std::string format_table(const RunReport& report) {
            ? "off"
            : fmt::format("{}: {} messages, {}, {} dropped", report.lcm.url, report.lcm.messages,
                          megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
+  for (const OwnChannels::Told& told : report.told)
+    line("told",
+         fmt::format("{} by {}: {} bodies, {} messages, {} events, {} near rows", told.to.who,
+                     told.to.channel, told.bodies, told.messages, told.events, told.near_rows));
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
     line("contacts", fmt::format("{}: {} between two people, {:.2f} a person and minute, median "

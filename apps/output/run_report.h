@@ -11,6 +11,8 @@
 
 #include "lcmtypes/replay/run_source.h"
 #include "lcmtypes/wire/drive_receiver.h"
+#include "lcmtypes/wire/lockstep.h"
+#include "lcmtypes/wire/own_channels.h"
 #include "scenes/run/runner.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
 #include "scenes/sinks/separation/separation_monitor.h"
@@ -35,6 +37,7 @@ struct RunReport {
     int64_t dropped = 0;
   };
   Lcm lcm;
+  std::vector<OwnChannels::Told> told;  ///< one a --tell
   struct Pace {
     double factor = 0;  ///< simulated seconds a second that were asked for; 0: unpaced
     int64_t late_frames = 0;
@@ -42,8 +45,16 @@ struct RunReport {
     double behind_s = 0;  ///< at the end
   };
   Pace pace;
-  std::vector<DriveReceiver::Counts> driven;  ///< one a driven group
-  std::string log;                            ///< path, or "off"
+  std::vector<DriveReceiver::Counts> driven;  ///< one a driven group, without lockstep
+  struct InLockstep {
+    std::vector<Lockstep::Counts> groups;
+    double timeout_s = 0;
+    double waited_s = 0;   ///< for answers, over all frames
+    double longest_s = 0;  ///< of a frame
+    std::string failure;   ///< why it ended, or ""
+  };
+  std::optional<InLockstep> lockstep;  ///< with --lockstep
+  std::string log;                     ///< path, or "off"
   uint64_t log_bytes = 0;
 
   struct Contacts {

@@ -34,9 +34,7 @@ constexpr size_t kStatesFixed = kHeaderBytes + 5 * sizeof(int32_t);
 constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte of who is absent
 constexpr size_t kPartsFixed = kHeaderBytes + 4 * sizeof(int32_t);
 constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
-constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 12;
 constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
-constexpr size_t kNearPerMessage = (kMaxMessageBytes - kHeaderBytes - 20) / 88;
 constexpr size_t kShortfallsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 32;
 
 /// A message takes some hundred microseconds; all slots together fit the second cache.
@@ -243,16 +241,8 @@ void RunEncoder::send_events(std::span<const PairEvent> events) {
   const int chunks = chunks_of(events.size(), kEventsPerMessage);
   for (int chunk = 0; chunk < chunks; ++chunk) {
     const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
-    const size_t count = std::min(kEventsPerMessage, events.size() - first);
-    events_t& m = events_;
-    resize_pairs(m, count);
-    m.kind.resize(count);
-    for (size_t i = 0; i < count; ++i) {
-      const PairEvent& event = events[first + i];
-      set_pair(m, i, event.pair, static_cast<uint8_t>(event.level));
-      m.kind[i] = static_cast<uint8_t>(event.kind);
-    }
-    send(open_, Channel::kEvents, m, chunk, chunks);
+    set_events(events_, events.subspan(first, std::min(kEventsPerMessage, events.size() - first)));
+    send(open_, Channel::kEvents, events_, chunk, chunks);
   }
 }
 
@@ -272,20 +262,13 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
 }
 
 void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
-  const size_t parts = frame.near_pairs.size(), rows = parts + frame.near_people.size();
+  const size_t rows = frame.near_pairs.size() + frame.near_people.size();
   // Also when nothing is near: a receiver learns that nothing is.
   const int chunks = std::max(1, chunks_of(rows, kNearPerMessage));
   for (int chunk = 0; chunk < chunks; ++chunk) {
-    const size_t first = static_cast<size_t>(chunk) * kNearPerMessage;
-    const size_t count = std::min(kNearPerMessage, rows - first);
-    near_t& m = near_;
-    begin_near(m, run.culler.near, frame.near_hash, count);
-    for (size_t i = 0; i < count; ++i) {
-      const bool of_people = first + i >= parts;
-      set_near(m, i, of_people ? frame.near_people[first + i - parts] : frame.near_pairs[first + i],
-               of_people);
-    }
-    send(open_, Channel::kNear, m, chunk, chunks);
+    set_near_chunk(near_, run.culler.near, frame.near_hash, frame.near_pairs, frame.near_people,
+                   static_cast<size_t>(chunk) * kNearPerMessage);
+    send(open_, Channel::kNear, near_, chunk, chunks);
   }
 }
 

@@ -127,11 +127,21 @@ void walk(Cursor& c, const parts_t*) {
   c.skip(4);
 }
 
-void walk(Cursor& c, const drive_t*) {
-  c.skip(8 + 8 + 8 + 4);
+/// Avatars and joints, as what comes from controllers ends.
+void walk_poses(Cursor& c) {
   constexpr size_t kPerAvatar = 4 + 3 * 8 + 4 * 4 + 2 * 4;
   c.array(c.count(kPerAvatar), kPerAvatar);
   c.array(c.count(8), 8);
+}
+
+void walk(Cursor& c, const drive_t*) {
+  c.skip(8 + 8 + 8 + 4);
+  walk_poses(c);
+}
+
+void walk(Cursor& c, const answer_t*) {
+  c.skip(8 + 4 * 8 + 4);
+  walk_poses(c);
 }
 
 void walk_mesh(Cursor& c) {
@@ -208,6 +218,22 @@ std::string decode_message(Channel channel, std::span<const uint8_t> bytes, Mess
   std::string defect = read_header(channel, bytes, header);
   if (defect.empty()) defect = lengths_of<Message>(bytes);
   if (defect.empty()) defect = decode_walked(bytes, out);
+  return defect;
+}
+
+/// What a controller sent: without the header of a run's messages.
+template <class Message>
+std::string decode_from_outside(std::span<const uint8_t> bytes, Message& out) {
+  if (bytes.size() < 8 || bytes.size() > kMaxMessageBytes)
+    return fmt::format("{} bytes, expected 8 to {}", bytes.size(), kMaxMessageBytes);
+  if (get_big_endian<int64_t>(bytes.data()) != Message::getHash())
+    return fmt::format("fingerprint {:016x}, this program's {} has {:016x}: another version?",
+                       get_big_endian<uint64_t>(bytes.data()), Message::getTypeName(),
+                       static_cast<uint64_t>(Message::getHash()));
+  std::string defect = lengths_of<Message>(bytes);
+  if (defect.empty()) defect = decode_walked(bytes, out);
+  if (defect.empty() && out.schema != kSchema)
+    defect = fmt::format("schema {}, this program reads {}", out.schema, kSchema);
   return defect;
 }
 
@@ -379,19 +405,18 @@ std::string decode(std::span<const uint8_t> bytes, parts_t& out) {
 }
 
 std::string decode(std::span<const uint8_t> bytes, drive_t& out) {
-  if (bytes.size() < 8 || bytes.size() > kMaxMessageBytes)
-    return fmt::format("{} bytes, expected 8 to {}", bytes.size(), kMaxMessageBytes);
-  if (get_big_endian<int64_t>(bytes.data()) != drive_t::getHash())
-    return fmt::format("fingerprint {:016x}, this program's drive_t has {:016x}: another version?",
-                       get_big_endian<uint64_t>(bytes.data()),
-                       static_cast<uint64_t>(drive_t::getHash()));
-  std::string defect = lengths_of<drive_t>(bytes);
-  if (defect.empty()) defect = decode_walked(bytes, out);
-  if (!defect.empty()) return defect;
-  if (out.schema != kSchema)
-    return fmt::format("schema {}, this program reads {}", out.schema, kSchema);
-  if (out.seq < 0 || out.seq > kMaxNumber) return fmt::format("seq {}", out.seq);
-  return "";
+  std::string defect = decode_from_outside(bytes, out);
+  if (defect.empty() && (out.seq < 0 || out.seq > kMaxNumber))
+    defect = fmt::format("seq {}", out.seq);
+  return defect;
+}
+
+std::string decode(std::span<const uint8_t> bytes, answer_t& out) {
+  std::string defect = decode_from_outside(bytes, out);
+  // The frame before the first has the number -1.
+  if (defect.empty() && (out.frame < -1 || out.frame > kMaxNumber))
+    defect = fmt::format("frame {}", out.frame);
+  return defect;
 }
 
 std::string decode(std::span<const uint8_t> bytes, run_description_t& out) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lcmtypes/codec/channels.h"
+#include "throng/answer_t.hpp"
 #include "throng/checks_t.hpp"
 #include "throng/counters_t.hpp"
 #include "throng/drive_t.hpp"
@@ -64,6 +65,7 @@ std::string decode(std::span<const uint8_t> bytes, run_description_t& out);
 
 /// What moves a driven group; every list has as many items as it says.
 std::string decode(std::span<const uint8_t> bytes, drive_t& out);
+std::string decode(std::span<const uint8_t> bytes, answer_t& out);
 
 /// Header and lengths of the message that belongs on `channel`; what is wrong, or "".
 std::string check_message(Channel channel, std::span<const uint8_t> bytes);

@@ -1,9 +1,13 @@
 #include "lcmtypes/codec/near_rows.h"
 
+#include <algorithm>
+
 #include "lcmtypes/codec/pair_columns.h"
 
 namespace throng {
+namespace {
 
+/// A message of so many rows, to be set.
 void begin_near(near_t& m, const NearOptions& asked, uint64_t hash, size_t count) {
   m.near_m = asked.near_m;
   m.person_near_m = asked.body_near_m;
@@ -17,6 +21,7 @@ void begin_near(near_t& m, const NearOptions& asked, uint64_t hash, size_t count
     column->resize(count);
 }
 
+/// `of_people`: the nearest parts of two people, not a pair within near_m.
 void set_near(near_t& m, size_t i, const NearPair& row, bool of_people) {
   set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
   m.of[i] = of_people ? 1 : 0;
@@ -33,6 +38,20 @@ void set_near(near_t& m, size_t i, const NearPair& row, bool of_people) {
   m.normal_z[i] = row.normal[2];
   m.depth_m[i] = row.depth_m;
   m.closing_mps[i] = row.closing_mps;
+}
+
+}  // namespace
+
+void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash,
+                    std::span<const NearPair> parts, std::span<const NearPair> people,
+                    size_t first) {
+  const size_t count = std::min(kNearPerMessage, parts.size() + people.size() - first);
+  begin_near(m, asked, hash, count);
+  for (size_t i = 0; i < count; ++i) {
+    const size_t row = first + i;
+    const bool of_people = row >= parts.size();
+    set_near(m, i, of_people ? people[row - parts.size()] : parts[row], of_people);
+  }
 }
 
 NearPair near_at(const near_t& m, size_t i) {

@@ -4,16 +4,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "culling/near.h"
+#include "lcmtypes/codec/channels.h"
 #include "throng/near_t.hpp"
 
 namespace throng {
 
-/// A message of so many rows, to be set.
-void begin_near(near_t& m, const NearOptions& asked, uint64_t hash, size_t count);
-/// `of_people`: the nearest parts of two people, not a pair within near_m.
-void set_near(near_t& m, size_t i, const NearPair& row, bool of_people);
+/// Behind header, margins, hash and count.
+inline constexpr size_t kNearPerMessage = (kMaxMessageBytes - 60 - 20) / 88;
+
+/// A message of the rows from number `first` on, as many as fit: those of parts, then those of two
+/// people.
+void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash,
+                    std::span<const NearPair> parts, std::span<const NearPair> people,
+                    size_t first);
 /// Of a message that was checked.
 NearPair near_at(const near_t& m, size_t i);
 

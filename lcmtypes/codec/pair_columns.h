@@ -4,8 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "culling/pair.h"
+#include "lcmtypes/codec/channels.h"
+#include "throng/events_t.hpp"
 
 namespace throng {
 
@@ -26,6 +29,19 @@ void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
   m.part_a[i] = static_cast<uint8_t>(pair.part_a());
   m.part_b[i] = static_cast<uint8_t>(pair.part_b());
   m.level[i] = level;
+}
+
+/// Behind header and count.
+inline constexpr size_t kEventsPerMessage = (kMaxMessageBytes - 60 - 4) / 12;
+
+/// A message of these events, no more than fit.
+inline void set_events(events_t& m, std::span<const PairEvent> events) {
+  resize_pairs(m, events.size());
+  m.kind.resize(events.size());
+  for (size_t i = 0; i < events.size(); ++i) {
+    set_pair(m, i, events[i].pair, static_cast<uint8_t>(events[i].level));
+    m.kind[i] = static_cast<uint8_t>(events[i].kind);
+  }
 }
 
 /// Of a message that was checked.

@@ -7,6 +7,7 @@
 #include "base/errors.h"
 #include "base/say.h"
 #include "lcmtypes/codec/guard.h"
+#include "lcmtypes/wire/driven_poses.h"
 #include "lcmtypes/wire/lcm_url.h"
 
 namespace throng {
@@ -71,21 +72,6 @@ void DriveReceiver::apply(Simulation& simulation) {
   simulation_ = nullptr;
 }
 
-std::string DriveReceiver::defect_of(const Listener& listener, const drive_t& message) const {
-  size_t columns = 0;
-  for (const int32_t avatar : message.avatar) {
-    const auto id = static_cast<size_t>(avatar);
-    if (avatar < 0 || id >= run_.group_of_avatar.size() ||
-        run_.group_of_avatar[id] != listener.group)
-      return fmt::format("avatar {} is not of group '{}'", avatar, run_.groups[listener.group]);
-    columns += run_.models[run_.model_of_avatar[id]]->kinematics.columns().size();
-  }
-  if (!message.joint_values.empty() && message.joint_values.size() != columns)
-    return fmt::format("{} joint values, the avatars have {}", message.joint_values.size(),
-                       columns);
-  return "";
-}
-
 bool DriveReceiver::is_current(Listener& listener, const drive_t& message, size_t bytes) {
   const auto now = Clock::now();
   ChannelTally& tally = listener.tally;
@@ -125,7 +111,7 @@ void DriveReceiver::take(Listener& listener, std::span<const uint8_t> bytes) {
   // memory.
   try {
     std::string defect = decode(bytes, message_);
-    if (defect.empty()) defect = defect_of(listener, message_);
+    if (defect.empty()) defect = defect_for_group(run_, listener.group, message_);
     if (!defect.empty()) {
       ++counts.refused;
       counts.refusal = std::move(defect);
@@ -139,22 +125,9 @@ void DriveReceiver::take(Listener& listener, std::span<const uint8_t> bytes) {
 
 void DriveReceiver::move(Listener& listener, const drive_t& message) {
   Counts& counts = counts_[listener.index];
-  const std::span<const double> joints = message.joint_values;
-  size_t first = 0;
-  for (size_t i = 0; i < message.avatar.size(); ++i) {
-    const auto id = static_cast<uint32_t>(message.avatar[i]);
-    DrivenPose pose;
-    pose.root.position_m = {message.x_m[i], message.y_m[i], message.z_m[i]};
-    pose.root.world_from_root = {message.qw[i], message.qx[i], message.qy[i], message.qz[i]};
-    pose.velocity_mps = {static_cast<double>(message.vx_mps[i]),
-                         static_cast<double>(message.vy_mps[i])};
-    if (!joints.empty()) {
-      const size_t columns = run_.models[run_.model_of_avatar[id]]->kinematics.columns().size();
-      pose.joints = joints.subspan(first, columns);
-      first += columns;
-    }
+  for_each_pose(run_, message, [&](uint32_t id, const DrivenPose& pose) {
     counts.clamped += std::max(0, simulation_->drive(id, pose));
-  }
+  });
   ++counts.messages;
   listener.is_new = true;
 }

@@ -64,7 +64,6 @@ class DriveReceiver {
   };
   void subscribe();
   void take(Listener& listener, std::span<const uint8_t> bytes);
-  std::string defect_of(const Listener& listener, const drive_t& message) const;
   bool is_current(Listener& listener, const drive_t& message, size_t bytes);
   void start_anew(Listener& listener, const drive_t& message, double silence_s);
   void move(Listener& listener, const drive_t& message);

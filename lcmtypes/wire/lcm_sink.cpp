@@ -87,7 +87,11 @@ void LcmSink::after_end(Outlet& outlet) {
 }
 
 void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {
-  const std::string& name = channels_[static_cast<size_t>(channel)];
+  send(channels_[static_cast<size_t>(channel)], bytes);
+}
+
+void LcmSink::send(const std::string& name, std::span<const uint8_t> bytes) {
+  if (!wants_messages()) return;
   if (!server_is_lost_ &&
       lcm_->publish(name, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
     ++messages_;

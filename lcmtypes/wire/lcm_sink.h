@@ -42,6 +42,9 @@ class LcmSink final : public TargetSink {
   /// THRONG_END five times, 20 ms apart: nothing later makes up for it. Then the last checks.
   void after_end(Outlet& outlet) override;
 
+  /// A message on another channel than the run's, which `channel` names; counted as the others.
+  void send(const std::string& channel, std::span<const uint8_t> bytes);
+
   bool good() const;
   const std::string& url() const { return options_.url; }
   int64_t messages() const { return messages_; }  ///< that LCM took

@@ -16,6 +16,21 @@ double nearest(double value, double last, double low, double high, int& clamped)
   return std::isnan(value) ? last : std::clamp(value, low, high);
 }
 
+Eigen::Quaternionf unit_of(const Eigen::Quaternionf& turn, const Eigen::Quaternionf& last,
+                           int& clamped) {
+  // What is told back as it was stays as it is, to the last bit.
+  if (turn.coeffs() == last.coeffs()) return last;
+  // In double: the square of a large float is no float.
+  Eigen::Quaterniond q = turn.cast<double>();
+  const double length = q.norm();
+  if (std::isfinite(length) && length > 1e-6) {
+    q.coeffs() /= length;
+    return q.cast<float>();
+  }
+  ++clamped;
+  return last;
+}
+
 }  // namespace
 
 DrivenPose within(const DrivenPose& pose, const DrivenPose& last, const Rectangle& ground,
@@ -26,16 +41,7 @@ DrivenPose within(const DrivenPose& pose, const DrivenPose& last, const Rectangl
   p.x() = nearest(p.x(), from.x(), ground.min_m.x(), ground.max_m.x(), clamped);
   p.y() = nearest(p.y(), from.y(), ground.min_m.y(), ground.max_m.y(), clamped);
   p.z() = nearest(p.z(), from.z(), -kMaxDrivenHeight_m, kMaxDrivenHeight_m, clamped);
-  // In double: the square of a large float is no float.
-  Eigen::Quaterniond q = out.root.world_from_root.cast<double>();
-  const double length = q.norm();
-  if (std::isfinite(length) && length > 1e-6) {
-    q.coeffs() /= length;
-    out.root.world_from_root = q.cast<float>();
-  } else {
-    out.root.world_from_root = last.root.world_from_root;
-    ++clamped;
-  }
+  out.root.world_from_root = unit_of(pose.root.world_from_root, last.root.world_from_root, clamped);
   const double speed = out.velocity_mps.norm();
   if (!(speed <= kMaxDrivenSpeed_mps)) {
     ++clamped;
@@ -89,10 +95,21 @@ void DrivenAvatars::archive(Archive& a) {
   }
 }
 
-int DrivenAvatars::drive(uint32_t avatar, const DrivenPose& pose, const Rectangle& ground) {
+const DrivenAvatars::One* DrivenAvatars::find(uint32_t avatar) const {
   const auto found = std::lower_bound(all_.begin(), all_.end(), avatar,
                                       [](const One& one, uint32_t id) { return one.avatar < id; });
-  if (found == all_.end() || found->avatar != avatar) return -1;
+  return found == all_.end() || found->avatar != avatar ? nullptr : &*found;
+}
+
+const DrivenPose* DrivenAvatars::pose(uint32_t avatar) const {
+  const One* found = find(avatar);
+  return found == nullptr ? nullptr : &found->pose;
+}
+
+int DrivenAvatars::drive(uint32_t avatar, const DrivenPose& pose, const Rectangle& ground) {
+  const One* known = find(avatar);
+  if (known == nullptr) return -1;
+  One* found = &all_[static_cast<size_t>(known - all_.data())];
   if (!pose.joints.empty() && pose.joints.size() != found->row.size()) return -1;
   int clamped = 0;
   found->pose = within(pose, found->pose, ground, clamped);

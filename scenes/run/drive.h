@@ -50,6 +50,9 @@ class DrivenAvatars {
   /// See Simulation::drive().
   int drive(uint32_t avatar, const DrivenPose& pose, const Rectangle& ground);
 
+  /// Where it is held, its joints left out; null if the avatar is not driven.
+  const DrivenPose* pose(uint32_t avatar) const;
+
   /// Puts them where they are, after steering and over what it made of them.
   void lead(Crowd& crowd) const;
   void place(std::span<RootPose> roots) const;
@@ -65,6 +68,8 @@ class DrivenAvatars {
     DrivenPose pose;  ///< its joints are in row
     std::vector<float> row;
   };
+  const One* find(uint32_t avatar) const;
+
   std::vector<One> all_;
 };
 

@@ -28,6 +28,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// What clocks of other programs on this machine tell, too.
+int64_t since_1970_ns() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
 double nanoseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
 }
@@ -313,6 +318,7 @@ const Frame& Simulation::step() {
   if (s.options.culling) {
     const BodiesView there = s.there.view(s.bodies, s.world->present());
     s.posing.use_bodies(s.there.chosen());
+    s.times.culling_began_ns = since_1970_ns();
     s.culler->step(there, s.posing);
   }
   s.split_times(steering_ns, postures_ns);
@@ -324,6 +330,10 @@ const Frame& Simulation::step() {
 
 int Simulation::drive(uint32_t avatar, const DrivenPose& pose) {
   return state_->driven.drive(avatar, pose, state_->scene.ground);
+}
+
+const DrivenPose* Simulation::driven_pose(uint32_t avatar) const {
+  return state_->driven.pose(avatar);
 }
 
 RunEnd Simulation::finish() {

@@ -77,6 +77,8 @@ class Simulation {
   /// the avatar is not driven or the number of joints is not its model's (none leaves them as they
   /// are).
   int drive(uint32_t avatar, const DrivenPose& pose);
+  /// Where it is from the next step on, its joints left out; null if the avatar is not driven.
+  const DrivenPose* driven_pose(uint32_t avatar) const;
 
   /// The number of the frame that step() delivers next.
   int64_t next_frame() const;

@@ -32,6 +32,7 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
 struct FrameTimes {
   std::array<double, kStageCount> stage_ns{};
   double frame_ns = 0;
+  int64_t culling_began_ns = 0;  ///< since 1970, of the system's clock; 0: nobody was culled
 
   double& operator[](Stage stage) { return stage_ns[static_cast<size_t>(stage)]; }
   double operator[](Stage stage) const { return stage_ns[static_cast<size_t>(stage)]; }

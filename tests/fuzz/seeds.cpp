@@ -104,7 +104,25 @@ std::vector<MessageList::Message> a_run() {
   return messages_of(run, 3, {.part_poses = true});
 }
 
+/// What a controller sends of an avatar, on any channel.
+template <class Message>
+Bytes driving() {
+  Message m{};
+  m.schema = kSchema;
+  m.count = 1;
+  m.avatar = {0};
+  m.x_m = m.y_m = m.z_m = {1};
+  m.qw = m.qx = m.qy = m.qz = m.vx_mps = m.vy_mps = {0.5f};
+  m.joint_value_count = 2;
+  m.joint_values = {0.25, 0.5};
+  Bytes bytes(static_cast<size_t>(m.getEncodedSize()));
+  m.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return packed(std::vector<std::pair<uint8_t, Bytes>>{{uint8_t{0}, bytes}});
+}
+
 void add_messages(std::vector<Bytes>& out) {
+  out.push_back(driving<drive_t>());
+  out.push_back(driving<answer_t>());
   std::vector<std::pair<uint8_t, Bytes>> all;
   for (const MessageList::Message& message : a_run()) {
     const auto channel = static_cast<uint8_t>(message.channel);

@@ -13,6 +13,7 @@
 #include "base/errors.h"
 #include "base/hasher.h"
 #include "base/random.h"
+#include "driven_scene.h"
 #include "lcmtypes/wire/drive_receiver.h"
 #include "lcmtypes/wire/lcm_sink.h"
 #include "synthetic_run.h"
@@ -21,32 +22,6 @@ namespace throng {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-const std::string kChannel = "ROBOT_DRIVE";
-
-/// Two hundred people on an empty square and a rover in the middle, which has the last id.
-Scene rover_in_crowd() {
-  Scene scene = load_scene("plaza");
-  std::vector<std::string> notes;
-  scale_to(scene, 200, notes);
-  scene.obstacles.clear();
-  Group rovers;
-  rovers.name = "rovers";
-  rovers.body = rover();
-  rovers.count = 1;
-  rovers.spawn = {{-0.5, -0.5}, {0.5, 0.5}};
-  rovers.goals.emplace_back().areas.push_back(rovers.spawn);
-  const auto height_m = static_cast<double>(rover()->height_m);
-  rovers.height_m = Distribution{height_m, 0, height_m, height_m};
-  rovers.radius_m = 0.35;
-  rovers.driven = kChannel;
-  scene.groups.push_back(rovers);
-  return scene;
-}
-
-uint32_t rover_of(const Simulation& simulation) {
-  return static_cast<uint32_t>(simulation.info().avatar_count() - 1);
-}
-
 std::span<const float> row_of(const Frame& frame, uint32_t avatar) {
   const size_t first = frame.posture_offsets[avatar];
   return frame.postures.subspan(first, frame.posture_offsets[avatar + 1] - first);

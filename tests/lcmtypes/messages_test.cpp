@@ -8,6 +8,8 @@
 #include "lcmtypes/codec/guard.h"
 #include "lcmtypes/codec/run_reader.h"
 #include "synthetic_run.h"
+#include "throng/stamp_t.hpp"
+#include "throng/turn_t.hpp"
 
 namespace throng {
 namespace {
@@ -34,6 +36,9 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
       {"near_t", {near_t::getHash(), 0xa556b0d68e2546c0}},
       {"separation_t", {separation_t::getHash(), 0xd59f80a91bbddbaf}},
+      {"turn_t", {turn_t::getHash(), 0x5d42ef3a2e13dfcc}},
+      {"stamp_t", {stamp_t::getHash(), 0x39eebe8d9f216209}},
+      {"answer_t", {answer_t::getHash(), 0xc1ab0e39188801fc}},
   };
   for (const auto& [name, hashes] : golden)
     EXPECT_EQ(static_cast<uint64_t>(hashes.first), hashes.second)
