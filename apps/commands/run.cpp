@@ -389,8 +389,8 @@ int run_scene(const RunOptions& options) {
   // their ends.
   const StopSignal stop;
   OpenOutputs outputs = plan.open();
-  Listeners listeners = open_listeners(options, simulation.scene(), log, states, outputs,
-                                       driving.connection());
+  Listeners listeners =
+      open_listeners(options, simulation.scene(), log, states, outputs, driving.connection());
   listeners.own = std::move(own);
   if (listeners.own != nullptr) listeners.own->publish_by(*listeners.lcm);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);

@@ -315,8 +315,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
     Key<Scene> key = own_key<Scene>(name, std::move(meaning), "all", {.kind = Rule::Kind::kText})
                          .reading([name, rules](Reading&, Fields& fields, Scene& scene) {
                            if (const YamlNode* node = fields.find(name))
-                             scene.*rules =
-                                 pair_rules_of(fields.text(name), fields.where(*node));
+                             scene.*rules = pair_rules_of(fields.text(name), fields.where(*node));
                          })
                          .hashing([rules](Hasher& hash, const Scene& scene) {
                            hash.add(to_text(scene.*rules));
@@ -326,11 +325,12 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
   };
   return {
       recording,
-      pairs("between",
-            "the pairs of groups whose contacts and distances are asked for, as in `robots: people, "
-            "people: doors`; a name alone is with all; beside groups and obstacles `people`, "
-            "`robots`, `obstacles` and `all`; see [near.md](near.md#whom)",
-            &Scene::between),
+      pairs(
+          "between",
+          "the pairs of groups whose contacts and distances are asked for, as in `robots: people, "
+          "people: doors`; a name alone is with all; beside groups and obstacles `people`, "
+          "`robots`, `obstacles` and `all`; see [near.md](near.md#whom)",
+          &Scene::between),
       pairs("parts",
             "the pairs of parts that are asked for, by words of their names, as in `hands: head`; "
             "words alone are with all parts",

@@ -65,8 +65,8 @@ std::vector<Sides> sides_of_bodies(const Scene& scene, const RunInfo& info) {
   };
   if (const std::string nobody = give_sides(scene.between, count, sides, is_of); !nobody.empty()) {
     std::vector<std::string> names(info.groups);
-    names.insert(names.end(), {std::string(kPeople), std::string(kRobots),
-                               std::string(kObstacles), std::string(kAll)});
+    names.insert(names.end(), {std::string(kPeople), std::string(kRobots), std::string(kObstacles),
+                               std::string(kAll)});
     refuse("between", "groups of the run, or", names, nobody);
   }
   return sides;
@@ -84,10 +84,9 @@ std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo
     sides.emplace_back(1);
   }
   std::vector<Sides> flat(names.size());
-  const std::string nobody =
-      give_sides(scene.parts, names.size(), flat, [&](const std::string& name, size_t part) {
-        return has_words(names[part], name);
-      });
+  const std::string nobody = give_sides(
+      scene.parts, names.size(), flat,
+      [&](const std::string& name, size_t part) { return has_words(names[part], name); });
   if (!nobody.empty()) refuse("parts", "words of a part", names, nobody);
   size_t next = 0;
   for (std::vector<Sides>& of_type : sides)

@@ -1,4 +1,3 @@
-#include "scenes/run/asked_pairs.h"
 #include "scenes/run/simulation.h"
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include "avatars/stepping/standing.h"
 #include "base/elementary.h"
 #include "scenes/file/shapes.h"
+#include "scenes/run/asked_pairs.h"
 #include "scenes/run/bodies_there.h"
 #include "scenes/run/body_blocks.h"
 #include "scenes/run/body_tables.h"
