@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <functional>
+#include <set>
 
 #include "avatars/model/model.h"
 #include "base/errors.h"
@@ -94,12 +94,33 @@ std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo
   return sides;
 }
 
+/// What is left out would seem far away.
+void require_robots_and_people(const Scene& scene, const RunInfo& info, const PairFilter& filter) {
+  if (!scene.separation) return;
+  const std::string& where = scene.separation->where;
+  if (!filter.of_part.empty())
+    throw InputError(where, "all parts beside 'separation', which is of whole bodies",
+                     fmt::format("'parts' (or --parts) of '{}'", to_text(scene.parts)));
+  if (filter.of_body.empty()) return;
+  // By the sides that they stand on, which are few.
+  std::set<PairFilter::Sides> robots, people;
+  for (size_t id = 0; id < info.model_of_avatar.size(); ++id)
+    (info.models[info.model_of_avatar[id]]->is_person ? people : robots).insert(filter.of_body[id]);
+  for (const PairFilter::Sides robot : robots)
+    for (const PairFilter::Sides person : people)
+      if (!PairFilter::meet(robot, person))
+        throw InputError(where,
+                         "'between' (or --between) to hold 'robots: people' beside 'separation'",
+                         fmt::format("'{}'", to_text(scene.between)));
+}
+
 }  // namespace
 
 PairFilter filter_of(const Scene& scene, const RunInfo& info) {
   PairFilter filter;
   if (!scene.between.empty()) filter.of_body = sides_of_bodies(scene, info);
   if (!scene.parts.empty()) filter.of_part = sides_of_parts(scene, info);
+  require_robots_and_people(scene, info, filter);
   return filter;
 }
 

@@ -7,7 +7,8 @@
 
 namespace throng {
 
-/// Of bodies by id, avatars first, and of parts by type, models first. Throws InputError.
+/// Of bodies by id, avatars first, and of parts by type, models first. Throws InputError, also
+/// where pairs are left out that the scene's separation is judged by.
 PairFilter filter_of(const Scene& scene, const RunInfo& info);
 
 }  // namespace throng

@@ -1,8 +1,10 @@
 // Distances of a run: the same for threads and behind a checkpoint, and no event is another for
 // them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/errors.h"
+#include "scenes/file/part_words.h"
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 
@@ -70,6 +72,128 @@ TEST(NearRun, NamesTheNearestPartsOfEachTwoPeople) {
     }
   }
   EXPECT_GT(rows, 50);
+}
+
+struct Named {
+  std::string body, part;
+  bool is_robot, is_obstacle;
+};
+
+/// What a key of a frame names.
+Named named(const Simulation& run, uint32_t id, uint32_t part) {
+  const RunInfo& info = run.info();
+  if (id >= info.model_of_avatar.size())
+    return {"", run.scene().obstacles[id - info.model_of_avatar.size()].name, false, true};
+  const Model& model = *info.models[info.model_of_avatar[id]];
+  return {info.groups[info.group_of_avatar[id]], model.parts[part].name, !model.is_person, false};
+}
+
+/// Every pair of some frames, as text, that a predicate of both its ends keeps.
+template <typename Keeps>
+std::vector<std::string> seen(const Scene& scene, const Keeps& keeps) {
+  Simulation run(scene, {});
+  std::vector<std::string> out;
+  for (int i = 0; i < 40; ++i) {
+    const Frame& frame = run.step();
+    const auto add = [&](const PairKey& key, const std::string& what) {
+      const Named a = named(run, key.a(), key.part_a()), b = named(run, key.b(), key.part_b());
+      if (keeps(a, b) || keeps(b, a))
+        out.push_back(fmt::format("{} {} {} {} {} {}", frame.number, what, key.a(), key.b(),
+                                  key.part_a(), key.part_b()));
+    };
+    for (const PairKey& key : frame.pairs) add(key, "touches");
+    for (const NearPair& row : frame.near_pairs) add(row.pair, fmt::format("{}", row.lo_m));
+  }
+  return out;
+}
+
+constexpr auto kAnybody = [](const Named&, const Named&) { return true; };
+
+Scene hall() {
+  Scene scene = load_scene("robot_in_crowd");
+  scene.near_m = 0.3;
+  return scene;
+}
+
+TEST(AskedPairs, OfGroupsAreThoseOfTheWholeRunSifted) {
+  Scene scene = hall();
+  const std::vector<std::string> robots = seen(scene, [](const Named& a, const Named& b) {
+    return a.is_robot && !b.is_robot && !b.is_obstacle;
+  });
+  scene.between = pair_rules_of("robots: people", "test");
+  EXPECT_GT(robots.size(), 20u);
+  EXPECT_EQ(seen(scene, kAnybody), robots);
+  scene = hall();
+  const std::string group = Simulation(scene, {}).info().groups.front();
+  const std::vector<std::string> own =
+      seen(scene, [&](const Named& a, const Named&) { return a.body == group; });
+  scene.between = pair_rules_of(group, "test");
+  EXPECT_EQ(seen(scene, kAnybody), own) << "a name alone is with all";
+}
+
+TEST(AskedPairs, OfPartsAreThoseOfTheWholeRunSifted) {
+  Scene scene = plaza(0.2, 0);
+  scene.exact = false;
+  const auto has = [](const Named& one, std::string_view word) {
+    return has_words(one.part, word);
+  };
+  const std::vector<std::string> hands =
+      seen(scene, [&](const Named& a, const Named&) { return has(a, "hand"); });
+  const std::vector<std::string> arms = seen(scene, [&](const Named& a, const Named& b) {
+    return (has(a, "hands") && has(b, "lower arms")) || (has(a, "torso") && has(b, "torso"));
+  });
+  scene.parts = pair_rules_of("hands", "test");
+  EXPECT_GT(hands.size(), 20u);
+  EXPECT_EQ(seen(scene, kAnybody), hands);
+  scene.parts = pair_rules_of("hands: lower arms, torso: torso", "test");
+  EXPECT_GT(arms.size(), 5u);
+  EXPECT_EQ(seen(scene, kAnybody), arms);
+}
+
+TEST(AskedPairs, ArePartOfTheRunsNameAndOfNothingElse) {
+  Scene scene = plaza(0.2, 0.6);
+  const RunSummary all = summary_of(scene, 1);
+  scene.parts = pair_rules_of("hands, head: torso", "test");
+  const RunSummary one = summary_of(scene, 1), three = summary_of(scene, 3);
+  EXPECT_EQ(one.hash, three.hash);
+  EXPECT_EQ(one.near.hash, three.near.hash);
+  EXPECT_NE(one.run_id, all.run_id);
+  EXPECT_LT(one.near.pairs, all.near.pairs);
+}
+
+TEST(AskedPairs, OfNobodyAreRefused) {
+  const auto refusal = [](const char* between, const char* parts) -> std::string {
+    Scene scene = hall();
+    if (*between != 0) scene.between = pair_rules_of(between, "--between");
+    if (*parts != 0) scene.parts = pair_rules_of(parts, "--parts");
+    try {
+      const Simulation run(scene, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal("robbots: people", "").find("did you mean 'robots'"), std::string::npos)
+      << refusal("robbots: people", "");
+  EXPECT_NE(refusal("", "tail").find("words of a part"), std::string::npos);
+  EXPECT_EQ(refusal("robots: people", "hands"), "");
+  for (const char* text : {"", "a:", ":b", "a: b: c", "a,,b", " , "})
+    EXPECT_THROW(pair_rules_of(text, "--between"), InputError) << '\'' << text << '\'';
+}
+
+TEST(AskedPairs, ThatSeparationCannotDoWithoutAreNotLeftOut) {
+  Scene scene = hall();
+  scene.exact = true;
+  scene.near_m = 2;
+  scene.separation.emplace();
+  EXPECT_NO_THROW(Simulation(scene, {}));
+  scene.between = pair_rules_of("people: robots", "test");
+  EXPECT_NO_THROW(Simulation(scene, {}));
+  scene.between = pair_rules_of("people: people", "test");
+  EXPECT_THROW(Simulation(scene, {}), InputError);
+  scene.between.clear();
+  scene.parts = pair_rules_of("hands", "test");
+  EXPECT_THROW(Simulation(scene, {}), InputError);
 }
 
 }  // namespace
