@@ -21,7 +21,7 @@ inline constexpr float kBrisk_mps = 0.8f;
 inline constexpr float kMostTurn_rad = 0.58f;
 inline constexpr float kMostTurnOutAtLanding_rad = 0.42f;
 // A body turns so far over a foot in stance; who turns faster steps more often.
-inline constexpr float kMostTurnInStance_rad = 0.85f;
+inline constexpr float kMostTurnInStance_rad = 0.87f;
 // A foot that the hip forces to turn does so about its contact, which goes so far ahead in a cycle.
 inline constexpr float kContactWay_m = 0.25f;
 // No foot is farther from where the gait has it, of the leg. It lands a little nearer, so that

@@ -129,7 +129,7 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
   double rate = speed / stride_m;
   if (speed > 0) rate += std::min(behind_m * m.scale / stride_m / 0.12, 1.0);
   rate = std::max(rate, finishing);
-  const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.85, 2.5);
+  const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.87, 2.5);
   rate = std::max(rate, turning * std::min(speed / 0.2, 1.0));
   const double aside_m = std::abs(way.y()) + std::max(-way.x(), 0.0);
   const double travel =
