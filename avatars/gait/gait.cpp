@@ -377,6 +377,7 @@ void Gait::stand_as_tabled(WalkChunk& chunk, size_t i) const {
   chunk.room_x[i] = room.x;
   chunk.room_y[i] = room.y;
   chunk.set_feet(i, {});
+  chunk.momentum[WalkChunk::kSunk][i] = chunk.momentum[WalkChunk::kSinking][i] = 0;
 }
 
 void Gait::roll(WalkChunk& chunk, size_t i) const {

@@ -239,6 +239,8 @@ uint64_t Stepping::walk(WalkChunk& chunk, SimdTarget target) const {
   uint64_t lost = 0;
   for (size_t lane = 0; lane < chunk.count; ++lane)
     if (chunk.out_of_reach[lane] != 0 && !settle(chunk, lane)) lost |= uint64_t{1} << lane;
+  for (size_t n = 0; n < 2; ++n)
+    std::copy_n(chunk.next_sunk[n], chunk.count, chunk.momentum[WalkChunk::kSunk + n]);
   return lost;
 }
 
@@ -328,6 +330,7 @@ void WalkChunk::fill_up() {
                            &scales, &present, &stretch, &shift_m, &breath, &gait_mps, &phases})
     fill(*numbers);
   for (Numbers& numbers : feet) fill(numbers);
+  for (Numbers& numbers : momentum) fill(numbers);
   for (Numbers& numbers : landing) fill(numbers);
   std::fill(tables.begin() + static_cast<ptrdiff_t>(count),
             tables.begin() + static_cast<ptrdiff_t>(end), tables[count - 1]);

@@ -70,6 +70,14 @@ struct WalkChunk {
   /// Of the right foot, then of the left, how far it is from where the gait has it, in the root
   /// frame at scale 1: x and y (metres), turn (radians).
   static constexpr size_t kFeetNumbers = 6;
+  /// What keeps joints from jerking. Of a foot in the air how fast each of its numbers goes to what
+  /// it lands with, a swing; then as named.
+  enum : size_t {
+    kCycles = kFeetNumbers,  ///< a second; below 0: as many as the way asks for
+    kSunk,     ///< the pelvis, metres at scale 1; below 0: it stands where the legs have it
+    kSinking,  ///< how fast, m/s
+    kMomentumNumbers
+  };
   using Numbers = float[kRoom];
 
   size_t count;
@@ -96,6 +104,7 @@ struct WalkChunk {
   alignas(64) Numbers gait_mps;  ///< what the gait goes by; kNotComeIn at first
   alignas(64) Numbers phases;
   alignas(64) Numbers feet[kFeetNumbers];
+  alignas(64) Numbers momentum[kMomentumNumbers];
 
   // Comes out, as the postures do.
   alignas(64) Numbers room_x, room_y;  ///< of a WalkRoom
@@ -114,6 +123,7 @@ struct WalkChunk {
   std::array<const float*, kRoom> tables;  ///< of the gaits; filled by Gait::walk()
   /// What legs need to know of the step: sides and toes of the track, place in the tables.
   alignas(64) Numbers track[4], place[4];
+  alignas(64) Numbers next_sunk[2];  ///< kSunk and kSinking, when it is done
   /// Lanes beyond `count`, up to a full register, do as the last one does.
   void fill_up();
 };

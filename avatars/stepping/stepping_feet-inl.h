@@ -10,6 +10,8 @@ inline constexpr float kBeforeLift_s = 0.25f;
 inline constexpr float kSteppingRate_hz = 1.2f;
 inline constexpr float kFastestRate_hz = 2.5f;
 inline constexpr float kFinishingRate_hz = 0.9f;
+// A step that is hardly due is made more slowly, but not put off for long.
+inline constexpr float kLeastUrge = 0.3f, kSoonDue = 15;
 // Slower than this, steps end sooner than the way asks for: nobody stands on one leg.
 inline constexpr float kSlow_mps = 0.2f;
 // At this speed the next step comes soon enough.
@@ -19,10 +21,13 @@ inline constexpr float kBrisk_mps = 0.8f;
 inline constexpr float kMostTurn_rad = 0.58f;
 inline constexpr float kMostTurnOutAtLanding_rad = 0.42f;
 // A body turns so far over a foot in stance; who turns faster steps more often.
-inline constexpr float kMostTurnInStance_rad = 0.95f;
+inline constexpr float kMostTurnInStance_rad = 0.87f;
 // A foot that the hip forces to turn does so about its contact, which goes so far ahead in a cycle.
 inline constexpr float kContactWay_m = 0.25f;
-inline constexpr float kMostShiftShare = 0.4f;  // of the leg
+// No foot is farther from where the gait has it, of the leg. It lands a little nearer, so that
+// nothing is cut off then; what the way alone makes of it leaves room for giving way.
+inline constexpr float kMostShiftShare = 0.4f;
+inline constexpr float kMostLandingShare = 0.38f, kMostWantedShare = 0.3f;
 // Nobody looks farther ahead for a landing place.
 inline constexpr float kLongestLook_s = 0.9f;
 // How high a foot is lifted on the spot, of the way it goes and at most.
@@ -34,6 +39,13 @@ inline constexpr float kLeastEasing_mps2 = 0.2f;  // so that it comes to rest
 // The time in which the phase makes up for a foot that is left behind as the body slows down.
 inline constexpr float kCatchUp_s = 0.12f;
 inline constexpr float kMostCatchUp_hz = 1;
+// Steps get quicker or slower by no more, cycles a second each second: hips and knees go along.
+inline constexpr float kCyclesChange_hz_ps = 20;
+// And nobody makes more, however fast something moves a body whose strides are still short.
+inline constexpr float kMostCycles_hz = 3;
+// A foot in the air that is to land elsewhere goes there no harder; shortly before it lands it is
+// too late. A leg of 0.9 m speeds up by 2500 degrees/s2 then, a hip that turns by 6900.
+inline constexpr float kFoot_mps2 = 40, kFootTurn_radps2 = 120;
 // Going sideways, the trailing foot lands so far towards the leading one at most.
 inline constexpr float kMostClosing_m = 0.03f;
 // Nobody walks so far in a step.
@@ -120,6 +132,8 @@ THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F p
   const F travel = max_of(abs_of(m.turn) * (1 / kComfort_rad), aside * m.per_scale * per_comfort_m);
   const F stepping =
       clamped(0.5f * track.stance * travel * per_s, kSteppingRate_hz, kFastestRate_hz);
+  const F due = 2.0f * need - 1.0f;
+  const F urge = clamped(max_of(due, min_of(kSoonDue * due, kLeastUrge)), 0.0f, 1.0f);
   const F slow = max_of(1.0f - speed * (1 / kBrisk_mps), 0.0f);
   const F catching_up =
       select(speed > 0.0f,
@@ -128,7 +142,7 @@ THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F p
       min_of(track.stance * abs_of(m.turn) * (per_s / kMostTurnInStance_rad), kFastestRate_hz) *
       min_of(speed * (1 / kSlow_mps), 1.0f);
   return max_of(max_of(max_of(speed * per_stride + catching_up, finishing), turning),
-                slow * stepping * clamped(2.0f * need - 1.0f, 0.0f, 1.0f));
+                slow * stepping * urge);
 }
 
 /// How far a foot should be turned when it lands if the body turns by twice `turn` over it: as far
@@ -169,6 +183,15 @@ THRONG_LANES Landing landing_of(const Motion& m, F rate, const Track& track) {
   return to;
 }
 
+/// To a length of at most that.
+THRONG_LANES void shorten(float most_m, F& x, F& y) {
+  const F square = x * x + y * y;
+  if (!any(square > most_m * most_m)) return;
+  const F share = min_of(most_m * inverse_sqrt_of(max_of(square, 1e-12f)), 1.0f);
+  x = x * share;
+  y = y * share;
+}
+
 /// Legs and bounds end somewhere: beyond that a foot is dragged along.
 THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_y, F contact_m,
                                 F& x, F& y, F& turn) {
@@ -176,13 +199,7 @@ THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_
   x = x + contact_m * forced * allowed;
   y = y - contact_m * forced;
   turn = allowed;
-  const float most = kMostShiftShare * t.leg_length_m;
-  const F square = x * x + y * y;
-  if (any(square > most * most)) {
-    const F share = min_of(most * inverse_sqrt_of(max_of(square, 1e-12f)), 1.0f);
-    x = x * share;
-    y = y * share;
-  }
+  shorten(kMostShiftShare * t.leg_length_m, x, y);
   const F at_x = natural_x + x, at_y = natural_y + y;
   const F away = at_x * at_x + at_y * at_y;
   // Of a foot that has rolled on to its toes this point is behind it.
@@ -192,6 +209,39 @@ THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_
   const F share = farthest_m * inverse_sqrt_of(max_of(away, 1e-12f));
   x = select(beyond, share * at_x - natural_x, x);
   y = select(beyond, share * at_y - natural_y, y);
+}
+
+/// How feet in the air go to where they land, by number as WalkChunk::momentum has it.
+struct Momentum {
+  F swing[WalkChunk::kFeetNumbers];
+  F cycles;
+};
+
+/// One of the numbers of a swinging foot, which is to come to rest at `goal` when it lands. With
+/// one goal all along it takes a cubic's way: see smooth().
+struct Swinging {
+  F left;          ///< of the swing, before this step
+  F share;         ///< of that, in this step
+  F per_swing_s2;  ///< square of the swings a second
+};
+THRONG_LANES void swing_to(const Swinging& s, F goal, float most_ps2, F& number, F& speed) {
+  const F way = speed * s.left;
+  // What it would speed up by at once, of the square of what is left.
+  const F most = most_ps2 * (s.left * s.left) * inverse_of(max_of(s.per_swing_s2, 1e-3f));
+  const F pull = clamped(6.0f * (goal - number) - 4.0f * way, 0.0f - most, most);
+  const F to = (pull + 4.0f * way) * (1.0f / 6);
+  const F bend = 3.0f * to - 2.0f * way, end = way - 2.0f * to, u = s.share;
+  number = number + u * (way + u * (bend + u * end));
+  speed = (way + u * (2.0f * bend + u * (3.0f * end))) * inverse_of(max_of(s.left, 1e-6f));
+}
+
+/// What the foot's three numbers and their speeds come to; of one that stands the speeds are gone.
+THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F (&numbers)[3],
+                             F* speeds) {
+  for (size_t n = 0; n < 3; ++n) {
+    swing_to(s, goals[n], n < 2 ? kFoot_mps2 : kFootTurn_radps2, numbers[n], speeds[n]);
+    speeds[n] = select(stands, 0.0f, speeds[n]);
+  }
 }
 
 /// At the share v of a step of which 1 / per_left is left before `off` is gone: a longer step is
@@ -204,15 +254,21 @@ THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F v) {
 
 /// Moves the feet on with the root and returns the next phase.
 THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& before,
-                         const Track& after, F stretch, const F (&landing)[4], F phase,
-                         Feet& feet) {
+                         const Track& after, F stretch, const F (&landing)[4], F phase, Feet& feet,
+                         Momentum& momentum) {
   const F stride_m = max_of(after.stride, t.shortest_stride_m) * m.scale * stretch;
-  const F rate = rate_of(t, m, stride_m, phase, before, feet);
+  const F wanted = min_of(rate_of(t, m, stride_m, phase, before, feet), kMostCycles_hz);
+  const F cycles = momentum.cycles;
+  const float change = kCyclesChange_hz_ps * m.step_s;
+  const F rate = select(cycles < 0.0f, wanted, clamped(wanted, cycles - change, cycles + change));
+  momentum.cycles = rate;
   const F next = wrapped(phase + rate * m.step_s);
   Landing goal = landing_of(m, rate, after);
   for (size_t side = 0; side < 2; ++side) {
+    shorten(kMostWantedShare * t.leg_length_m, goal.x[side], goal.y[side]);
     goal.x[side] = goal.x[side] + landing[2 * side];
     goal.y[side] = goal.y[side] + landing[2 * side + 1];
+    shorten(kMostLandingShare * t.leg_length_m, goal.x[side], goal.y[side]);
   }
   const F forward = m.forward * m.per_scale, left = m.left * m.per_scale;
   const F per_swing = inverse_of(1.0f - after.stance);
@@ -229,17 +285,23 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     F stance_turn = select(stood, turned - m.turn, turned);
     keep_in_reach(t, natural_x, natural_y, kContactWay_m * own_next, stance_x, stance_y,
                   stance_turn);
-    // In swing what it is off its landing place dies away.
+    // In swing it goes to its landing place.
     const F u = (max_of(own, after.stance) - after.stance) * per_swing;
     const F v = (own_next - after.stance) * per_swing;
-    const F left_before = 1.0f - smooth(min_of(u, 1.0f)), left_after = 1.0f - smooth(v);
+    const F left_before = 1.0f - smooth(min_of(u, 1.0f));
     const F per_left = inverse_of(max_of(left_before, 1e-6f));
-    const F keep = select(left_before > 0.0f, clamped(left_after * per_left, 0.0f, 1.0f), 0.0f);
-    const F off_x = x - goal.x[side], off_y = y - goal.y[side], off_turn = turned - goal.turn[side];
+    const F left_share = 1.0f - min_of(u, 1.0f), swings_ps = rate * per_swing;
+    const Swinging swinging = {left_share,
+                               clamped((v - u) * inverse_of(max_of(left_share, 1e-6f)), 0.0f, 1.0f),
+                               swings_ps * swings_ps};
+    F in_air[3] = {x, y, turned};
     const M stands = own_next < after.stance;
-    feet.x[side] = select(stands, stance_x, goal.x[side] + keep * off_x);
-    feet.y[side] = select(stands, stance_y, goal.y[side] + keep * off_y);
-    feet.turn[side] = select(stands, stance_turn, goal.turn[side] + keep * off_turn);
+    swing_foot(swinging, {goal.x[side], goal.y[side], goal.turn[side]}, stands, in_air,
+               momentum.swing + 3 * side);
+    const F off_x = x - goal.x[side], off_y = y - goal.y[side], off_turn = turned - goal.turn[side];
+    feet.x[side] = select(stands, stance_x, in_air[0]);
+    feet.y[side] = select(stands, stance_y, in_air[1]);
+    feet.turn[side] = select(stands, stance_turn, in_air[2]);
     feet.lift[side] = select(stands, 0.0f, lift_of(off_x, off_y, off_turn, per_left, v) * lifting);
   }
   return next;
@@ -283,6 +345,18 @@ THRONG_LANES void store_posture(const F (&posture)[16], const F (&room)[2], Walk
   }
 }
 
+THRONG_LANES Momentum load_momentum(const WalkChunk& c, size_t i) {
+  Momentum momentum;
+  for (size_t n = 0; n < WalkChunk::kFeetNumbers; ++n) momentum.swing[n] = load(c.momentum[n] + i);
+  momentum.cycles = load(c.momentum[WalkChunk::kCycles] + i);
+  return momentum;
+}
+
+THRONG_LANES void store_sinking(const Sinking& now, WalkChunk& c, size_t i) {
+  store(now.sunk, c.next_sunk[0] + i);
+  store(now.mps, c.next_sunk[1] + i);
+}
+
 THRONG_LANES void store_step(const Track& track, const Place& at, WalkChunk& c, size_t i) {
   const F tracks[4] = {track.side[0], track.side[1], track.toes_out_sin, track.toes_out_cos};
   const F places[4] = {at.node, at.cell, at.u, at.v};
@@ -319,8 +393,10 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
   const Track track_before = track_of(t, speeds, root_speed_of(t, before, motion.per_scale));
   const F landing[4] = {load(c.landing[0] + i), load(c.landing[1] + i), load(c.landing[2] + i),
                         load(c.landing[3] + i)};
-  const F next =
-      step_feet(t, motion, track_before, track, load(c.stretch + i), landing, phase, feet);
+  const Momentum had = load_momentum(c, i);
+  Momentum momentum = had;
+  const F next = step_feet(t, motion, track_before, track, load(c.stretch + i), landing, phase,
+                           feet, momentum);
   const auto settled = [&](F value, F when_fresh, F when_away) {
     return select(present, select(fresh, when_fresh, value), when_away);
   };
@@ -332,6 +408,11 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
     feet.lift[side] = settled(feet.lift[side], 0.0f, 0.0f);
   }
   store_feet(feet, c, i);
+  for (size_t n = 0; n < WalkChunk::kFeetNumbers; ++n)
+    store(settled(momentum.swing[n], 0.0f, had.swing[n]), c.momentum[n] + i);
+  store(settled(momentum.cycles, -1.0f, had.cycles), c.momentum[WalkChunk::kCycles] + i);
+  store(select(fresh, -1.0f, load(c.momentum[WalkChunk::kSunk] + i)),
+        c.momentum[WalkChunk::kSunk] + i);
   const F phase_now = settled(next, phase, phase);
   store(phase_now, c.phases + i);
   store(gait_now, c.gait_mps + i);
@@ -357,7 +438,12 @@ THRONG_LANES void walk_legs(const SteppingTables& t, WalkChunk& c, size_t i) {
   load_step(c, i, track, at);
   F posture[16], room[2];
   const Standing standing = {load(c.shift_m + i), load(c.breath + i)};
-  store(legs_of(t, c.tables.data() + i, feet, standing, at, track, posture, room),
+  const Sinking before = {load(c.momentum[WalkChunk::kSunk] + i),
+                          load(c.momentum[WalkChunk::kSinking] + i)};
+  Sinking now;
+  store(legs_of(t, c.tables.data() + i, feet, standing, before, c.step_s, at, track, posture, room,
+                now),
         c.out_of_reach + i);
+  store_sinking(now, c, i);
   store_posture(posture, room, c, i);
 }

@@ -91,6 +91,36 @@ THRONG_LANES F sink_of(const LegNumbers& leg, const Reach& r) {
   return 0.0f - r.ankle.z - sqrt_of(max_of(leg.longest_m2 - aside, 0.0f));
 }
 
+// The pelvis begins to sink before a leg is too short, by so much, so that it does not jerk.
+inline constexpr float kSinksBefore_m = 0.02f;
+// And no faster: below what it does in plain walking (`realism joints`). A foot that lands
+// meanwhile comes down a little later.
+inline constexpr float kSinking_mps = 0.12f, kSinking_mps2 = 1.5f;
+
+/// The larger of two, rounded off where they are about the same.
+THRONG_LANES F larger_of(F a, F b) {
+  const F near = max_of(kSinksBefore_m - abs_of(a - b), 0.0f);
+  return max_of(a, b) + near * near * (0.25f / kSinksBefore_m);
+}
+
+/// The pelvis that sinks, metres and m/s.
+struct Sinking {
+  F sunk, mps;
+};
+THRONG_LANES Sinking followed(const Sinking& before, F wanted, float step_s) {
+  const F left = wanted - before.sunk, size = abs_of(left);
+  // As fast as it can still stop there.
+  const F fastest =
+      min_of(min_of(size * (1 / step_s), sqrt_of(1.4f * kSinking_mps2 * size)), kSinking_mps);
+  const F change = select(left < 0.0f, 0.0f - fastest, fastest) - before.mps;
+  const F mps =
+      before.mps + max_of(min_of(change, kSinking_mps2 * step_s), -kSinking_mps2 * step_s);
+  // It comes to rest, and whoever has just come in is there.
+  const M is_there = (before.sunk < 0.0f) | ((size < 1e-5f) & (abs_of(before.mps) < 1e-2f));
+  return {select(is_there, wanted, max_of(before.sunk + step_s * mps, 0.0f)),
+          select(is_there, 0.0f, mps)};
+}
+
 /// A foot as the gait has it: where it touches the ground, the ankle's height over that, its pitch.
 struct Stand {
   Point ground;
@@ -319,8 +349,9 @@ THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
 /// What WalkPosture and WalkRoom hold. Returns, as WalkChunk has it, which
 /// feet joints or bounds do not allow.
 THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, const Feet& feet,
-                       const Standing& standing, const Place& at, const Track& track,
-                       F (&posture)[16], F (&room)[2]) {
+                       const Standing& standing, const Sinking& before, float step_s,
+                       const Place& at, const Track& track, F (&posture)[16], F (&room)[2],
+                       Sinking& now) {
   int32_t nodes[kAtOnce], cells[kAtOnce];
   store_whole(at.node, nodes);
   store_whole(at.cell, cells);
@@ -350,9 +381,10 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
         foot[4]};
     reach_for(leg, stands[side].ground, foot[2], forward_x[side], forward_y[side], reach[side]);
     raise_heel(leg, forward_x[side], forward_y[side], stands[side], reach[side]);
-    drop = max_of(drop, sink_of(leg, reach[side]));
+    drop = larger_of(drop, sink_of(leg, reach[side]));
   }
-  drop = min_of(drop, t.max_drop_m);
+  now = followed(before, min_of(drop, t.max_drop_m), step_s);
+  now.sunk = drop = min_of(now.sunk, t.max_drop_m);
   if (any(drop > 0.0f))
     for (size_t side = 0; side < 2; ++side) {
       reach[side].hip.z = reach[side].hip.z - drop;

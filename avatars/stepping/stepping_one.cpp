@@ -41,13 +41,18 @@ bool reach_with(const SteppingTables& tables, WalkChunk& chunk, size_t lane, int
   one_lane::load_step(chunk, lane, track, at);
   F posture[16], room[2];
   const one_lane::Standing standing = {share * chunk.shift_m[lane], share * chunk.breath[lane]};
-  if (one_lane::legs_of(tables, &chunk.tables[lane], feet, standing, at, track, posture, room).v !=
-      0)
+  const one_lane::Sinking before = {chunk.momentum[WalkChunk::kSunk][lane],
+                                    chunk.momentum[WalkChunk::kSinking][lane]};
+  one_lane::Sinking now;
+  if (one_lane::legs_of(tables, &chunk.tables[lane], feet, standing, before, chunk.step_s, at,
+                        track, posture, room, now)
+          .v != 0)
     return false;
   for (size_t side = 0; side < 2; ++side)
     feet.lift[side] = chunk.lift_m[side][lane];  // as it was: another share may follow
   one_lane::store_feet(feet, chunk, lane);
   one_lane::store_posture(posture, room, chunk, lane);
+  one_lane::store_sinking(now, chunk, lane);
   return true;
 }
 

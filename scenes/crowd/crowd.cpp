@@ -20,6 +20,13 @@ std::vector<double> radii_of(std::span<const Person> people) {
   return radii_m;
 }
 
+/// The rate at which to turn by so much: no faster than it can be stopped at the end.
+double turn_to(double off_rad, double most_radps, double most_radps2, double step_s) {
+  const double size = std::abs(off_rad);
+  return std::copysign(std::min({most_radps, std::sqrt(2 * most_radps2 * size), size / step_s}),
+                       off_rad);
+}
+
 }  // namespace
 
 Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& options,
@@ -40,9 +47,6 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
   steps_a_period_ =
       std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / options.step_s + 0.5)));
   period_s_ = steps_a_period_ * options.step_s;
-  const SinCos largest = sin_cos(tuning::kMaxTurn_radps * options.step_s);
-  turn_cos_ = largest.cos;
-  turn_sin_ = largest.sin;
   for (const Person& person : people) {
     radii_m_.push_back(person.radius_m);
     free_speeds_mps_.push_back(person.free_speed_mps);
@@ -337,43 +341,46 @@ double Crowd::turn(size_t slot) {
 
 /// Somebody who walks faces where it goes.
 double Crowd::turn_into_way(size_t slot, const Eigen::Vector2d& to) {
-  const Eigen::Vector2d from = walkers_.heading[slot];
-  Eigen::Vector2d& published = headings_[grid_.order()[slot]];
-  const double left = from.x() * to.y() - from.y() * to.x();
-  if (from.dot(to) >= turn_cos_) {
-    published = walkers_.heading[slot] = to;
-    walkers_.turn_radps[slot] = left / options_.step_s;
-    return (to - from).norm();  // less than a thousandth below the angle
-  }
-  const double side = left >= 0 ? turn_sin_ : -turn_sin_;
-  const Eigen::Vector2d turned(turn_cos_ * from.x() - side * from.y(),
-                               side * from.x() + turn_cos_ * from.y());
-  published = walkers_.heading[slot] = turned.normalized();
-  walkers_.turn_radps[slot] = std::copysign(tuning::kMaxTurn_radps, side);
-  return tuning::kMaxTurn_radps * options_.step_s;
+  const Eigen::Vector2d& from = walkers_.heading[slot];
+  double& rate = walkers_.turn_radps[slot];
+  const double left = from.x() * to.y() - from.y() * to.x(), ahead = from.dot(to);
+  constexpr double kHardly = 0.99;  // a cosine: the sine is the angle, nearly
+  const double off = ahead > kHardly ? left : arc_tan2(left, ahead);
+  const double wanted =
+      turn_to(off, tuning::kMaxTurn_radps, tuning::kTurnIntoWay_radps2, options_.step_s);
+  const double at_once = off / options_.step_s;
+  if (wanted != at_once || std::abs(wanted - rate) > tuning::kTurnIntoWay_radps2 * options_.step_s)
+    return turn_on(slot, wanted, tuning::kTurnIntoWay_radps2);
+  rate = wanted;
+  headings_[grid_.order()[slot]] = walkers_.heading[slot] = to;
+  return std::abs(off);
 }
 
 /// Somebody who stands turns when it is worth it, and then all the way. In between, `walks` from 0
 /// to 1, it does more and more as those who walk.
 double Crowd::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to) {
-  double& rate = walkers_.turn_radps[slot];
-  const Eigen::Vector2d from = walkers_.heading[slot];
+  const double rate = walkers_.turn_radps[slot];
+  const Eigen::Vector2d& from = walkers_.heading[slot];
   const double most =
       tuning::kTurnOnSpot_radps + walks * (tuning::kMaxTurn_radps - tuning::kTurnOnSpot_radps);
+  const double gently =
+      tuning::kTurnStart_radps2 + walks * (tuning::kTurnIntoWay_radps2 - tuning::kTurnStart_radps2);
   double wanted = 0;
   if (!to.isZero()) {
     const double off = arc_tan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
     const double far = rate == 0 ? (1 - walks) * tuning::kTurnFrom_rad : tuning::kTurnDone_rad;
-    // What can be stopped where it should end.
-    if (std::abs(off) > far)
-      wanted = std::copysign(
-          std::min(most, std::sqrt(2 * tuning::kTurnStart_radps2 * std::abs(off))), off);
+    if (std::abs(off) > far) wanted = turn_to(off, most, gently, options_.step_s);
   }
-  const double change =
-      (std::abs(rate) > most ? tuning::kTurnStop_radps2 : tuning::kTurnStart_radps2) *
-      options_.step_s;
-  rate += std::clamp(wanted - rate, -change, change);
+  return turn_on(slot, wanted, std::abs(rate) > most ? tuning::kTurnStop_radps2 : gently);
+}
+
+/// Turns on, at a rate that comes as near to the one wanted as it may.
+double Crowd::turn_on(size_t slot, double wanted_radps, double most_radps2) {
+  double& rate = walkers_.turn_radps[slot];
+  const double change = most_radps2 * options_.step_s;
+  rate += std::clamp(wanted_radps - rate, -change, change);
   if (rate == 0) return 0;
+  const Eigen::Vector2d from = walkers_.heading[slot];
   const SinCos turned = sin_cos(rate * options_.step_s);
   headings_[grid_.order()[slot]] = walkers_.heading[slot] =
       Eigen::Vector2d(turned.cos * from.x() - turned.sin * from.y(),

@@ -150,6 +150,7 @@ class Crowd {
   double turn(size_t slot);  ///< by how much, in radians
   double turn_into_way(size_t slot, const Eigen::Vector2d& to);
   double turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to);
+  double turn_on(size_t slot, double wanted_radps, double most_radps2);
   void find_facing(size_t slot);
   void look(size_t slot);
   float look_to_rad(size_t slot) const;
@@ -163,8 +164,6 @@ class Crowd {
   SteeringTraits traits_;
   int steps_a_period_ = 6;
   double period_s_ = 0.1;
-  double turn_cos_ = 1;  ///< the largest turn in a step
-  double turn_sin_ = 0;
   int64_t steps_ = 0;
   size_t phase_ = 0;  ///< the step of the period: those of it decide
 

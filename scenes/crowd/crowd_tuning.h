@@ -40,9 +40,10 @@ inline constexpr double kMaxDrift_mps = 1.0;
 inline constexpr double kWish_mps = 0.01;
 /// Centres stay this far from walls whatever happens; steering itself keeps a disc's radius.
 inline constexpr double kWallGap_m = 0.1;
-/// The fastest the body turns, and how fast it must move to turn at all.
-inline constexpr double kMaxTurn_radps = 3.0;
-inline constexpr double kTurnSpeed_mps = 0.2;
+/// The fastest the body turns, and how hard it begins to: a hip turns by 2.6 times that, as a foot
+/// is in the air for little more than a third of a cycle.
+inline constexpr double kMaxTurn_radps = 2.0;
+inline constexpr double kTurnIntoWay_radps2 = 40.0;
 /// The body follows the mean velocity of about this time, so that it does not shake in a throng.
 inline constexpr double kTurnSmoothing_s = 0.5;
 /// Slower than the first a person stands and faces what it waits for, faster than the second it

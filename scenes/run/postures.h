@@ -33,6 +33,7 @@ struct BodyStates {
   // speed is empty.
   std::vector<float> gait_mps;
   std::array<std::vector<float>, WalkChunk::kFeetNumbers> feet;
+  std::array<std::vector<float>, WalkChunk::kMomentumNumbers> momentum;
   std::vector<WalkPosture> postures;
   std::vector<float> room_x, room_y;
   std::vector<Yield> yields;   ///< empty: nobody gives way
@@ -45,6 +46,7 @@ struct BodyStates {
   void resize_steps(size_t avatars) {
     gait_mps.assign(avatars, kNotComeIn);
     for (std::vector<float>& numbers : feet) numbers.assign(avatars, 0);
+    for (std::vector<float>& numbers : momentum) numbers.assign(avatars, 0);
     postures.resize(avatars);
     room_x.resize(avatars);
     room_y.resize(avatars);

@@ -182,6 +182,7 @@ std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
 void Simulation::State::archive(Archive& a) {
   a(frames, begins, ends, frame.utime_us, bodies.phases, bodies.gait_mps, bodies.stood_s);
   for (std::vector<float>& numbers : bodies.feet) a(numbers);
+  for (std::vector<float>& numbers : bodies.momentum) a(numbers);
   for (size_t i = 0; i < avatars; ++i)
     a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, speeds_mps[i]);
   for (const float speed : bodies.gait_mps)
@@ -193,6 +194,11 @@ void Simulation::State::archive(Archive& a) {
     for (const float number : numbers)
       if (!(std::abs(number) < kFarFoot_m))
         a.refuse("feet within 10 m of their body", std::to_string(number) + " m");
+  constexpr float kMostMomentum = 1000;  // in whatever unit
+  for (const std::vector<float>& numbers : bodies.momentum)
+    for (const float number : numbers)
+      if (!(std::abs(number) < kMostMomentum))
+        a.refuse("feet and hips that move as people do", std::to_string(number));
   for (const float phase : bodies.phases)
     if (!(phase >= 0 && phase <= 1)) a.refuse("a phase from 0 to 1", "another");
   world->archive(a);

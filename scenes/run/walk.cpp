@@ -77,6 +77,8 @@ void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step
   bring(bodies.gait_mps, chunk.gait_mps);
   bring(bodies.phases, chunk.phases);
   for (size_t i = 0; i < WalkChunk::kFeetNumbers; ++i) bring(bodies.feet[i], chunk.feet[i]);
+  for (size_t i = 0; i < WalkChunk::kMomentumNumbers; ++i)
+    bring(bodies.momentum[i], chunk.momentum[i]);
   if (bodies.standing_seed) stand(avatars, first, bodies, chunk);
   std::array<WalkPosture, WalkChunk::kRoom> scratch;
   const bool fills_registers = chunk.count % WalkChunk::kMostLanes == 0;
@@ -86,6 +88,8 @@ void walk_on(const Posing& posing, std::span<const WalkNow> avatars, double step
   keep(chunk.phases, bodies.phases);
   for (size_t i = 0; i < WalkChunk::kFeetNumbers; ++i) keep(chunk.feet[i], bodies.feet[i]);
   if (!chunk.gaits[0]->has_legs()) return;
+  for (size_t i = 0; i < WalkChunk::kMomentumNumbers; ++i)
+    keep(chunk.momentum[i], bodies.momentum[i]);
   keep(chunk.room_x, bodies.room_x);
   keep(chunk.room_y, bodies.room_y);
   if (!fills_registers) std::copy_n(scratch.data(), chunk.count, bodies.postures.data() + first);

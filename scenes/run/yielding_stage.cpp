@@ -264,7 +264,8 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
     follow(wanted_[id], step_s_, motion);
   Yield& yield = bodies.yields[id];
   yield.trunk_rad = motion.turn_rad - yield.hips_rad;
-  const bool stands = long_ways_mps_[id].squaredNorm() < kSlow_mps * kSlow_mps;
+  const float slowest = std::min(long_ways_mps_[id].squaredNorm(), velocity_of(id).squaredNorm());
+  const bool stands = slowest < kSlow_mps * kSlow_mps;
   const float most_rad = (stands ? kStandingHips_rps : kHips_rps) * step_s_;
   yield.hips_rad += std::clamp(kHipsShare * motion.turn_rad - yield.hips_rad, -most_rad, most_rad);
   yield.arms = motion.arms;

@@ -34,6 +34,17 @@ Vector2d at_most(const Vector2d& v, double length) {
   return v.norm() > length ? Vector2d(v * (length / v.norm())) : v;
 }
 
+/// Goes on along the cubic that begins here at this speed and rests at the goal when `left` is
+/// over, or as near to it as `most` lets it come, which is how hard it may begin; for `time`.
+void go_on(double goal, double left, double time, double most, double& at, double& speed) {
+  const double start = std::clamp((6 * (goal - at) / left - 4 * speed) / left, -most, most);
+  const double end = at + (start * left + 4 * speed) * left / 6;
+  const double c2 = (3 * (end - at) / left - 2 * speed) / left;
+  const double c3 = (speed - 2 * (end - at) / left) / (left * left);
+  at += time * (speed + time * (c2 + time * c3));
+  speed += time * (2 * c2 + time * 3 * c3);
+}
+
 /// How far above the lowest point of a flat foot what it stands on may lie.
 constexpr double kSoleEdge_m = 0.005;
 
@@ -118,13 +129,14 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
   double rate = speed / stride_m;
   if (speed > 0) rate += std::min(behind_m * m.scale / stride_m / 0.12, 1.0);
   rate = std::max(rate, finishing);
-  const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.95, 2.5);
+  const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.87, 2.5);
   rate = std::max(rate, turning * std::min(speed / 0.2, 1.0));
   const double aside_m = std::abs(way.y()) + std::max(-way.x(), 0.0);
   const double travel =
       std::max(std::abs(turn) / kComfort_rad, aside_m / m.scale / (kComfortShare * leg_m_));
   const double stepping = std::clamp(0.5 * before.stance * travel / m.step_s, 1.2, 2.5);
-  const double urge = std::clamp(2 * std::max(turn_need, way_need) - 1, 0.0, 1.0);
+  const double due = 2 * std::max(turn_need, way_need) - 1;
+  const double urge = std::clamp(std::max(due, std::min(15 * due, 0.3)), 0.0, 1.0);
   return std::max(rate, std::max(1 - speed / 0.8, 0.0) * stepping * urge);
 }
 
@@ -154,6 +166,7 @@ OracleFoot SteppingOracle::stance_foot(const OracleState& s, const OracleMotion&
                                        size_t side) const {
   OracleFoot foot = s.feet[side];
   foot.lift_m = 0;
+  foot.speed.setZero();
   const double own = own_phase(s.phase, side);
   const Vector2d natural(after.x_at(own_next), after.side_m[side]);
   if (own < before.stance) {
@@ -170,12 +183,34 @@ OracleFoot SteppingOracle::stance_foot(const OracleState& s, const OracleMotion&
   return foot;
 }
 
+/// What it is off its landing place is gone when it lands, unless it would have to go too hard.
+OracleFoot SteppingOracle::swing_foot(const OracleFoot& foot, const Landing& goal, double own,
+                                      double own_next, double rate, const Track& track) const {
+  const auto share = [&](double phase) {
+    return std::clamp((phase - track.stance) / (1 - track.stance), 0.0, 1.0);
+  };
+  const double u = share(own), v = share(own_next);
+  const double swings_ps = rate / (1 - track.stance);
+  const double per_square = 1 / std::max(swings_ps * swings_ps, 1e-3);
+  OracleFoot next = foot;
+  for (int axis = 0; axis < 2; ++axis)
+    go_on(goal.shift_m[axis], 1 - u, v - u, 40 * per_square, next.shift_m[axis], next.speed[axis]);
+  go_on(goal.turn_rad, 1 - u, v - u, 120 * per_square, next.turn_rad, next.speed[2]);
+  const double step_m =
+      ((foot.shift_m - goal.shift_m).norm() + 0.2 * std::abs(foot.turn_rad - goal.turn_rad)) /
+      std::max(1 - smooth(u), 0.01);
+  next.lift_m =
+      std::min(0.4 * step_m, 0.04) * 4 * v * (1 - v) * std::max(1 - track.stride_m / leg_m_, 0.0);
+  return next;
+}
+
 OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) const {
   if (!m.is_present) return s;
   OracleState next = s;
   if (s.gait_mps < 0 || m.way_m.norm() > 1) {
     next.gait_mps = std::max(m.ahead_mps, 0.0);
     next.feet = {};
+    next.cycles_ps = -1;
     return next;
   }
   const double change = std::max(m.ahead_mps, 0.0) - s.gait_mps;
@@ -186,7 +221,10 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
   const int cell = cell_of(root);
   const Track after = track_at(root, cell);
   const Track before = track_at(root_speed(s.gait_mps, m.scale), cell);
-  const double rate = cycles_per_s(s, m, before, after);
+  const double wanted = std::min(cycles_per_s(s, m, before, after), 3.0), most = 20 * m.step_s;
+  const double rate =
+      s.cycles_ps < 0 ? wanted : std::clamp(wanted, s.cycles_ps - most, s.cycles_ps + most);
+  next.cycles_ps = rate;
   next.phase = fraction(s.phase + rate * m.step_s);
   for (size_t side = 0; side < 2; ++side) {
     const double own = own_phase(s.phase, side), own_next = own_phase(next.phase, side);
@@ -194,22 +232,9 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
       next.feet[side] = stance_foot(s, m, before, after, own_next, side);
       continue;
     }
-    const Landing goal = landing(m, rate, after, side);
-    const auto left_of_swing = [&](double phase) {
-      return 1 - smooth(std::clamp((phase - after.stance) / (1 - after.stance), 0.0, 1.0));
-    };
-    const double left_before = left_of_swing(own);
-    const double keep =
-        left_before > 0 ? std::clamp(left_of_swing(own_next) / left_before, 0.0, 1.0) : 0;
-    const Vector2d off_m = s.feet[side].shift_m - goal.shift_m;
-    const double off_rad = s.feet[side].turn_rad - goal.turn_rad;
-    const double step_m = (off_m.norm() + 0.2 * std::abs(off_rad)) / std::max(left_before, 0.01);
-    const double v = (own_next - after.stance) / (1 - after.stance);
-    OracleFoot& foot = next.feet[side];
-    foot.shift_m = goal.shift_m + keep * off_m;
-    foot.turn_rad = goal.turn_rad + keep * off_rad;
-    foot.lift_m =
-        std::min(0.4 * step_m, 0.04) * 4 * v * (1 - v) * std::max(1 - after.stride_m / leg_m_, 0.0);
+    Landing goal = landing(m, rate, after, side);
+    goal.shift_m = at_most(at_most(goal.shift_m, 0.3 * leg_m_) + m.landing_m[side], 0.38 * leg_m_);
+    next.feet[side] = swing_foot(s.feet[side], goal, own, own_next, rate, after);
   }
   return next;
 }

@@ -22,6 +22,8 @@ struct OracleMotion {
   double step_s = 1.0 / 60;
   bool is_present = true;
   double stretch = 1;
+  /// So far from where they would do the feet land, root frame at scale 1.
+  std::array<Eigen::Vector2d, 2> landing_m = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
 };
 
 /// From where the gait has the foot, in the root frame at scale 1.
@@ -29,11 +31,14 @@ struct OracleFoot {
   Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();
   double turn_rad = 0;
   double lift_m = 0;
+  /// Of a foot in the air: how fast shift and turn go to what they land with, a swing.
+  Eigen::Vector3d speed = Eigen::Vector3d::Zero();
 };
 
 struct OracleState {
   double gait_mps = -1;  ///< below 0: has not come in
   double phase = 0;
+  double cycles_ps = -1;           ///< below 0: not known yet
   std::array<OracleFoot, 2> feet;  ///< right, left
 };
 
@@ -89,6 +94,8 @@ class SteppingOracle {
                       const Track& after) const;
   Landing landing(const OracleMotion& m, double cycles_per_s, const Track& track,
                   size_t side) const;
+  OracleFoot swing_foot(const OracleFoot& foot, const Landing& goal, double own, double own_next,
+                        double rate, const Track& track) const;
   OracleFoot stance_foot(const OracleState& s, const OracleMotion& m, const Track& before,
                          const Track& after, double own_next, size_t side) const;
 

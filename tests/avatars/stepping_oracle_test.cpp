@@ -30,6 +30,9 @@ constexpr size_t kPeople = WalkChunk::kRoom;
 constexpr double kFootBound_m = 1e-4;
 constexpr double kTurnBound_rad = 1e-4;
 constexpr double kPhaseBound = 2e-5;
+constexpr double kCyclesBound_ps = 1.2e-3;
+// Of what a foot's number would change by until it lands.
+constexpr double kSwingBound = 1e-4;
 constexpr double kHeadingBound_rad = 5e-5;
 // The ankle stands over the same point; heights of a rolling foot are read between two phases.
 constexpr double kAsideBound_m = 5e-5;
@@ -43,15 +46,25 @@ OracleState state_of(const WalkChunk& chunk, size_t i) {
   OracleState state;
   state.gait_mps = static_cast<double>(chunk.gait_mps[i]);
   state.phase = static_cast<double>(chunk.phases[i]);
-  for (size_t side = 0; side < 2; ++side)
-    state.feet[side] = {{static_cast<double>(chunk.feet[3 * side][i]),
-                         static_cast<double>(chunk.feet[3 * side + 1][i])},
-                        static_cast<double>(chunk.feet[3 * side + 2][i]),
-                        static_cast<double>(chunk.lift_m[side][i])};
+  state.cycles_ps = static_cast<double>(chunk.momentum[WalkChunk::kCycles][i]);
+  for (size_t side = 0; side < 2; ++side) {
+    const auto number = [&](const WalkChunk::Numbers* of, size_t n) {
+      return static_cast<double>(of[3 * side + n][i]);
+    };
+    state.feet[side] = {
+        {number(chunk.feet, 0), number(chunk.feet, 1)},
+        number(chunk.feet, 2),
+        static_cast<double>(chunk.lift_m[side][i]),
+        {number(chunk.momentum, 0), number(chunk.momentum, 1), number(chunk.momentum, 2)}};
+  }
   return state;
 }
 
 OracleMotion motion_of(const WalkChunk& chunk, size_t i) {
+  const auto landing_m = [&](size_t side) {
+    return Eigen::Vector2d(static_cast<double>(chunk.landing[2 * side][i]),
+                           static_cast<double>(chunk.landing[2 * side + 1][i]));
+  };
   return {{static_cast<double>(chunk.way_x_m[i]), static_cast<double>(chunk.way_y_m[i])},
           turned_by(chunk.w_before[i], chunk.z_before[i]),
           turned_by(chunk.w_after[i], chunk.z_after[i]),
@@ -59,7 +72,8 @@ OracleMotion motion_of(const WalkChunk& chunk, size_t i) {
           static_cast<double>(chunk.scales[i]),
           static_cast<double>(chunk.step_s),
           chunk.present[i] != 0,
-          static_cast<double>(chunk.stretch[i])};
+          static_cast<double>(chunk.stretch[i]),
+          {landing_m(0), landing_m(1)}};
 }
 
 /// People who walk, turn, step aside, stop, jump and are away for a while, each in an own way.
@@ -90,6 +104,9 @@ class Walkers {
       chunk_.present[i] = draw(i, stage, 3, 0, 1) < 0.95f;
       chunk_.stretch[i] =
           stretches_ && draw(i, stage, 10, 0, 1) < 0.3f ? draw(i, stage, 11, 0.7, 1.5) : 1.0f;
+      for (uint32_t n = 0; n < 4; ++n)
+        chunk_.landing[n][i] =
+            stretches_ && draw(i, stage, 12, 0, 1) < 0.1f ? draw(i, stage, 13 + n, -0.06, 0.06) : 0;
       chunk_.ahead_mps[i] = ahead;
       chunk_.w_before[i] = chunk_.w_after[i];
       chunk_.z_before[i] = chunk_.z_after[i];
@@ -172,7 +189,7 @@ class SteppingOracleTest : public testing::TestWithParam<GaitStyle> {
 
 /// One step at a time, each from where the last one of stepping led to, so that nothing adds up.
 TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
-  Worst shift, turn, lift, phase, speed;
+  Worst shift, turn, lift, phase, speed, cycles, swing;
   int taken_back = 0, turning_points = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Walkers walkers(seed, walking().gait, true);
@@ -193,6 +210,7 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
           ++turning_points;
           continue;
         }
+        cycles.take(std::abs(expected.cycles_ps - found.cycles_ps), seed, frame, i);
         phase.take(std::abs(std::remainder(expected.phase - found.phase, 1.0)), seed, frame, i);
         if (chunk.out_of_reach[i] != 0) {  // what legs do not reach is taken back, never more
           ++taken_back;
@@ -206,6 +224,8 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
           shift.take((is.shift_m - should.shift_m).norm(), seed, frame, i);
           turn.take(std::abs(is.turn_rad - should.turn_rad), seed, frame, i);
           lift.take(std::abs(is.lift_m - should.lift_m), seed, frame, i);
+          const double left = 1 - std::fmod(expected.phase + (side == 0 ? 0 : 0.5), 1.0);
+          swing.take(left * (is.speed - should.speed).norm(), seed, frame, i);
         }
       }
     }
@@ -214,8 +234,47 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
   turn.expect_below(kTurnBound_rad, "turn of a foot, rad");
   lift.expect_below(kFootBound_m, "lift of a foot, m");
   phase.expect_below(kPhaseBound, "phase");
+  cycles.expect_below(kCyclesBound_ps, "cycles a second");
+  swing.expect_below(kSwingBound, "what a foot in the air still goes, m or rad");
   speed.expect_below(1e-5, "gait's speed, m/s");
-  EXPECT_GT(shift.compared, 20 * (taken_back + turning_points)) << "hardly anything was compared";
+  std::printf("%d taken back, %d turning points\n", taken_back, turning_points);
+  EXPECT_GT(shift.compared, 15 * (taken_back + turning_points)) << "hardly anything was compared";
+}
+
+/// Whatever somebody does, steps get quicker and the pelvis sinks no harder than they may.
+TEST_P(SteppingOracleTest, NeitherStepsNorPelvisJerk) {
+  constexpr double kCyclesChange_hz_ps = 20, kSinking_mps = 0.12, kSinking_mps2 = 1.5;
+  Worst cycles, sinking, sunk;
+  int sank = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    Walkers walkers(seed, walking().gait, true);
+    const WalkChunk& chunk = walkers.chunk();
+    const auto now = [&](size_t what, size_t i) {
+      return static_cast<double>(chunk.momentum[what][i]);
+    };
+    for (uint64_t frame = 0; frame < kFrames; ++frame) {
+      std::array<std::array<double, 3>, kPeople> before;
+      for (size_t i = 0; i < kPeople; ++i)
+        before[i] = {now(WalkChunk::kCycles, i), now(WalkChunk::kSunk, i),
+                     now(WalkChunk::kSinking, i)};
+      walkers.step(frame, target_of(seed));
+      const auto step_s = static_cast<double>(chunk.step_s);
+      for (size_t i = 0; i < kPeople; ++i) {
+        // Who has just come in has no pace yet, and who has no legs for a step takes the gait's.
+        const bool has_pace = before[i][0] >= 0 && now(WalkChunk::kCycles, i) >= 0;
+        if (chunk.present[i] == 0 || !has_pace || chunk.out_of_reach[i] != 0) continue;
+        cycles.take(std::abs(now(WalkChunk::kCycles, i) - before[i][0]) / step_s, seed, frame, i);
+        sunk.take(std::abs(now(WalkChunk::kSunk, i) - before[i][1]) / step_s, seed, frame, i);
+        sinking.take(std::abs(now(WalkChunk::kSinking, i) - before[i][2]) / step_s, seed, frame, i);
+        sank += now(WalkChunk::kSunk, i) > 0;
+      }
+    }
+  }
+  constexpr double kRounding = 1e-3;
+  cycles.expect_below(kCyclesChange_hz_ps + kRounding, "change of cycles a second, a second");
+  sunk.expect_below(kSinking_mps + kRounding, "a pelvis that sinks, m/s");
+  sinking.expect_below(kSinking_mps2 + kRounding, "a pelvis that begins to sink, m/s2");
+  EXPECT_GT(sank, 1000) << "hardly any pelvis sank";
 }
 
 /// Forward kinematics of the whole row, so that it does not matter how the legs were bent.
@@ -259,7 +318,8 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
           EXPECT_LE(raise_rad, kMostRaise_rad + 1e-4);
           const SteppingOracle::Ankle expected =
               oracle_.ankle(state, scale, side, drop_m, raise_rad);
-          if (expected.from_hip_m > oracle_.longest_m(side) + 1e-3) {
+          // A pelvis that is still sinking leaves a foot away from where it should be.
+          if (expected.from_hip_m > oracle_.longest_m(side) - kHeightBound_m) {
             ++too_far;
             continue;
           }

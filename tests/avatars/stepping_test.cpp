@@ -345,6 +345,8 @@ TEST(Stepping, EveryTargetGivesTheSameBits) {
               << name_of(simd_targets_of_this_machine()[target]) << ", seed " << seed << ", lane "
               << i << ", frame " << frame;
           ASSERT_EQ(chunk.feet_of(i), reference.feet_of(i));
+          for (size_t n = 0; n < WalkChunk::kMomentumNumbers; ++n)
+            ASSERT_EQ(chunk.momentum[n][i], reference.momentum[n][i]) << "momentum " << n;
           ASSERT_EQ(chunk.room_x[i], reference.room_x[i]);
           ASSERT_EQ(chunk.room_y[i], reference.room_y[i]);
           ASSERT_EQ(chunk.phases[i], reference.phases[i]);
