@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kWait{50};
 constexpr std::chrono::milliseconds kStatusPeriod{500};
 constexpr size_t kHistoryPairs = 40;
 
-std::string to_text(const json& message) {
+std::string text_of(const json& message) {
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -45,7 +45,7 @@ void LiveView::opened(const std::shared_ptr<WebClient>& client) {
   if (run_message_ != nullptr)
     client->send_binary(run_message_);
   else
-    client->send_text(to_text({{"waiting", trouble_}}));
+    client->send_text(text_of({{"waiting", trouble_}}));
 }
 
 void LiveView::said(WebClient& client, std::string_view text) {
@@ -75,7 +75,7 @@ void LiveView::begin_run() {
   if (message != nullptr)
     server_.send_binary(message);
   else
-    server_.send_text(to_text({{"waiting", trouble}}));
+    server_.send_text(text_of({{"waiting", trouble}}));
 }
 
 void LiveView::take(const ReceivedMessage& message) {
@@ -111,7 +111,7 @@ int64_t LiveView::missing() const {
 
 void LiveView::tell_status() {
   const Inbox& inbox = receiver_->inbox();
-  server_.send_text(to_text({{"status",
+  server_.send_text(text_of({{"status",
                               {{"heard", heard_.load()},
                                {"dropped", server_.frames_dropped()},
                                {"lost", missing()},

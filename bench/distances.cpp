@@ -1,0 +1,208 @@
+// near_bench [AVATARS [NEAR_M [FRAMES]]]: distances of a crowd beside FCL's on the same frames,
+// both on one thread: its tree over boxes grown by the margin, then fcl::distance on each pair. One
+// rule: FCL's pairs within the margin are ours, and its distances lie within our intervals, or exit
+// code 1.
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/config.h>
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/narrowphase/distance.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <deque>
+
+#include "avatars/model/model.h"
+#include "bench/crowd.h"
+
+namespace throng::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+/// A part where it is, and the box around it that FCL's tree sees, grown by half the margin.
+class FclDistances {
+ public:
+  FclDistances(const Crowd& crowd, double near_m) : near_m_(near_m) {
+    using Surface = fcl::BVHModel<fcl::OBBRSSd>;
+    for (const Part& part : crowd.model().parts) {
+      auto surface = std::make_shared<Surface>();
+      surface->beginModel();
+      for (const Eigen::Vector3i& t : part.mesh.triangles)
+        surface->addTriangle(part.mesh.vertices[static_cast<size_t>(t[0])].cast<double>(),
+                             part.mesh.vertices[static_cast<size_t>(t[1])].cast<double>(),
+                             part.mesh.vertices[static_cast<size_t>(t[2])].cast<double>());
+      surface->endModel();
+      surfaces_.push_back(surface);
+    }
+    parts_ = surfaces_.size();
+    std::vector<fcl::CollisionObjectd*> objects;
+    for (size_t i = 0; i < static_cast<size_t>(crowd.count()) * parts_; ++i) {
+      objects_.emplace_back(surfaces_[i % parts_]);
+      objects_.back().setUserData(reinterpret_cast<void*>(i));
+      objects.push_back(&objects_.back());
+    }
+    place(crowd);
+    tree_.registerObjects(objects);
+    tree_.setup();
+  }
+
+  /// Where everybody is; not timed: ours poses by itself.
+  void place(const Crowd& crowd) {
+    std::vector<PartPose> poses(parts_);
+    for (uint32_t body = 0; body < static_cast<uint32_t>(crowd.count()); ++body) {
+      crowd.poses({&body, 1}, poses);
+      for (size_t part = 0; part < parts_; ++part) {
+        Eigen::Isometry3d there = to_isometry(poses[part]);
+        there.translation() += crowd.view().roots[body].position_m;
+        objects_[body * parts_ + part].setTransform(there);
+      }
+    }
+  }
+
+  struct Row {
+    PairKey pair;
+    double distance_m;
+    bool operator<(const Row& other) const { return pair < other.pair; }
+  };
+  /// Those within the margin.
+  std::vector<Row> rows() {
+    for (fcl::CollisionObjectd& object : objects_) {
+      object.computeAABB();
+      fcl::AABBd& box = const_cast<fcl::AABBd&>(object.getAABB());
+      box.min_ -= Eigen::Vector3d::Constant(near_m_ / 2);
+      box.max_ += Eigen::Vector3d::Constant(near_m_ / 2);
+    }
+    tree_.update();
+    Found found{this, {}};
+    tree_.collide(&found, [](fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* to) {
+      static_cast<Found*>(to)->add(*a, *b);
+      return false;
+    });
+    std::sort(found.rows.begin(), found.rows.end());
+    return found.rows;
+  }
+  uint64_t distances() const { return distances_; }
+
+ private:
+  struct Found {
+    FclDistances* of;
+    std::vector<Row> rows;
+
+    void add(fcl::CollisionObjectd& a, fcl::CollisionObjectd& b) {
+      auto i = reinterpret_cast<size_t>(a.getUserData()),
+           j = reinterpret_cast<size_t>(b.getUserData());
+      if (i > j) std::swap(i, j);
+      const size_t parts = of->parts_;
+      if (i / parts == j / parts) return;
+      ++of->distances_;
+      fcl::DistanceRequestd request;
+      fcl::DistanceResultd result;
+      const double distance = fcl::distance(&a, &b, request, result);
+      if (distance > of->near_m_) return;
+      rows.push_back({PairKey(static_cast<uint32_t>(i / parts), static_cast<uint32_t>(j / parts),
+                              static_cast<uint32_t>(i % parts), static_cast<uint32_t>(j % parts)),
+                      std::max(0.0, distance)});
+    }
+  };
+
+  double near_m_;
+  size_t parts_ = 0;
+  uint64_t distances_ = 0;
+  std::vector<std::shared_ptr<fcl::CollisionGeometryd>> surfaces_;
+  std::deque<fcl::CollisionObjectd> objects_;
+  fcl::DynamicAABBTreeCollisionManagerd tree_;
+};
+
+/// What one has and the other has not. Where a solid holds the other FCL says how far the surfaces
+/// are from each other, and ours 0: such rows count as equal.
+uint64_t differing(std::span<const NearPair> ours, std::span<const FclDistances::Row> theirs,
+                   double near_m) {
+  constexpr double kRounding_m = 1e-5;
+  uint64_t count = 0;
+  for (const FclDistances::Row& row : theirs) {
+    const auto at = std::lower_bound(
+        ours.begin(), ours.end(), row.pair,
+        [](const NearPair& one, const PairKey& wanted) { return one.pair < wanted; });
+    const bool is_there = at != ours.end() && at->pair == row.pair;
+    if (!is_there) {
+      count += row.distance_m < near_m - kRounding_m;
+      continue;
+    }
+    count += at->hi_m > 0 && (row.distance_m < static_cast<double>(at->lo_m) - kRounding_m ||
+                              row.distance_m > static_cast<double>(at->hi_m) + kRounding_m);
+  }
+  for (const NearPair& row : ours) {
+    if (row.hi_m == 0 || static_cast<double>(row.hi_m) > near_m - kRounding_m) continue;
+    const auto at = std::lower_bound(theirs.begin(), theirs.end(), FclDistances::Row{row.pair, 0});
+    count += at == theirs.end() || !(at->pair == row.pair);
+  }
+  return count;
+}
+
+int compare(int avatars, float near_m, int frames) {
+  Crowd crowd(load_model(adult_urdf()), {.avatars = avatars});
+  CullerOptions options;
+  options.exact = true;
+  CullerOptions with = options;
+  with.near.near_m = near_m;
+  Workers one(1);
+  Culler touching({crowd.body_type()}, options, one), near({crowd.body_type()}, with, one);
+  FclDistances fcl(crowd, static_cast<double>(near_m));
+  std::vector<double> without_ms, ours_ms, fcl_ms;
+  uint64_t rows = 0, wrong = 0;
+  for (int frame = 0; frame <= frames; ++frame, crowd.advance()) {
+    fcl.place(crowd);
+    auto begin = Clock::now();
+    touching.step(crowd.view(), crowd);
+    const double none = ms_since(begin);
+    begin = Clock::now();
+    near.step(crowd.view(), crowd);
+    const double ours = ms_since(begin);
+    begin = Clock::now();
+    const std::vector<FclDistances::Row> theirs = fcl.rows();
+    const double other = ms_since(begin);
+    wrong += differing(near.near_pairs(), theirs, static_cast<double>(near_m));
+    if (frame == 0) continue;  // memory is made
+    without_ms.push_back(none);
+    ours_ms.push_back(ours);
+    fcl_ms.push_back(other);
+    rows += near.near_pairs().size();
+  }
+  const double each = static_cast<double>(rows) / frames;
+  const CullingCounters& counters = touching.counters();
+  fmt::print("{} people, {} m, {} frames, one thread each\n", avatars, near_m, frames);
+  fmt::print("rows a frame            {:.0f}\n", each);
+  fmt::print("contacts alone, exact   {:.2f} ms, {:.2f} us a pair tested by triangles\n",
+             median(without_ms),
+             counters.exact.tests == 0
+                 ? 0
+                 : 1e-3 * counters.exact.test_ns / static_cast<double>(counters.exact.tests));
+  fmt::print("with distances          {:.2f} ms, {:.2f} us a row more\n", median(ours_ms),
+             1e3 * (median(ours_ms) - median(without_ms)) / each);
+  fmt::print("fcl {}               {:.2f} ms, {:.1f} times ours\n", FCL_VERSION, median(fcl_ms),
+             median(fcl_ms) / median(ours_ms));
+  fmt::print("rows that differ        {}\n", wrong);
+  return wrong == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace throng::bench
+
+int main(int argc, char** argv) {
+  const int avatars = argc > 1 ? std::atoi(argv[1]) : 5000;
+  const float near_m = argc > 2 ? std::strtof(argv[2], nullptr) : 0.1f;
+  const int frames = argc > 3 ? std::atoi(argv[3]) : 5;
+  return throng::bench::compare(avatars, near_m, frames);
+}
