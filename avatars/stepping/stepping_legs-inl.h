@@ -91,16 +91,24 @@ THRONG_LANES F sink_of(const LegNumbers& leg, const Reach& r) {
   return 0.0f - r.ankle.z - sqrt_of(max_of(leg.longest_m2 - aside, 0.0f));
 }
 
-// The pelvis begins to sink before a leg is too short, by so much, so that it does not jerk.
+// The pelvis begins to sink before a leg is too short, by so much, so that it does not jerk; less
+// where a foot is hardly away from where the gait has it, for the gait alone asks for nothing.
 inline constexpr float kSinksBefore_m = 0.02f;
 // And no faster: below what it does in plain walking (`realism joints`). A foot that lands
 // meanwhile comes down a little later.
 inline constexpr float kSinking_mps = 0.12f, kSinking_mps2 = 1.5f;
 
-/// The larger of two, rounded off where they are about the same.
-THRONG_LANES F larger_of(F a, F b) {
-  const F near = max_of(kSinksBefore_m - abs_of(a - b), 0.0f);
-  return max_of(a, b) + near * near * (0.25f / kSinksBefore_m);
+/// The larger of two, rounded off where they differ by less than `round`.
+THRONG_LANES F larger_of(F a, F b, F round) {
+  const F near = max_of(round - abs_of(a - b), 0.0f);
+  return max_of(a, b) + near * near * 0.25f / max_of(round, 1e-6f);
+}
+
+/// How far a foot is from where the gait has it, roughly: a turn counts as at the toes.
+THRONG_LANES F displacement_of(const Feet& feet, size_t side, const Standing& standing) {
+  constexpr float kToes_m = 0.2f;
+  return abs_of(feet.x[side]) + abs_of(feet.y[side]) + abs_of(feet.lift[side]) +
+         abs_of(feet.turn[side]) * kToes_m + abs_of(standing.shift);
 }
 
 /// The pelvis that sinks, metres and m/s.
@@ -381,7 +389,8 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
         foot[4]};
     reach_for(leg, stands[side].ground, foot[2], forward_x[side], forward_y[side], reach[side]);
     raise_heel(leg, forward_x[side], forward_y[side], stands[side], reach[side]);
-    drop = larger_of(drop, sink_of(leg, reach[side]));
+    drop = larger_of(drop, sink_of(leg, reach[side]),
+                     min_of(displacement_of(feet, side, standing), kSinksBefore_m));
   }
   now = followed(before, min_of(drop, t.max_drop_m), step_s);
   now.sunk = drop = min_of(now.sunk, t.max_drop_m);

@@ -12,7 +12,7 @@
 #include "culling/kernels/kernels.h"
 #include "culling/kernels/kernels_ordop-inl.h"
 
-#if THRONG_HAS_LANES  // the scalar reference is gaps_scalar.cpp
+#if THRONG_HAS_LANES  // the scalar reference is kernels_scalar.cpp
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 
