@@ -43,33 +43,36 @@ const PastPoses::Body* PastPoses::find(uint32_t id) const {
 void PastPoses::archive(Archive& a) {
   uint64_t count = past_count_;
   a(count);
-  if (a.is_reading()) {
-    if (count > PairKey::kMaxId) a.refuse("as many bodies as there can be", "more");
-    begin_frame(1);
+  if (a.is_reading()) return restore(a, count);
+  for (size_t i = 0; i < count; ++i) {
+    Body body = past_[i];
+    a(body.id, body.parts, body.scale, body.root_m);
+    for (uint32_t part = 0; part < body.parts; ++part) {
+      PartPose pose = body.poses[part];
+      a(pose.rows);
+    }
   }
-  Task* const restored = a.is_reading() ? &tasks_[now_][0] : nullptr;
+}
+
+void PastPoses::restore(Archive& a, uint64_t count) {
+  if (count > PairKey::kMaxId) a.refuse("as many bodies as there can be", "more");
+  begin_frame(1);
+  Task& task = tasks_[now_][0];
   constexpr uint32_t kMostParts = 256;
   for (size_t i = 0; i < count; ++i) {
-    Body body = a.is_reading() ? Body{} : past_[i];
+    Body body{};
     a(body.id, body.parts, body.scale, body.root_m);
-    if (!a.is_reading()) {
-      for (uint32_t part = 0; part < body.parts; ++part) {
-        PartPose pose = body.poses[part];
-        a(pose.rows);
-      }
-      continue;
-    }
     if (body.parts > kMostParts) a.refuse("as many parts as a body can have", "more");
-    restored->bodies.grow(i + 1, i);
-    restored->bodies[restored->body_count++] = body;
-    restored->poses.grow(restored->pose_count + body.parts, restored->pose_count);
+    task.bodies.grow(i + 1, i);
+    task.bodies[task.body_count++] = body;
+    task.poses.grow(task.pose_count + body.parts, task.pose_count);
     for (uint32_t part = 0; part < body.parts; ++part) {
       PartPose pose{};
       a(pose.rows);
-      restored->poses[restored->pose_count++] = pose;
+      task.poses[task.pose_count++] = pose;
     }
   }
-  if (a.is_reading()) end_frame();
+  end_frame();
 }
 
 uint64_t PastPoses::times_grown() const {

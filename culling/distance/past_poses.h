@@ -47,6 +47,8 @@ class PastPoses {
   };
   using Tasks = std::vector<Task>;
 
+  void restore(Archive& a, uint64_t count);
+
   std::array<Tasks, 2> tasks_;  // of this frame and of the last, in turn
   size_t now_ = 0, task_count_ = 0;
   GrowBuffer<Body> past_;  // by id, none twice

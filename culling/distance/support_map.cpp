@@ -45,11 +45,11 @@ size_t SupportMap::cell_of(const Vector3d& direction) {
   if (!(most > 0)) return 0;  // along nothing all are as far
   const auto along = [&](Eigen::Index other) {
     const double share = direction[other] / most;  // -1 to 1
-    return std::clamp(static_cast<int>((share + 1) * (0.5 * kSide)), 0, kSide - 1);
+    return static_cast<size_t>(
+        std::clamp(static_cast<int>((share + 1) * (0.5 * kSide)), 0, kSide - 1));
   };
-  const int face = 2 * static_cast<int>(axis) + (direction[axis] < 0 ? 1 : 0);
-  return static_cast<size_t>((face * kSide + along((axis + 1) % 3)) * kSide +
-                             along((axis + 2) % 3));
+  const size_t face = 2 * static_cast<size_t>(axis) + (direction[axis] < 0 ? 1 : 0);
+  return (face * kSide + along((axis + 1) % 3)) * kSide + along((axis + 2) % 3);
 }
 
 SupportMap::SupportMap(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points,

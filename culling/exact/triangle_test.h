@@ -3,12 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 namespace throng {
 
 /// Corners in any frame that both triangles share. May be degenerate: a segment or a point.
 struct Triangle {
-  Eigen::Vector3d corner[3];
+  std::array<Eigen::Vector3d, 3> corner;
 };
 
 /// True if the closed triangles have a point in common. A gap below about 1e-13 of the largest
