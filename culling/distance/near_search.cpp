@@ -94,7 +94,8 @@ void NearSearch::finish(int worker, size_t index) {
   parts.find(frame_);
   take_candidates(parts, static_cast<uint32_t>(index));
   if (!has_deadline()) decide(task);
-  if (exact_ && options_.step_s > 0)
+  // Under a deadline all tasks have the same bodies.
+  if (exact_ && options_.step_s > 0 && (!has_deadline() || index == 0))
     past_.note(index, parts.posed().bodies(), parts.posed().poses(), bodies_, [&](uint16_t type) {
       return types_[type]->is_static() ? 0 : types_[type]->part_count();
     });
