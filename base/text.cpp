@@ -84,6 +84,12 @@ std::string in_quotes(std::string_view text) {
   return fmt::format("'{}{}'", escaped(text.substr(0, kMostBytes)), is_cut ? "..." : "");
 }
 
+std::string_view without_blanks_around(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
 std::string name_after(std::string_view file_stem) {
   std::string name = escaped(file_stem);
   if (name.size() <= kMaxNameBytes) return name;

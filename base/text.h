@@ -25,6 +25,9 @@ std::string escaped(std::string_view text);
 /// The beginning of a text for an error, which is one line whatever a file holds: 'escaped...'.
 std::string in_quotes(std::string_view text);
 
+/// Without the blanks at both ends.
+std::string_view without_blanks_around(std::string_view text);
+
 /// A name after a file whose name may be anything: escaped(), and cut where it is too long.
 std::string name_after(std::string_view file_stem);
 

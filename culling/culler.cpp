@@ -32,7 +32,7 @@ void require_triangles(BodyTypes types, const CullerOptions& options) {
 /// What only the pipeline does is not left out in silence.
 void require_pipeline(BodyTypes types, const CullerOptions& options) {
   const bool is_pipeline = options.strategy == Strategy::kPipeline;
-  if (options.by_part && (!is_pipeline || options.deadline_ms || options.deadline_tests))
+  if (options.by_part && (!is_pipeline || options.has_deadline()))
     throw InputError("counts by part", "the pipeline without a deadline",
                      is_pipeline ? "a deadline" : name_of(options.strategy));
   for (const auto& type : types)
@@ -65,20 +65,16 @@ std::unique_ptr<NearSearch> make_near(BodyTypes types, const CullerOptions& opti
   return std::make_unique<NearSearch>(types, options, workers);
 }
 
-bool has_deadline(const CullerOptions& options) {
-  return options.deadline_ms || options.deadline_tests;
-}
-
 std::unique_ptr<Pass> make_pass(BodyTypes types, const CullerOptions& options, Workers& workers,
                                 NearSearch* near) {
   require_triangles(types, options);
   require_pipeline(types, options);
   require_filter(types, options);
   if (options.strategy != Strategy::kPipeline) {
-    assert(!has_deadline(options));
+    assert(!options.has_deadline());
     return std::make_unique<RecipePass>(types, options);
   }
-  if (has_deadline(options)) return std::make_unique<Deadline>(types, options, workers);
+  if (options.has_deadline()) return std::make_unique<Deadline>(types, options, workers);
   return std::make_unique<Pipeline>(types, options, workers, near);
 }
 
@@ -91,7 +87,7 @@ struct Culler::State {
         near(make_near(types, options, workers)),
         pass(make_pass(types, options, workers, near.get())),
         events(last_level(options)) {
-    if (near && has_deadline(options))
+    if (near && options.has_deadline())
       near_alone = std::make_unique<NearAlone>(types, options, workers, *near);
   }
 

@@ -43,6 +43,8 @@ struct CullerOptions {
   NearOptions near{};
   /// What is asked for, of events and of distances alike. Not of a strategy of the paper.
   PairFilter filter{};
+
+  bool has_deadline() const { return deadline_ms || deadline_tests; }
 };
 
 class Culler {

@@ -126,7 +126,7 @@ void take_culling(Given& given, SimulationOptions& simulation) {
   const std::string strategy = given.name("strategy", names_of(kAllStrategies));
   if (!strategy.empty()) culler.strategy = strategy_of(strategy).value();
   const bool is_papers = culler.strategy != Strategy::kPipeline;
-  if (is_papers && (culler.deadline_ms || culler.deadline_tests))
+  if (is_papers && culler.has_deadline())
     throw InputError("strategy", "'pipeline' beside a deadline", fmt::format("'{}'", strategy));
   if (is_papers) culler.pair_search = PairSearch::kBrute;
   std::vector<std::string> searches;

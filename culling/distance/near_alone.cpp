@@ -15,12 +15,7 @@ void NearAlone::run(const BodiesView& bodies, const PoseSource& source, StageCou
   posed_.prepare(shared_.slots().count());
   posed_.clear();
   posed_.clear_counters();
-  for (size_t block = 0; block < broad.block_count(); ++block) {
-    for (const SlotPair& pair : broad.block(block)) {
-      posed_.need(pair.a);
-      posed_.need(pair.b);
-    }
-  }
+  for (size_t block = 0; block < broad.block_count(); ++block) posed_.need(broad.block(block));
   posed_.pose(shared_.posing(source), workers_);
   const double update_ns = watch.lap_ns();
   near_.begin_frame(shared_.parts(), bodies, broad.block_count());

@@ -58,13 +58,10 @@ void add_to(EventSum& sum, const NearPair& row, uint64_t kind) {
 
 NearSearch::NearSearch(BodyTypes types, const CullerOptions& options, Workers& workers)
     : types_(types),
-      options_(options.near),
-      exact_(options.exact),
-      deadline_ms_(options.deadline_ms),
-      deadline_tests_(options.deadline_tests),
+      options_(options),
       workers_(workers),
       parts_(static_cast<size_t>(workers.threads())) {
-  for (const auto& type : types) fit_for_near(*type, exact_);
+  for (const auto& type : types) fit_for_near(*type, options_.exact);
 }
 
 void NearSearch::begin_frame(const PartStageFrame& frame, const BodiesView& bodies, size_t tasks) {
@@ -72,14 +69,14 @@ void NearSearch::begin_frame(const PartStageFrame& frame, const BodiesView& bodi
   bodies_ = bodies;
   task_count_ = tasks;
   if (tasks_.size() < tasks) tasks_.resize(tasks);
-  if (deadline_ms_)
+  if (options_.deadline_ms)
     until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double, std::milli>(*deadline_ms_));
+                                std::chrono::duration<double, std::milli>(*options_.deadline_ms));
   past_.begin_frame(tasks);
 }
 
 void NearSearch::begin(int worker, const PosedBodies& bodies) {
-  parts_[static_cast<size_t>(worker)].begin(frame_, bodies, options_.most_m());
+  parts_[static_cast<size_t>(worker)].begin(frame_, bodies, options_.near.most_m());
 }
 
 void NearSearch::add(int worker, std::span<const SlotPair> pairs) {
@@ -93,9 +90,9 @@ void NearSearch::finish(int worker, size_t index) {
   task.counters = {};
   parts.find(frame_);
   take_candidates(parts, static_cast<uint32_t>(index));
-  if (!has_deadline()) decide(task);
+  if (!options_.has_deadline()) decide(task);
   // Under a deadline all tasks have the same bodies.
-  if (exact_ && options_.step_s > 0 && (!has_deadline() || index == 0))
+  if (options_.exact && options_.near.step_s > 0 && (!options_.has_deadline() || index == 0))
     past_.note(index, parts.posed().bodies(), parts.posed().poses(), bodies_, [&](uint16_t type) {
       return types_[type]->is_static() ? 0 : types_[type]->part_count();
     });
@@ -116,13 +113,13 @@ void NearSearch::take_candidates(const NearParts& parts, uint32_t index) {
               static_cast<uint32_t>(task.candidate_count), 0, index};
     for (const uint32_t of = candidates[i].pair; i < candidates.size() && candidates[i].pair == of;
          ++i) {
-      if (bounds[i].lo_m > options_.most_m()) continue;
+      if (bounds[i].lo_m > options_.near.most_m()) continue;
       task.candidates[task.candidate_count++] = {bounds[i].lo_m, bounds[i].hi_m,
                                                  candidates[i].part_a, candidates[i].part_b};
       pair.least_m = std::min(pair.least_m, bounds[i].lo_m);
     }
     pair.count = static_cast<uint32_t>(task.candidate_count) - pair.first;
-    pair.is_decided = exact_;
+    pair.is_decided = options_.exact;
     if (pair.count > 0) append(task.pairs, task.pair_count, pair);
   }
 }
@@ -130,7 +127,7 @@ void NearSearch::take_candidates(const NearParts& parts, uint32_t index) {
 /// Under a deadline the two bodies that may be nearest come first, wholly, as long as the budget
 /// lasts: tests of triangles, at most one a candidate; or the time, which is looked at in decide().
 void NearSearch::plan_budget() {
-  if (!exact_) return;
+  if (!options_.exact) return;
   size_t count = 0;
   for (size_t i = 0; i < task_count_; ++i)
     for (size_t p = 0; p < tasks_[i].pair_count; ++p) append(urgent_, count, {&tasks_[i].pairs[p]});
@@ -139,7 +136,7 @@ void NearSearch::plan_budget() {
   };
   std::sort(urgent_.data(), urgent_.data() + count,
             [&](const Urgent& p, const Urgent& q) { return key(p) < key(q); });
-  uint64_t left = deadline_tests_.value_or(std::numeric_limits<uint64_t>::max());
+  uint64_t left = options_.deadline_tests.value_or(std::numeric_limits<uint64_t>::max());
   for (size_t i = 0; i < count; ++i) {
     Pair& pair = *urgent_[i].pair;
     pair.is_decided = pair.count <= left;
@@ -151,8 +148,8 @@ void NearSearch::decide(Task& task) {
   task.row_count = task.nearest_count = 0;
   for (size_t i = 0; i < task.pair_count; ++i) {
     Pair& pair = task.pairs[i];
-    if (deadline_ms_ && pair.is_decided) pair.is_decided = Clock::now() < until_;
-    pair.by_volumes = !pair.is_decided && options_.body_near_m == 0;
+    if (options_.deadline_ms && pair.is_decided) pair.is_decided = Clock::now() < until_;
+    pair.by_volumes = !pair.is_decided && options_.near.body_near_m == 0;
     if (pair.by_volumes)
       narrow(pair, task);
     else
@@ -168,7 +165,7 @@ void NearSearch::narrow(Pair& pair, Task& task) {
     if (c->hi_m - c->lo_m > kWide_m)
       narrow_by_hulls(part_pair(frame_, task.posed->poses(), pair.bodies, c->part_a, c->part_b),
                       *c);
-  const float near_m = options_.near_m;
+  const float near_m = options_.near.near_m;
   pair.count = static_cast<uint32_t>(
       std::remove_if(first, end, [near_m](const NearCandidate& c) { return c.lo_m > near_m; }) -
       first);
@@ -179,7 +176,7 @@ void NearSearch::narrow(Pair& pair, Task& task) {
 void NearSearch::list(Pair& pair, Task& task) {
   const bool has_static =
       types_[pair.bodies.type_a]->is_static() || types_[pair.bodies.type_b]->is_static();
-  const float body_near_m = has_static ? 0 : options_.body_near_m;
+  const float body_near_m = has_static ? 0 : options_.near.body_near_m;
   NearCandidate* const first = task.candidates.data() + pair.first;
   NearCandidate* const end = first + pair.count;
   std::sort(first, end, [](const NearCandidate& p, const NearCandidate& q) {
@@ -190,14 +187,14 @@ void NearSearch::list(Pair& pair, Task& task) {
   nearest.lo_m = nearest.hi_m = std::numeric_limits<float>::max();
   float least_m = std::numeric_limits<float>::max();  // no two parts are nearer
   for (NearCandidate* c = first; c != end; ++c) {
-    const bool is_listed = c->lo_m <= options_.near_m;
+    const bool is_listed = c->lo_m <= options_.near.near_m;
     const float of_bodies_m = std::min(body_near_m, nearest.hi_m);
     if (!is_listed && (body_near_m == 0 || c->lo_m > of_bodies_m)) break;
     const PartPair parts =
         part_pair(frame_, task.posed->poses(), pair.bodies, c->part_a, c->part_b);
     NearPair row;
     if (pair.is_decided) {
-      const float within_m = std::max(is_listed ? options_.near_m : 0, of_bodies_m);
+      const float within_m = std::max(is_listed ? options_.near.near_m : 0, of_bodies_m);
       const NearVerdict verdict =
           task.decider.decide(parts, *c, static_cast<double>(within_m), task.counters);
       if (!verdict.is_near) continue;
@@ -206,7 +203,8 @@ void NearSearch::list(Pair& pair, Task& task) {
       narrow_by_hulls(parts, *c);
       row = undecided(pair.bodies, *c);
     }
-    if (options_.near_m > 0 && row.lo_m <= options_.near_m) append(task.rows, task.row_count, row);
+    if (options_.near.near_m > 0 && row.lo_m <= options_.near.near_m)
+      append(task.rows, task.row_count, row);
     least_m = std::min(least_m, row.lo_m);
     if (std::pair(row.hi_m, row.pair) < std::pair(nearest.hi_m, nearest.pair)) nearest = row;
   }
@@ -256,19 +254,19 @@ float NearSearch::closing_mps(const Task& task, const BodyPair& bodies,
     const Vector3d then = placed(past->poses[part], past->scale, material);
     return (bodies_.roots[body].position_m - Vector3d(past->root_m.data())) + (point_m - then);
   };
-  if (!(options_.step_s > 0)) return NearPair::kUnknown;
+  if (!(options_.near.step_s > 0)) return NearPair::kUnknown;
   const Vector3d b_to_a =
       bodies_.roots[bodies.body_a].position_m - bodies_.roots[bodies.body_b].position_m;
   const Vector3d a_moved = moved(bodies.body_a, bodies.type_a, bodies.scale_a, bodies.pose_a,
                                  candidate.part_a, verdict.on_a_m);
   const Vector3d b_moved = moved(bodies.body_b, bodies.type_b, bodies.scale_b, bodies.pose_b,
                                  candidate.part_b, verdict.on_b_m + b_to_a);
-  return static_cast<float>((a_moved - b_moved).dot(verdict.normal) / options_.step_s);
+  return static_cast<float>((a_moved - b_moved).dot(verdict.normal) / options_.near.step_s);
 }
 
 void NearSearch::end_frame(StageCounters& counters) {
   Stopwatch watch;
-  if (has_deadline()) {
+  if (options_.has_deadline()) {
     plan_budget();
     workers_.for_blocks(static_cast<int>(task_count_),
                         [&](int task, int) { decide(tasks_[static_cast<size_t>(task)]); });
@@ -287,13 +285,13 @@ void NearSearch::end_frame(StageCounters& counters) {
         return std::copy_n(task.nearest.data() + pair.first_nearest, pair.nearest, out);
       });
   hash_.add_frame(frame_number_++, sum);
-  if (exact_ && options_.step_s > 0) past_.end_frame();
+  if (options_.exact && options_.near.step_s > 0) past_.end_frame();
   for (NearParts& parts : parts_)  // any worker may get any task next time
     for (const NearParts& other : parts_) parts.reserve_like(other);
-  counters = {.volume = exact_ ? "triangles" : "ordop26"};
+  counters = {.volume = options_.exact ? "triangles" : "ordop26"};
   for (size_t i = 0; i < task_count_; ++i) {
     const NearCounters& of_task = tasks_[i].counters;
-    counters.tests += exact_ ? of_task.exact_tests : of_task.volume_tests;
+    counters.tests += options_.exact ? of_task.exact_tests : of_task.volume_tests;
     counters.test_ns += of_task.ns;
   }
   counters.passed = pairs().size();

@@ -7,7 +7,6 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -87,7 +86,6 @@ class NearSearch {
     }
   };
 
-  bool has_deadline() const { return deadline_ms_ || deadline_tests_; }
   void take_candidates(const NearParts& parts, uint32_t index);
   void plan_budget();
   void decide(Task& task);
@@ -102,10 +100,7 @@ class NearSearch {
                     const NearVerdict& verdict) const;
 
   BodyTypes types_;
-  NearOptions options_;
-  bool exact_;
-  std::optional<double> deadline_ms_;
-  std::optional<uint64_t> deadline_tests_;
+  CullerOptions options_;
   Workers& workers_;
   std::vector<NearParts> parts_;  // one a worker
   // Of the frame.

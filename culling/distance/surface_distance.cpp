@@ -171,10 +171,8 @@ class Search {
 
   void compare_if_near(const Rounded& of_a, const Rounded& of_b) {
     const double reach = matters() / kOfFrames + of_a.radius + of_b.radius;
-    if ((of_a.middle - of_b.middle).squaredNorm() > reach * reach) return;
-    if (is_apart(of_a.triangle, of_b.triangle)) return;
-    ++counters_.triangle_tests;
-    take(triangle_gap(of_a.triangle, of_b.triangle));
+    if ((of_a.middle - of_b.middle).squaredNorm() <= reach * reach)
+      compare(of_a.triangle, of_b.triangle);
   }
 
   void compare_leaves(const Node& node_a, const Node& node_b) {
@@ -190,9 +188,7 @@ class Search {
       const double from = least_along(along_, tb);
       for (uint32_t i = 0; i < node_a.count; ++i) {
         // Farther apart than matters, along the known direction or from middle to middle: most are.
-        if ((from - reach[i]) * kOfFrames > matters() || is_apart(own[i], tb)) continue;
-        ++counters_.triangle_tests;
-        take(triangle_gap(own[i], tb));
+        if ((from - reach[i]) * kOfFrames <= matters()) compare(own[i], tb);
       }
     }
   }
@@ -203,6 +199,12 @@ class Search {
         (b.corner[0] + b.corner[1] + b.corner[2]) - (a.corner[0] + a.corner[1] + a.corner[2]);
     const double length = between.norm();
     return length > 0 && gap_along(between / length, a, b) * kOfFrames > matters();
+  }
+
+  void compare(const Triangle& a, const Triangle& b) {
+    if (is_apart(a, b)) return;
+    ++counters_.triangle_tests;
+    take(triangle_gap(a, b));
   }
 
   void take(const TriangleGap& gap) {

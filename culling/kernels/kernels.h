@@ -174,8 +174,8 @@ struct Kernels {
                               const uint32_t* order, size_t count, uint8_t* overlaps);
   OrdopPairs ordop_pairs_14, ordop_pairs_18, ordop_pairs_26;
 
-  /// How far apart candidates of one bucket are, as ordop_pairs: sets bounds[order[i]]. `on_a` is
-  /// of the part that `a` is of.
+  /// How far apart candidates of one bucket are, as ordop_pairs: sets bounds[order[i]], of those
+  /// farther apart than near_m only lo_m. `on_a` is of the part that `a` is of.
   void (*ordop_gaps)(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
                      const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
                      const Candidate* candidates, const uint32_t* order, size_t count, float near_m,

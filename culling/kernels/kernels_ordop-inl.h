@@ -69,21 +69,19 @@ struct HalfTest {
   }
 
   HWY_INLINE M axes() const {
-    M out = nowhere();
-    each_axis([&](size_t index, const V3& d, V tau)
-                  HWY_ATTR { out = hn::Or(out, separates(index, d, tau)); });
-    return out;
+    return any_separates([this](const auto& visit) HWY_ATTR { each_axis(visit); });
   }
   HWY_INLINE M edges() const {
-    M out = nowhere();
-    each_edge([&](size_t index, const V3& d, V tau)
-                  HWY_ATTR { out = hn::Or(out, separates(index, d, tau)); });
-    return out;
+    return any_separates([this](const auto& visit) HWY_ATTR { each_edge(visit); });
   }
   HWY_INLINE M corners() const {
+    return any_separates([this](const auto& visit) HWY_ATTR { each_corner(visit); });
+  }
+  template <typename Each>
+  HWY_INLINE M any_separates(const Each& each) const {
     M out = nowhere();
-    each_corner([&](size_t index, const V3& d, V tau)
-                    HWY_ATTR { out = hn::Or(out, separates(index, d, tau)); });
+    each([&](size_t index, const V3& d, V tau)
+             HWY_ATTR { out = hn::Or(out, separates(index, d, tau)); });
     return out;
   }
 

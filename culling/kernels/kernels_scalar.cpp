@@ -149,17 +149,26 @@ struct HalfTest {
     for (int j = 0; j < 3; ++j) offset[j] = (offset_m[j] * per_own) * own.per_half_box[j];
   }
 
+  /// Along a direction of own's, in its units: from middle to middle, and what lies in between.
+  struct Along {
+    float gap, reach;
+  };
+  template <int K>
+  Along along_direction(size_t i) const {
+    const Eigen::Vector3f n = direction_vector(static_cast<int>(i));
+    const Eigen::Vector3f d(along(n, other_from_own.row(0)), along(n, other_from_own.row(1)),
+                            along(n, other_from_own.row(2)));
+    const Slab far = other.slabs.bound<K>(d);
+    const Slab& near = own.slabs.slab[i];
+    return {std::fabs((along(n, offset) + far.centre) - near.centre), near.half + far.half};
+  }
+
   template <int K>
   bool separates() const {
     for (size_t i = 0; i < kDirections.size(); ++i) {
       if (!has_direction(K, static_cast<int>(i))) continue;
-      const Eigen::Vector3f n = direction_vector(static_cast<int>(i));
-      const Eigen::Vector3f d(along(n, other_from_own.row(0)), along(n, other_from_own.row(1)),
-                              along(n, other_from_own.row(2)));
-      const Slab far = other.slabs.bound<K>(d);
-      const Slab& near = own.slabs.slab[i];
-      const float gap = std::fabs((along(n, offset) + far.centre) - near.centre);
-      if (gap > (near.half + far.half) + margin * own.length[i]) return true;
+      const Along at = along_direction<K>(i);
+      if (at.gap > at.reach + margin * own.length[i]) return true;
     }
     return false;
   }
@@ -169,14 +178,8 @@ struct HalfTest {
   float widest_gap() const {
     float most = -kEmptyLow;
     for (size_t i = 0; i < kDirections.size(); ++i) {
-      const Eigen::Vector3f n = direction_vector(static_cast<int>(i));
-      const Eigen::Vector3f d(along(n, other_from_own.row(0)), along(n, other_from_own.row(1)),
-                              along(n, other_from_own.row(2)));
-      const Slab far = other.slabs.bound<26>(d);
-      const Slab& near = own.slabs.slab[i];
-      const float beyond =
-          std::fabs((along(n, offset) + far.centre) - near.centre) - (near.half + far.half);
-      most = std::max(most, beyond * (1.0f / own.length[i]));
+      const Along at = along_direction<26>(i);
+      most = std::max(most, (at.gap - at.reach) * (1.0f / own.length[i]));
     }
     return most;
   }

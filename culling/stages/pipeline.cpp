@@ -67,12 +67,8 @@ void Pipeline::refine(const PoseSource& source) {
     Task& task = tasks_[static_cast<size_t>(index)];
     PartStage& stage = stages_[static_cast<size_t>(worker)];
     PosedBodies& bodies = posed_[static_cast<size_t>(worker)];
-    for (size_t block = task.first; block < task.end; ++block) {
-      for (const SlotPair& pair : shared_.broad().block(block)) {
-        bodies.need(pair.a);
-        bodies.need(pair.b);
-      }
-    }
+    for (size_t block = task.first; block < task.end; ++block)
+      bodies.need(shared_.broad().block(block));
     bodies.pose(shared_.posing(source), alone_);
     stage.begin(parts, bodies);
     for (size_t block = task.first; block < task.end; ++block)

@@ -46,6 +46,13 @@ class PosedBodies {
     slots_.grow(count_ + 1, count_);
     slots_[count_++] = slot;
   }
+  /// Both bodies of each pair.
+  void need(std::span<const SlotPair> pairs) {
+    for (const SlotPair& pair : pairs) {
+      need(pair.a);
+      need(pair.b);
+    }
+  }
   /// Poses every needed body that is not posed yet and makes its boxes, on all workers.
   void pose(const Frame& frame, Workers& workers);
 

@@ -1,8 +1,6 @@
 #include "culling/volumes/ordop.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "culling/volumes/directions.h"
 #include "culling/volumes/polytope.h"
@@ -11,14 +9,11 @@
 namespace throng {
 namespace {
 
-/// One body's half of the test: its own face normals against the other's bound. Calls
-/// visit(direction, between, beyond) for each: how far the middles lie apart along it, and by how
-/// much that is beyond what reaches in between; metres times the direction's length. Until visit
-/// says so.
-template <int K, typename Visit>
-bool any_normal(const Slabs& own, float own_scale, const Slabs& other, float other_scale,
-                const Eigen::Matrix3f& other_from_own, const Eigen::Vector3f& own_to_other,
-                float margin_m, const Visit& visit) {
+/// One body's half of the test: its own face normals against the other's bound.
+template <int K>
+bool separated(const Slabs& own, float own_scale, const Slabs& other, float other_scale,
+               const Eigen::Matrix3f& other_from_own, const Eigen::Vector3f& own_to_other,
+               float margin_m) {
   for (int i = 0; i < 13; ++i) {
     if (!has_direction(K, i)) continue;
     const Eigen::Vector3f n = direction_vector(i);
@@ -30,22 +25,10 @@ bool any_normal(const Slabs& own, float own_scale, const Slabs& other, float oth
         along(n, own_to_other) + other_scale * bound.centre - own_scale * own_slab.centre;
     const float reach =
         own_scale * own_slab.half + other_scale * bound.half + margin_m * direction_length(i);
-    if (visit(i, between, std::fabs(between) - reach)) return true;
+    if (std::fabs(between) > reach) return true;
   }
   return false;
 }
-
-/// What both halves of a test read.
-struct Halves {
-  Halves(const PartPose& pose_a, const PartPose& pose_b, const Eigen::Vector3f& a_to_b_m)
-      : delta(a_to_b_m + translation_m(pose_b) - translation_m(pose_a)) {
-    for (int column = 0; column < 3; ++column)
-      b_from_a.col(column) = turned_back(
-          pose_b, {pose_a.rows[0][column], pose_a.rows[1][column], pose_a.rows[2][column]});
-  }
-  Eigen::Vector3f delta;
-  Eigen::Matrix3f b_from_a;  ///< R_b^T R_a
-};
 
 }  // namespace
 
@@ -53,40 +36,16 @@ template <int K>
 bool ordop_overlaps(const Slabs& slabs_a, const PartPose& pose_a, float scale_a,
                     const Slabs& slabs_b, const PartPose& pose_b, float scale_b,
                     const Eigen::Vector3f& a_to_b_m, float margin_m) {
-  const Halves halves(pose_a, pose_b, a_to_b_m);
-  const auto separates = [](int, float, float beyond) { return beyond > 0; };
-  if (any_normal<K>(slabs_a, scale_a, slabs_b, scale_b, halves.b_from_a,
-                    turned_back(pose_a, halves.delta), margin_m, separates))
+  const Eigen::Vector3f delta = a_to_b_m + translation_m(pose_b) - translation_m(pose_a);
+  Eigen::Matrix3f b_from_a;  // R_b^T R_a
+  for (int column = 0; column < 3; ++column)
+    b_from_a.col(column) = turned_back(
+        pose_b, {pose_a.rows[0][column], pose_a.rows[1][column], pose_a.rows[2][column]});
+  if (separated<K>(slabs_a, scale_a, slabs_b, scale_b, b_from_a, turned_back(pose_a, delta),
+                   margin_m))
     return false;
-  return !any_normal<K>(slabs_b, scale_b, slabs_a, scale_a, halves.b_from_a.transpose(),
-                        -turned_back(pose_b, halves.delta), margin_m, separates);
-}
-
-template <int K>
-ProvenGap ordop_gap(const Slabs& slabs_a, const PartPose& pose_a, float scale_a,
-                    const Slabs& slabs_b, const PartPose& pose_b, float scale_b,
-                    const Eigen::Vector3f& a_to_b_m, float margin_m) {
-  constexpr float kDown = 1 - 0x1p-20f;  // of the division
-  const Halves halves(pose_a, pose_b, a_to_b_m);
-  float most = -std::numeric_limits<float>::infinity();
-  ProvenGap out;
-  const auto note_for = [&](const PartPose& pose, float to_b) {
-    return [&, to_b](int i, float between, float beyond) {
-      const float gap = beyond / direction_length(i);
-      if (gap > most) {
-        most = gap;
-        const Eigen::Vector3f n = direction_vector(i);
-        out.direction = turned(pose, (between < 0 ? -to_b : to_b) * n.normalized());
-      }
-      return false;
-    };
-  };
-  any_normal<K>(slabs_a, scale_a, slabs_b, scale_b, halves.b_from_a,
-                turned_back(pose_a, halves.delta), margin_m, note_for(pose_a, 1));
-  any_normal<K>(slabs_b, scale_b, slabs_a, scale_a, halves.b_from_a.transpose(),
-                -turned_back(pose_b, halves.delta), margin_m, note_for(pose_b, -1));
-  out.at_least_m = std::max(0.0f, most * kDown);
-  return out;
+  return !separated<K>(slabs_b, scale_b, slabs_a, scale_a, b_from_a.transpose(),
+                       -turned_back(pose_b, delta), margin_m);
 }
 
 template <int K>
@@ -96,8 +55,6 @@ double Ordop<K>::volume_m3(const Slabs& fitted) {
 
 #define THRONG_INSTANTIATE(K)                                                             \
   template bool ordop_overlaps<K>(const Slabs&, const PartPose&, float, const Slabs&,     \
-                                  const PartPose&, float, const Eigen::Vector3f&, float); \
-  template ProvenGap ordop_gap<K>(const Slabs&, const PartPose&, float, const Slabs&,     \
                                   const PartPose&, float, const Eigen::Vector3f&, float); \
   template double Ordop<K>::volume_m3(const Slabs&);
 THRONG_INSTANTIATE(14)

@@ -19,18 +19,6 @@ bool ordop_overlaps(const Slabs& slabs_a, const PartPose& pose_a, float scale_a,
                     const Slabs& slabs_b, const PartPose& pose_b, float scale_b,
                     const Eigen::Vector3f& a_to_b_m, float margin_m);
 
-/// What the same axes prove: no two points of the parts are nearer.
-struct ProvenGap {
-  float at_least_m = 0;  ///< 0: nothing
-  Eigen::Vector3f direction =
-      Eigen::Vector3f::UnitX();  ///< unit, in world axes, from A to B: along
-                                 ///< which it is greatest, or least below 0
-};
-template <int K>
-ProvenGap ordop_gap(const Slabs& slabs_a, const PartPose& pose_a, float scale_a,
-                    const Slabs& slabs_b, const PartPose& pose_b, float scale_b,
-                    const Eigen::Vector3f& a_to_b_m, float margin_m);
-
 template <int K>
 struct Ordop {
   static_assert(K == 14 || K == 18 || K == 26);

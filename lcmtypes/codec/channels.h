@@ -48,6 +48,14 @@ inline constexpr int32_t kSchema = 2;
 /// fragments arrive out of order.
 inline constexpr size_t kMaxMessageBytes = 60'000;
 
+/// Fingerprint, five int64 and three int32 that every message begins with.
+inline constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
+
+/// Messages that so many items take.
+constexpr int chunks_of(size_t items, size_t per_chunk) {
+  return static_cast<int>(items / per_chunk + (items % per_chunk != 0));
+}
+
 /// A run description in one piece: a hundred models of a million triangles in all fit. A reader
 /// reserves this much at most before it trusts a description.
 inline constexpr size_t kMaxDescriptionBytes = size_t{64} << 20;

@@ -179,7 +179,7 @@ namespace {
 
 std::string leaves_out(const RunInfo& run) {
   if (!run.culling) return "every contact: the run was without culling";
-  if (run.has_deadline())
+  if (run.culler.has_deadline())
     return "decisions that a frame had no time for: such pairs count as touching, their level says "
            "how far they came";
   return std::string(left_out_by(run.culler.strategy));
@@ -196,8 +196,8 @@ void describe_checks(const RunInfo& run, checks_t& out) {
       run.culler.deadline_tests ? static_cast<int64_t>(*run.culler.deadline_tests) : -1;
   out.leaves_out = leaves_out(run);
   out.is_last = out.is_repaired = 0;
-  out.hash_kind = static_cast<int32_t>(run.has_deadline() ? EventHashKind::kEventsAndLevels
-                                                          : EventHashKind::kEvents);
+  out.hash_kind = static_cast<int32_t>(run.culler.has_deadline() ? EventHashKind::kEventsAndLevels
+                                                                 : EventHashKind::kEvents);
   out.hash_at_start = run.resumed ? static_cast<int64_t>(run.resumed->hash) : 0;
 }
 

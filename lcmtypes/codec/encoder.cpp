@@ -24,8 +24,6 @@ constexpr int64_t kSecond_us = 1'000'000;
 // Everybody on a scene's ground, and every part of a body there, is nearer than int32 can say.
 static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
 
-// Fingerprint, five int64 and three int32 that every message begins with.
-constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
 // Where they differ from target to target.
 constexpr size_t kInstanceAt = 8 + 2 * 8, kSeqAt = 8 + 4 * 8;
 
@@ -39,10 +37,6 @@ constexpr size_t kShortfallsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) /
 
 /// A message takes some hundred microseconds; all slots together fit the second cache.
 constexpr size_t kSlotsAThread = 4;
-
-constexpr int chunks_of(size_t items, size_t per_chunk) {
-  return static_cast<int>(items / per_chunk + (items % per_chunk != 0));
-}
 
 /// A reader takes no more pieces of one thing.
 void require_few(const RunInfo& run, size_t chunks) {

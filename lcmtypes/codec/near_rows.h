@@ -13,7 +13,7 @@
 namespace throng {
 
 /// Behind header, margins, hash and count.
-inline constexpr size_t kNearPerMessage = (kMaxMessageBytes - 60 - 20) / 88;
+inline constexpr size_t kNearPerMessage = (kMaxMessageBytes - kHeaderBytes - 20) / 88;
 
 /// A message of the rows from number `first` on, as many as fit: those of parts, then those of two
 /// people.

@@ -32,7 +32,7 @@ void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
 }
 
 /// Behind header and count.
-inline constexpr size_t kEventsPerMessage = (kMaxMessageBytes - 60 - 4) / 12;
+inline constexpr size_t kEventsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 12;
 
 /// A message of these events, no more than fit.
 inline void set_events(events_t& m, std::span<const PairEvent> events) {

@@ -149,7 +149,7 @@ void Lockstep::send_turn(Party& party) {
   m.frame = frame_;
   m.schema = kSchema;
   m.is_first = is_first_ ? 1 : 0;
-  m.chunk_count = static_cast<int32_t>((asked.size() + kAvatarsPerTurn - 1) / kAvatarsPerTurn);
+  m.chunk_count = chunks_of(asked.size(), kAvatarsPerTurn);
   for (m.chunk = 0; m.chunk < m.chunk_count; ++m.chunk) {
     const size_t first = static_cast<size_t>(m.chunk) * kAvatarsPerTurn;
     const size_t count = std::min(kAvatarsPerTurn, asked.size() - first);

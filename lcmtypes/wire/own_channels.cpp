@@ -17,10 +17,6 @@ namespace {
 
 constexpr size_t kMaxChannel = 63 - std::string_view("_EVENTS").size();  // liblcm's, of the longest
 
-int chunks_of(size_t items, size_t per_chunk) {
-  return static_cast<int>((items + per_chunk - 1) / per_chunk);
-}
-
 int64_t now_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }

@@ -5,33 +5,24 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "base/text.h"
 #include "culling/pair_filter.h"
 #include "scenes/file/part_words.h"
 
 namespace throng {
-namespace {
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
-}  // namespace
-
 PairRules pair_rules_of(std::string_view text, std::string_view where) {
   PairRules rules;
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
     const std::string_view entry = text.substr(begin, end - begin);
     const size_t colon = entry.find(':');
-    const std::string_view left = trimmed(entry.substr(0, colon));
+    const std::string_view left = without_blanks_around(entry.substr(0, colon));
     const std::string_view right =
-        colon == std::string_view::npos ? kAll : trimmed(entry.substr(colon + 1));
+        colon == std::string_view::npos ? kAll : without_blanks_around(entry.substr(colon + 1));
     if (words_of(left).empty() || words_of(right).empty() ||
         right.find_first_of(":\n") != std::string_view::npos)
       throw InputError(where, "names, or pairs of names, as in 'robots: people, hands'",
-                       fmt::format("'{}'", trimmed(entry)));
+                       fmt::format("'{}'", without_blanks_around(entry)));
     rules.push_back({std::string(left), std::string(right)});
     begin = end + 1;
   }

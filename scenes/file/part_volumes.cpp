@@ -7,6 +7,7 @@
 
 #include "avatars/model/model.h"
 #include "base/errors.h"
+#include "base/text.h"
 #include "scenes/file/part_words.h"
 
 namespace throng {
@@ -15,12 +16,6 @@ namespace {
 constexpr std::string_view kDefault = "default";
 constexpr size_t kMostNamed = 32;
 constexpr size_t kMostNamesShown = 12;
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
 
 VolumeKind volume_named(std::string_view name, std::string_view where) {
   if (const auto volume = volume_of(name)) return *volume;
@@ -69,13 +64,13 @@ PartVolumes part_volumes_of(std::string_view text, std::string_view where) {
   PartVolumes volumes;
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string_view entry = trimmed(text.substr(begin, end - begin));
+    const std::string_view entry = without_blanks_around(text.substr(begin, end - begin));
     const size_t colon = entry.find(':');
     if (colon == std::string_view::npos)
       throw InputError(where, "a volume, or 'hands: sphere, default: ordop26'",
                        fmt::format("'{}'", entry));
-    add_part_volume(trimmed(entry.substr(0, colon)), trimmed(entry.substr(colon + 1)), where,
-                    volumes);
+    add_part_volume(without_blanks_around(entry.substr(0, colon)),
+                    without_blanks_around(entry.substr(colon + 1)), where, volumes);
     begin = end + 1;
   }
   return volumes;

@@ -43,7 +43,6 @@ struct RunInfo {
   bool culling = true;   ///< false: nobody was looked at, and there are no events
   std::optional<Resumed> resumed;  ///< then the first frame is not number 0
 
-  bool has_deadline() const { return culler.deadline_ms || culler.deadline_tests; }
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
 };
 

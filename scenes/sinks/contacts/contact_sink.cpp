@@ -4,24 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <iterator>
 
 #include "base/append.h"
 #include "base/csv.h"
-#include "base/errors.h"
 #include "base/files/whole_file.h"
 
 namespace throng {
 namespace {
 
 namespace fs = std::filesystem;
-
-EnvironmentError cannot_write(const fs::path& file, int error) {
-  return EnvironmentError(fmt::format("{}: cannot write: {}; choose another folder with --contacts",
-                                      file.string(), std::strerror(error)));
-}
 
 constexpr const char* kTables[] = {
     "contacts.csv", "pairs.csv",   "people.csv",        "minutes.csv",  "durations.csv",
@@ -203,32 +195,30 @@ ContactSink::ContactSink(fs::path folder, bool with_points)
     : folder_(std::move(folder)), with_points_(with_points) {
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) throw cannot_write(folder_, error.value());
+  if (error) throw cannot_write(folder_, error.value(), kContactsOption);
 }
 
 void ContactSink::begin(const RunInfo& run) {
-  errno = 0;
-  contacts_.open(folder_ / "contacts.csv", std::ios::trunc | std::ios::binary);
-  if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
+  contacts_ = std::make_unique<FolderFile>(folder_ / "contacts.csv", kContactsOption);
   statistics_ = std::make_unique<ContactStatistics>(run);
   touching_ = std::make_unique<TouchingNetwork>(folder_, run);
   near_ = std::make_unique<NearTables>(folder_, run);
   body_map_ = with_points_ ? std::make_unique<BodyMap>(run) : nullptr;
   notes_.clear();
-  contacts_ << "begin_s,duration_s,person_a,person_b,x_m,y_m,density_per_m2,first_part_a,"
-               "first_part_b,part_contacts,cut\n";
+  contacts_->write(
+      "begin_s,duration_s,person_a,person_b,x_m,y_m,density_per_m2,first_part_a,first_part_b,"
+      "part_contacts,cut\n");
 }
 
 void ContactSink::list_ended() {
   for (const Contact& contact : statistics_->ended()) touching_->ended(contact);
   for (const Contact& contact : statistics_->ended())
-    contacts_ << fmt::format("{:.4f},{:.4f},{},{},{:.3f},{:.3f},{:.3f},{},{},{},{}\n",
-                             contact.begin_s, contact.duration_s, contact.a, contact.b,
-                             contact.place_m.x(), contact.place_m.y(), contact.density_per_m2,
-                             csv_field(statistics_->part_name(contact.a, contact.first_part_a)),
-                             csv_field(statistics_->part_name(contact.b, contact.first_part_b)),
-                             contact.part_contacts, contact.cut ? 1 : 0);
-  if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
+    contacts_->write(fmt::format("{:.4f},{:.4f},{},{},{:.3f},{:.3f},{:.3f},{},{},{},{}\n",
+                                 contact.begin_s, contact.duration_s, contact.a, contact.b,
+                                 contact.place_m.x(), contact.place_m.y(), contact.density_per_m2,
+                                 csv_field(statistics_->part_name(contact.a, contact.first_part_a)),
+                                 csv_field(statistics_->part_name(contact.b, contact.first_part_b)),
+                                 contact.part_contacts, contact.cut ? 1 : 0));
 }
 
 void ContactSink::frame(const RunInfo& run, const Frame& frame) {
@@ -242,9 +232,7 @@ void ContactSink::frame(const RunInfo& run, const Frame& frame) {
 void ContactSink::end(const RunInfo& run, const RunEnd& end) {
   statistics_->end(end);
   list_ended();
-  errno = 0;
-  contacts_.close();
-  if (!contacts_) throw cannot_write(folder_ / "contacts.csv", errno);
+  contacts_->close();
   touching_->end(run);
   near_->end(run);
   if (!near_->note().empty()) notes_.push_back(near_->note());
@@ -263,21 +251,18 @@ void ContactSink::end(const RunInfo& run, const RunEnd& end) {
 }
 
 void ContactSink::write_pairs() const {
-  const fs::path file = folder_ / "pairs.csv";
   const double step_s = statistics_->step_s();
-  errno = 0;
-  std::ofstream out(file, std::ios::trunc | std::ios::binary);
-  out << "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n";
+  FolderFile out(folder_ / "pairs.csv", kContactsOption);
+  out.write("begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n");
   statistics_->for_each_part_contact([&](const PartContact& contact) {
     const PairKey pair = contact.pair;
-    out << fmt::format(
+    out.write(fmt::format(
         "{:.4f},{:.4f},{},{},{},{},{}\n", static_cast<double>(contact.begin_frame) * step_s,
         static_cast<double>(contact.frames) * step_s, pair.a(),
         csv_field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
-        csv_field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0);
+        csv_field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0));
   });
   out.close();
-  if (!out) throw cannot_write(file, errno);
 }
 
 void ContactSink::draw_figures() {

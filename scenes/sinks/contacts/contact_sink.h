@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,7 +40,7 @@ class ContactSink final : public Sink {
 
   std::filesystem::path folder_;
   bool with_points_;
-  std::ofstream contacts_;
+  std::unique_ptr<FolderFile> contacts_;
   std::unique_ptr<ContactStatistics> statistics_;
   std::unique_ptr<TouchingNetwork> touching_;
   std::unique_ptr<NearTables> near_;

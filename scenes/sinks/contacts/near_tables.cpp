@@ -7,20 +7,12 @@
 
 #include "base/append.h"
 #include "base/csv.h"
+#include "scenes/sinks/part_name.h"
 
 namespace throng {
 namespace {
 
 constexpr const char* kFiles[] = {"near.csv", "exposure.csv", "near.tij", "near.graphml"};
-
-std::string part_name(const RunInfo& run, uint32_t body, uint32_t part) {
-  if (body >= run.model_of_avatar.size()) return "obstacle";
-  const std::vector<Part>& parts = run.models[run.model_of_avatar[body]]->parts;
-  return part < parts.size() ? csv_field(parts[part].name) : "whole body";
-}
-
-/// What is not known is empty.
-std::string known(float value) { return value == value ? fmt::format("{}", value) : ""; }
 
 }  // namespace
 
@@ -30,7 +22,7 @@ NearTables::NearTables(std::filesystem::path folder, const RunInfo& run)
   std::error_code error;
   for (const char* name : kFiles) std::filesystem::remove(folder_ / name, error);
   if (!run.culler.near.is_asked()) return;
-  rows_ = std::make_unique<ContactFile>(folder_ / "near.csv");
+  rows_ = std::make_unique<FolderFile>(folder_ / "near.csv", kContactsOption);
   rows_->write(
       "frame,time_s,of,body_a,part_a,body_b,part_b,level,lo_m,hi_m,closing_mps,contact_in_s\n");
   if (!(person_near_m_ > 0)) return;
@@ -45,9 +37,9 @@ void NearTables::list(const RunInfo& run, const Frame& frame, std::span<const Ne
     const PairKey pair = row.pair;
     append(text_, "{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", frame.number,
            static_cast<double>(frame.number) * step_s_, of, pair.a(),
-           part_name(run, pair.a(), pair.part_a()), pair.b(),
-           part_name(run, pair.b(), pair.part_b()), static_cast<int>(row.level), row.lo_m, row.hi_m,
-           known(row.closing_mps), known(row.contact_in_s()));
+           csv_field(part_name(run, pair.a(), pair.part_a())), pair.b(),
+           csv_field(part_name(run, pair.b(), pair.part_b())), static_cast<int>(row.level),
+           row.lo_m, row.hi_m, csv_number(row.closing_mps), csv_number(row.contact_in_s()));
   }
 }
 
@@ -85,7 +77,7 @@ void NearTables::write_exposures(const RunInfo& run) {
     header += fmt::format(",below_{0}_m_s,unsure_{0}_m_s", kLevels_m[i]);
     attributes.emplace_back(fmt::format("below_{}_m_s", kLevels_m[i]), "double");
   }
-  ContactFile table(folder_ / "exposure.csv");
+  FolderFile table(folder_ / "exposure.csv", kContactsOption);
   table.write(header + "\n");
   GraphFile graph(folder_ / "near.graphml", run, attributes);
   const auto seconds = [&](uint32_t frames) { return fmt::format("{:.4f}", frames * step_s_); };

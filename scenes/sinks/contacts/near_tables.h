@@ -43,7 +43,7 @@ class NearTables {
   double step_s_;
   float person_near_m_;
   size_t levels_ = 0;                     ///< of kLevels_m, that the margin reaches
-  std::unique_ptr<ContactFile> rows_;     ///< null: no margin was asked for
+  std::unique_ptr<FolderFile> rows_;      ///< null: no margin was asked for
   std::unique_ptr<SecondsFile> seconds_;  ///< null: none for people
   std::unordered_map<uint64_t, Exposure> exposures_;
   std::vector<uint64_t> pairs_;

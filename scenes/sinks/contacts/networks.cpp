@@ -3,12 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include "base/append.h"
-#include "base/errors.h"
 
 namespace throng {
 namespace {
@@ -35,26 +32,6 @@ std::string xml_text(const std::string& text) {
 
 }  // namespace
 
-ContactFile::ContactFile(std::filesystem::path file) : file_(std::move(file)) {
-  errno = 0;
-  out_.open(file_, std::ios::trunc | std::ios::binary);
-  write("");
-}
-
-void ContactFile::write(const std::string& text) {
-  out_.write(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!out_)
-    throw EnvironmentError(
-        fmt::format("{}: cannot write: {}; choose another folder with --contacts", file_.string(),
-                    std::strerror(errno)));
-}
-
-void ContactFile::close() {
-  errno = 0;
-  out_.close();
-  write("");
-}
-
 void SecondsFile::frame(int64_t number, std::span<const uint64_t> pairs) {
   const auto second =
       1 + static_cast<int64_t>(std::floor(static_cast<double>(number) * step_s_ + kRounding_s));
@@ -79,7 +56,7 @@ void SecondsFile::end() {
 }
 
 GraphFile::GraphFile(std::filesystem::path file, const RunInfo& run, const Attributes& attributes)
-    : out_(std::move(file)) {
+    : out_(std::move(file), kContactsOption) {
   text_ =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">\n"

@@ -5,12 +5,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/files/folder_file.h"
 #include "base/files/sorted_spill.h"
 #include "scenes/run/sink.h"
 #include "scenes/sinks/contacts/contact_statistics.h"
@@ -20,22 +21,14 @@ namespace throng {
 /// Two people as one number, ordered as (a, b); a < b.
 inline uint64_t pair_key(uint32_t a, uint32_t b) { return (uint64_t{a} << 32) | b; }
 
-/// What cannot be written is an EnvironmentError that names --contacts, here and below.
-class ContactFile {
- public:
-  explicit ContactFile(std::filesystem::path file);
-  void write(const std::string& text);
-  void close();
-
- private:
-  std::filesystem::path file_;
-  std::ofstream out_;
-};
+/// The option that names the folder of all files of contacts.
+inline constexpr std::string_view kContactsOption = "--contacts";
 
 /// A line "t i j" for each two people who were together within the second that ends at t.
 class SecondsFile {
  public:
-  SecondsFile(std::filesystem::path file, double step_s) : out_(std::move(file)), step_s_(step_s) {}
+  SecondsFile(std::filesystem::path file, double step_s)
+      : out_(std::move(file), kContactsOption), step_s_(step_s) {}
 
   /// Those together in a frame, by pair_key(), in any order; frames come one after another.
   void frame(int64_t number, std::span<const uint64_t> pairs);
@@ -44,7 +37,7 @@ class SecondsFile {
  private:
   void write_second();
 
-  ContactFile out_;
+  FolderFile out_;
   double step_s_;
   int64_t second_ = 0;  ///< at whose end those of now_ are written
   std::vector<uint64_t> now_;
@@ -63,7 +56,7 @@ class GraphFile {
   void end();
 
  private:
-  ContactFile out_;
+  FolderFile out_;
   std::string text_;
 };
 

@@ -2,13 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
-
 #include "base/append.h"
 #include "base/csv.h"
-#include "base/errors.h"
 #include "scenes/run/runner.h"
+#include "scenes/sinks/part_name.h"
 
 namespace throng {
 namespace {
@@ -19,32 +16,7 @@ constexpr const char* kRows = "separation.csv";
 constexpr const char* kShortfalls = "shortfalls.csv";
 constexpr const char* kFigure = "separation.svg";
 
-EnvironmentError cannot_write(const fs::path& file, int error) {
-  return EnvironmentError(
-      fmt::format("{}: cannot write: {}; choose another folder with --separation", file.string(),
-                  std::strerror(error)));
-}
-
-void open(std::ofstream& out, const fs::path& file, const char* header) {
-  errno = 0;
-  out.open(file, std::ios::trunc | std::ios::binary);
-  out << header;
-  if (!out) throw cannot_write(file, errno);
-}
-
-void write(std::ofstream& out, const fs::path& file, const std::string& text) {
-  errno = 0;
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!out) throw cannot_write(file, errno);
-}
-
-/// What is not known is empty.
-std::string known(float value) { return value == value ? fmt::format("{}", value) : ""; }
-
-std::string part_name(const RunInfo& run, uint32_t avatar, uint32_t part) {
-  const Model& model = *run.models[run.model_of_avatar[avatar]];
-  return part < model.parts.size() ? csv_field(model.parts[part].name) : "whole body";
-}
+constexpr std::string_view kOption = "--separation";
 
 }  // namespace
 
@@ -53,7 +25,7 @@ SeparationSink::SeparationSink(fs::path folder, const SeparationRule& rule)
   if (folder_.empty()) return;
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) throw cannot_write(folder_, error.value());
+  if (error) throw cannot_write(folder_, error.value(), kOption);
 }
 
 void SeparationSink::begin(const RunInfo& run) {
@@ -61,11 +33,13 @@ void SeparationSink::begin(const RunInfo& run) {
   if (folder_.empty()) return;
   history_ =
       std::make_unique<SeparationHistory>(run, frame_count(run.scene->duration_s, run.step_s));
-  open(rows_, folder_ / kRows,
-       "frame,time_s,robot,region,lo_m,hi_m,person,robot_part,person_part,closing_mps,robot_mps,"
-       "human_mps,required_m,spare_m,people_short\n");
-  open(shortfalls_, folder_ / kShortfalls,
-       "begin_s,end_s,robot,person,region,least_lo_m,least_hi_m,most_short_m,beyond_margin,cut\n");
+  rows_ = std::make_unique<FolderFile>(folder_ / kRows, kOption);
+  rows_->write(
+      "frame,time_s,robot,region,lo_m,hi_m,person,robot_part,person_part,closing_mps,robot_mps,"
+      "human_mps,required_m,spare_m,people_short\n");
+  shortfalls_ = std::make_unique<FolderFile>(folder_ / kShortfalls, kOption);
+  shortfalls_->write(
+      "begin_s,end_s,robot,person,region,least_lo_m,least_hi_m,most_short_m,beyond_margin,cut\n");
 }
 
 void SeparationSink::list_ended(const RunInfo& run) {
@@ -76,7 +50,7 @@ void SeparationSink::list_ended(const RunInfo& run) {
            static_cast<double>(each.end_frame) * run.step_s, each.robot, each.person,
            name_of(each.region), each.least_lo_m, each.least_hi_m, each.most_short_m,
            each.is_beyond_margin ? 1 : 0, each.is_cut ? 1 : 0);
-  write(shortfalls_, folder_ / kShortfalls, text_);
+  shortfalls_->write(text_);
 }
 
 void SeparationSink::frame(const RunInfo& run, const Frame& frame) {
@@ -96,12 +70,12 @@ void SeparationSink::frame(const RunInfo& run, const Frame& frame) {
     const uint32_t person = robot_is_a ? row.pair.b() : row.pair.a();
     const uint32_t part_a = row.pair.part_a(), part_b = row.pair.part_b();
     append(text_, "{},{},{},{},{},{},{},{},{}\n", person,
-           part_name(run, row.robot, robot_is_a ? part_a : part_b),
-           part_name(run, person, robot_is_a ? part_b : part_a), known(row.closing_mps),
-           known(row.robot_mps), known(row.human_mps), known(row.required_m), known(row.spare_m),
-           row.people_short);
+           csv_field(part_name(run, row.robot, robot_is_a ? part_a : part_b)),
+           csv_field(part_name(run, person, robot_is_a ? part_b : part_a)),
+           csv_number(row.closing_mps), csv_number(row.robot_mps), csv_number(row.human_mps),
+           csv_number(row.required_m), csv_number(row.spare_m), row.people_short);
   }
-  write(rows_, folder_ / kRows, text_);
+  rows_->write(text_);
   list_ended(run);
 }
 
@@ -109,11 +83,8 @@ void SeparationSink::end(const RunInfo& run, const RunEnd&) {
   monitor_->end();
   if (folder_.empty()) return;
   list_ended(run);
-  for (const auto& [out, name] : {std::pair(&rows_, kRows), std::pair(&shortfalls_, kShortfalls)}) {
-    errno = 0;
-    out->close();
-    if (!*out) throw cannot_write(folder_ / name, errno);
-  }
+  rows_->close();
+  shortfalls_->close();
   draw_figure(run);
 }
 

@@ -4,11 +4,11 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/files/folder_file.h"
 #include "scenes/run/sink.h"
 #include "scenes/sinks/separation/separation_figure.h"
 #include "scenes/sinks/separation/separation_monitor.h"
@@ -39,7 +39,7 @@ class SeparationSink final : public Sink {
 
   std::filesystem::path folder_;
   bool is_measured_;
-  std::ofstream rows_, shortfalls_;
+  std::unique_ptr<FolderFile> rows_, shortfalls_;
   std::unique_ptr<SeparationMonitor> monitor_;
   std::unique_ptr<SeparationHistory> history_;
   std::string text_, note_;
