@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr size_t kLeaf = 4;
+constexpr size_t kLeaf = 1;
 
 Vector3d middle_of(const Triangle& t) { return (t.corner[0] + t.corner[1] + t.corner[2]) / 3; }
 
@@ -36,12 +36,20 @@ Affine world_from(const DistanceTree::Placed& part, const Vector3d& root_m) {
   return out;
 }
 
+/// Farther apart than `most_m` along the line through their middles.
+bool is_apart(const Triangle& a, const Triangle& b, double most_m) {
+  const Vector3d between = middle_of(b) - middle_of(a);
+  const double length = between.norm();
+  return length > 0 && gap_along(between / length, a, b) > most_m + 1e-9;
+}
+
 }  // namespace
 
-DistanceTree::DistanceTree(const PartShape& part) {
-  for (const Eigen::Vector3i& t : part.triangles) {
+DistanceTree::DistanceTree(std::span<const Eigen::Vector3f> points,
+                           std::span<const Eigen::Vector3i> triangles) {
+  for (const Eigen::Vector3i& t : triangles) {
     const auto corner = [&](int c) -> Vector3d {
-      return part.points[static_cast<size_t>(t[c])].cast<double>();
+      return points[static_cast<size_t>(t[c])].cast<double>();
     };
     triangles_.push_back({{corner(0), corner(1), corner(2)}});
   }
@@ -103,8 +111,10 @@ double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& 
     if (p.left == 0 && q.left == 0) {
       for (size_t i = p.first; i < p.end; ++i)
         for (size_t j = q.first; j < q.end; ++j) {
-          const double apart =
-              triangle_gap(from_a * a.tree->triangles_[i], from_b * b.tree->triangles_[j]).hi;
+          const Triangle of_a = from_a * a.tree->triangles_[i],
+                         of_b = from_b * b.tree->triangles_[j];
+          if (is_apart(of_a, of_b, least)) continue;
+          const double apart = triangle_gap(of_a, of_b).hi;
           if (apart > least) continue;
           least = apart;
           found = true;
@@ -123,12 +133,28 @@ double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& 
 }
 
 double DistanceTree::distance_by_all(const Placed& a, const Placed& b, const Vector3d& a_to_b_m) {
+  struct Rounded {
+    Triangle triangle;
+    Vector3d middle;
+    double radius;
+  };
+  const auto rounded = [](const Triangle& t) -> Rounded {
+    const Vector3d middle = middle_of(t);
+    double radius = 0;
+    for (const Vector3d& corner : t.corner) radius = std::max(radius, (corner - middle).norm());
+    return {t, middle, radius};
+  };
   const Affine from_a = world_from(a, Vector3d::Zero()), from_b = world_from(b, a_to_b_m);
+  std::vector<Rounded> of_b;
+  for (const Triangle& q : b.tree->triangles_) of_b.push_back(rounded(from_b * q));
   double least = std::numeric_limits<double>::infinity();
-  for (const Triangle& p : a.tree->triangles_) {
-    const Triangle placed = from_a * p;
-    for (const Triangle& q : b.tree->triangles_)
-      least = std::min(least, triangle_gap(placed, from_b * q).hi);
+  for (const Triangle& triangle : a.tree->triangles_) {
+    const Rounded p = rounded(from_a * triangle);
+    for (const Rounded& q : of_b) {
+      const double reach = least + p.radius + q.radius;  // farther apart by their middles alone
+      if ((q.middle - p.middle).squaredNorm() > reach * reach) continue;
+      least = std::min(least, triangle_gap(p.triangle, q.triangle).hi);
+    }
   }
   return least;
 }

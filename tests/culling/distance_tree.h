@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "base/pose.h"
@@ -16,7 +17,8 @@ namespace throng::test {
 class DistanceTree {
  public:
   /// At least one triangle.
-  explicit DistanceTree(const PartShape& part);
+  DistanceTree(std::span<const Eigen::Vector3f> points, std::span<const Eigen::Vector3i> triangles);
+  explicit DistanceTree(const PartShape& part) : DistanceTree(part.points, part.triangles) {}
 
   /// Where a surface is. Scale and pose as in base/pose.h.
   struct Placed {

@@ -2,68 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <memory>
+#include <vector>
 
 #include "culling/culling.h"
 
 namespace throng::test {
-namespace {
-
-/// Poses are floats, and so is the way from root to root.
-constexpr double kRounding_m = 2e-6;
-constexpr uint64_t kByAllEvery = 100;
-
-}  // namespace
-
-void NearRowsTally::add(const NearRowsTally& other) {
-  near += other.near;
-  touching += other.touching;
-  listed += other.listed;
-  missed += other.missed;
-  outside += other.outside;
-  wide += other.wide;
-  by_all += other.by_all;
-  differing += other.differing;
-  if (first_wrong.empty()) first_wrong = other.first_wrong;
-}
-
-std::string NearRowsJudge::verdict(const DistanceTree::Placed& a, const DistanceTree::Placed& b,
-                                   const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key,
-                                   std::span<const NearPair> rows) {
-  const auto row = std::lower_bound(
-      rows.begin(), rows.end(), key,
-      [](const NearPair& one, const PairKey& wanted) { return one.pair < wanted; });
-  const bool is_listed = row != rows.end() && row->pair == key;
-  // Of a row, however far it reaches.
-  const double within_m =
-      is_listed ? static_cast<double>(row->hi_m) + 1 : static_cast<double>(near_m_) + 0.01;
-  const double distance = touches ? 0 : DistanceTree::distance(a, b, a_to_b_m, within_m);
-  const bool is_near = distance <= static_cast<double>(near_m_);
-  tally_.near += is_near;
-  tally_.touching += touches;
-  tally_.listed += is_listed;
-  if (is_near && !touches && (tally_.near - tally_.touching) % kByAllEvery == 1) {
-    const double by_all = DistanceTree::distance_by_all(a, b, a_to_b_m);
-    const bool is_same = std::abs(by_all - distance) <= 1e-9;
-    ++(is_same ? tally_.by_all : tally_.differing);
-    if (!is_same) return fmt::format("{} m by the tree, {} m by all triangles", distance, by_all);
-  }
-  if (!is_listed) {
-    if (!is_near) return "";
-    ++tally_.missed;
-    return fmt::format("missed at {} m", distance);
-  }
-  if (static_cast<double>(row->lo_m) > distance + kRounding_m ||
-      static_cast<double>(row->hi_m) < distance - kRounding_m) {
-    ++tally_.outside;
-    return fmt::format("{} m, not within {} to {} m", distance, row->lo_m, row->hi_m);
-  }
-  if (row->level == PairLevel::kExact && row->hi_m - row->lo_m > 1e-3f) {
-    ++tally_.wide;
-    return fmt::format("{} to {} m by triangles", row->lo_m, row->hi_m);
-  }
-  return "";
-}
 
 NearRowsTally check_near_rows(bench::Family family, uint64_t pairs, uint64_t seed) {
   constexpr PairSearch kSearches[] = {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute};

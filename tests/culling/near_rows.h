@@ -1,55 +1,12 @@
-// Near rows by the million, held against triangles in double precision: whatever is within the
-// margin must be listed, and every interval must hold the distance.
-// One rule: of every hundredth pair the distance is worked out by all triangles against all, too.
+// Near rows of couples of bodies by the million, on every path, judged one by one.
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <string>
 
 #include "bench/workbench/couples.h"
-#include "tests/culling/distance_tree.h"
+#include "tests/culling/near_rows_judge.h"
 
 namespace throng::test {
-
-struct NearRowsTally {
-  uint64_t near = 0;       ///< pairs within the margin
-  uint64_t touching = 0;   ///< of these
-  uint64_t listed = 0;     ///< pairs looked at that have a row
-  uint64_t missed = 0;     ///< near and without a row
-  uint64_t outside = 0;    ///< rows whose interval does not hold the distance
-  uint64_t wide = 0;       ///< rows by triangles that are more than 1 mm wide
-  uint64_t by_all = 0;     ///< pairs whose distance by all triangles was that by the tree
-  uint64_t differing = 0;  ///< or not
-  std::string first_wrong;
-
-  bool is_right() const { return missed + outside + wide + differing == 0; }
-  void add(const NearRowsTally& other);
-};
-
-/// Judges one pair of parts.
-class NearRowsJudge {
- public:
-  NearRowsJudge(float near_m, NearRowsTally& tally) : near_m_(near_m), tally_(tally) {}
-
-  /// `rows`: of the frame, sorted. `describe()` says which pair it is.
-  template <typename Describe>
-  void judge(const DistanceTree::Placed& a, const DistanceTree::Placed& b,
-             const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key,
-             std::span<const NearPair> rows, const Describe& describe) {
-    const std::string wrong = verdict(a, b, a_to_b_m, touches, key, rows);
-    if (!wrong.empty() && tally_.first_wrong.empty())
-      tally_.first_wrong = describe() + ": " + wrong;
-  }
-
- private:
-  std::string verdict(const DistanceTree::Placed& a, const DistanceTree::Placed& b,
-                      const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key,
-                      std::span<const NearPair> rows);
-
-  float near_m_;
-  NearRowsTally& tally_;
-};
 
 /// At least `pairs` pairs within margins of 0.02 to 0.3 m, by volumes and by triangles, on SIMD
 /// targets, pair searches and threads in turn.

@@ -16,16 +16,19 @@ constexpr float kNear_m = 0.01f;
 
 }  // namespace
 
-bool NearPeople::Box::is_near(const Box& other, const Eigen::Vector3f& shift_m) const {
-  const Eigen::Vector3f gap = (other.low + shift_m - high).cwiseMax(low - other.high - shift_m);
-  return gap.maxCoeff() <= kNear_m;
+float NearPeople::Box::gap_m(const Box& other, const Eigen::Vector3f& shift_m) const {
+  return (other.low + shift_m - high).cwiseMax(low - other.high - shift_m).maxCoeff();
 }
 
-NearPeople::NearPeople(const Simulation& run) : run_(run) {
+NearPeople::NearPeople(const Simulation& run, float near_m)
+    : run_(run), near_m_(near_m), reach_m_(near_m + kNear_m) {
   for (const auto& model : run.info().models) {
     surfaces_.emplace_back();
-    for (const Part& part : model->parts)
+    trees_.emplace_back();
+    for (const Part& part : model->parts) {
       surfaces_.back().emplace_back(part.mesh.vertices, part.mesh.triangles);
+      if (near_m > 0) trees_.back().emplace_back(part.mesh.vertices, part.mesh.triangles);
+    }
   }
 }
 
@@ -54,26 +57,42 @@ void NearPeople::place(const Frame& frame, uint32_t id) {
   }
 }
 
+bool NearPeople::touch(uint32_t a, uint32_t i, uint32_t b, uint32_t j,
+                       const Eigen::Vector3f& a_to_b) {
+  const BodyStates& bodies = run_.bodies();
+  ExactCounters counters;
+  return solids_touch(surfaces_[bodies.types[a]][i], avatars_[a].poses[i], bodies.scales[a],
+                      surfaces_[bodies.types[b]][j], avatars_[b].poses[j], bodies.scales[b], a_to_b,
+                      counters);
+}
+
 void NearPeople::compare(const Frame& frame, uint32_t a, uint32_t b) {
   const Eigen::Vector3f a_to_b =
       (frame.roots[b].position_m - frame.roots[a].position_m).cast<float>();
   const Avatar &first = avatars_[a], &second = avatars_[b];
-  if (!first.all.is_near(second.all, a_to_b)) return;
-  const std::vector<float>& scales = run_.bodies().scales;
-  ExactCounters counters;
+  if (first.all.gap_m(second.all, a_to_b) > reach_m_) return;
+  const auto placed = [this](uint32_t id, uint32_t part) -> DistanceTree::Placed {
+    return {&trees_[run_.bodies().types[id]][part], &avatars_[id].poses[part],
+            run_.bodies().scales[id]};
+  };
+  NearRowsJudge judge(near_m_, rows);
   for (uint32_t i = 0; i < first.boxes.size(); ++i)
     for (uint32_t j = 0; j < second.boxes.size(); ++j) {
-      if (!first.boxes[i].is_near(second.boxes[j], a_to_b)) continue;
-      ++near;
-      if (!solids_touch(surfaces_[run_.bodies().types[a]][i], first.poses[i], scales[a],
-                        surfaces_[run_.bodies().types[b]][j], second.poses[j], scales[b], a_to_b,
-                        counters))
-        continue;
-      ++touching;
-      if (std::binary_search(frame.pairs.begin(), frame.pairs.end(), PairKey(a, b, i, j))) continue;
-      if (missed++ == 0)
-        first_miss = fmt::format("{:.3f} s: avatars {} and {}, parts {} and {}",
-                                 1e-6 * static_cast<double>(frame.utime_us), a, b, i, j);
+      const float gap_m = first.boxes[i].gap_m(second.boxes[j], a_to_b);
+      if (gap_m > reach_m_) continue;
+      const bool is_near = gap_m <= kNear_m, touches = is_near && touch(a, i, b, j, a_to_b);
+      const PairKey key(a, b, i, j);
+      const auto describe = [&] {
+        return fmt::format("{:.3f} s: avatars {} and {}, parts {} and {}",
+                           1e-6 * static_cast<double>(frame.utime_us), a, b, i, j);
+      };
+      near += is_near;
+      touching += touches;
+      if (near_m_ > 0)
+        judge.judge(placed(a, i), placed(b, j), a_to_b.cast<double>(), touches, key,
+                    frame.near_pairs, describe);
+      if (!touches || std::binary_search(frame.pairs.begin(), frame.pairs.end(), key)) continue;
+      if (missed++ == 0) first_miss = describe();
     }
 }
 
@@ -92,9 +111,9 @@ void NearPeople::check(const Frame& frame) {
   const auto x_of = [&](uint32_t id) { return frame.roots[id].position_m.x(); };
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return x_of(a) < x_of(b); });
   // Nobody reaches farther than this with another.
-  constexpr double kReach_m = 3;
+  const double reach_m = 3 + static_cast<double>(near_m_);
   for (size_t i = 0; i < order.size(); ++i)
-    for (size_t j = i + 1; j < order.size() && x_of(order[j]) - x_of(order[i]) < kReach_m; ++j)
+    for (size_t j = i + 1; j < order.size() && x_of(order[j]) - x_of(order[i]) < reach_m; ++j)
       compare(frame, std::min(order[i], order[j]), std::max(order[i], order[j]));
 }
 

@@ -1,7 +1,7 @@
 // Parts of people near each other in a run, held against triangles: whatever touches must be
-// reported in that frame.
-// One rule: only near pairs count, those whose axis-aligned boxes, widened by a centimetre,
-// overlap; of the others the boxes prove that they are apart.
+// reported in that frame, and whatever is within the run's margin must have a row.
+// One rule: only near pairs count, those whose axis-aligned boxes, widened by a centimetre (and the
+// margin), overlap; of the others the boxes prove that they are farther apart.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,25 @@
 #include "culling/exact/triangle_bvh.h"
 #include "kinematics/kinematics.h"
 #include "scenes/run/simulation.h"
+#include "tests/culling/near_rows_judge.h"
 
 namespace throng::test {
 
 class NearPeople {
  public:
-  /// Of a run with postures; `run` is to outlive this.
-  explicit NearPeople(const Simulation& run);
+  /// Of a run with postures and that margin, if any; `run` is to outlive this.
+  explicit NearPeople(const Simulation& run, float near_m = 0);
   /// Compares all avatars with each other, as they are after a step.
   void check(const Frame& frame);
 
   uint64_t near = 0, touching = 0, missed = 0;
   std::string first_miss;
+  NearRowsTally rows;  ///< of a run with a margin
 
  private:
   struct Box {
     Eigen::Vector3f low, high;
-    bool is_near(const Box& other, const Eigen::Vector3f& shift_m) const;
+    float gap_m(const Box& other, const Eigen::Vector3f& shift_m) const;
   };
   struct Avatar {
     std::vector<PartPose> poses;
@@ -38,9 +40,13 @@ class NearPeople {
 
   void place(const Frame& frame, uint32_t id);
   void compare(const Frame& frame, uint32_t a, uint32_t b);
+  bool touch(uint32_t a, uint32_t i, uint32_t b, uint32_t j, const Eigen::Vector3f& a_to_b);
 
   const Simulation& run_;
+  float near_m_;
+  float reach_m_;                                   ///< of boxes that are looked at
   std::vector<std::vector<TriangleBvh>> surfaces_;  ///< by model, then by part
+  std::vector<std::vector<DistanceTree>> trees_;    ///< the same; of a run with a margin
   std::vector<Avatar> avatars_;
 };
 
