@@ -45,41 +45,45 @@ Vector3d shared_point(const Triangle& a, const Triangle& b) {
   return 0.5 * (nearest.on_a + nearest.on_b);
 }
 
+/// The nearest to a target first; what lies farther than the best so far is left out.
+struct NearestFirst {
+  Vector3d in_a, in_b;  ///< the target in the frame of each
+  double a_from_b2;     ///< squared: B's unit of length in A's
+  const double& best2;
+
+  double rank_a(const TriangleBvh::Node& node) const { return squared_to_box(node, in_a); }
+  double rank_b(const TriangleBvh::Node& node) const {
+    return a_from_b2 * squared_to_box(node, in_b);
+  }
+  double most() const { return best2; }
+};
+
 }  // namespace
 
 std::optional<Vector3d> contact_point(const PlacedSurface& a, const PlacedSurface& b,
-                                      const Eigen::Vector3f& a_to_b_m, ExactCounters& counters) {
+                                      const Eigen::Vector3f& a_to_b_m, const Vector3d& near_m,
+                                      ExactCounters& counters) {
   const Relative a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
   const double ratio = static_cast<double>(b.scale) / static_cast<double>(a.scale);
+  const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
+  const Vector3d target = linear.inverse() * (near_m - translation(*a.pose));
+  std::optional<Vector3d> best;
+  double best2 = std::numeric_limits<double>::infinity();
   const TouchingTriangles triangles(*a.surface, *b.surface, a_from_b, ratio, counters);
-  Vector3d sum = Vector3d::Zero();
-  int count = 0;
-  triangles.visit([&](const Triangle& ta, const Triangle& tb) {
-    sum += shared_point(ta, tb);
-    ++count;
-    return false;
-  });
-  const auto placed = [&](const Vector3d& in_a) -> Vector3d {
-    return scaled_rotation(*a.pose, a.scale) * in_a + translation(*a.pose);
-  };
-  if (count == 0) {
-    const std::optional<Vector3d> inside = piece_inside(*a.surface, *b.surface, a_from_b);
-    if (!inside) return std::nullopt;
-    return placed(*inside);
-  }
-  const Vector3d middle = sum / count;
-  Vector3d best = middle;
-  double least = std::numeric_limits<double>::infinity();
-  triangles.visit([&](const Triangle& ta, const Triangle& tb) {
-    const Vector3d point = shared_point(ta, tb);
-    const double squared = (point - middle).squaredNorm();
-    if (squared < least) {
-      least = squared;
-      best = point;
-    }
-    return false;
-  });
-  return placed(best);
+  triangles.visit(
+      [&](const Triangle& ta, const Triangle& tb) {
+        const Vector3d point = shared_point(ta, tb);
+        const double squared = (point - target).squaredNorm();
+        if (squared < best2) {
+          best2 = squared;
+          best = point;
+        }
+        return false;
+      },
+      NearestFirst{target, a_from_b.inverse * (target - a_from_b.offset), ratio * ratio, best2});
+  if (!best) best = piece_inside(*a.surface, *b.surface, a_from_b);
+  if (!best) return std::nullopt;
+  return linear * *best + translation(*a.pose);
 }
 
 }  // namespace throng

@@ -1,6 +1,6 @@
 // Where two parts touch: one point that both share.
-// One rule: it lies where triangles cross, nearest to the middle of all such places; or inside a
-// solid, where one part holds the other.
+// One rule: it lies where triangles cross, nearest to a place that is given (where the hulls are
+// deepest in each other); or inside a solid, where one part holds the other.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,11 @@
 
 namespace throng {
 
-/// Relative to A's root, in world axes; nothing for parts that do not touch. No allocation.
+/// Relative to A's root, in world axes, as near_m; nothing for parts that do not touch. No
+/// allocation.
 std::optional<Eigen::Vector3d> contact_point(const PlacedSurface& a, const PlacedSurface& b,
                                              const Eigen::Vector3f& a_to_b_m,
+                                             const Eigen::Vector3d& near_m,
                                              ExactCounters& counters);
 
 }  // namespace throng

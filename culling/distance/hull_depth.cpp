@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "culling/distance/placed_points.h"
+#include "culling/distance/simplex.h"
 
 namespace throng {
 namespace {
@@ -139,17 +140,31 @@ double ConvexHull::extent(const Eigen::Vector3d& direction) const {
 
 namespace {
 
+/// Of A and of B, whose difference is where the face lies nearest to the origin.
+NearestPoints points_of(const GrowingPolytope::Face& face,
+                        std::span<const Eigen::Vector3d> differences,
+                        std::span<const Eigen::Vector3d> on_a) {
+  const std::array<double, 3> weights = weights_of_nearest(
+      differences[face.corners[0]], differences[face.corners[1]], differences[face.corners[2]]);
+  NearestPoints out{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (size_t i = 0; i < 3; ++i) {
+    const uint32_t corner = face.corners[i];
+    out.on_a += weights[i] * on_a[corner];
+    out.on_b += weights[i] * (on_a[corner] - differences[corner]);
+  }
+  return out;
+}
+
 // An expanding polytope (van den Bergen 2001) with two changes. It lies inside the difference of
 // the hulls from the start, but need not hold the origin: the face whose plane is lowest is pushed
 // out, and where the difference ends before the origin does, the hulls are apart. And a small cube
 // is added to the difference, so that flat hulls need no cases of their own.
 Depth find_depth(const PlacedPoints& a, const PlacedPoints& b, const Fineness& fineness,
-                 GrowingPolytope& inside) {
-  const auto support = [&](const Eigen::Vector3d& n) {
-    return Eigen::Vector3d(a.support(n) - b.support(-n));
-  };
+                 GrowingPolytope& inside, std::vector<Eigen::Vector3d>& on_a) {
   const auto cube = [&](const Eigen::Vector3d& n) { return cube_corner(n, fineness.cube_m); };
-  const Eigen::Vector3d middle = support(b.shift - a.shift);
+  const Eigen::Vector3d first = a.support(b.shift - a.shift);
+  const Eigen::Vector3d middle = first - b.support(a.shift - b.shift);
+  on_a.assign(4, first);
   inside.start({middle + cube({1, 1, 1}), middle + cube({1, -1, -1}), middle + cube({-1, 1, -1}),
                 middle + cube({-1, -1, 1})});
   Depth out;
@@ -161,18 +176,22 @@ Depth find_depth(const PlacedPoints& a, const PlacedPoints& b, const Fineness& f
                          [](const auto& p, const auto& q) { return p.distance < q.distance; });
     const Eigen::Vector3d normal = lowest->normal;
     const double inner = lowest->distance;
-    const Eigen::Vector3d far = support(normal);
+    const Eigen::Vector3d far_on_a = a.support(normal);
+    const Eigen::Vector3d far = far_on_a - b.support(-normal);
     if (const double reach = normal.dot(far); reach < least) {
       least = reach;
       out.direction = normal;
     }
     const Eigen::Vector3d corner = far + cube(normal);
     const bool is_known = normal.dot(corner) - inner <= fineness.gap_m;
-    if (least > 0 && !is_known && inside.points().size() < kMostCorners && inside.add(corner))
+    if (least > 0 && !is_known && inside.points().size() < kMostCorners && inside.add(corner)) {
+      on_a.push_back(far_on_a);
       continue;
+    }
     out.at_least_m = std::max(0.0, inner - std::sqrt(3.0) * fineness.cube_m);
     // The corners left out count, too.
     out.depth_m = std::max(0.0, a.extent(out.direction) + b.extent(-out.direction));
+    out.points_m = points_of(*lowest, inside.points(), on_a);
     return out;
   }
 }
@@ -182,9 +201,9 @@ Depth find_depth(const PlacedPoints& a, const PlacedPoints& b, const Fineness& f
 Depth DepthFinder::depth(const PlacedHull& a, const PlacedHull& b,
                          const Eigen::Vector3f& a_to_b_m) {
   const PlacedPoints placed_a(a), placed_b(b, a_to_b_m.cast<double>());
-  Depth coarse = find_depth(placed_a, placed_b, kCoarse, inside_);
+  Depth coarse = find_depth(placed_a, placed_b, kCoarse, inside_, on_a_);
   if (coarse.depth_m == 0 || coarse.depth_m > kMayBeNone_m) return coarse;
-  return find_depth(placed_a, placed_b, kFine, inside_);
+  return find_depth(placed_a, placed_b, kFine, inside_, on_a_);
 }
 
 }  // namespace throng

@@ -11,6 +11,7 @@
 #include "base/pose.h"
 #include "culling/distance/growing_polytope.h"
 #include "culling/distance/support_map.h"
+#include "culling/exact/segments.h"
 
 namespace throng {
 
@@ -33,6 +34,10 @@ class ConvexHull {
   double extent(const Eigen::Vector3d& direction) const;
   /// By how much at most a point reaches beyond the corners, along any unit direction.
   double beyond_corners_m() const { return beyond_corners_m_; }
+  /// No point lies farther along a direction of any length; the farthest by less than a hair.
+  double ends(const Eigen::Vector3d& direction) const {
+    return direction.dot(support(direction)) + direction.norm() * beyond_corners_m_;
+  }
 
  private:
   Eigen::Matrix<double, Eigen::Dynamic, 3> points_;
@@ -53,6 +58,9 @@ struct Depth {
   double at_least_m = 0;  ///< of the true value, proven; at most 0.5 mm below depth_m
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit; B moved by depth_m along it
                                                          ///< is out of A
+  /// About where A's hull and B's meet once B has moved: points of theirs, relative to A's root, in
+  /// world axes.
+  NearestPoints points_m{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 };
 
 /// Finds depths of pairs, one after another, without allocating once it has seen the largest. One a
@@ -66,7 +74,8 @@ class DepthFinder {
   size_t corners_used() const { return inside_.points().size(); }
 
  private:
-  GrowingPolytope inside_;  ///< of the differences of points of A and of B
+  GrowingPolytope inside_;             ///< of the differences of points of A and of B
+  std::vector<Eigen::Vector3d> on_a_;  ///< the point of A of each
 };
 
 }  // namespace throng

@@ -21,7 +21,8 @@ PlacedHull hull_of(const PartOf& part) {
   return {&part.volumes->hulls()[part.part], part.pose, part.scale};
 }
 PlacedSurface surface_of(const PartOf& part) {
-  return {&part.volumes->surfaces()[part.part], part.pose, part.scale};
+  return {&part.volumes->surfaces()[part.part], &part.volumes->hulls()[part.part], part.pose,
+          part.scale};
 }
 
 /// From the middle of part a to that of part b: where to begin.
@@ -128,7 +129,8 @@ NearVerdict NearDecider::touching(const PartPair& pair, NearCounters& counters) 
   const Depth depth = depths_.depth(hull_of(pair.a), hull_of(pair.b), pair.a_to_b_m);
   // Nothing only if rounding has it otherwise here.
   const Vector3d point =
-      contact_point(surface_of(pair.a), surface_of(pair.b), pair.a_to_b_m, counters.primitives)
+      contact_point(surface_of(pair.a), surface_of(pair.b), pair.a_to_b_m,
+                    0.5 * (depth.points_m.on_a + depth.points_m.on_b), counters.primitives)
           .value_or(Vector3d::Constant(NearPair::kNowhere));
   return {true, 0, 0, point, point, depth.direction, depth.depth_m};
 }

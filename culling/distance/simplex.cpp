@@ -9,6 +9,13 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Of the point of a segment nearest to the origin: how far from a to b it lies.
+double share_of_nearest(const Vector3d& a, const Vector3d& b) {
+  const Vector3d along = b - a;
+  const double length2 = along.squaredNorm();
+  return length2 > 0 ? std::clamp(-a.dot(along) / length2, 0.0, 1.0) : 0.0;
+}
+
 /// A point of a simplex by its weights.
 struct Nearest {
   std::array<double, 4> weights{};
@@ -22,33 +29,13 @@ class Finder {
   void point(int a) { take({{a, 1}}); }
 
   void segment(int a, int b) {
-    const Vector3d& pa = at(a);
-    const Vector3d along = at(b) - pa;
-    const double length2 = along.squaredNorm();
-    const double share = length2 > 0 ? std::clamp(-pa.dot(along) / length2, 0.0, 1.0) : 0.0;
+    const double share = share_of_nearest(at(a), at(b));
     take({{a, 1 - share}, {b, share}});
   }
 
-  /// By the signs that say beyond which edge or corner the origin lies.
   void triangle(int a, int b, int c) {
-    const Vector3d &pa = at(a), &pb = at(b), &pc = at(c);
-    const Vector3d ab = pb - pa, ac = pc - pa;
-    const double d1 = -ab.dot(pa), d2 = -ac.dot(pa);
-    if (d1 <= 0 && d2 <= 0) return point(a);
-    const double d3 = -ab.dot(pb), d4 = -ac.dot(pb);
-    if (d3 >= 0 && d4 <= d3) return point(b);
-    const double d5 = -ab.dot(pc), d6 = -ac.dot(pc);
-    if (d6 >= 0 && d5 <= d6) return point(c);
-    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-    const double sum = va + vb + vc;
-    if (va > 0 && vb > 0 && vc > 0) {
-      take({{a, va / sum}, {b, vb / sum}, {c, vc / sum}});
-      return;
-    }
-    // Beyond an edge, or flat.
-    if (vc <= 0) segment(a, b);
-    if (vb <= 0) segment(a, c);
-    if (va <= 0) segment(b, c);
+    const std::array<double, 3> weights = weights_of_nearest(at(a), at(b), at(c));
+    take({{a, weights[0]}, {b, weights[1]}, {c, weights[2]}});
   }
 
   /// True if the origin is inside, as far as rounding lets it be known.
@@ -86,6 +73,38 @@ class Finder {
 };
 
 }  // namespace
+
+/// By the signs that say beyond which edge or corner the origin lies.
+std::array<double, 3> weights_of_nearest(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d ab = b - a, ac = c - a;
+  const double d1 = -ab.dot(a), d2 = -ac.dot(a);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const double d3 = -ab.dot(b), d4 = -ac.dot(b);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const double d5 = -ab.dot(c), d6 = -ac.dot(c);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (va > 0 && vb > 0 && vc > 0) {
+    const double sum = va + vb + vc;
+    return {va / sum, vb / sum, vc / sum};
+  }
+  // Beyond an edge, or flat.
+  std::array<double, 3> best{};
+  double least = std::numeric_limits<double>::infinity();
+  const auto try_edge = [&](const Vector3d& p, const Vector3d& q, size_t i, size_t j) {
+    const double share = share_of_nearest(p, q);
+    const double squared = ((1 - share) * p + share * q).squaredNorm();
+    if (!(squared < least)) return;
+    least = squared;
+    best = {};
+    best[i] = 1 - share;
+    best[j] = share;
+  };
+  if (vc <= 0) try_edge(a, b, 0, 1);
+  if (vb <= 0) try_edge(a, c, 0, 2);
+  if (va <= 0) try_edge(b, c, 1, 2);
+  return best;
+}
 
 Vector3d Simplex::reduce() {
   Finder finder(*this);

@@ -9,6 +9,10 @@
 
 namespace throng {
 
+/// Of the point of a triangle nearest to the origin: the weights of its corners. May be flat.
+std::array<double, 3> weights_of_nearest(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                         const Eigen::Vector3d& c);
+
 /// Up to four points, each the difference of a point of B and a point of A.
 struct Simplex {
   struct Corner {

@@ -31,20 +31,37 @@ double gap(const Vector3d& between, const Vector3d& reach) {
   return (between.cwiseAbs() - reach).cwiseMax(0).norm();
 }
 
-/// A triangle and a ball around it.
-struct Rounded {
-  Triangle triangle;
-  double behind, radius;
+/// A ball around a triangle.
+struct Ball {
   Vector3d middle;
+  double radius;
+  explicit Ball(const Triangle& t) : middle((t.corner[0] + t.corner[1] + t.corner[2]) / 3) {
+    const auto from_middle = [&](size_t i) { return (t.corner[i] - middle).squaredNorm(); };
+    radius = std::sqrt(std::max({from_middle(0), from_middle(1), from_middle(2)}));
+  }
+};
 
-  Rounded() = default;
-  Rounded(const Triangle& placed, double is_behind) : triangle(placed), behind(is_behind) {
-    middle = (placed.corner[0] + placed.corner[1] + placed.corner[2]) / 3;
-    const auto from_middle = [&](const Vector3d& corner) {
-      return (corner - middle).squaredNorm();
-    };
-    radius = std::sqrt(std::max({from_middle(placed.corner[0]), from_middle(placed.corner[1]),
-                                 from_middle(placed.corner[2])}));
+/// The triangles of a front and balls around them, a column a coordinate.
+struct FrontBalls {
+  std::array<Triangle, SurfaceFront::kMost> triangles;
+  std::array<double, SurfaceFront::kMost> x, y, z, radius;
+  std::array<double, SurfaceFront::kMost> overlap;  ///< below 0: none
+
+  void set(size_t i, const Triangle& triangle) {
+    const Ball ball(triangle);
+    triangles[i] = triangle;
+    x[i] = ball.middle.x();
+    y[i] = ball.middle.y();
+    z[i] = ball.middle.z();
+    radius[i] = ball.radius;
+  }
+  /// Of each of the first `count` with a ball, squared and by sign.
+  void find_overlaps(size_t count, const Vector3d& middle, double reach) {
+    for (size_t i = 0; i < count; ++i) {
+      const double dx = x[i] - middle.x(), dy = y[i] - middle.y(), dz = z[i] - middle.z(),
+                   both = reach + radius[i];
+      overlap[i] = both * both - (dx * dx + dy * dy + dz * dz);
+    }
   }
 };
 
@@ -54,6 +71,8 @@ class Search {
          const KnownGap& known, ExactCounters& counters)
       : a_(*a.surface),
         b_(*b.surface),
+        hull_a_(*a.hull),
+        hull_b_(*b.hull),
         a_from_b_(a_from_b),
         ratio_(static_cast<double>(b.scale) / static_cast<double>(a.scale)),
         along_((scaled_rotation(*a.pose, 1).transpose() * known.direction).normalized()),
@@ -74,11 +93,7 @@ class Search {
       on_a = nearest_on_surface(a_, on_b, counters_).point;
       const double apart = (on_b - on_a).norm();
       const bool is_far = apart > most_ - kWorthwhile * slack_;
-      if (apart <= most_) {
-        found_ = true;
-        most_ = apart;
-        points_ = {on_a, on_b};
-      }
+      if (apart <= most_) take({on_a, on_b}, apart);
       if (is_far) break;
     }
   }
@@ -87,23 +102,26 @@ class Search {
   /// front and at B's: a few triangles each, each of A's against each of B's. False where they are
   /// too many.
   bool sweep() {
-    const double a_ends = farthest_along(a_, along_), b_ends = farthest_along(b_, -along_in_b_);
+    if (found_enough()) return true;
+    const double a_ends = hull_a_.ends(along_), b_ends = hull_b_.ends(-along_in_b_);
     const double between = (along_.dot(a_from_b_.offset) - b_ends - a_ends) * kOfFrames;
     const double behind = matters() - between;
     SurfaceFront front_a, front_b;
     if (!front_a.gather(a_, along_, a_ends, behind) ||
         !front_b.gather(b_, -along_in_b_, b_ends, behind))
       return false;
-    std::array<Rounded, SurfaceFront::kMost> of_b;
-    for (size_t j = 0; j < front_b.count; ++j)
-      of_b[j] = {placed_b(front_b.triangles[j].index), front_b.triangles[j].behind};
+    FrontBalls balls_b;
+    for (size_t j = 0; j < front_b.count; ++j) balls_b.set(j, placed_b(front_b.triangles[j].index));
+    size_t count_b = front_b.count;
     for (size_t i = 0; i < front_a.count && !found_enough(); ++i) {
-      const Rounded of_a(in_own_frame(a_.triangles()[front_a.triangles[i].index]),
-                         front_a.triangles[i].behind);
-      for (size_t j = 0; j < front_b.count; ++j) {
-        if (between + of_a.behind + of_b[j].behind > matters()) break;  // so are the next
-        compare_if_near(of_a, of_b[j]);
-      }
+      const Triangle of_a = in_own_frame(a_.triangles()[front_a.triangles[i].index]);
+      const Ball ball(of_a);
+      // Those of A lie ever farther behind, and so fewer of B's are near enough.
+      const double left = matters() - between - front_a.triangles[i].behind;
+      while (count_b > 0 && front_b.triangles[count_b - 1].behind > left) --count_b;
+      balls_b.find_overlaps(count_b, ball.middle, matters() / kOfFrames + ball.radius);
+      for (size_t j = 0; j < count_b; ++j)
+        if (balls_b.overlap[j] >= 0) compare(of_a, balls_b.triangles[j]);
     }
     return true;
   }
@@ -169,12 +187,6 @@ class Search {
     return out;
   }
 
-  void compare_if_near(const Rounded& of_a, const Rounded& of_b) {
-    const double reach = matters() / kOfFrames + of_a.radius + of_b.radius;
-    if ((of_a.middle - of_b.middle).squaredNorm() <= reach * reach)
-      compare(of_a.triangle, of_b.triangle);
-  }
-
   void compare_leaves(const Node& node_a, const Node& node_b) {
     std::array<Triangle, TriangleBvh::kLeafTriangles> own;
     std::array<double, TriangleBvh::kLeafTriangles> reach;
@@ -193,8 +205,10 @@ class Search {
     }
   }
 
-  /// Farther apart than matters along the line through their middles; costs a tenth of a distance.
+  /// Farther apart than matters along the line through the nearest points so far, or through their
+  /// middles; costs a tenth of a distance.
   bool is_apart(const Triangle& a, const Triangle& b) const {
+    if (found_ && gap_along(found_along_, a, b) * kOfFrames > matters()) return true;
     const Vector3d between =
         (b.corner[0] + b.corner[1] + b.corner[2]) - (a.corner[0] + a.corner[1] + a.corner[2]);
     const double length = between.norm();
@@ -210,13 +224,18 @@ class Search {
   void take(const TriangleGap& gap) {
     lo_ = std::min(lo_, gap.lo);
     if (gap.hi > most_) return;
+    take(gap.points, gap.hi);
+  }
+  void take(const NearestPoints& points, double apart) {
     found_ = true;
-    most_ = gap.hi;
-    points_ = gap.points;
+    most_ = apart;
+    points_ = points;
+    if (apart > 0) found_along_ = (points.on_b - points.on_a) / apart;
   }
 
   const TriangleBvh& a_;
   const TriangleBvh& b_;
+  const ConvexHull &hull_a_, &hull_b_;
   const Relative& a_from_b_;
   double ratio_;                 ///< B's unit of length in A's
   Vector3d along_, along_in_b_;  ///< the known direction, in A's frame and pulled back to B's
@@ -226,6 +245,7 @@ class Search {
   double lo_ = std::numeric_limits<double>::infinity();
   bool found_ = false;
   NearestPoints points_;
+  Vector3d found_along_ = Vector3d::UnitX();  ///< unit, from one to the other
   ExactCounters& counters_;
 };
 

@@ -6,14 +6,16 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "culling/distance/hull_depth.h"
 #include "culling/exact/segments.h"
 #include "culling/exact/triangle_bvh.h"
 
 namespace throng {
 
-/// A surface where it is. Scale and pose as in base/pose.h.
+/// A surface where it is, and the hull of its corners. Scale and pose as in base/pose.h.
 struct PlacedSurface {
   const TriangleBvh* surface = nullptr;
+  const ConvexHull* hull = nullptr;
   const PartPose* pose = nullptr;
   float scale = 1;
 };

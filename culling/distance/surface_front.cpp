@@ -58,14 +58,6 @@ void for_foremost(const TriangleBvh& surface, const Vector3d& direction, const L
 
 }  // namespace
 
-double farthest_along(const TriangleBvh& surface, const Vector3d& direction) {
-  double most = -std::numeric_limits<double>::infinity();
-  for_foremost(
-      surface, direction, [&] { return most; },
-      [&](uint32_t, double reach) { most = std::max(most, reach); });
-  return most;
-}
-
 bool SurfaceFront::gather(const TriangleBvh& surface, const Vector3d& direction, double ends,
                           double behind) {
   count = 0;

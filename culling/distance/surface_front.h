@@ -12,10 +12,6 @@
 
 namespace throng {
 
-/// How far a surface reaches along a direction, in its own frame; the direction as long as one
-/// likes.
-double farthest_along(const TriangleBvh& surface, const Eigen::Vector3d& direction);
-
 struct SurfaceFront {
   struct Triangle {
     uint32_t index;

@@ -11,18 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Squared distance to the box of a node.
-double squared_to_box(const TriangleBvh::Node& node, const Vector3d& to) {
-  return ((to - to_double(node.centre_m)).cwiseAbs() - to_double(node.half_m))
-      .cwiseMax(0)
-      .squaredNorm();
-}
-
 /// The point of a triangle nearest to `to`, less that.
 Vector3d nearest_on_triangle(const std::array<Eigen::Vector3f, 3>& corners, const Vector3d& to) {
-  Simplex triangle;
-  for (const Eigen::Vector3f& corner : corners) triangle.add(to, corner.cast<double>());
-  return triangle.reduce();
+  const Vector3d a = corners[0].cast<double>() - to, b = corners[1].cast<double>() - to,
+                 c = corners[2].cast<double>() - to;
+  const std::array<double, 3> weights = weights_of_nearest(a, b, c);
+  return weights[0] * a + weights[1] * b + weights[2] * c;
 }
 
 }  // namespace

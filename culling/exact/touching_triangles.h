@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "culling/exact/tree_pair.h"
 
@@ -27,6 +28,14 @@ inline bool boxes_overlap(const TriangleBvh::Node& a, const TriangleBvh::Node& b
   return true;
 }
 
+/// Which nodes are opened first, and which not at all: here any, and all. The rank of a node is
+/// that of what lies nearest in it.
+struct InAnyOrder {
+  static constexpr double rank_a(const TriangleBvh::Node&) { return 0; }
+  static constexpr double rank_b(const TriangleBvh::Node&) { return 0; }
+  static constexpr double most() { return 0; }  ///< what ranks higher is left out
+};
+
 /// Calls visit(triangle of A, triangle of B), both in A's frame, for each two triangles that touch,
 /// until it returns true.
 class TouchingTriangles {
@@ -43,30 +52,40 @@ class TouchingTriangles {
   }
 
   /// True if a visit did.
-  template <typename Visit>
-  bool visit(const Visit& visit) const {
+  template <typename Visit, typename Order = InAnyOrder>
+  bool visit(const Visit& visit, const Order& order = {}) const {
     // Each step takes one pair off and puts at most two on, one level deeper in one tree.
     struct Pair {
       uint32_t a, b;
+      double rank_a, rank_b;
+      double rank() const { return std::max(rank_a, rank_b); }
     };
     Pair stack[2 * TriangleBvh::kMaxDepth + 2];
     int top = 0;
-    stack[top++] = {0, 0};
+    stack[top++] = {0, 0, 0, 0};
     while (top > 0) {
       const Pair at = stack[--top];
+      if (at.rank() > order.most()) continue;
       const Node& node_a = a_.nodes()[at.a];
       const Node& node_b = b_.nodes()[at.b];
       ++counters_.node_tests;
       if (!boxes_overlap(node_a, node_b, a_from_b_, slack_)) continue;
       if (node_a.count > 0 && node_b.count > 0) {
         if (visit_leaves(node_a, node_b, visit)) return true;
-      } else if (opens_a(node_a, node_b, ratio_)) {
-        stack[top++] = {node_a.first, at.b};
-        stack[top++] = {at.a + 1, at.b};
-      } else {
-        stack[top++] = {at.a, node_b.first};
-        stack[top++] = {at.a, at.b + 1};
+        continue;
       }
+      const auto with_a = [&](uint32_t a) {
+        return Pair{a, at.b, order.rank_a(a_.nodes()[a]), at.rank_b};
+      };
+      const auto with_b = [&](uint32_t b) {
+        return Pair{at.a, b, at.rank_a, order.rank_b(b_.nodes()[b])};
+      };
+      const bool of_a = opens_a(node_a, node_b, ratio_);
+      Pair near = of_a ? with_a(at.a + 1) : with_b(at.b + 1);
+      Pair far = of_a ? with_a(node_a.first) : with_b(node_b.first);
+      if (far.rank() < near.rank()) std::swap(near, far);
+      stack[top++] = far;
+      stack[top++] = near;
     }
     return false;
   }

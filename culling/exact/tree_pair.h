@@ -50,6 +50,13 @@ struct Relative {
   }
 };
 
+/// Squared, from a point in the same frame to the box.
+inline double squared_to_box(const TriangleBvh::Node& node, const Eigen::Vector3d& from) {
+  return ((from - to_double(node.centre_m)).cwiseAbs() - to_double(node.half_m))
+      .cwiseMax(0)
+      .squaredNorm();
+}
+
 /// The sum of the half sides.
 inline double width(const TriangleBvh::Node& node) {
   return static_cast<double>(node.half_m[0]) + static_cast<double>(node.half_m[1]) +

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "bench/crowd.h"
 #include "culling/exact/triangle_bvh.h"
@@ -95,6 +96,48 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForRandomHulls) {
   }
   EXPECT_GT(deep, 150) << "most of the hulls are apart: nothing was tested";
   RecordProperty("worst_um", static_cast<int>(worst * 1e6));
+}
+
+/// How far no point lies along a direction: 0 or less for what is inside a hull.
+double beyond(const Cloud& cloud, const Eigen::Vector3d& direction, const Eigen::Vector3d& point) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p : cloud) most = std::max(most, direction.dot(p));
+  return direction.dot(point) - most;
+}
+
+TEST(HullDepth, ItsPointsBelongToTheHullsAndLieNoNearerThanProven) {
+  int deep = 0;
+  for (uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Draw draw(seed, 7);
+    const Body a(random_points(draw, 12, {0.3, 0.2, 0.1}), draw.pose(0.1), 1.2f);
+    const Body b(random_points(draw, 12, {0.1, 0.3, 0.2}), draw.pose(0.1), 0.8f);
+    const Eigen::Vector3f shift = draw.in_box(0.2).cast<float>();
+    const Depth found = depth_of(a, b, shift);
+    if (found.depth_m == 0) continue;
+    ++deep;
+    ASSERT_GE((found.points_m.on_a - found.points_m.on_b).norm(), found.at_least_m);
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3d direction = draw.direction();
+      ASSERT_LE(beyond(a.cloud(), direction, found.points_m.on_a), 1e-4);
+      ASSERT_LE(beyond(b.cloud(shift), direction, found.points_m.on_b), 1e-4);
+    }
+  }
+  EXPECT_GT(deep, 150);
+}
+
+TEST(HullDepth, ItsPointsAreTheDeepest) {
+  std::vector<Eigen::Vector3f> cube;
+  for (const float x : {-0.1f, 0.1f})
+    for (const float y : {-0.1f, 0.1f})
+      for (const float z : {-0.1f, 0.1f}) cube.emplace_back(x, y, z);
+  const Body a(cube, at({0, 0, 0}), 1), b(cube, at({0, 0, 0}), 1);
+  const Depth found = depth_of(a, b, {0.17f, 0.05f, -0.04f});  // 3 cm deep, along x
+  EXPECT_NEAR(found.depth_m, 0.03, kAllowed_m);
+  EXPECT_NEAR(found.points_m.on_a.x(), 0.1, kAllowed_m);
+  EXPECT_NEAR(found.points_m.on_b.x(), 0.07, kAllowed_m);
+  EXPECT_NEAR(found.points_m.on_a.y(), found.points_m.on_b.y(), 0.01);
+  EXPECT_NEAR(found.points_m.on_a.z(), found.points_m.on_b.z(), 0.01);
 }
 
 // Points, needles, sheets, huge and tiny ones, on each other and on themselves.
