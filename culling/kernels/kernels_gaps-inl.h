@@ -16,24 +16,63 @@
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 
-/// How far apart two or-DOPs are along the direction of own's that parts them most, over own's
-/// scale; below 0 where none does.
-HWY_INLINE V widest_gap(const HalfTest<26>& half) {
+/// How far apart two or-DOPs are along one of own's directions, the one that parts them most, over
+/// own's scale; below 0 where none does.
+template <typename Each>
+HWY_INLINE V widest_gap(const HalfTest<26>& half, const Each& each) {
   const Lanes tag;
   V most = hn::Set(tag, -kEmptyLow);
-  const auto note = [&](size_t index, const V3& d, V tau) HWY_ATTR {
+  each(half, [&](size_t index, const V3& d, V tau) HWY_ATTR {
     const Interval far = bound<26>(half.other, d);
     const Slab& near = half.own.slabs.slab[index];
     V between = hn::Add(tau, far.centre);
     if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
     const V beyond = hn::Sub(hn::Abs(between), hn::Add(hn::Set(tag, near.half), far.half));
-    most = hn::Max(most, hn::Mul(beyond, hn::Set(tag, 1.0f / half.own.length[index])));
-  };
-  half.each_axis(note);
-  half.each_edge(note);
-  half.each_corner(note);
+    most = hn::Max(most, hn::Mul(beyond, hn::Set(tag, half.own.per_length[index])));
+  });
   return most;
 }
+
+/// Two parts, all that their gap is found from.
+struct GapLanes {
+  static constexpr size_t kRows = Relative::kRows + 7;
+  Relative relative;
+  V3 root;  ///< of b, from a's, in a's frame
+  V scale_a, scale_b, margin;
+  V most;  ///< the widest gap so far
+
+  GapLanes() = default;
+  GapLanes(const OrdopTable& a, const OrdopTable& b, const PairLanes& there)
+      : relative(a, b, there),
+        scale_a(there.scale_a),
+        scale_b(there.scale_b),
+        margin(there.margin),
+        most(hn::Set(Lanes(), -kEmptyLow)) {
+    const V3 between = (there.shift + there.b.translation) - there.a.translation;
+    root = {dot(there.a.column[0], between), dot(there.a.column[1], between),
+            dot(there.a.column[2], between)};
+  }
+
+  template <typename Visit>
+  HWY_INLINE void each_row(const Visit& visit) {
+    relative.each_row(visit);
+    size_t row = Relative::kRows;
+    visit(row++, root.x), visit(row++, root.y), visit(row++, root.z);
+    visit(row++, scale_a), visit(row++, scale_b), visit(row++, margin), visit(row++, most);
+  }
+
+  /// Along some directions of both.
+  template <typename Each>
+  HWY_INLINE void widen(const OrdopTable& a, const OrdopTable& b, const Each& each) {
+    const V along_a = hn::Mul(widest_gap(relative.from_a<26>(a, b), each), scale_a);
+    const V along_b = hn::Mul(widest_gap(relative.from_b<26>(a, b), each), scale_b);
+    most = hn::Max(most, hn::Max(along_a, along_b));
+  }
+  HWY_INLINE V lo() const {
+    const Lanes d;
+    return hn::Max(hn::Sub(hn::Mul(most, hn::Set(d, kGapDown)), margin), hn::Zero(d));
+  }
+};
 
 /// The one of a part's points that is nearest to another, in the part's frame.
 HWY_INLINE V3 nearest_of(const SpreadPoints& points, const V3& to) {
@@ -56,15 +95,12 @@ HWY_INLINE V3 nearest_of(const SpreadPoints& points, const V3& to) {
 
 /// From a point of a to the nearest of b's, from there to the nearest of a's, and once more.
 HWY_INLINE V point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b,
-                            const OrdopTable& table_b, const PairLanes& there,
-                            const Relative& relative) {
+                            const OrdopTable& table_b, const GapLanes& there) {
   const Lanes tag;
   const V one = hn::Set(tag, 1.0f);
   const V per_a = hn::Div(one, there.scale_a), per_b = hn::Div(one, there.scale_b);
-  const V3 between = (there.shift + there.b.translation) - there.a.translation;
-  const V3 root = {dot(there.a.column[0], between), dot(there.a.column[1], between),
-                   dot(there.a.column[2], between)};  // of b in a's frame
-  const auto& axes = relative.axes;
+  const V3& root = there.root;
+  const auto& axes = there.relative.axes;
   const auto from_a = [&](const V3& b) HWY_ATTR {  // metres, not yet over a's scale
     const V3 scaled_b = b * there.scale_b;
     const V3 turned_b = {dot({axes[0][0], axes[1][0], axes[2][0]}, scaled_b),
@@ -89,40 +125,42 @@ HWY_INLINE V point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b,
   return hn::Sqrt(dot(apart, apart));
 }
 
+/// The box directions first: what they prove farther apart than near_m needs no others.
 HWY_NOINLINE void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
                              const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
                              const Candidate* candidates, const uint32_t* order, size_t count,
                              float near_m, GapBounds* bounds) {
   const Lanes d;
-  HWY_ALIGN float found[kLanes];
-  uint32_t near[kChunk];
+  const LaneBits bits;
+  const V within = hn::Set(d, near_m);
+  HWY_ALIGN float lo[kLanes], hi[kLanes];
   for (size_t chunk = 0; chunk < count; chunk += kChunk, order += kChunk) {
     const size_t in_chunk = HWY_MIN(count - chunk, kChunk);
     const ChunkInput input(pairs, candidates, order, in_chunk);
-    size_t near_count = 0;
+    Undecided<GapLanes> undecided;
     for (size_t first = 0; first < in_chunk; first += kLanes) {
-      const PairLanes there(poses, input, first);
-      const Relative relative(a, b, there);
-      const V gap = hn::Max(hn::Mul(widest_gap(relative.from_a<26>(a, b)), there.scale_a),
-                            hn::Mul(widest_gap(relative.from_b<26>(a, b)), there.scale_b));
-      const V lo = hn::Sub(hn::Mul(gap, hn::Set(d, kGapDown)), there.margin);
-      hn::Store(hn::Max(lo, hn::Zero(d)), d, found);
+      GapLanes there(a, b, PairLanes(poses, input, first));
+      there.widen(a, b,
+                  [](const auto& half, const auto& visit) HWY_ATTR { half.each_axis(visit); });
       const size_t in_use = HWY_MIN(kLanes, in_chunk - first);
-      for (size_t lane = 0; lane < in_use; ++lane) {
-        bounds[input.order[first + lane]].lo_m = found[lane];
-        near[near_count] = input.order[first + lane];
-        near_count += found[lane] <= near_m;
-      }
-    }
-    if (near_count == 0) continue;
-    const ChunkInput left(pairs, candidates, near, near_count);
-    for (size_t first = 0; first < near_count; first += kLanes) {
-      const PairLanes there(poses, left, first);
-      const V hi = point_to_point(on_a, on_b, b, there, Relative(a, b, there));
-      hn::Store(hn::Add(hn::Mul(hi, hn::Set(d, kGapUp)), there.margin), d, found);
-      const size_t in_use = HWY_MIN(kLanes, near_count - first);
+      const M used = hn::RebindMask(d, hn::FirstN(bits, in_use));
+      undecided.add(there, input.order + first, hn::And(hn::Le(there.lo(), within), used));
+      hn::Store(there.lo(), d, lo);
       for (size_t lane = 0; lane < in_use; ++lane)
-        bounds[left.order[first + lane]].hi_m = found[lane];
+        bounds[input.order[first + lane]].lo_m = lo[lane];
+    }
+    for (size_t first = 0; first < undecided.count; first += kLanes) {
+      GapLanes there = undecided.at(first);
+      there.widen(a, b,
+                  [](const auto& half, const auto& visit) HWY_ATTR { half.each_edge(visit); });
+      there.widen(a, b,
+                  [](const auto& half, const auto& visit) HWY_ATTR { half.each_corner(visit); });
+      const V apart = point_to_point(on_a, on_b, b, there);
+      hn::Store(there.lo(), d, lo);
+      hn::Store(hn::Add(hn::Mul(apart, hn::Set(d, kGapUp)), there.margin), d, hi);
+      const size_t in_use = HWY_MIN(kLanes, undecided.count - first);
+      for (size_t lane = 0; lane < in_use; ++lane)
+        bounds[undecided.index[first + lane]] = {lo[lane], hi[lane]};
     }
   }
 }

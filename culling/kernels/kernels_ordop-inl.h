@@ -252,28 +252,29 @@ struct Relative {
   }
 };
 
-/// The candidates of a chunk that are left undecided: by the box directions, which separate three
-/// in four of all that are apart, and by share_a_point().
+/// The candidates of a chunk that are left undecided by the box directions, which separate three in
+/// four of all that are apart, and what is kept of each.
+template <typename Kept>
 struct Undecided {
-  HWY_ALIGN float rows[Relative::kRows][kChunk + kLanes];
+  HWY_ALIGN float rows[Kept::kRows][kChunk + kLanes];
   HWY_ALIGN uint32_t index[kChunk + kLanes];
   size_t count = 0;
 
-  HWY_INLINE void add(Relative& relative, const uint32_t* order, M left) {
+  HWY_INLINE void add(Kept& kept, const uint32_t* order, M left) {
     const Lanes d;
     const LaneBits bits;
     // Whole registers: a masked store costs several times as much.
-    relative.each_row(
+    kept.each_row(
         [&](size_t row, V v) { hn::StoreU(hn::Compress(v, left), d, rows[row] + count); });
     const auto indices = hn::Compress(hn::LoadU(bits, order), hn::RebindMask(bits, left));
     hn::StoreU(indices, bits, index + count);
     count += hn::CountTrue(d, left);
   }
-  HWY_INLINE Relative at(size_t first) const {
+  HWY_INLINE Kept at(size_t first) const {
     const Lanes d;
-    Relative relative;
-    relative.each_row([&](size_t row, V& v) { v = hn::Load(d, rows[row] + first); });
-    return relative;
+    Kept kept;
+    kept.each_row([&](size_t row, V& v) { v = hn::Load(d, rows[row] + first); });
+    return kept;
   }
 };
 
@@ -295,7 +296,7 @@ HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const Bo
   for (size_t chunk = 0; chunk < count; chunk += kChunk, order += kChunk) {
     const size_t in_chunk = HWY_MIN(count - chunk, kChunk);
     const ChunkInput input(pairs, candidates, order, in_chunk);
-    Undecided undecided;
+    Undecided<Relative> undecided;
     for (size_t first = 0; first < in_chunk; first += kLanes) {
       Relative relative(a, b, PairLanes(poses, input, first));
       const HalfTest<K> from_a = relative.from_a<K>(a, b), from_b = relative.from_b<K>(a, b);

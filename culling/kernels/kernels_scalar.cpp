@@ -179,7 +179,7 @@ struct HalfTest {
     float most = -kEmptyLow;
     for (size_t i = 0; i < kDirections.size(); ++i) {
       const Along at = along_direction<26>(i);
-      most = std::max(most, (at.gap - at.reach) * (1.0f / own.length[i]));
+      most = std::max(most, (at.gap - at.reach) * own.per_length[i]);
     }
     return most;
   }

@@ -48,6 +48,7 @@ OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
     slabs.slab[d] = around(low, high, d < static_cast<size_t>(kAxisDirections));
     length[d] =
         std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
+    per_length[d] = 1.0f / length[d];
   }
   // The same number already, but for a flat part and the last bit.
   const float half = std::max({slabs.slab[0].half, slabs.slab[1].half, slabs.slab[2].half});
@@ -68,6 +69,7 @@ OrdopTable::OrdopTable(const Slabs& fitted) {
     const double half = static_cast<double>(fitted.slab[d].half);
     slabs.slab[d] = around(moved - half, moved + half, d < static_cast<size_t>(kAxisDirections));
     length[d] = direction_length(static_cast<int>(d));
+    per_length[d] = 1.0f / length[d];
   }
   fill_lookups();
   fill_reaches();

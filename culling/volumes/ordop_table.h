@@ -29,6 +29,7 @@ struct alignas(64) OrdopTable {
   float origin[3];
   float half_box[3], per_half_box[3];  ///< positive; and their inverses
   float length[13];                    ///< of the direction as it stands in the part, per metre
+  float per_length[13];                ///< its inverse
   // How far the slabs reach from the origin, inverted, downwards with a minus sign.
   float per_reach_up[13], per_reach_down[13];
   bool holds_origin;  ///< inside every slab, and not by rounding alone
