@@ -15,7 +15,9 @@
 #include "python/recorder.h"
 #include "python/run_request.h"
 #include "scenes/run/runner.h"
+#include "scenes/separation/separation_check.h"
 #include "scenes/sinks/contacts/contact_sink.h"
+#include "scenes/sinks/separation/separation_sink.h"
 #include "scenes/sinks/trace.h"
 #include "scenes/sinks/trajectories/trajectory_sink.h"
 #include "viewer/replay/replay_file.h"
@@ -33,6 +35,7 @@ struct RunWork {
   RunSource source;
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<RunRecorder> recorder;
+  std::unique_ptr<SeparationSink> separation;  ///< of a scene that asks for it
   RunSummary summary;
 };
 
@@ -67,6 +70,9 @@ void prepare(RunWork& work) {
                        fmt::format("'{}'", file.string()));
   work.source = open_run_source(request.source);
   refuse_inputs(request, work.source.scene);
+  if (!request.separation.empty()) require_separation(work.source.scene, "separation");
+  for (std::string& note : separation_notes(work.source.scene))
+    work.source.notes.push_back(std::move(note));
   request.simulation.world = std::move(work.source.world);
   work.simulation = std::make_unique<Simulation>(work.source.scene, request.simulation);
   work.recorder = std::make_unique<RunRecorder>(request.trajectory_fps, request.trajectories);
@@ -87,6 +93,9 @@ void run_to_end(RunWork& work, WorkSigns& signs) {
   if (!request.contacts.empty())
     files.push_back(
         std::make_unique<ContactSink>(request.contacts, BodyMap::is_known(simulation.scene())));
+  if (simulation.scene().separation)
+    work.separation =
+        std::make_unique<SeparationSink>(request.separation, *simulation.scene().separation);
   if (!request.trace_hash.empty()) files.push_back(std::make_unique<TraceSink>(request.trace_hash));
   if (!request.log.empty()) {
     LogOptions options;
@@ -97,6 +106,7 @@ void run_to_end(RunWork& work, WorkSigns& signs) {
   }
   std::vector<Sink*> sinks{work.recorder.get()};
   for (const auto& file : files) sinks.push_back(file.get());
+  if (work.separation) sinks.push_back(work.separation.get());
   signs.frames = frame_count(simulation.scene().duration_s, simulation.info().step_s);
   work.summary = run(simulation, sinks, [&](const Frame& frame) {
     signs.done = frame.number + 1;
@@ -120,6 +130,29 @@ py::dict dict_of(const RunSummary& summary) {
   return out;
 }
 
+py::dict dict_of(const SeparationTotals& totals) {
+  py::dict regions;
+  for (size_t i = 0; i < kBodyRegions; ++i) {
+    const RegionTotals& region = totals.regions[i];
+    if (!region.is_there) continue;
+    py::dict of_region;
+    of_region["shortfalls"] = region.shortfalls;
+    of_region["short_s"] = region.short_s;
+    of_region["most_short_m"] = region.most_short_m;
+    of_region["least_lo_m"] = region.least_lo_m;
+    of_region["least_hi_m"] = region.least_hi_m;
+    regions[py::str(std::string(name_of(static_cast<BodyRegion>(i))))] = of_region;
+  }
+  py::dict out;
+  out["robots"] = totals.robots;
+  out["shortfalls"] = totals.shortfalls;
+  out["pairs"] = totals.pairs;
+  out["unjudged"] = totals.unjudged;
+  out["beyond_margin"] = totals.beyond_margin;
+  out["regions"] = regions;
+  return out;
+}
+
 py::dict run_scene(const py::dict& options, const py::object& progress) {
   const auto work = std::make_shared<RunWork>();
   work->request = request_of(options);
@@ -132,6 +165,8 @@ py::dict run_scene(const py::dict& options, const py::object& progress) {
   out["notes"] = notes;
   out["summary"] = dict_of(work->summary);
   out["hash"] = hash_text(work->summary.hash);
+  out["separation"] =
+      work->separation ? py::object(dict_of(*work->separation->totals())) : py::none();
   add_rows(out, *work->recorder, work->simulation->info().step_s);
   return out;
 }

@@ -167,6 +167,7 @@ RunRequest request_of(const py::dict& dict) {
   given.take("log", "a path", request.log);
   given.take("html", "a path", request.html);
   given.take("contacts", "a folder", request.contacts);
+  given.take("separation", "a folder", request.separation);
   given.take("trace_hash", "a path", request.trace_hash);
   given.take("trajectory", "a list of paths", request.trajectory);
   given.expect_all_known();

@@ -22,7 +22,7 @@ struct RunRequest {
   bool trajectories = true;
   std::optional<double> states_hz;
   bool publish_parts = false;
-  std::filesystem::path log, html, contacts, trace_hash;
+  std::filesystem::path log, html, contacts, separation, trace_hash;
   std::vector<std::filesystem::path> trajectory;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "scenes/separation/separation_check.h"
 #include "scenes/sinks/by_part.h"
 #include "scenes/sinks/trace.h"
 #include "viewer/replay/replay_file.h"
@@ -62,9 +63,7 @@ void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
 }
 
 void require_recordable(const RecorderOptions& options, const Scene& scene) {
-  if (!options.separation.empty() && !scene.separation)
-    throw InputError("--separation", "a scene with a 'separation' (see docs/near.md)",
-                     fmt::format("none in {}", scene.name));
+  if (!options.separation.empty()) require_separation(scene, "--separation");
 }
 
 template <typename Recorder>

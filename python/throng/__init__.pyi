@@ -38,6 +38,7 @@ class Run:
     step_s: float
     hash: Optional[str]
     summary: Dict[str, Any]
+    separation: Optional[Dict[str, Any]]
     notes: List[str]
     log: Optional[str]
     names: _Names
@@ -83,6 +84,7 @@ def run(
     html: Optional[Path] = None,
     trajectory: Union[None, Path, Sequence[Path]] = None,
     contacts: Optional[Path] = None,
+    separation: Optional[Path] = None,
     trace_hash: Optional[Path] = None,
     view: bool = False,
     progress: Progress = None,

@@ -77,6 +77,8 @@ class Run:
         counters: Table (frames): time_s, touching, begins, ends, persisting, and updates, tests and passed of
             each stage of culling (avatar, body_box, part_box, part, exact), frame_ms, cull_ms.
         summary: a dict of totals.
+        separation: None, or of a scene with a `separation`: a dict of robots, shortfalls, pairs, unjudged,
+            beyond_margin and regions: name -> a dict of shortfalls, short_s, most_short_m, least_lo_m, least_hi_m.
         notes: what the user should know, a line each.
         names: .groups, .models, .parts (a list a model), .obstacles; .part(bodies, parts) gives names.
         log: the log that was written, or None.
@@ -89,6 +91,7 @@ class Run:
         self.step_s = facts["step_s"]
         self.hash = facts["hash"]
         self.summary = facts["summary"]
+        self.separation = facts.get("separation")
         self.notes = facts["notes"]
         self.log = log
         self.names = Names(facts)
@@ -173,6 +176,7 @@ def run(
     html=None,
     trajectory=None,
     contacts=None,
+    separation=None,
     trace_hash=None,
     view=False,
     progress=None,
@@ -193,7 +197,8 @@ def run(
         trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].
         log, states_hz, publish_parts: a log to write.
         html: a page to write, with the run in it. trajectory: a file .sqlite or .csv, or a list of them.
-        contacts: a folder for contact statistics. trace_hash: a file for a hash a stage and frame.
+        contacts: a folder for contact statistics. separation: a folder for how near robots came to people.
+        trace_hash: a file for a hash a stage and frame.
         view: True keeps the page, for Run.view().
         progress: True for a bar on stderr, or a function that is called with (frames done, all frames).
 
@@ -204,7 +209,7 @@ def run(
         InputError: with .file and .line where a file is at fault. EnvironmentFault. KeyboardInterrupt.
     """
     given = {name: value for name, value in locals().items() if name not in ("source", "view", "progress")}
-    for name in ("log", "html", "contacts", "trace_hash"):
+    for name in ("log", "html", "contacts", "separation", "trace_hash"):
         if given[name] is not None:
             given[name] = os.fspath(given[name])
     if trajectory is not None:

@@ -56,6 +56,12 @@ void require_judgeable(const Scene& scene) {
                      fmt::format("{:.6g}", scene.near_m));
 }
 
+void require_separation(const Scene& scene, const std::string& where) {
+  if (!scene.separation)
+    throw InputError(where, "a scene with a 'separation' (see docs/near.md)",
+                     fmt::format("none in {}", scene.name));
+}
+
 std::vector<std::string> separation_notes(const Scene& scene) {
   std::vector<std::string> notes;
   if (!scene.separation) return notes;

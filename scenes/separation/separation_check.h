@@ -13,6 +13,9 @@ namespace throng {
 /// margin than the scene has.
 void require_judgeable(const Scene& scene);
 
+/// Throws InputError where there is nothing to be written; `where` names the option that asks.
+void require_separation(const Scene& scene, const std::string& where);
+
 /// What is to be known of it: up to which speeds the margin reaches, parts of people that are of no
 /// region of the body.
 std::vector<std::string> separation_notes(const Scene& scene);

@@ -1,5 +1,6 @@
 """A run from Python is the command's run, in arrays."""
 
+import json
 import sqlite3
 import subprocess
 import sys
@@ -8,7 +9,7 @@ import unittest
 
 import numpy
 import throng
-from expectations import SLOWNESS, Case, command, command_hash
+from expectations import SLOWNESS, SOURCES, Case, command, command_hash
 
 
 class Runs(Case):
@@ -55,6 +56,34 @@ class Runs(Case):
             numpy.testing.assert_array_equal(numpy.bincount(of_kind, minlength=len(frames) + 1)[:-1], run.counters[column])
         running = numpy.cumsum(run.counters["begins"] - run.counters["ends"])
         numpy.testing.assert_array_equal(run.counters["touching"], running)
+
+    def test_judge_the_separation_of_robots_as_the_command_does(self):
+        scene = self.folder / "cell.yaml"
+        people = "{name: people, count: 6, spawn: {min_m: [-3, -2], max_m: [5, 2]}, goals: [{min_m: [-5, -2], max_m: [-4, 2]}]}"
+        picker = (
+            f"{{name: picker, model: {SOURCES}/examples/picker.urdf, count: 1, radius_m: 0.5, speed_mps: 0.6,"
+            " spawn: {min_m: [-4, -0.5], max_m: [-3, 0.5]}, goals: [{min_m: [4, -0.5], max_m: [5, 0.5]}]}"
+        )
+        scene.write_text(
+            "name: cell\nstep_s: 1/30\nduration_s: 5\nnear_m: 1.5\nculling: {exact: true}\n"
+            f"ground: {{min_m: [-6, -3], max_m: [6, 3]}}\ngroups:\n  - {picker}\n  - {people}\n"
+            "separation: {reaction_s: 0.1, stopping_s: 0.3, intrusion_m: 0.1, human_error_m: 0.05, robot_error_m: 0.02}\n"
+        )
+        ours, theirs = (self.folder / name for name in ("ours", "theirs"))
+        found = throng.run(scene, separation=ours).separation
+        words = ["run", str(scene), "--lcm", "off", "--log", "off", "--separation", str(theirs), "--json", "-"]
+        expected = json.loads(command(*words, folder=self.folder))["separation"]
+        self.assertGreater(found["shortfalls"], 0)
+        for name in ("robots", "shortfalls", "pairs", "unjudged", "beyond_margin"):
+            self.assertEqual(found[name], expected[name], name)
+        self.assertEqual(found["regions"].keys(), expected["regions"].keys())
+        for name, region in expected["regions"].items():
+            self.assertEqual(found["regions"][name]["shortfalls"], region["shortfalls"], name)
+        for file in ("separation.csv", "shortfalls.csv"):
+            self.assertEqual((ours / file).read_bytes(), (theirs / file).read_bytes(), file)
+        self.assertIsNone(throng.run("plaza", seconds=0.1).separation)
+        with self.assertRaisesRegex(throng.InputError, "separation.*expected a scene with a 'separation'"):
+            throng.run("plaza", separation=ours)
 
     def test_keep_the_places_that_a_trajectory_file_holds(self):
         file = self.folder / "way.sqlite"
