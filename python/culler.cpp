@@ -81,7 +81,7 @@ ShapePtr shape_of_parts(const py::list& parts, std::vector<std::string> names, b
 /// anew with larger spheres, and goes on.
 class OwnCuller {
  public:
-  OwnCuller(std::vector<ShapePtr> shapes, CullerOptions options, int threads)
+  OwnCuller(std::vector<ShapePtr> shapes, const CullerOptions& options, int threads)
       : shapes_(shapes.begin(), shapes.end()),
         options_(options),
         workers_(threads),

@@ -22,7 +22,8 @@ inline constexpr float kHeld = 0.5f;
 /// as a register has.
 inline constexpr size_t kMostBorders = 4 * kMostNear + 2 * kMostNearWalls;
 using BorderNumbers = float[kMostBorders + kAtOnce];
-struct Borders {
+// Each of its arrays begins a cache line.
+struct Borders {                   // NOLINT(clang-analyzer-optin.performance.Padding)
   alignas(64) BorderNumbers x, y;  ///< first where the other will be, then the direction
   alignas(64) BorderNumbers direction;
   alignas(64) BorderNumbers trunk_room_m, arm_room_m;  ///< at scale 1

@@ -164,7 +164,7 @@ TEST(SeparationFiles, SayTheSameAsTheRun) {
   EXPECT_THAT(outcome.err, HasSubstr("note: separation: distances are known up to near_m = 0.8 m"));
   EXPECT_THAT(outcome.out, HasSubstr("\nseparated "));
   const auto with = nlohmann::json::parse(read_file(folder / "r.json"));
-  const auto separation = with["separation"];
+  const auto& separation = with["separation"];
   EXPECT_EQ(separation["folder"], "s");
   EXPECT_EQ(separation["robots"], 1);
   EXPECT_GT(separation["shortfalls"], 0);

@@ -1,4 +1,5 @@
 // `throng study` from outside: one table, whoever makes it and however often it is killed.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,9 +68,10 @@ TEST_F(Study, TwoWorkersAndSevenPartsMakeTheSameBytes) {
     const std::string expected = whole(ending);
     EXPECT_EQ(run("throng study study.yaml --threads 2 --out two" + ending).exit_code, 0);
     EXPECT_EQ(read_file(folder_ / ("two" + ending)), expected) << ending;
-    const Outcome parts = run(
-        "for i in 5 3 1 7 2 4 6; do throng study study.yaml --shard $i/7 --out part$i" + ending +
-        " || exit 9; done; throng study --merge part?" + ending + " --out joined" + ending);
+    const Outcome parts = run(fmt::format(
+        "for i in 5 3 1 7 2 4 6; do throng study study.yaml --shard $i/7 --out part$i{0}"
+        " || exit 9; done; throng study --merge part?{0} --out joined{0}",
+        ending));
     EXPECT_EQ(parts.exit_code, 0) << parts.err;
     EXPECT_EQ(read_file(folder_ / ("joined" + ending)), expected) << ending;
   }

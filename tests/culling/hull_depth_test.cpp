@@ -1,6 +1,7 @@
 // Depth of two parts: never below the true value, at most 1 mm above it, whatever the hulls are.
 #include "culling/distance/hull_depth.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -17,7 +17,7 @@
 namespace throng::hostile {
 namespace {
 
-constexpr time_t kSeconds = 10 * THRONG_SLOWNESS;
+constexpr time_t kSeconds = time_t{10} * THRONG_SLOWNESS;
 constexpr unsigned kWallSeconds = 100 * THRONG_SLOWNESS;
 constexpr int kUsed = 0;
 constexpr int kRefused = 2;

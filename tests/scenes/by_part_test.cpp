@@ -31,7 +31,7 @@ Scene pressed(const char* volumes, bool exact) {
   return scene;
 }
 
-Result run(const Scene& scene, int threads, CullerOptions culler, int frames = 90) {
+Result run(const Scene& scene, int threads, const CullerOptions& culler, int frames = 90) {
   SimulationOptions options{.threads = threads, .culler = culler};
   Simulation simulation(scene, options);
   Result out;

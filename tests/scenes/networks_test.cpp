@@ -98,17 +98,17 @@ class Networks : public SceneFile {
   }
   /// Fields of the edges of a graph.
   std::map<Pair, std::vector<std::string>> edges_of(const std::string& name) const {
-    static const std::regex kEdge("<edge source=\"(\\d+)\" target=\"(\\d+)\">(.*)</edge>");
-    static const std::regex kData("<data key=\"e\\d+\">([^<]*)</data>");
+    static const std::regex edge_line("<edge source=\"(\\d+)\" target=\"(\\d+)\">(.*)</edge>");
+    static const std::regex data_field("<data key=\"e\\d+\">([^<]*)</data>");
     std::map<Pair, std::vector<std::string>> edges;
     size_t nodes = 0;
     for (const std::string& line : lines_of(name)) {
       nodes += line.find("<node ") != std::string::npos;
       std::smatch found;
-      if (!std::regex_search(line, found, kEdge)) continue;
+      if (!std::regex_search(line, found, edge_line)) continue;
       const Pair pair(std::stoul(found[1]), std::stoul(found[2]));
       const std::string data = found[3];
-      for (std::sregex_iterator at(data.begin(), data.end(), kData), end; at != end; ++at)
+      for (std::sregex_iterator at(data.begin(), data.end(), data_field), end; at != end; ++at)
         edges[pair].push_back((*at)[1]);
     }
     EXPECT_EQ(nodes, oracle_.avatars);

@@ -190,8 +190,10 @@ TEST(SetUps, AnOvalIsTheSameThereAndBack) {
   for (const Oval& oval : {Oval{6.4, 1.2, 1.8}, Oval{0, 7, 3}}) {
     EXPECT_NEAR(oval.length_m(), 2 * oval.straight_m + 2 * std::numbers::pi * oval.middle_m(),
                 1e-9);
-    for (double along = 0.01; along < oval.length_m(); along += 0.37)
+    const int places = static_cast<int>(oval.length_m() / 0.37);
+    for (int place = 0; place < places; ++place)
       for (const double aside : {-0.5, 0.0, 0.7}) {
+        const double along = 0.01 + 0.37 * place;
         const Eigen::Vector2d point = oval.at(along, aside);
         EXPECT_NEAR(oval.along_m(point), along, 1e-6);
         EXPECT_NEAR(oval.aside_m(point), aside, 1e-6);
@@ -203,13 +205,14 @@ TEST(SetUps, AllAroundOpenGroundIsWall) {
   const std::vector<Rectangle> open = {{{0, 0}, {4, 2}}, {{3, 0}, {4, 6}}, {{6, 1}, {7, 3}}};
   const Plan plan = carved("carved", open, {}, 1);
   const Rectangle& ground = plan.scene.ground;
-  for (double x = ground.min_m.x() + 0.05; x < ground.max_m.x(); x += 0.1)
-    for (double y = ground.min_m.y() + 0.05; y < ground.max_m.y(); y += 0.1) {
-      const Eigen::Vector2d point(x, y);
+  const Eigen::Vector2i cells = (10 * (ground.max_m - ground.min_m)).array().round().cast<int>();
+  for (int x = 0; x < cells.x(); ++x)
+    for (int y = 0; y < cells.y(); ++y) {
+      const Eigen::Vector2d point = ground.min_m + 0.1 * Eigen::Vector2d(x + 0.5, y + 0.5);
       int walls = 0, opened = 0;
       for (const Rectangle& wall : plan.walls) walls += wall.contains(point);
       for (const Rectangle& each : open) opened += each.contains(point);
-      EXPECT_EQ(walls, opened == 0) << x << " " << y;
+      EXPECT_EQ(walls, opened == 0) << point.transpose();
     }
 }
 
