@@ -74,13 +74,14 @@ struct GapLanes {
   }
 };
 
-/// The one of a part's points that is nearest to another, in the part's frame.
+/// The one of a part's first points that is nearest to another, in the part's frame.
+template <size_t kOf = SpreadPoints::kCount>
 HWY_INLINE V3 nearest_of(const SpreadPoints& points, const V3& to) {
   const Lanes tag;
   V3 best = {hn::Set(tag, points.x[0]), hn::Set(tag, points.y[0]), hn::Set(tag, points.z[0])};
   const V3 first = best - to;
   V least2 = dot(first, first);
-  for (size_t i = 1; i < SpreadPoints::kCount; ++i) {
+  for (size_t i = 1; i < kOf; ++i) {
     const V3 point = {hn::Set(tag, points.x[i]), hn::Set(tag, points.y[i]),
                       hn::Set(tag, points.z[i])};
     const V3 between = point - to;
@@ -93,7 +94,8 @@ HWY_INLINE V3 nearest_of(const SpreadPoints& points, const V3& to) {
   return best;
 }
 
-/// From a point of a to the nearest of b's, from there to the nearest of a's, and once more.
+/// From the middle of b to the nearest of a few points of a, from there to the nearest of b's, and
+/// from there to the nearest of a's.
 HWY_INLINE V point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b,
                             const OrdopTable& table_b, const GapLanes& there) {
   const Lanes tag;
@@ -117,15 +119,15 @@ HWY_INLINE V point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b,
   };
   V3 b = {hn::Set(tag, table_b.origin[0]), hn::Set(tag, table_b.origin[1]),
           hn::Set(tag, table_b.origin[2])};
-  V3 a = nearest_of(on_a, from_a(b) * per_a);
+  V3 a = nearest_of<SpreadPoints::kFew>(on_a, from_a(b) * per_a);
   b = nearest_of(on_b, from_b(a));
   a = nearest_of(on_a, from_a(b) * per_a);
-  b = nearest_of(on_b, from_b(a));
   const V3 apart = a * there.scale_a - from_a(b);
   return hn::Sqrt(dot(apart, apart));
 }
 
-/// The box directions first: what they prove farther apart than near_m needs no others.
+/// The box directions first, then the others, then points: each for those that the ones before
+/// leave within near_m, packed into full registers.
 HWY_NOINLINE void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
                              const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
                              const Candidate* candidates, const uint32_t* order, size_t count,
@@ -133,34 +135,40 @@ HWY_NOINLINE void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const Spr
   const Lanes d;
   const LaneBits bits;
   const V within = hn::Set(d, near_m);
-  HWY_ALIGN float lo[kLanes], hi[kLanes];
+  HWY_ALIGN float found[kLanes];
+  const auto take_lo = [&](GapLanes& there, const uint32_t* index, size_t in_use,
+                           Undecided<GapLanes>& left) HWY_ATTR {
+    const V lo = there.lo();
+    hn::Store(lo, d, found);
+    for (size_t lane = 0; lane < in_use; ++lane) bounds[index[lane]].lo_m = found[lane];
+    const M used = hn::RebindMask(d, hn::FirstN(bits, in_use));
+    left.add(there, index, hn::And(hn::Le(lo, within), used));
+  };
   for (size_t chunk = 0; chunk < count; chunk += kChunk, order += kChunk) {
     const size_t in_chunk = HWY_MIN(count - chunk, kChunk);
     const ChunkInput input(pairs, candidates, order, in_chunk);
-    Undecided<GapLanes> undecided;
+    Undecided<GapLanes> by_axes, by_all;
     for (size_t first = 0; first < in_chunk; first += kLanes) {
       GapLanes there(a, b, PairLanes(poses, input, first));
       there.widen(a, b,
                   [](const auto& half, const auto& visit) HWY_ATTR { half.each_axis(visit); });
-      const size_t in_use = HWY_MIN(kLanes, in_chunk - first);
-      const M used = hn::RebindMask(d, hn::FirstN(bits, in_use));
-      undecided.add(there, input.order + first, hn::And(hn::Le(there.lo(), within), used));
-      hn::Store(there.lo(), d, lo);
-      for (size_t lane = 0; lane < in_use; ++lane)
-        bounds[input.order[first + lane]].lo_m = lo[lane];
+      take_lo(there, input.order + first, HWY_MIN(kLanes, in_chunk - first), by_axes);
     }
-    for (size_t first = 0; first < undecided.count; first += kLanes) {
-      GapLanes there = undecided.at(first);
+    for (size_t first = 0; first < by_axes.count; first += kLanes) {
+      GapLanes there = by_axes.at(first);
       there.widen(a, b,
                   [](const auto& half, const auto& visit) HWY_ATTR { half.each_edge(visit); });
       there.widen(a, b,
                   [](const auto& half, const auto& visit) HWY_ATTR { half.each_corner(visit); });
+      take_lo(there, by_axes.index + first, HWY_MIN(kLanes, by_axes.count - first), by_all);
+    }
+    for (size_t first = 0; first < by_all.count; first += kLanes) {
+      const GapLanes there = by_all.at(first);
       const V apart = point_to_point(on_a, on_b, b, there);
-      hn::Store(there.lo(), d, lo);
-      hn::Store(hn::Add(hn::Mul(apart, hn::Set(d, kGapUp)), there.margin), d, hi);
-      const size_t in_use = HWY_MIN(kLanes, undecided.count - first);
+      hn::Store(hn::Add(hn::Mul(apart, hn::Set(d, kGapUp)), there.margin), d, found);
+      const size_t in_use = HWY_MIN(kLanes, by_all.count - first);
       for (size_t lane = 0; lane < in_use; ++lane)
-        bounds[undecided.index[first + lane]] = {lo[lane], hi[lane]};
+        bounds[by_all.index[first + lane]].hi_m = found[lane];
     }
   }
 }

@@ -246,10 +246,11 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
             });
 }
 
-Eigen::Vector3f nearest_of(const SpreadPoints& points, const Eigen::Vector3f& to) {
+Eigen::Vector3f nearest_of(const SpreadPoints& points, const Eigen::Vector3f& to,
+                           size_t of = SpreadPoints::kCount) {
   Eigen::Vector3f best;
   float least2 = std::numeric_limits<float>::max();
-  for (size_t i = 0; i < SpreadPoints::kCount; ++i) {
+  for (size_t i = 0; i < of; ++i) {
     const Eigen::Vector3f point(points.x[i], points.y[i], points.z[i]), between = point - to;
     const float apart2 = along(between, between);
     if (apart2 >= least2 && i > 0) continue;
@@ -259,7 +260,8 @@ Eigen::Vector3f nearest_of(const SpreadPoints& points, const Eigen::Vector3f& to
   return best;
 }
 
-/// From a point of a to the nearest of b's, from there to the nearest of a's, and once more.
+/// From the middle of b to the nearest of a few points of a, from there to the nearest of b's, and
+/// from there to the nearest of a's.
 float point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b, const Side& side_a,
                      const Side& side_b, const Eigen::Vector3f& a_to_b) {
   const float per_a = 1.0f / side_a.scale, per_b = 1.0f / side_b.scale;
@@ -278,10 +280,9 @@ float point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b, const S
            per_b;
   };
   Eigen::Vector3f b(side_b.table.origin[0], side_b.table.origin[1], side_b.table.origin[2]);
-  Eigen::Vector3f a = nearest_of(on_a, from_a(b) * per_a);
+  Eigen::Vector3f a = nearest_of(on_a, from_a(b) * per_a, SpreadPoints::kFew);
   b = nearest_of(on_b, from_b(a));
   a = nearest_of(on_a, from_a(b) * per_a);
-  b = nearest_of(on_b, from_b(a));
   const Eigen::Vector3f apart = a * side_a.scale - from_a(b);
   return std::sqrt(along(apart, apart));
 }

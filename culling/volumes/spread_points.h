@@ -12,6 +12,7 @@ namespace throng {
 /// In the part's own frame, metres; rows for kernels.
 struct alignas(64) SpreadPoints {
   static constexpr size_t kCount = 32;
+  static constexpr size_t kFew = 8;  ///< the first of them are spread, too: where to begin
   float x[kCount], y[kCount], z[kCount];
 
   /// Each the farthest from those before; at least one point, repeated where there are too few.
