@@ -1,6 +1,7 @@
 #include "culling/distance/contact_point.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 
 #include "culling/distance/triangle_distance.h"
@@ -47,15 +48,22 @@ Vector3d shared_point(const Triangle& a, const Triangle& b) {
 
 /// The nearest to a target first; what lies farther than the best so far is left out.
 struct NearestFirst {
+  struct Rank {
+    double a2 = 0, b2 = 0;  ///< squared, to the box of each, in A's unit of length
+    double both() const { return std::max(a2, b2); }
+  };
   Vector3d in_a, in_b;  ///< the target in the frame of each
   double a_from_b2;     ///< squared: B's unit of length in A's
   const double& best2;
 
-  double rank_a(const TriangleBvh::Node& node) const { return squared_to_box(node, in_a); }
-  double rank_b(const TriangleBvh::Node& node) const {
-    return a_from_b2 * squared_to_box(node, in_b);
+  Rank with_a(Rank rank, const TriangleBvh::Node& node) const {
+    return {squared_to_box(node, in_a), rank.b2};
   }
-  double most() const { return best2; }
+  Rank with_b(Rank rank, const TriangleBvh::Node& node) const {
+    return {rank.a2, a_from_b2 * squared_to_box(node, in_b)};
+  }
+  bool is_open(Rank rank) const { return rank.both() <= best2; }
+  static bool is_before(Rank one, Rank other) { return one.both() < other.both(); }
 };
 
 }  // namespace

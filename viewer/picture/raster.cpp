@@ -267,7 +267,7 @@ class Painter {
   }
 
   Eigen::Vector3f behind_veil(int x, int y) const {
-    const Eigen::Vector3f bare = colour(x, y);
+    Eigen::Vector3f bare = colour(x, y);
     if (canvas_.veils.empty()) return bare;
     const Veil& veil = canvas_.veils[static_cast<size_t>(y) * static_cast<size_t>(canvas_.width) +
                                      static_cast<size_t>(x)];

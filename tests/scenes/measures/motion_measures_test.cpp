@@ -130,7 +130,9 @@ TEST(SpeedAndSpacing, SpacingIsThatOfAllPairs) {
     });
     const MeasureTable table = measure.spacing_table();
     size_t rows = 0;
-    for (auto& [name, distances] : oracle.distances) {
+    for (auto& named : oracle.distances) {
+      const std::string& name = named.first;
+      std::vector<double>& distances = named.second;
       if (distances.size() < SpeedAndSpacing::kLeastValues) continue;
       std::sort(distances.begin(), distances.end());
       const size_t blank = name.rfind(' ');

@@ -183,7 +183,7 @@ TEST(WalkableWkt, WhatIsNoAreaIsRefused) {
                 testing::ThrowsMessage<InputError>(HasSubstr("a.wkt: expected")))
         << wkt;
   std::string deep = "POLYGON ((0 0, 1 0, 1 1))";
-  for (int i = 0; i < 100; ++i) deep = "GEOMETRYCOLLECTION(" + deep + ")";
+  for (int i = 0; i < 100; ++i) deep = fmt::format("GEOMETRYCOLLECTION({})", deep);
   EXPECT_THROW(parse_area(deep, "a.wkt"), InputError);
 }
 

@@ -64,7 +64,7 @@ TEST_F(StudyFiles, PartsJoinedAreTheWholeToTheByte) {
 }
 
 TEST_F(StudyFiles, PartsOfWhichOneIsMissingAreNoWhole) {
-  const auto error = [](std::vector<std::pair<std::string, StudyTable>> tables) {
+  const auto error = [](const std::vector<std::pair<std::string, StudyTable>>& tables) {
     try {
       merged(tables);
     } catch (const InputError& refused) {
