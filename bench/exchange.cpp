@@ -59,8 +59,8 @@ struct FramePair {
 struct Tables {
   std::string boxes = "frame,box,avatar,part,min_x_m,min_y_m,min_z_m,max_x_m,max_y_m,max_z_m\n";
   std::string poses = "frame,box,scale,r00,r01,r02,r10,r11,r12,r20,r21,r22,x_m,y_m,z_m\n";
-  std::string pairs = std::string(kBoxHeader) + "\n";
-  std::string touching = std::string(kPartHeader) + "\n";
+  std::string pairs = fmt::format("{}\n", kBoxHeader);
+  std::string touching = fmt::format("{}\n", kPartHeader);
 
   void add_frame(int frame, const BoxList& list, const std::vector<PartPose>& part_poses,
                  const BodiesView& bodies) {

@@ -167,6 +167,14 @@ TEST_F(Structure, NoFileIsLongerThanFiveHundredLines) {
   }
 }
 
+TEST_F(Structure, NoFolderHasMoreThanTwentyFourSources) {
+  std::map<std::string, int> sources;
+  for (const SourceFile& file : files())
+    if (!file.is_test() && file.has_extension({".cpp"}))
+      ++sources[file.path.substr(0, file.path.rfind('/'))];
+  for (const auto& [folder, count] : sources) EXPECT_LE(count, 24) << folder;
+}
+
 TEST_F(Structure, OnePlaceSpeaksToStandardError) {
   // Whatever throws, or ends the process, where stderr takes nothing must not be used.
   const std::vector<std::string_view> ways = {"stderr", "std::cerr", "std::clog", "perror(",

@@ -1,7 +1,8 @@
 // How people move and stand: accelerations, queues, audiences, crowds that stand close.
+#include "scenes/validation/behaviour.h"
+
 #include <utility>
 
-#include "scenes/validation/behaviour.h"
 #include "scenes/validation/recorded_set_ups.h"
 #include "scenes/validation/recorded_situations.h"
 

@@ -1,8 +1,9 @@
 // Companions stay together, and leave together.
+#include "scenes/validation/companions.h"
+
 #include <cmath>
 #include <utility>
 
-#include "scenes/validation/companions.h"
 #include "scenes/validation/set_ups.h"
 #include "scenes/validation/trial.h"
 
