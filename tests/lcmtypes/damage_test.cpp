@@ -156,7 +156,8 @@ TEST_F(Damage, AnEndWithoutABeginAndASecondBeginAreNamed) {
     if (event.channel != "THRONG_EVENTS" || !is_first) continue;
     is_first = false;
     std::vector<uint8_t> again(event.data.begin(), event.data.end());
-    put_big_endian(again.data() + size_t{8} + 4 * 8, int64_t{1});
+    put_big_endian(again.data() + size_t{5} * 8,  // behind the fingerprint and four numbers
+                   int64_t{1});
     out.write(event.channel, event.stamp_us, again);
   }
   out.close();
