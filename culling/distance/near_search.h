@@ -1,7 +1,7 @@
 // Distances of a frame: every pair of parts within a margin, of each two bodies the nearest pair,
 // and where parts touch. Works beside the narrow phase, task by task, on the bodies that it has
-// posed; what touches is found as without it. One rule: rows are the same for any number of
-// threads, SIMD target and pair search.
+// posed; what touches is found as without it.
+// One rule: rows are the same for any number of threads, SIMD target and pair search.
 #pragma once
 
 #include <array>
