@@ -58,10 +58,13 @@ std::unique_ptr<NearSearch> make_near(BodyTypes types, const CullerOptions& opti
     if (!(margin_m >= 0 && margin_m <= kMostNear_m))
       throw InputError("margin", fmt::format("0 to {} m", kMostNear_m),
                        fmt::format("{}", margin_m));
-  if (!options.near.is_asked()) return nullptr;
+  if (!options.near.needs_search()) return nullptr;
   if (options.strategy != Strategy::kPipeline)
-    throw InputError("margins", "the pipeline",
+    throw InputError(options.near.is_asked() ? "margins" : "contact points", "the pipeline",
                      "a strategy of the paper, which knows no distances");
+  if (options.near.contact_points && !options.exact)
+    throw InputError("contact points", "exact contacts (--exact, or culling: {exact: true})",
+                     "contacts of volumes, which have none");
   return std::make_unique<NearSearch>(types, options, workers);
 }
 
@@ -131,7 +134,10 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   s.hash_events();
   s.counters.events_ns += hashing.lap_ns();
   s.counters.wall_ns = whole.lap_ns();
-  if (s.near_alone) s.near_alone->run(bodies, poses, s.counters.near);
+  if (s.near_alone) {
+    s.near_alone->run(bodies, poses, s.counters.near);
+    s.near->keep_contact_points(s.events.touching());
+  }
   s.counters.allocations_grown = s.times_grown() - grown_before;
 }
 
@@ -168,6 +174,9 @@ std::span<const NearPair> Culler::near_pairs() const {
 }
 std::span<const NearPair> Culler::near_bodies() const {
   return state_->near ? state_->near->bodies() : std::span<const NearPair>();
+}
+std::span<const ContactPoint> Culler::contact_points() const {
+  return state_->near ? state_->near->contact_points() : std::span<const ContactPoint>();
 }
 uint64_t Culler::near_hash() const { return state_->near ? state_->near->hash() : 0; }
 uint64_t Culler::persisting() const { return state_->events.persisting(); }

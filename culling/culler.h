@@ -52,8 +52,8 @@ class Culler {
   /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
   /// triangles, or of spheres alone; if a part has a volume of its own, or by_part is asked, under
   /// a strategy of the paper; if by_part is asked under a deadline; if margins are negative,
-  /// infinite, or asked of a strategy of the paper; if a filter is asked of one, or its types and
-  /// parts are not those of `types`.
+  /// infinite, or asked of a strategy of the paper; if contact points are asked of one, or without
+  /// exact; if a filter is asked of one, or its types and parts are not those of `types`.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
   ~Culler();
@@ -76,6 +76,9 @@ class Culler {
   /// nearest pair; sorted.
   std::span<const NearPair> near_pairs() const;
   std::span<const NearPair> near_bodies() const;
+  /// One for each of pairs(), where `near.contact_points` asks for them; under a deadline none of
+  /// what it leaves undecided.
+  std::span<const ContactPoint> contact_points() const;
   const CullingCounters& counters() const;
   /// Of every event so far (see event_hash.h); with a deadline, levels count.
   uint64_t hash() const;

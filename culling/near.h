@@ -1,5 +1,5 @@
 // How near parts are to each other: every pair within a margin, with an interval that holds its
-// distance; and of each two bodies the pair that is nearest.
+// distance; of each two bodies the pair that is nearest; and where those that touch do.
 // One rule: no pair within the margin is missed; an interval is proven from both sides.
 #pragma once
 
@@ -22,8 +22,12 @@ struct NearOptions {
   float body_near_m = 0;
   /// From frame to frame, for closing speeds; 0: they are unknown.
   double step_s = 0;
+  /// Of every pair of parts that touches a point; needs triangles, and no margin.
+  bool contact_points = false;
 
+  /// Margins.
   bool is_asked() const { return near_m > 0 || body_near_m > 0; }
+  bool needs_search() const { return is_asked() || contact_points; }
   float most_m() const { return near_m > body_near_m ? near_m : body_near_m; }
 };
 
@@ -55,6 +59,14 @@ struct NearPair {
     if (!(closing_mps <= 0)) return hi_m / closing_mps;
     return std::numeric_limits<float>::infinity();
   }
+};
+
+/// Where two parts touch and how deep, as a NearPair of theirs has it.
+struct ContactPoint {
+  PairKey pair;
+  std::array<double, 3> point_m = {};   ///< that both share, in the world
+  std::array<float, 3> direction = {};  ///< unit: along which b is out of a soonest
+  float depth_m = 0;                    ///< of the convex hulls, along it
 };
 
 }  // namespace throng

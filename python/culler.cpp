@@ -243,12 +243,17 @@ void bind_culler(py::module_& module) {
   py::class_<OwnCuller>(module, "Culler")
       .def(py::init([](std::vector<ShapePtr> shapes, const std::string& part_volume, bool exact,
                        const std::string& pair_search, std::optional<int64_t> threads, float near_m,
-                       float body_near_m, double step_s) {
+                       float body_near_m, bool contact_points, double step_s) {
              return made(std::move(shapes), part_volume, exact, pair_search, threads,
-                         {near_m, body_near_m, step_s});
+                         {near_m, body_near_m, step_s, contact_points});
            }),
            py::arg("bodies"), py::arg("part_volume"), py::arg("exact"), py::arg("pair_search"),
-           py::arg("threads"), py::arg("near_m"), py::arg("body_near_m"), py::arg("step_s"))
+           py::arg("threads"), py::arg("near_m"), py::arg("body_near_m"), py::arg("contact_points"),
+           py::arg("step_s"))
+      .def("contact_points",
+           [](const OwnCuller& culler) {
+             return array_of(contact_point_rows(culler.culler().contact_points()));
+           })
       .def(
           "near",
           [](const OwnCuller& culler) { return array_of(near_rows(culler.culler().near_pairs())); })

@@ -71,6 +71,22 @@ std::vector<NearRow> near_rows(std::span<const NearPair> pairs) {
   return rows;
 }
 
+std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> points) {
+  std::vector<ContactPointRow> rows;
+  rows.reserve(points.size());
+  for (const ContactPoint& point : points) {
+    ContactPointRow& row = rows.emplace_back();
+    row.a = point.pair.a();
+    row.b = point.pair.b();
+    row.part_a = static_cast<uint8_t>(point.pair.part_a());
+    row.part_b = static_cast<uint8_t>(point.pair.part_b());
+    std::copy(point.point_m.begin(), point.point_m.end(), row.point_m);
+    std::copy(point.direction.begin(), point.direction.end(), row.direction);
+    row.depth_m = point.depth_m;
+  }
+  return rows;
+}
+
 void register_rows() {
   PYBIND11_NUMPY_DTYPE(EventRow, frame, a, b, part_a, part_b, kind, level);
   PYBIND11_NUMPY_DTYPE(ContactRow, a, b, part_a, part_b, level, ended, begin_frame, end_frame,
@@ -78,6 +94,7 @@ void register_rows() {
   PYBIND11_NUMPY_DTYPE(PairRow, a, b, part_a, part_b);
   PYBIND11_NUMPY_DTYPE(NearRow, a, b, part_a, part_b, level, lo_m, hi_m, a_m, b_m, normal, depth_m,
                        closing_mps, contact_in_s);
+  PYBIND11_NUMPY_DTYPE(ContactPointRow, a, b, part_a, part_b, point_m, direction, depth_m);
   PYBIND11_NUMPY_DTYPE(PersonRow, id, group, model, scale, height_m);
   PYBIND11_NUMPY_DTYPE(PlaceRow, frame, time_s, id, x_m, y_m, z_m, heading_rad, speed_mps);
   PYBIND11_NUMPY_DTYPE(FrameRow, frame, time_s, touching, begins, ends, persisting, avatar_updates,

@@ -48,6 +48,15 @@ struct NearRow {
   float depth_m, closing_mps, contact_in_s;
 };
 
+/// Where a pair of parts touches; see ContactPoint in culling/near.h.
+struct ContactPointRow {
+  uint32_t a, b;
+  uint8_t part_a, part_b;
+  double point_m[3];
+  float direction[3];
+  float depth_m;
+};
+
 struct PersonRow {
   uint32_t id;
   uint16_t group;  ///< index into the names of groups
@@ -80,6 +89,7 @@ struct FrameRow {
 };
 
 std::vector<NearRow> near_rows(std::span<const NearPair> pairs);
+std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> points);
 
 inline EventRow event_row(int64_t frame, const PairEvent& event) {
   return {frame,

@@ -94,6 +94,7 @@ void take_source(Given& given, RunSourceOptions& source) {
   given.take("part_volume", "a volume, or 'hands: sphere, default: ordop26'", source.part_volume);
   if (!source.part_volume.empty()) part_volumes_of(source.part_volume, "part_volume");
   given.take("exact", "True or False", source.exact);
+  given.take("contact_points", "True or False", source.contact_points);
   const double most_m = static_cast<double>(kMostNear_m);
   const std::string margin = fmt::format("metres from 0 to {}", kMostNear_m);
   given.take("between", "pairs of groups, as in 'robots: people'", source.between);

@@ -89,6 +89,7 @@ struct FrameView {
     });
   }
   py::array near() const { return array_of(near_rows(frame().near_pairs)); }
+  py::array contact_points() const { return array_of(contact_point_rows(frame().contact_points)); }
   py::array near_people() const { return array_of(near_rows(frame().near_people)); }
   py::array part_poses(const std::vector<uint32_t>& people) const;
 };
@@ -177,6 +178,7 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("events", &FrameView::events)
       .def_property_readonly("near", &FrameView::near)
       .def_property_readonly("near_people", &FrameView::near_people)
+      .def_property_readonly("contact_points", &FrameView::contact_points)
       .def_property_readonly("hash", [](const FrameView& f) { return hash_text(f.frame().hash); })
       .def("part_poses", &FrameView::part_poses, py::arg("people"));
   py::class_<SteppedRun, std::shared_ptr<SteppedRun>>(module, "Simulation")

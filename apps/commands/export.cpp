@@ -22,7 +22,7 @@ constexpr const char* kFooter = R"(
 --mcap writes what Foxglove and other viewers of MCAP show: /tf, where every part is; /scene, the meshes of bodies
 and obstacles; /contact_markers; /contacts, a message for each begin and end. --csv writes the messages of a
 channel, a row a person, event or frame: events, states, touching,
-near, separation or counters.
+near, contacts, separation or counters.
 
 Examples:
   throng export out/plaza.lcmlog --mcap plaza.mcap

@@ -58,6 +58,8 @@ void add_run_source_options(CommandOptions& app, RunSourceOptions& options) {
   add_margin("--near", options.near_m, "Distances of all parts that are nearer than M metres");
   add_margin("--person-near", options.person_near_m,
              "Of each two people nearer than M metres the nearest parts");
+  app.add_flag("--contact-points", options.contact_points,
+               "Of all parts that touch a point, direction and depth; needs --exact");
   app.add_option("--between", options.between,
                  "Pairs of these groups alone, as in 'robots: people'; a name alone is with all")
       ->type_name("A:B");

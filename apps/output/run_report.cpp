@@ -289,6 +289,11 @@ Json to_json(const RunReport& report) {
   json["pairs_peak"] = summary.pairs_peak;
   if (report.deadline_ms || report.deadline_tests) json["deadline"] = deadline_json(report);
   if (summary.near.is_asked) json["near"] = near_json(summary.near);
+  if (const ContactPointSummary& points = summary.contact_points; points.is_asked)
+    json["contact_points"] = {{"points", points.points},
+                              {"points_peak", points.points_peak},
+                              {"deepest_m", points.deepest_m},
+                              {"median_ms", summary.near.ms.median}};
   json["hash"] = hash_text(summary.hash);
   json["run_id"] = hash_text(summary.run_id);
   json["lcm"] = {{"url", report.lcm.url},
@@ -373,6 +378,11 @@ std::string format_table(const RunReport& report) {
                      "m; {:.2f} ms a frame (hash {})",
                      summary.near.pairs, summary.near.people, summary.near.pairs_peak,
                      summary.near.least_m, summary.near.ms.median, hash_text(summary.near.hash)));
+  if (const ContactPointSummary& points = summary.contact_points; points.is_asked)
+    line("points",
+         fmt::format("{} of contact; at most {} at once, deepest {:.3f} m; {:.2f} ms a "
+                     "frame",
+                     points.points, points.points_peak, points.deepest_m, summary.near.ms.median));
   if (summary.steering.rounds > 0)
     line("walking",
          fmt::format("longest stall {:.1f} s, deepest overlap {:.1f} cm ({:.1f} sweeps, at most "

@@ -116,6 +116,7 @@ NearVerdict NearDecider::decide(const PartPair& pair, const NearCandidate& candi
       {hulls.direction, std::max(0.0, known_m), hulls.points_m.on_a}, counters.primitives);
   if (!gap) return {};
   NearVerdict out{true,
+                  false,
                   gap->lo_m,
                   gap->hi_m,
                   gap->points_m.on_a,
@@ -125,6 +126,11 @@ NearVerdict NearDecider::decide(const PartPair& pair, const NearCandidate& candi
   return out;
 }
 
+NearVerdict NearDecider::decide_touch(const PartPair& pair, NearCounters& counters) {
+  ++counters.exact_tests;
+  return parts_touch(pair, counters.primitives) ? touching(pair, counters) : NearVerdict();
+}
+
 NearVerdict NearDecider::touching(const PartPair& pair, NearCounters& counters) {
   const Depth depth = depths_.depth(hull_of(pair.a), hull_of(pair.b), pair.a_to_b_m);
   // Nothing only if rounding has it otherwise here.
@@ -132,7 +138,7 @@ NearVerdict NearDecider::touching(const PartPair& pair, NearCounters& counters) 
       contact_point(surface_of(pair.a), surface_of(pair.b), pair.a_to_b_m,
                     0.5 * (depth.points_m.on_a + depth.points_m.on_b), counters.primitives)
           .value_or(Vector3d::Constant(NearPair::kNowhere));
-  return {true, 0, 0, point, point, depth.direction, depth.depth_m};
+  return {true, true, 0, 0, point, point, depth.direction, depth.depth_m};
 }
 
 }  // namespace throng

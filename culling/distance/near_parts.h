@@ -64,6 +64,7 @@ void narrow_by_hulls(const PartPair& pair, NearCandidate& candidate);
 /// What triangles say of a candidate.
 struct NearVerdict {
   bool is_near = false;  ///< false: proven farther apart than asked
+  bool touches = false;
   double lo_m = 0, hi_m = 0;
   Eigen::Vector3d on_a_m, on_b_m;  ///< relative to a's root, in world axes
   Eigen::Vector3d normal;
@@ -75,6 +76,8 @@ class NearDecider {
  public:
   NearVerdict decide(const PartPair& pair, const NearCandidate& candidate, double within_m,
                      NearCounters& counters);
+  /// Of those that touch alone; all others are not near.
+  NearVerdict decide_touch(const PartPair& pair, NearCounters& counters);
 
  private:
   NearVerdict touching(const PartPair& pair, NearCounters& counters);

@@ -54,6 +54,9 @@ void add_to(EventSum& sum, const NearPair& row, uint64_t kind) {
   ++sum.count;
 }
 
+/// Nothing: events say which pairs touch.
+void add_to(EventSum&, const ContactPoint&, uint64_t) {}
+
 }  // namespace
 
 NearSearch::NearSearch(BodyTypes types, const CullerOptions& options, Workers& workers)
@@ -92,7 +95,7 @@ void NearSearch::finish(int worker, size_t index) {
   take_candidates(parts, static_cast<uint32_t>(index));
   if (!options_.has_deadline()) decide(task);
   // Under a deadline all tasks have the same bodies.
-  if (options_.exact && options_.near.step_s > 0 && (!options_.has_deadline() || index == 0))
+  if (needs_past() && (!options_.has_deadline() || index == 0))
     past_.note(index, parts.posed().bodies(), parts.posed().poses(), bodies_, [&](uint16_t type) {
       return types_[type]->is_static() ? 0 : types_[type]->part_count();
     });
@@ -145,7 +148,7 @@ void NearSearch::plan_budget() {
 }
 
 void NearSearch::decide(Task& task) {
-  task.row_count = task.nearest_count = 0;
+  task.row_count = task.nearest_count = task.contact_count = 0;
   for (size_t i = 0; i < task.pair_count; ++i) {
     Pair& pair = task.pairs[i];
     if (options_.deadline_ms && pair.is_decided) pair.is_decided = Clock::now() < until_;
@@ -157,8 +160,13 @@ void NearSearch::decide(Task& task) {
   }
 }
 
-/// By volumes alone: candidates become rows where they are sorted.
+/// By volumes alone: candidates become rows where they are sorted. They prove of nothing that it
+/// touches.
 void NearSearch::narrow(Pair& pair, Task& task) {
+  if (options_.near.near_m == 0) {
+    pair.count = 0;
+    return;
+  }
   NearCandidate* const first = task.candidates.data() + pair.first;
   NearCandidate* const end = first + pair.count;
   for (NearCandidate* c = first; c != end; ++c)
@@ -183,6 +191,7 @@ void NearSearch::list(Pair& pair, Task& task) {
     return std::pair(p.lo_m, p.parts()) < std::pair(q.lo_m, q.parts());
   });
   pair.first_row = static_cast<uint32_t>(task.row_count);
+  pair.first_contact = static_cast<uint32_t>(task.contact_count);
   NearPair nearest;
   nearest.lo_m = nearest.hi_m = std::numeric_limits<float>::max();
   float least_m = std::numeric_limits<float>::max();  // no two parts are nearer
@@ -195,10 +204,12 @@ void NearSearch::list(Pair& pair, Task& task) {
     NearPair row;
     if (pair.is_decided) {
       const float within_m = std::max(is_listed ? options_.near.near_m : 0, of_bodies_m);
-      const NearVerdict verdict =
-          task.decider.decide(parts, *c, static_cast<double>(within_m), task.counters);
+      const NearVerdict verdict = verdict_of(parts, *c, within_m, task);
       if (!verdict.is_near) continue;
       row = decided(task, pair.bodies, *c, verdict);
+      if (verdict.touches && options_.near.contact_points)
+        append(task.contacts, task.contact_count,
+               {row.pair, row.point_a_m, row.normal, row.depth_m});
     } else {
       narrow_by_hulls(parts, *c);
       row = undecided(pair.bodies, *c);
@@ -209,12 +220,21 @@ void NearSearch::list(Pair& pair, Task& task) {
     if (std::pair(row.hi_m, row.pair) < std::pair(nearest.hi_m, nearest.pair)) nearest = row;
   }
   pair.rows = static_cast<uint32_t>(task.row_count) - pair.first_row;
-  std::sort(task.rows.data() + pair.first_row, task.rows.data() + task.row_count,
-            [](const NearPair& p, const NearPair& q) { return p.pair < q.pair; });
+  pair.contacts = static_cast<uint32_t>(task.contact_count) - pair.first_contact;
+  const auto by_pair = [](const auto& p, const auto& q) { return p.pair < q.pair; };
+  std::sort(task.rows.data() + pair.first_row, task.rows.data() + task.row_count, by_pair);
+  std::sort(task.contacts.data() + pair.first_contact, task.contacts.data() + task.contact_count,
+            by_pair);
   nearest.lo_m = least_m;
   pair.first_nearest = static_cast<uint32_t>(task.nearest_count);
   pair.nearest = body_near_m > 0 && nearest.lo_m <= body_near_m;
   if (pair.nearest > 0) append(task.nearest, task.nearest_count, nearest);
+}
+
+NearVerdict NearSearch::verdict_of(const PartPair& parts, const NearCandidate& candidate,
+                                   float within_m, Task& task) const {
+  if (!options_.near.is_asked()) return task.decider.decide_touch(parts, task.counters);
+  return task.decider.decide(parts, candidate, static_cast<double>(within_m), task.counters);
 }
 
 NearPair NearSearch::undecided(const BodyPair& bodies, const NearCandidate& candidate) const {
@@ -285,7 +305,13 @@ void NearSearch::end_frame(StageCounters& counters) {
         return std::copy_n(task.nearest.data() + pair.first_nearest, pair.nearest, out);
       });
   hash_.add_frame(frame_number_++, sum);
-  if (options_.exact && options_.near.step_s > 0) past_.end_frame();
+  if (options_.near.contact_points)
+    take_rows(
+        contacts_, 0, [](const Pair& pair) { return pair.contacts; },
+        [](const Pair& pair, const Task& task, ContactPoint* out) {
+          return std::copy_n(task.contacts.data() + pair.first_contact, pair.contacts, out);
+        });
+  if (needs_past()) past_.end_frame();
   for (NearParts& parts : parts_)  // any worker may get any task next time
     for (const NearParts& other : parts_) parts.reserve_like(other);
   counters = {.volume = options_.exact ? "triangles" : "ordop26"};
@@ -294,21 +320,22 @@ void NearSearch::end_frame(StageCounters& counters) {
     counters.tests += options_.exact ? of_task.exact_tests : of_task.volume_tests;
     counters.test_ns += of_task.ns;
   }
-  counters.passed = pairs().size();
+  counters.passed = options_.near.is_asked() ? pairs().size() : contact_points().size();
   counters.test_ns = counters.test_ns / workers_.threads() + watch.lap_ns();
 }
 
 /// Brings what the tasks have found into order: count_of(pair) rows, that write(pair, task, out)
 /// writes.
-template <typename CountOf, typename Write>
-EventSum NearSearch::take_rows(Rows& rows, uint64_t kind, const CountOf& count_of,
+template <typename Row, typename CountOf, typename Write>
+EventSum NearSearch::take_rows(Rows<Row>& rows, uint64_t kind, const CountOf& count_of,
                                const Write& write) {
+  using Runs = typename Rows<Row>::Runs;
   rows.runs.sort(bodies_.ids.size(), workers_, [&](const auto& visit) {
     for (size_t t = 0; t < task_count_; ++t) {
       for (size_t p = 0; p < tasks_[t].pair_count; ++p) {
         const Pair& pair = tasks_[t].pairs[p];
         if (const uint32_t count = count_of(pair); count > 0)
-          visit(Rows::Runs::Found{pair.bodies.body_a, {pair.bodies.body_b, count, &pair}});
+          visit(typename Runs::Found{pair.bodies.body_a, {pair.bodies.body_b, count, &pair}});
       }
     }
   });
@@ -317,17 +344,26 @@ EventSum NearSearch::take_rows(Rows& rows, uint64_t kind, const CountOf& count_o
   rows.sums.resize(rows.runs.block_count());
   workers_.for_blocks(static_cast<int>(rows.runs.block_count()), [&](int index, int) {
     const auto block = static_cast<size_t>(index);
-    NearPair* out = rows.rows.data() + rows.runs.items_before(block);
+    Row* out = rows.rows.data() + rows.runs.items_before(block);
     EventSum& sum = rows.sums[block] = {};
-    rows.runs.for_runs(block, [&](size_t, const Rows::Runs::Run& run) {
-      NearPair* const first = out;
+    rows.runs.for_runs(block, [&](size_t, const typename Runs::Run& run) {
+      Row* const first = out;
       out = write(*run.items, tasks_[run.items->task], out);
-      for (const NearPair* row = first; row != out; ++row) add_to(sum, *row, kind);
+      for (const Row* row = first; row != out; ++row) add_to(sum, *row, kind);
     });
   });
   EventSum sum;
   for (size_t block = 0; block < rows.runs.block_count(); ++block) sum += rows.sums[block];
   return sum;
+}
+
+void NearSearch::keep_contact_points(std::span<const PairKey> touching) {
+  ContactPoint* const first = contacts_.rows.data();
+  const auto is_unknown = [&](const ContactPoint& row) {
+    return !std::binary_search(touching.begin(), touching.end(), row.pair);
+  };
+  contacts_.count =
+      static_cast<size_t>(std::remove_if(first, first + contacts_.count, is_unknown) - first);
 }
 
 void NearSearch::archive(Archive& a) {
@@ -339,12 +375,12 @@ void NearSearch::archive(Archive& a) {
 
 uint64_t NearSearch::Task::times_grown() const {
   return uint64_t{pairs.times_grown()} + candidates.times_grown() + rows.times_grown() +
-         nearest.times_grown();
+         nearest.times_grown() + contacts.times_grown();
 }
 
 uint64_t NearSearch::times_grown() const {
-  uint64_t sum =
-      urgent_.times_grown() + past_.times_grown() + pairs_.times_grown() + nearest_.times_grown();
+  uint64_t sum = urgent_.times_grown() + past_.times_grown() + pairs_.times_grown() +
+                 nearest_.times_grown() + contacts_.times_grown();
   for (const NearParts& parts : parts_) sum += parts.times_grown();
   for (const Task& task : tasks_) sum += task.times_grown();
   return sum;

@@ -21,18 +21,19 @@ enum class Channel : uint8_t {
   kChecks,
   kStages,
   kNear,
-  kSeparation
+  kSeparation,
+  kContacts
 };
-inline constexpr int kChannelCount = 11;
+inline constexpr int kChannelCount = 12;
 inline constexpr std::array<Channel, kChannelCount> kAllChannels = {
-    Channel::kRun,      Channel::kStates, Channel::kEvents,    Channel::kTouching,
-    Channel::kCounters, Channel::kEnd,    Channel::kParts,     Channel::kChecks,
-    Channel::kStages,   Channel::kNear,   Channel::kSeparation};
+    Channel::kRun,      Channel::kStates, Channel::kEvents,     Channel::kTouching,
+    Channel::kCounters, Channel::kEnd,    Channel::kParts,      Channel::kChecks,
+    Channel::kStages,   Channel::kNear,   Channel::kSeparation, Channel::kContacts};
 
 /// What a run says of its channels names those of a run without options always, the others where
 /// they said something: what nobody asked for changes no byte.
 constexpr bool is_named(Channel channel, int64_t messages) {
-  return (channel != Channel::kNear && channel != Channel::kSeparation) || messages > 0;
+  return channel < Channel::kNear || messages > 0;
 }
 
 /// "THRONG_RUN", "THRONG_STATES", ...

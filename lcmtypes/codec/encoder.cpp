@@ -9,6 +9,7 @@
 #include "base/checksum.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "lcmtypes/codec/contact_rows.h"
 #include "lcmtypes/codec/counter_rows.h"
 #include "lcmtypes/codec/log_format.h"
 #include "lcmtypes/codec/near_rows.h"
@@ -208,6 +209,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
     send_touching(frame.pairs, frame.levels);
   }
   if (run.culler.near.is_asked()) send_near(run, frame);
+  if (run.culler.near.contact_points) send_contacts(frame.contact_points);
   if (monitor_) {
     monitor_->frame(run, frame);
     send_separation();
@@ -231,6 +233,19 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   for (Outlet* outlet : open_) outlet->target_.after_frame(*outlet);
 }
 
+/// Also when there are none: a receiver learns that nothing touches, or is near. set(first, count)
+/// fills `m`.
+template <class Message, class Set>
+void RunEncoder::send_rows(Channel channel, Message& m, size_t rows, size_t per_message,
+                           const Set& set) {
+  const int chunks = std::max(1, chunks_of(rows, per_message));
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * per_message;
+    set(first, std::min(per_message, rows - first));
+    send(open_, channel, m, chunk, chunks);
+  }
+}
+
 void RunEncoder::send_events(std::span<const PairEvent> events) {
   const int chunks = chunks_of(events.size(), kEventsPerMessage);
   for (int chunk = 0; chunk < chunks; ++chunk) {
@@ -242,28 +257,26 @@ void RunEncoder::send_events(std::span<const PairEvent> events) {
 
 void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels) {
   assert(levels.empty() || levels.size() == pairs.size());
-  // Also when nothing touches: a receiver learns that its set should be empty.
-  const int chunks = std::max(1, chunks_of(pairs.size(), kTouchingPerMessage));
-  for (int chunk = 0; chunk < chunks; ++chunk) {
-    const size_t first = static_cast<size_t>(chunk) * kTouchingPerMessage;
-    const size_t count = std::min(kTouchingPerMessage, pairs.size() - first);
-    touching_t& m = touching_;
-    resize_pairs(m, count);
-    for (size_t i = 0; i < count; ++i)
-      set_pair(m, i, pairs[first + i], level_at(levels, first + i, last_level_));
-    send(open_, Channel::kTouching, m, chunk, chunks);
-  }
+  send_rows(Channel::kTouching, touching_, pairs.size(), kTouchingPerMessage,
+            [&](size_t first, size_t count) {
+              resize_pairs(touching_, count);
+              for (size_t i = 0; i < count; ++i)
+                set_pair(touching_, i, pairs[first + i], level_at(levels, first + i, last_level_));
+            });
 }
 
 void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
   const size_t rows = frame.near_pairs.size() + frame.near_people.size();
-  // Also when nothing is near: a receiver learns that nothing is.
-  const int chunks = std::max(1, chunks_of(rows, kNearPerMessage));
-  for (int chunk = 0; chunk < chunks; ++chunk) {
+  send_rows(Channel::kNear, near_, rows, kNearPerMessage, [&](size_t first, size_t) {
     set_near_chunk(near_, run.culler.near, frame.near_hash, frame.near_pairs, frame.near_people,
-                   static_cast<size_t>(chunk) * kNearPerMessage);
-    send(open_, Channel::kNear, near_, chunk, chunks);
-  }
+                   first);
+  });
+}
+
+void RunEncoder::send_contacts(std::span<const ContactPoint> points) {
+  send_rows(
+      Channel::kContacts, contacts_, points.size(), kContactsPerMessage,
+      [&](size_t first, size_t count) { set_contacts(contacts_, points.subspan(first, count)); });
 }
 
 void RunEncoder::send_separation() {

@@ -16,6 +16,7 @@
 #include "scenes/run/sink.h"
 #include "scenes/sinks/separation/separation_monitor.h"
 #include "throng/checks_t.hpp"
+#include "throng/contact_points_t.hpp"
 #include "throng/counters_t.hpp"
 #include "throng/events_t.hpp"
 #include "throng/near_t.hpp"
@@ -45,7 +46,8 @@ class RunEncoder final : public Sink {
   /// larger than a reader takes.
   void begin(const RunInfo& run) override;
   /// Messages in this order: events, touching (once a simulated second), near (where distances are
-  /// asked for), separation (where the scene has one), states, parts, stages, counters, checks.
+  /// asked for), contacts (where their points are), separation (where the scene has one), states,
+  /// parts, stages, counters, checks.
   /// A run that was resumed first sends what touched before, as touching of the frame before.
   void frame(const RunInfo& run, const Frame& frame) override;
   /// The last ends, then THRONG_END.
@@ -81,9 +83,12 @@ class RunEncoder final : public Sink {
   static void address(const Outlet& to, Channel channel, int64_t ahead, std::span<uint8_t> bytes);
   void hand_over(Outlet& to, Channel channel, std::span<const uint8_t> bytes, uint64_t checksum);
   void send_description_chunk(Outlet& to, int chunk);
+  template <class Message, class Set>
+  void send_rows(Channel channel, Message& m, size_t rows, size_t per_message, const Set& set);
   void send_events(std::span<const PairEvent> events);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   void send_near(const RunInfo& run, const Frame& frame);
+  void send_contacts(std::span<const ContactPoint> points);
   void send_separation();
   bool states_are_due(double state_every, int64_t frame) const;
   void send_states(const RunInfo& run, const Frame& frame);
@@ -119,6 +124,7 @@ class RunEncoder final : public Sink {
   events_t events_{};
   touching_t touching_{};
   near_t near_{};
+  contact_points_t contacts_{};
   separation_t separation_{};
   std::optional<SeparationMonitor> monitor_;  // of a run whose scene has a separation
   stages_t stages_{};

@@ -85,6 +85,12 @@ void walk(Cursor& c, const near_t*) {
   c.array(c.count(kRow), kRow);
 }
 
+void walk(Cursor& c, const contact_points_t*) {
+  c.skip(kMessageHeaderBytes);
+  constexpr size_t kRow = 2 * 4 + 2 * 1 + 3 * 8 + 4 * 4;
+  c.array(c.count(kRow), kRow);
+}
+
 void walk(Cursor& c, const separation_t*) {
   c.skip(kMessageHeaderBytes);
   constexpr size_t kRow = 4 * 1 + 2 * 4 + 8 + 3 * 4;
@@ -244,8 +250,9 @@ std::string defect_of_pairs(const Message& m) {
       return fmt::format("a pair of bodies {} and {}", m.a[i], m.b[i]);
     if ((m.part_a[i] == kWholeBody) != (m.part_b[i] == kWholeBody))
       return fmt::format("a pair of parts {} and {}", m.part_a[i], m.part_b[i]);
-    if (m.level[i] > static_cast<uint8_t>(PairLevel::kExact))
-      return fmt::format("level {}", m.level[i]);
+    if constexpr (requires { m.level; })
+      if (m.level[i] > static_cast<uint8_t>(PairLevel::kExact))
+        return fmt::format("level {}", m.level[i]);
   }
   return "";
 }
@@ -276,6 +283,8 @@ int64_t fingerprint_of(Channel channel) {
       return near_t::getHash();
     case Channel::kSeparation:
       return separation_t::getHash();
+    case Channel::kContacts:
+      return contact_points_t::getHash();
   }
   return 0;
 }
@@ -350,6 +359,14 @@ std::string decode(std::span<const uint8_t> bytes, near_t& out) {
       defect = fmt::format("a distance from {} to {} m", out.lo_m[i], out.hi_m[i]);
     if (out.of[i] > 1) defect = fmt::format("near rows of kind {}", out.of[i]);
   }
+  return defect;
+}
+
+std::string decode(std::span<const uint8_t> bytes, contact_points_t& out) {
+  std::string defect = decode_message(Channel::kContacts, bytes, out);
+  if (defect.empty()) defect = defect_of_pairs(out);
+  for (size_t i = 0; defect.empty() && i < out.a.size(); ++i)
+    if (!(out.depth_m[i] >= 0)) defect = fmt::format("a depth of {} m", out.depth_m[i]);
   return defect;
 }
 
@@ -468,6 +485,8 @@ std::string check_message(Channel channel, std::span<const uint8_t> bytes) {
       return check<near_t>(bytes);
     case Channel::kSeparation:
       return check<separation_t>(bytes);
+    case Channel::kContacts:
+      return check<contact_points_t>(bytes);
   }
   return "an unknown channel";
 }

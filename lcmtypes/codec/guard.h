@@ -10,6 +10,7 @@
 #include "lcmtypes/codec/channels.h"
 #include "throng/answer_t.hpp"
 #include "throng/checks_t.hpp"
+#include "throng/contact_points_t.hpp"
 #include "throng/counters_t.hpp"
 #include "throng/drive_t.hpp"
 #include "throng/end_t.hpp"
@@ -53,6 +54,7 @@ std::string decode(std::span<const uint8_t> bytes, events_t& out);
 std::string decode(std::span<const uint8_t> bytes, touching_t& out);
 std::string decode(std::span<const uint8_t> bytes, near_t& out);
 std::string decode(std::span<const uint8_t> bytes, separation_t& out);
+std::string decode(std::span<const uint8_t> bytes, contact_points_t& out);
 std::string decode(std::span<const uint8_t> bytes, counters_t& out);
 std::string decode(std::span<const uint8_t> bytes, stages_t& out);
 std::string decode(std::span<const uint8_t> bytes, end_t& out);

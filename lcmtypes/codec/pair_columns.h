@@ -1,5 +1,5 @@
 // The columns that name pairs of parts, in the messages that have some.
-// One rule: the same five in every type, so that one reader serves all.
+// One rule: the same in every type, so that one reader serves all; `level` where it may differ.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,19 @@ void resize_pairs(Message& m, size_t count) {
   m.b.resize(count);
   m.part_a.resize(count);
   m.part_b.resize(count);
-  m.level.resize(count);
+  if constexpr (requires { m.level; }) m.level.resize(count);
 }
 
 template <class Message>
-void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
+void set_pair(Message& m, size_t i, const PairKey& pair) {
   m.a[i] = static_cast<int32_t>(pair.a());
   m.b[i] = static_cast<int32_t>(pair.b());
   m.part_a[i] = static_cast<uint8_t>(pair.part_a());
   m.part_b[i] = static_cast<uint8_t>(pair.part_b());
+}
+template <class Message>
+void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
+  set_pair(m, i, pair);
   m.level[i] = level;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "lcmtypes/codec/contact_rows.h"
 #include "lcmtypes/codec/near_rows.h"
 #include "lcmtypes/codec/pair_columns.h"
 
@@ -44,12 +45,11 @@ void RunReader::rewind() {
   pending_chunks_.clear();
   touching_.clear();
   pending_touching_.clear();
-  pending_touching_frame_ = -1;
-  pending_touching_chunks_.clear();
+  for (Gathering* all : {&gathering_touching_, &gathering_near_, &gathering_contacts_}) *all = {};
   new_events_.clear();
   near_pairs_.clear();
   near_people_.clear();
-  pending_near_frame_ = -1;
+  contact_points_.clear();
   new_shortfalls_.clear();
   counters_.reset();
   stages_.reset();
@@ -105,6 +105,8 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
       return take<near_t>(*channel, bytes);
     case Channel::kSeparation:
       return take<separation_t>(*channel, bytes);
+    case Channel::kContacts:
+      return take<contact_points_t>(*channel, bytes);
   }
   return Update::kNothing;
 }
@@ -260,49 +262,68 @@ std::string RunReader::use(const events_t& m, Update& update) {
   return "";
 }
 
+/// What was gathered for another frame is of no use then.
+template <class Message>
+bool RunReader::begins_anew(Channel channel, const Message& message, Gathering& gathering) {
+  if (message.frame == gathering.frame) return false;
+  if (!gathering.chunks.empty()) ++tally_[channel].incomplete;
+  gathering = {message.frame, {}};
+  return true;
+}
+
+template <class Message>
+bool RunReader::completes(const Message& message, Gathering& gathering) {
+  gathering.chunks.insert(message.chunk);
+  if (gathering.chunks.size() < static_cast<size_t>(message.chunk_count)) return false;
+  gathering = {};
+  return true;
+}
+
 std::string RunReader::use(const touching_t& m, Update& update) {
   std::string defect = defect_of_pairs(m, run_.get(), pending_touching_.size());
   if (!defect.empty()) return defect;
-  if (m.frame != pending_touching_frame_) {
-    if (!pending_touching_chunks_.empty()) ++tally_[Channel::kTouching].incomplete;
-    pending_touching_frame_ = m.frame;
-    pending_touching_.clear();
-    pending_touching_chunks_.clear();
-  }
+  if (begins_anew(Channel::kTouching, m, gathering_touching_)) pending_touching_.clear();
   for (size_t i = 0; i < m.a.size(); ++i)
     pending_touching_.emplace(pair_at(m, i), static_cast<PairLevel>(m.level[i]));
-  pending_touching_chunks_.insert(m.chunk);
-  if (pending_touching_chunks_.size() < static_cast<size_t>(m.chunk_count)) return "";
+  if (!completes(m, gathering_touching_)) return "";
   // Events of a later frame that overtook it would be undone: the next set, a second on, is right.
   if (m.frame >= tally(Channel::kEvents).last_frame) touching_.swap(pending_touching_);
   pending_touching_.clear();
-  pending_touching_chunks_.clear();
   update = Update::kTouching;
   return "";
 }
 
 std::string RunReader::use(const near_t& m, Update& update) {
-  const size_t before =
-      m.frame == pending_near_frame_ ? pending_near_pairs_.size() + pending_near_people_.size() : 0;
+  const size_t before = m.frame == gathering_near_.frame
+                            ? pending_near_pairs_.size() + pending_near_people_.size()
+                            : 0;
   std::string defect = defect_of_pairs(m, run_.get(), before);
   if (!defect.empty()) return defect;
-  if (m.frame != pending_near_frame_) {
-    if (!pending_near_chunks_.empty()) ++tally_[Channel::kNear].incomplete;
-    pending_near_frame_ = m.frame;
+  if (begins_anew(Channel::kNear, m, gathering_near_)) {
     pending_near_pairs_.clear();
     pending_near_people_.clear();
-    pending_near_chunks_.clear();
   }
+  if (gathering_near_.chunks.contains(m.chunk)) return "";
   for (size_t i = 0; i < m.a.size(); ++i) {
     (m.of[i] == 0 ? pending_near_pairs_ : pending_near_people_).push_back(near_at(m, i));
   }
-  pending_near_chunks_.insert(m.chunk);
-  if (pending_near_chunks_.size() < static_cast<size_t>(m.chunk_count)) return "";
+  if (!completes(m, gathering_near_)) return "";
   near_pairs_.swap(pending_near_pairs_);
   near_people_.swap(pending_near_people_);
-  pending_near_frame_ = -1;
-  pending_near_chunks_.clear();
   update = Update::kNear;
+  return "";
+}
+
+std::string RunReader::use(const contact_points_t& m, Update& update) {
+  const size_t before = m.frame == gathering_contacts_.frame ? pending_contact_points_.size() : 0;
+  std::string defect = defect_of_pairs(m, run_.get(), before);
+  if (!defect.empty()) return defect;
+  if (begins_anew(Channel::kContacts, m, gathering_contacts_)) pending_contact_points_.clear();
+  if (gathering_contacts_.chunks.contains(m.chunk)) return "";
+  for (size_t i = 0; i < m.a.size(); ++i) pending_contact_points_.push_back(contact_at(m, i));
+  if (!completes(m, gathering_contacts_)) return "";
+  contact_points_.swap(pending_contact_points_);
+  update = Update::kContacts;
   return "";
 }
 

@@ -46,6 +46,7 @@ class RunReader {
     kChecks,      ///< checks() is new
     kNear,        ///< near_pairs() and near_people() are new
     kSeparation,  ///< new_shortfalls() changed
+    kContacts,    ///< contact_points() is new
     kRefused      ///< damaged, hostile or of another version: see refusal()
   };
 
@@ -81,6 +82,8 @@ class RunReader {
   /// How near parts are, of the newest frame that said so; of a run that was asked for distances.
   std::span<const NearPair> near_pairs() const { return near_pairs_; }
   std::span<const NearPair> near_people() const { return near_people_; }
+  /// Where parts touch, of the newest frame that said so; of a run that was asked for it.
+  std::span<const ContactPoint> contact_points() const { return contact_points_; }
   /// Begins and ends of the last THRONG_SEPARATION message.
   std::span<const ShortfallEvent> new_shortfalls() const { return new_shortfalls_; }
   const std::optional<counters_t>& counters() const { return counters_; }
@@ -100,6 +103,16 @@ class RunReader {
   const std::string& refusal() const { return refusal_; }  ///< the newest
 
  private:
+  /// The chunks that have come of what a frame says chunk by chunk.
+  struct Gathering {
+    int64_t frame = -1;
+    std::set<int32_t> chunks;
+  };
+  template <class Message>
+  bool begins_anew(Channel channel, const Message& message, Gathering& gathering);
+  template <class Message>
+  static bool completes(const Message& message, Gathering& gathering);
+
   Update refuse(std::string_view channel, std::string why);
   bool follows(Channel channel);
   template <class Message>
@@ -109,6 +122,7 @@ class RunReader {
   std::string use(const events_t& events, Update& update);
   std::string use(const touching_t& touching, Update& update);
   std::string use(const near_t& near, Update& update);
+  std::string use(const contact_points_t& points, Update& update);
   std::string use(const separation_t& separation, Update& update);
   std::string use(counters_t& counters, Update& update);
   std::string use(stages_t& stages, Update& update);
@@ -141,12 +155,10 @@ class RunReader {
   std::vector<bool> pending_chunks_;
 
   Touching touching_, pending_touching_;
-  int64_t pending_touching_frame_ = -1;
-  std::set<int32_t> pending_touching_chunks_;
+  Gathering gathering_touching_, gathering_near_, gathering_contacts_;
   std::vector<PairEvent> new_events_;
   std::vector<NearPair> near_pairs_, near_people_, pending_near_pairs_, pending_near_people_;
-  int64_t pending_near_frame_ = -1;
-  std::set<int32_t> pending_near_chunks_;
+  std::vector<ContactPoint> contact_points_, pending_contact_points_;
   std::vector<ShortfallEvent> new_shortfalls_;
   std::optional<counters_t> counters_;
   std::optional<stages_t> stages_;

@@ -70,6 +70,16 @@ void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
   add(run.near_people(), "people");
 }
 
+void add_contacts(RunReader& run, const MessageHeader& header, std::string& out) {
+  for (const ContactPoint& row : run.contact_points()) {
+    append(out, "{},{:.6f},{}", header.frame, seconds(header.utime_us),
+           names_of(*run.run(), row.pair));
+    for (const double x : row.point_m) append(out, ",{:.6f}", x);
+    for (const float x : row.direction) append(out, ",{:.6f}", x);
+    append(out, ",{:.6f}\n", row.depth_m);
+  }
+}
+
 void add_separation(RunReader& run, const MessageHeader& header, std::string& out) {
   for (const auto& [kind, shortfall] : run.new_shortfalls())
     append(out, "{},{:.6f},{},{},{},{},{},{},{},{},{},{}\n", header.frame, seconds(header.utime_us),
@@ -133,6 +143,10 @@ const std::vector<Table>& tables() {
                    "normal_x,normal_y,normal_z,depth_m,closing_mps,contact_in_s",
                    kPairColumns),
        add_near},
+      {"contacts", Update::kContacts,
+       fmt::format("frame,time_s,{},x_m,y_m,z_m,direction_x,direction_y,direction_z,depth_m",
+                   kPairColumns),
+       add_contacts},
       {"separation", Update::kSeparation,
        "frame,time_s,kind,robot,person,region,begin_frame,least_lo_m,least_hi_m,most_short_m,cut,"
        "beyond_margin",

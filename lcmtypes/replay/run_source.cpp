@@ -140,6 +140,7 @@ RunSource open_run_source(const RunSourceOptions& options) {
   if (options.exact) out.scene.exact = true;
   if (options.near_m) out.scene.near_m = *options.near_m;
   if (options.person_near_m) out.scene.person_near_m = *options.person_near_m;
+  if (options.contact_points) out.scene.contact_points = true;
   if (!options.between.empty()) out.scene.between = pair_rules_of(options.between, "--between");
   if (!options.parts.empty()) out.scene.parts = pair_rules_of(options.parts, "--parts");
   return out;

@@ -21,6 +21,7 @@ struct RunSourceOptions {
   std::string part_volume;  ///< see part_volumes_of()
   bool exact = false;
   std::optional<double> near_m, person_near_m;
+  bool contact_points = false;
   std::string between, parts;  ///< see pair_rules_of()
   RecordingFlags recording;
   std::string step;  ///< of a recording: "smooth" or "recorded"

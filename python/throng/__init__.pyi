@@ -61,6 +61,7 @@ def run(
     exact: bool = False,
     near: Optional[float] = None,
     person_near: Optional[float] = None,
+    contact_points: bool = False,
     between: Optional[str] = None,
     parts: Optional[str] = None,
     threads: Optional[int] = None,
@@ -118,6 +119,8 @@ class Frame:
     def near(self) -> Table: ...
     @property
     def near_people(self) -> Table: ...
+    @property
+    def contact_points(self) -> Table: ...
     def part_poses(self, people: Iterable[int]) -> npt.NDArray[np.float64]: ...
 
 class Simulation:
@@ -211,11 +214,14 @@ class Culler:
         step_s: float = 1.0,
         near: float = 0.0,
         body_near: float = 0.0,
+        contact_points: bool = False,
     ) -> None: ...
     @property
     def near(self) -> Table: ...
     @property
     def near_bodies(self) -> Table: ...
+    @property
+    def contact_points(self) -> Table: ...
     def step(
         self,
         poses: Union[npt.ArrayLike, Sequence[npt.ArrayLike]],

@@ -49,18 +49,20 @@ class Culler:
         step_s: from step to step, for begin_s and end_s of contacts, and for closing speeds.
         near: every pair of parts of two bodies within so many metres is listed in `near`. body_near: of each two
             bodies within so many metres the nearest parts, in `near_bodies`.
+        contact_points: where parts touch and how deep, in `contact_points`; needs exact=True.
 
     A pair whose triangles intersect is always reported, however bodies are posed.
     """
 
     def __init__(self, bodies, exact=False, part_volume="ordop26", pair_search="grid", threads=None, step_s=1.0,
-                 near=0.0, body_near=0.0):
+                 near=0.0, body_near=0.0, contact_points=False):
         kinds = list(bodies) if isinstance(bodies, (list, tuple)) else [bodies]
         made = [_core.body_of_model(k._model) if isinstance(k, Model) else k._body for k in kinds]
         self.step_s = step_s
         self._part_names = [body.part_names for body in made]
         self._counts = numpy.array([body.part_count for body in made])
-        self._culler = _core.Culler(made, part_volume, exact, pair_search, threads, near, body_near, step_s)
+        self._culler = _core.Culler(made, part_volume, exact, pair_search, threads, near, body_near,
+                                    contact_points, step_s)
         self._type_of_id = {}
 
     def step(self, poses, types=None, ids=None, scales=None):
@@ -97,6 +99,8 @@ class Culler:
     near = property(lambda self: Table(self._culler.near(), self._names))
     #: Table: of each two bodies the nearest parts, see Frame.near
     near_bodies = property(lambda self: Table(self._culler.near_bodies(), self._names))
+    #: Table: where parts touch after the last step, see Frame.contact_points
+    contact_points = property(lambda self: Table(self._culler.contact_points(), self._names))
     #: Table: of all steps so far, see Run.events
     events = property(lambda self: Table(self._culler.events(), self._names))
     #: Table: of all steps so far, see Run.contacts; end_s is nan while it lasts

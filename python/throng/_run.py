@@ -153,6 +153,7 @@ def run(
     exact=False,
     near=None,
     person_near=None,
+    contact_points=False,
     between=None,
     parts=None,
     threads=None,
@@ -191,6 +192,7 @@ def run(
         source: a scene file, the name of a bundled scene (see scenes()), a recording, or a log.
         seconds, avatars, seed, steering, part_volume, exact: as the command's.
         near, person_near: margins in metres, as the command's: rows go to the log, and to Frame.near of a Simulation.
+        contact_points: where parts touch and how deep, with exact=True: to the log, and to Frame.contact_points.
         between, parts: the pairs that are asked for, as the command's: "robots: people", "hands: head".
         threads, deadline_ms, deadline_tests, strategy, simd, pair_search: as the command's.
         fps, unit, columns, separator, tracks, strict, step: of a recording, as the command's.

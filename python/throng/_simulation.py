@@ -23,6 +23,9 @@ class Frame:
             (2 volumes, 3 triangles), lo_m and hi_m, which hold their distance; with exact=True the nearest points
             a_m and b_m (3, world), normal (3, from a to b), depth_m, closing_mps, contact_in_s; nan otherwise.
         near_people (Table): of a simulation with person_near=M, of each two people within M the nearest parts.
+        contact_points (Table): of a simulation with exact=True, contact_points=True, a row for each of pairs:
+            a, b, part_a, part_b, point_m (3, world; both parts have it), direction (3, unit; along which b is out
+            of a soonest) and depth_m, how far that is.
     """
 
     def __init__(self, frame, names):
@@ -42,6 +45,7 @@ class Frame:
     events = property(lambda self: Table(self._frame.events, self._names.of_pairs))
     near = property(lambda self: Table(self._frame.near, self._names.of_pairs))
     near_people = property(lambda self: Table(self._frame.near_people, self._names.of_pairs))
+    contact_points = property(lambda self: Table(self._frame.contact_points, self._names.of_pairs))
 
     def part_poses(self, people):
         """world_from_part of some people of one model (K ids): K x P x 4 x 4, float64.

@@ -190,7 +190,8 @@ struct Scene {
   bool exact = false;
   double near_m = 0;         ///< pairs of parts within it are listed with their distance; 0: none
   double person_near_m = 0;  ///< of each two people within it the nearest parts; 0: none
-  PairRules between, parts;  ///< the pairs asked for, of groups and of parts; empty: all
+  bool contact_points = false;  ///< of what touches a point, its direction and depth; needs exact
+  PairRules between, parts;     ///< the pairs asked for, of groups and of parts; empty: all
   std::optional<SeparationRule> separation;  ///< of robots from people; needs near_m
   bool planted_feet = true;                  ///< feet stay where they are put on curves, too
   bool yielding = true;  ///< bodies give way to what is near; who stands breathes and sways

@@ -343,6 +343,10 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
              "of each two people who are not farther apart the two parts that are nearest to each "
              "other; at most 100, 0: none",
              &Scene::person_near_m, kNearRange),
+      flag("contact_points",
+           "of every pair of parts that touches a point that both share, and how deep and along "
+           "which direction; needs `culling: {exact: true}`, see [near.md](near.md#where)",
+           &Scene::contact_points),
       flag("yielding",
            "bodies give way to those near them and to walls, and those who stand breathe and sway; "
            "needs `planted_feet` ([realism.md](realism.md))",

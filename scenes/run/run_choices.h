@@ -20,6 +20,7 @@ struct RunChoices {
   std::optional<PartVolumes> part_volume;
   bool exact = false;
   std::optional<double> near_m, person_near_m;
+  bool contact_points = false;
   std::optional<PairRules> between, parts;
 };
 

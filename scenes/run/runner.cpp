@@ -95,6 +95,13 @@ void add_near(NearSummary& near, const Frame& frame) {
     for (const NearPair& row : rows) near.least_m = std::min(near.least_m, row.lo_m);
 }
 
+void add_contact_points(ContactPointSummary& summary, const Frame& frame) {
+  summary.points += frame.contact_points.size();
+  summary.points_peak = std::max(summary.points_peak, uint64_t{frame.contact_points.size()});
+  for (const ContactPoint& point : frame.contact_points)
+    summary.deepest_m = std::max(summary.deepest_m, point.depth_m);
+}
+
 void add_frame(RunSummary& summary, const Frame& frame, bool exact,
                const SteeringCounters& steering) {
   summary.persists += frame.persisting;
@@ -107,6 +114,7 @@ void add_frame(RunSummary& summary, const Frame& frame, bool exact,
   summary.longest_stall_s = std::max(summary.longest_stall_s, steering.longest_stall_s);
   add_counters(summary.totals, *frame.counters);
   if (summary.near.is_asked) add_near(summary.near, frame);
+  if (summary.contact_points.is_asked) add_contact_points(summary.contact_points, frame);
 }
 
 RunSummary describe(const Simulation& simulation) {
@@ -116,6 +124,7 @@ RunSummary describe(const Simulation& simulation) {
   summary.unplaced = simulation.unplaced();
   summary.run_id = info.run_id;
   summary.near.is_asked = info.culler.near.is_asked();
+  summary.contact_points.is_asked = info.culler.near.contact_points;
   summary.near.least_m = info.culler.near.most_m();
   for (const uint16_t model : info.model_of_avatar)
     summary.parts += info.models[model]->part_count();

@@ -28,8 +28,16 @@ struct NearSummary {
   uint64_t people = 0;      ///< of two people
   uint64_t pairs_peak = 0;  ///< rows of a frame
   float least_m = 0;        ///< the least lower bound of all
-  Quantiles ms;             ///< the search, by the clock
+  Quantiles ms;             ///< the search, by the clock; of contact points, too
   uint64_t hash = 0;
+};
+
+/// Where parts touch, where that is asked.
+struct ContactPointSummary {
+  bool is_asked = false;
+  uint64_t points = 0;       ///< over all frames
+  uint64_t points_peak = 0;  ///< of a frame
+  float deepest_m = 0;
 };
 
 struct RunSummary {
@@ -52,6 +60,7 @@ struct RunSummary {
   uint64_t ends = 0;  ///< those of the last moment included
   uint64_t pairs_peak = 0;
   NearSummary near;
+  ContactPointSummary contact_points;
   int64_t frames_cut = 0;  ///< in which a deadline left pairs undecided
   uint64_t hash = 0;
   uint64_t run_id = 0;

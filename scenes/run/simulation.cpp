@@ -82,7 +82,7 @@ SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
   options.culler.part_volume = scene.part_volume.fallback;
   options.culler.exact = scene.exact;
   options.culler.near = {static_cast<float>(scene.near_m), static_cast<float>(scene.person_near_m),
-                         scene.step_s};
+                         scene.step_s, scene.contact_points};
   return options;
 }
 
@@ -275,6 +275,7 @@ void Simulation::State::fill_frame() {
   frame.hash = culler->hash();
   frame.near_pairs = culler->near_pairs();
   frame.near_people = culler->near_bodies();
+  frame.contact_points = culler->contact_points();
   frame.near_hash = culler->near_hash();
   frame.counters = &culler->counters();
   frame.times = &times;

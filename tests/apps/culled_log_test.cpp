@@ -39,6 +39,36 @@ TEST_F(CulledLog, HasTheOptionsOfItsRunUnlessOthersAreAskedFor) {
   EXPECT_EQ(shell("throng check b.lcmlog", folder_).exit_code, 0);
 }
 
+/// The same points whether the option or the scene asks for them, in the summary, the log, its
+/// table.
+TEST_F(CulledLog, HasPointsOfContactWhereTheyAreAskedFor) {
+  const std::string exact = "robot_in_crowd --seconds 1 --exact ";
+  const Json plain = run_json(exact + "--log plain.lcmlog", folder_);
+  const Json with = run_json(exact + "--contact-points --log with.lcmlog", folder_);
+  EXPECT_FALSE(plain.contains("contact_points"));
+  EXPECT_FALSE(with.contains("near"));
+  EXPECT_EQ(with["hash"], plain["hash"]);
+  const int64_t points = with["contact_points"]["points"];
+  EXPECT_EQ(points,
+            with["events"]["begin"].get<int64_t>() + with["events"]["persist"].get<int64_t>());
+  EXPECT_GT(points, 0);
+  EXPECT_GT(with["contact_points"]["deepest_m"], 0);
+  for (const char* log : {"with.lcmlog", "again.lcmlog"}) {
+    if (std::string(log) == "again.lcmlog")
+      run_json("with.lcmlog --contact-points --log again.lcmlog", folder_);
+    const Outcome check = shell("throng check " + std::string(log), folder_);
+    EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+    EXPECT_THAT(shell("throng info " + std::string(log), folder_).out,
+                HasSubstr("THRONG_CONTACTS         60"));
+    const std::string table =
+        shell("throng export " + std::string(log) + " --csv contacts", folder_).out;
+    EXPECT_THAT(table, StartsWith("frame,time_s,a,b,name_a,name_b,part_a,part_b,x_m,y_m,z_m,"));
+    EXPECT_NEAR(static_cast<double>(line_count(table) - 1), static_cast<double>(points),
+                0.05 * static_cast<double>(points) + 5);
+  }
+  EXPECT_THAT(shell("throng info plain.lcmlog", folder_).out, Not(HasSubstr("THRONG_CONTACTS")));
+}
+
 TEST_F(CulledLog, IsNamedInTheResults) {
   const Json recording = run_json("a.lcmlog --log off", folder_)["recording"];
   EXPECT_EQ(recording["kind"], "throng log");

@@ -47,6 +47,17 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"NoFile", "throng info", "FILE"},
         Mistake{"Volume", "throng run plaza --part-volume ordop15",
                 "found 'ordop15' (did you mean 'ordop14'?)"},
+        Mistake{"ContactPoints", "throng run plaza --contact-points --lcm off --log off",
+                "contact points: expected exact contacts (--exact, or culling: {exact: true})"},
+        Mistake{
+            "ContactPointsOfAScene",
+            "printf 'name: s\\ncontact_points: true\\nground: {min_m: [-3, -3], max_m: [3, 3]}\\n"
+            "groups: [{name: p, count: 1, spawn: {min_m: [-1, -1], max_m: [1, 1]}, "
+            "goals: [{min_m: [-1, -1], max_m: [1, 1]}]}]\\n' >s.yaml; throng run s.yaml --lcm off",
+            "contact points: expected exact contacts"},
+        Mistake{"ContactPointsOfAPapers",
+                "throng run paper_350 --exact --contact-points --strategy two-pass --log off",
+                "contact points: expected the pipeline"},
         Mistake{"Simd", "throng run plaza --simd avx", "expected one of best, scalar"},
         Mistake{"PairSearch", "throng run plaza --pair-search gird", "(did you mean 'grid'?)"},
         Mistake{"SecondsText", "throng run plaza --seconds soon", "found 'soon'"},

@@ -48,7 +48,7 @@ TEST(Export, SaysWhatItDoesNotUnderstand) {
   const std::pair<const char*, const char*> cases[] = {
       {"throng export a.lcmlog", "expected --mcap FILE or --csv CHANNEL, found neither"},
       {"throng export a.lcmlog --csv evnts",
-       "expected a channel: events, states, touching, near, separation or counters"},
+       "expected a channel: events, states, touching, near, contacts, separation or counters"},
       {"throng export run.txt --mcap t.mcap", "run.txt: expected a log of a run"},
       {"throng export none --mcap t.mcap", "none: expected a log of a run"},
       {"throng export a.lcmlog --mcap a.lcmlog", "a.lcmlog"},

@@ -57,5 +57,19 @@ TEST(Culler, AllocatesNothingForDistancesOfFramesItHasSeen) {
   }
 }
 
+TEST(Culler, AllocatesNothingForContactPointsOfFramesItHasSeen) {
+  std::vector<testing::RandomWorld> frames;
+  for (uint64_t seed = 1; seed <= 3; ++seed)
+    frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());
+  for (const float near_m : {0.0f, 0.2f}) {
+    for (const int threads : {1, 3}) {
+      CullerOptions options{.exact = true, .near = {near_m, 0, 0.1, true}};
+      expect_none(frames, options, threads);
+      options.deadline_tests = 100;
+      expect_none(frames, options, threads);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace throng

@@ -59,6 +59,18 @@ inline std::vector<Triangle> placed_triangles(const PartShape& part, const PartP
   return out;
 }
 
+/// The surface of a part has the point, within a hair, or its solid holds it.
+inline bool is_on_part(const Eigen::Vector3d& point_m, const PartShape& part,
+                       const TriangleBvh& surface, const PartPose& pose, float scale,
+                       const Eigen::Vector3d& root_m) {
+  const Triangle there{{point_m, point_m, point_m}};
+  for (const Triangle& t : placed_triangles(part, pose, scale, root_m))
+    if (triangle_distance_by_features(t, there) < 1e-6) return true;
+  const Eigen::Isometry3d placed = to_isometry(pose);
+  return surface.contains(placed.linear().inverse() * (point_m - root_m - placed.translation()) /
+                          static_cast<double>(scale));
+}
+
 /// Of surfaces that do not touch: every triangle against every other.
 inline double surface_distance_by_brute_force(const std::vector<Triangle>& a,
                                               const std::vector<Triangle>& b) {

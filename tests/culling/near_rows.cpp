@@ -2,12 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
 #include "culling/culling.h"
 
 namespace throng::test {
+
+namespace {
+
+/// One for each pair that touches, and each with its place.
+bool has_point_of_each(const Culler& culler) {
+  return std::equal(
+      culler.pairs().begin(), culler.pairs().end(), culler.contact_points().begin(),
+      culler.contact_points().end(), [](const PairKey& pair, const ContactPoint& point) {
+        return point.pair == pair && std::isfinite(point.point_m[0]) && point.depth_m >= 0;
+      });
+}
+
+}  // namespace
 
 NearRowsTally check_near_rows(bench::Family family, uint64_t pairs, uint64_t seed) {
   constexpr PairSearch kSearches[] = {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute};
@@ -29,12 +44,23 @@ NearRowsTally check_near_rows(bench::Family family, uint64_t pairs, uint64_t see
     options.simd = targets[frame / 2 % targets.size()];
     options.pair_search = kSearches[frame % std::size(kSearches)];
     options.near.near_m = kMargins_m[frame / 2 % std::size(kMargins_m)];
+    options.near.contact_points = options.exact;
     Workers workers(1 + static_cast<int>(frame % 2));
     Culler culler(types, options, workers);
     culler.step(world.view(), world);
     const std::string how =
         fmt::format("{}, seed {}, frame {}, margin {} m, {}{}", bench::name_of(family), seed, frame,
                     options.near.near_m, name_of(options.simd), options.exact ? ", exact" : "");
+    if (options.exact) {
+      CullerOptions no_margin = options;
+      no_margin.near = {.contact_points = true};
+      Culler without_margin(types, no_margin, workers);
+      without_margin.step(world.view(), world);
+      if (!has_point_of_each(culler) || !has_point_of_each(without_margin)) {
+        ++tally.missed;
+        if (tally.first_wrong.empty()) tally.first_wrong = how + ": points of contact";
+      }
+    }
     NearRowsJudge judge(options.near.near_m, tally);
     for (uint32_t a = 0; a < 2 * bench::Couples::kCouples; a += 2) {
       const uint32_t b = a + 1;

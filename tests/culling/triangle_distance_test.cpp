@@ -123,16 +123,8 @@ TEST(SurfaceDistance, IsThatOfTheNearestTriangles) {
   EXPECT_GT(farther, 100);
 }
 
-/// Either surface has a point within a hair, or it lies inside one of the solids.
-bool is_shared(const Vector3d& point, const Placed& part, const Vector3d& root_m) {
-  const Triangle there{{point, point, point}};
-  double least = std::numeric_limits<double>::infinity();
-  for (const Triangle& t : part.triangles(root_m))
-    least = std::min(least, test::triangle_distance_by_features(t, there));
-  if (least < 1e-6) return true;
-  const Eigen::Isometry3d pose = to_isometry(part.pose);
-  return part.surface.contains(pose.linear().inverse() * (point - root_m - pose.translation()) /
-                               static_cast<double>(part.scale));
+bool is_on(const Placed& part, const Vector3d& point, const Vector3d& root_m) {
+  return test::is_on_part(point, part.shape, part.surface, part.pose, part.scale, root_m);
 }
 
 TEST(ContactPoint, BelongsToBothParts) {
@@ -152,8 +144,8 @@ TEST(ContactPoint, BelongsToBothParts) {
     ASSERT_EQ(point.has_value(), touch);
     if (!touch) continue;
     ++touching;
-    ASSERT_TRUE(is_shared(*point, a, Vector3d::Zero()));
-    ASSERT_TRUE(is_shared(*point, b, a_to_b.cast<double>()));
+    ASSERT_TRUE(is_on(a, *point, Vector3d::Zero()));
+    ASSERT_TRUE(is_on(b, *point, a_to_b.cast<double>()));
     // Of the points of contact that other places lead to none is nearer.
     for (int other = 0; other < 20; ++other)
       ASSERT_LE(point->norm(), point_near(draw.in_box(0.3))->norm() + kRounding_m);

@@ -36,6 +36,7 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
       {"near_t", {near_t::getHash(), 0xa556b0d68e2546c0}},
       {"separation_t", {separation_t::getHash(), 0xd59f80a91bbddbaf}},
+      {"contact_points_t", {contact_points_t::getHash(), 0x93b02fbc50a33836}},
       {"turn_t", {turn_t::getHash(), 0x5d42ef3a2e13dfcc}},
       {"stamp_t", {stamp_t::getHash(), 0x39eebe8d9f216209}},
       {"answer_t", {answer_t::getHash(), 0xc1ab0e39188801fc}},

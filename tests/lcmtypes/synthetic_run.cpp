@@ -50,7 +50,7 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.instance = 0xfeed'beef'0000'0001;
   info_.step_s = 1.0 / 60;
   if (options.near) {
-    info_.culler.near = {0.3f, 1, info_.step_s};
+    info_.culler.near = {0.3f, 1, info_.step_s, true};
     SeparationRule& rule = scene_.separation.emplace();
     rule.human_mps = rule.robot_mps = 0.5;
     rule.reaction_s = 0.1;
@@ -176,6 +176,10 @@ void SyntheticRun::list_near() {
     row.point_b_m = {1.5, 2.5, 1 + static_cast<double>(row.hi_m)};
     row.normal = {0, 0, 1};
   }
+  contact_points_.clear();
+  for (const PairKey& pair : pairs_)
+    contact_points_.push_back({pair, {1.5, 2.5, 0.125 * pair.part_a()}, {0, 0, 1}, 0.02f});
+  frame_.contact_points = contact_points_;
   frame_.near_pairs = near_;
   frame_.near_people = std::span(near_).first(near_.size() / 2);
 }

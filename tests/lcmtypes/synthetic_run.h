@@ -24,7 +24,7 @@ class SyntheticRun {
     double spread_m = 50;   ///< avatars are within this distance of the origin
     bool comings = false;   ///< avatars come and go
     bool deadline = false;  ///< some pairs are not refined to the end
-    bool near = false;      ///< whatever touches has a near row, too
+    bool near = false;      ///< whatever touches has a near row, too, and a point
   };
   explicit SyntheticRun(const Options& options);
 
@@ -63,6 +63,7 @@ class SyntheticRun {
   std::vector<PairKey> pairs_;
   std::vector<uint8_t> present_, levels_;
   std::vector<NearPair> near_;
+  std::vector<ContactPoint> contact_points_;
   int64_t next_frame_ = 0;
   EventHash hash_;
   int64_t begins_ = 0, ends_ = 0;

@@ -45,6 +45,19 @@ class Boxes(Case):
         with self.assertRaises(throng.InputError):
             self.culler(near=-1)
 
+    def test_tell_where_they_touch_and_how_deep(self):
+        culler = self.culler(exact=True, contact_points=True)
+        culler.step(at((0, 0, 0), (0.75, 0.1, 0.2), (9, 9, 9)))
+        (row,) = culler.contact_points
+        self.assertEqual(key(culler.contact_points), key(culler.pairs))
+        self.assertAlmostEqual(float(row["depth_m"]), 0.25, delta=1e-3)
+        numpy.testing.assert_allclose(row["direction"], (1, 0, 0), atol=1e-3)
+        for centre in ((0, 0, 0), (0.75, 0.1, 0.2)):
+            self.assertLessEqual(numpy.abs(row["point_m"] - centre).max(), 0.5 + 1e-6)
+        self.assertEqual(len(culler.near), 0)
+        with self.assertRaises(throng.InputError):
+            self.culler(contact_points=True)
+
     def test_touch_when_they_overlap_and_leave_when_they_do_not(self):
         culler = self.culler(exact=True, step_s=0.5)
         for x in (3, 2, 0.9, 0.5, 0.9, 1.5, 3):

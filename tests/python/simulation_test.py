@@ -45,6 +45,20 @@ class Steps(Case):
         numpy.testing.assert_allclose(numpy.cos(heading - frame.headings_rad), 1, atol=1e-5)
         self.assertEqual(len(frame.postures), simulation.posture_offsets[-1])
 
+    def test_tell_where_everything_that_touches_does(self):
+        options = dict(avatars=80, seconds=0.5, exact=True)
+        rows, plain = 0, throng.Simulation("plaza", **options)
+        for frame in throng.Simulation("plaza", contact_points=True, **options):
+            self.assertEqual(frame.hash, plain.step().hash)
+            for name in ("a", "b", "part_a", "part_b"):
+                numpy.testing.assert_array_equal(frame.contact_points[name], frame.pairs[name])
+            self.assertTrue((frame.contact_points["depth_m"] >= 0).all())
+            self.assertTrue(numpy.isfinite(frame.contact_points["point_m"]).all())
+            rows += len(frame.contact_points)
+        self.assertGreater(rows, 0)
+        with self.assertRaises(throng.InputError):
+            throng.Simulation("plaza", contact_points=True)
+
     def test_pose_the_parts_as_kinematics_does(self):
         simulation = throng.Simulation("corridor", avatars=40)
         model = throng.Model("adult")

@@ -57,6 +57,41 @@ TEST(NearRun, GoesOnBehindACheckpoint) {
   }
 }
 
+/// Behind a checkpoint, on any number of threads, with a margin and without.
+TEST(ContactPointsOfARun, AreThoseOfItsPairsAndChangeNoEvent) {
+  Scene scene = load_scene("robot_in_crowd");
+  scene.exact = true;
+  Simulation plain(scene, {});
+  scene.contact_points = true;
+  SimulationOptions threads;
+  threads.threads = 3;
+  Simulation with(scene, {}), rest(scene, threads);
+  scene.near_m = 0.1;
+  Simulation beside(scene, {});
+  size_t points = 0;
+  for (int i = 0; i < 60; ++i) {
+    if (i == 20) rest.resume(with.saved(), "test");
+    const Frame &expected = plain.step(), &found = with.step(), &near = beside.step();
+    EXPECT_EQ(found.hash, expected.hash);
+    EXPECT_EQ(near.hash, expected.hash);
+    EXPECT_TRUE(expected.contact_points.empty());
+    ASSERT_EQ(found.contact_points.size(), found.pairs.size()) << "frame " << i;
+    ASSERT_EQ(near.contact_points.size(), found.pairs.size()) << "frame " << i;
+    const Frame* resumed = i < 20 ? nullptr : &rest.step();
+    for (size_t k = 0; k < found.pairs.size(); ++k) {
+      const ContactPoint& point = found.contact_points[k];
+      ASSERT_EQ(point.pair, found.pairs[k]) << "frame " << i;
+      ASSERT_EQ(point.point_m, near.contact_points[k].point_m);
+      ASSERT_EQ(point.depth_m, near.contact_points[k].depth_m);
+      if (resumed == nullptr) continue;
+      ASSERT_EQ(point.point_m, resumed->contact_points[k].point_m);
+      ASSERT_EQ(point.depth_m, resumed->contact_points[k].depth_m);
+    }
+    points += found.contact_points.size();
+  }
+  EXPECT_GT(points, 100u);
+}
+
 /// The people of a row of two people are nowhere else nearer.
 TEST(NearRun, NamesTheNearestPartsOfEachTwoPeople) {
   Simulation simulation(plaza(0.3, 0.3), {});

@@ -207,6 +207,12 @@ void BodyMap::add(const RunInfo& run, const Frame& frame, uint32_t body, uint32_
 void BodyMap::frame(const RunInfo& run, const Frame& frame) {
   if (model_ < 0) return;
   posed_ = -1;
+  for (const ContactPoint& row : frame.contact_points) {
+    const Eigen::Vector3d point_m(row.point_m.data());
+    add(run, frame, row.pair.a(), row.pair.part_a(), point_m);
+    add(run, frame, row.pair.b(), row.pair.part_b(), point_m);
+  }
+  if (run.culler.near.contact_points) return;  // the rows of distances have the same
   for (const NearPair& row : frame.near_pairs) {
     if (row.level != PairLevel::kExact || row.hi_m > 0) continue;
     add(run, frame, row.pair.a(), row.pair.part_a(), Eigen::Vector3d(row.point_a_m.data()));

@@ -16,8 +16,11 @@ namespace throng {
 
 class BodyMap {
  public:
-  /// Whether a run of this scene knows points of contact: distances by triangles.
-  static bool is_known(const Scene& scene) { return scene.exact && scene.near_m > 0; }
+  /// Whether a run of this scene knows points of contact: it is asked for them, or for distances by
+  /// triangles.
+  static bool is_known(const Scene& scene) {
+    return scene.exact && (scene.contact_points || scene.near_m > 0);
+  }
 
   /// Of the people who have the model that most of them have.
   explicit BodyMap(const RunInfo& run);

@@ -1,0 +1,228 @@
+// Where parts touch: a point for every pair of a frame and for no other, on both parts, with a way
+// out; whatever else is asked, and on any number of threads.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+#include "base/errors.h"
+#include "tests/culling/distance_oracle.h"
+#include "tests/culling/random_world.h"
+
+namespace throng {
+namespace {
+
+using Eigen::Vector3d;
+using testing::RandomWorld;
+
+/// Every other world lies far from the origin.
+RandomWorld world_of(uint64_t seed) {
+  return RandomWorld(seed, 20, 1.6, Vector3d::Constant(seed % 2 == 0 ? 40'000 : 0));
+}
+
+CullerOptions with_points(float near_m = 0, float body_near_m = 0) {
+  CullerOptions options;
+  options.exact = true;
+  options.near = {near_m, body_near_m, 0.1, true};
+  return options;
+}
+
+auto bits(const ContactPoint& row) {
+  return std::tuple(row.pair, std::bit_cast<std::array<uint64_t, 3>>(row.point_m),
+                    std::bit_cast<std::array<uint32_t, 3>>(row.direction),
+                    std::bit_cast<uint32_t>(row.depth_m));
+}
+
+bool same(std::span<const ContactPoint> a, std::span<const ContactPoint> b) {
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(),
+      [](const ContactPoint& p, const ContactPoint& q) { return bits(p) == bits(q); });
+}
+
+std::vector<PairKey> pairs_of(std::span<const ContactPoint> rows) {
+  std::vector<PairKey> out;
+  for (const ContactPoint& row : rows) out.push_back(row.pair);
+  return out;
+}
+
+std::vector<PairKey> pairs_of(const Culler& culler) {
+  return {culler.pairs().begin(), culler.pairs().end()};
+}
+
+/// The surfaces of a world's parts, and which part a key names.
+struct Parts {
+  explicit Parts(const RandomWorld& of) : world(of) {
+    for (const auto& type : world.types) {
+      surfaces.emplace_back();
+      for (const PartShape& part : type->parts())
+        surfaces.back().emplace_back(part.points, part.triangles);
+    }
+  }
+
+  static size_t body_of(uint32_t id) { return (id - 1) / 3; }
+  bool is_on(uint32_t id, uint32_t part, const Vector3d& point_m) const {
+    const size_t body = body_of(id);
+    const uint16_t type = world.type_of[body];
+    return test::is_on_part(point_m, world.types[type]->parts()[part], surfaces[type][part],
+                            world.pose(body, part), world.scales[body],
+                            world.roots[body].position_m);
+  }
+  /// The least and the most of a part along a direction.
+  std::pair<double, double> ends(uint32_t id, uint32_t part, const Vector3d& direction) const {
+    const size_t body = body_of(id);
+    std::pair out(std::numeric_limits<double>::infinity(),
+                  -std::numeric_limits<double>::infinity());
+    for (const Triangle& t : test::placed_triangles(world.types[world.type_of[body]]->parts()[part],
+                                                    world.pose(body, part), world.scales[body],
+                                                    world.roots[body].position_m))
+      for (const Vector3d& corner : t.corner) {
+        out.first = std::min(out.first, direction.dot(corner));
+        out.second = std::max(out.second, direction.dot(corner));
+      }
+    return out;
+  }
+
+  const RandomWorld& world;
+  std::vector<std::vector<TriangleBvh>> surfaces;
+};
+
+TEST(ContactPoints, AreOfEveryPairThatTouchesAndOfNoOther) {
+  size_t points = 0;
+  for (uint64_t seed = 1; seed <= 16; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    const RandomWorld world = world_of(seed);
+    const Parts parts(world);
+    Workers workers(1);
+    Culler culler(world.types, with_points(), workers);
+    culler.step(world.view(), world);
+    ASSERT_EQ(pairs_of(culler.contact_points()), pairs_of(culler));
+    EXPECT_TRUE(culler.near_pairs().empty()) << "no margin, no rows";
+    for (const ContactPoint& row : culler.contact_points()) {
+      ++points;
+      const PairKey& key = row.pair;
+      const Vector3d point(row.point_m.data());
+      ASSERT_TRUE(parts.is_on(key.a(), key.part_a(), point)) << point.transpose();
+      ASSERT_TRUE(parts.is_on(key.b(), key.part_b(), point)) << point.transpose();
+      const Vector3d direction = Eigen::Vector3f(row.direction.data()).cast<double>();
+      ASSERT_NEAR(direction.norm(), 1, 1e-6);
+      ASSERT_GT(row.depth_m, 0) << "hulls of convex parts";
+      const double end_of_a = parts.ends(key.a(), key.part_a(), direction).second;
+      const double begin_of_b = parts.ends(key.b(), key.part_b(), direction).first;
+      ASSERT_LE(end_of_a - begin_of_b, static_cast<double>(row.depth_m) + 1e-5)
+          << "b, moved by the depth, is out of a";
+    }
+  }
+  EXPECT_GT(points, 500u);
+}
+
+TEST(ContactPoints, AreTheSameBesideMarginsAndChangeNothingOfThem) {
+  for (uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    const RandomWorld world = world_of(seed);
+    Workers workers(1);
+    Culler alone(world.types, with_points(), workers);
+    alone.step(world.view(), world);
+    for (const auto& [near_m, body_near_m] :
+         {std::pair(0.2f, 0.0f), std::pair(0.0f, 0.3f), std::pair(0.2f, 0.3f)}) {
+      CullerOptions options = with_points(near_m, body_near_m);
+      Culler with(world.types, options, workers);
+      options.near.contact_points = false;
+      Culler without(world.types, options, workers);
+      with.step(world.view(), world);
+      without.step(world.view(), world);
+      EXPECT_TRUE(same(with.contact_points(), alone.contact_points()));
+      EXPECT_TRUE(without.contact_points().empty());
+      EXPECT_EQ(with.near_hash(), without.near_hash());
+      EXPECT_EQ(with.near_pairs().size(), without.near_pairs().size());
+      EXPECT_EQ(with.near_bodies().size(), without.near_bodies().size());
+      EXPECT_EQ(with.hash(), without.hash());
+      EXPECT_EQ(with.hash(), alone.hash());
+    }
+    Culler none(world.types, {.exact = true}, workers);
+    none.step(world.view(), world);
+    EXPECT_EQ(none.hash(), alone.hash());
+  }
+}
+
+TEST(ContactPoints, AreTheSameForThreadsTargetsSearchesAndVolumes) {
+  constexpr uint64_t kFrames = 4, kSeed = 7;
+  const auto all_by = [](const CullerOptions& options, int threads) {
+    Workers workers(threads);
+    const RandomWorld first(kSeed, 60, 3, Vector3d::Zero());
+    Culler culler(first.types, options, workers);
+    std::vector<ContactPoint> out;
+    for (uint64_t frame = 0; frame < kFrames; ++frame) {
+      const RandomWorld world(kSeed + frame, 60, 3, Vector3d::Zero());
+      culler.step(world.view(), world);
+      EXPECT_EQ(pairs_of(culler.contact_points()), pairs_of(culler));
+      out.insert(out.end(), culler.contact_points().begin(), culler.contact_points().end());
+    }
+    return out;
+  };
+  CullerOptions options = with_points();
+  options.simd = SimdTarget::kScalar;
+  options.pair_search = PairSearch::kBrute;
+  const std::vector<ContactPoint> expected = all_by(options, 1);
+  EXPECT_GT(expected.size(), 100u);
+  for (const SimdTarget target : simd_targets_of_this_machine())
+    for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep}) {
+      options.simd = target;
+      options.pair_search = search;
+      EXPECT_TRUE(same(all_by(options, 3), expected)) << name_of(target);
+    }
+  for (const VolumeKind volume : {VolumeKind::kSphere, VolumeKind::kObb, VolumeKind::kAabb}) {
+    options.part_volume = volume;
+    EXPECT_TRUE(same(all_by(options, 2), expected)) << name_of(volume);
+  }
+}
+
+/// What is left undecided has none, also where pairs are of whole bodies; what has one has that of
+/// the whole frame.
+TEST(ContactPoints, UnderACountedDeadlineAreOfWhatIsDecided) {
+  const RandomWorld world(5, 60, 3, Vector3d::Zero());
+  Workers one(1), three(3);
+  Culler whole(world.types, with_points(), one);
+  whole.step(world.view(), world);
+  const std::span<const ContactPoint> all = whole.contact_points();
+  for (const float near_m : {0.0f, 0.2f}) {
+    size_t points = 0;
+    for (const uint64_t tests : {0, 100, 400, 1'000'000}) {
+      SCOPED_TRACE(::testing::Message() << tests << " tests, margin " << near_m);
+      CullerOptions options = with_points(near_m);
+      options.deadline_tests = tests;
+      Culler cut(world.types, options, one), again(world.types, options, three);
+      cut.step(world.view(), world);
+      again.step(world.view(), world);
+      EXPECT_TRUE(same(cut.contact_points(), again.contact_points()));
+      EXPECT_EQ(cut.near_pairs().empty(), near_m == 0);
+      const std::vector<PairKey> touching = pairs_of(cut);
+      for (const ContactPoint& row : cut.contact_points()) {
+        EXPECT_TRUE(std::binary_search(touching.begin(), touching.end(), row.pair));
+        const auto known = std::find_if(all.begin(), all.end(),
+                                        [&](const ContactPoint& p) { return p.pair == row.pair; });
+        ASSERT_NE(known, all.end());
+        EXPECT_EQ(bits(row), bits(*known));
+      }
+      points = cut.contact_points().size();
+      if (tests == 0) {
+        EXPECT_EQ(points, 0u);
+      }
+    }
+    EXPECT_EQ(points, all.size());
+  }
+}
+
+TEST(ContactPoints, OfVolumesAndOfRecipesAreRefused) {
+  const RandomWorld world(1, 5, 1, Vector3d::Zero());
+  Workers workers(1);
+  CullerOptions options = with_points();
+  options.exact = false;
+  EXPECT_THROW(Culler(world.types, options, workers), InputError);
+  options = with_points();
+  options.strategy = Strategy::kTwoPass;
+  EXPECT_THROW(Culler(world.types, options, workers), InputError);
+}
+
+}  // namespace
+}  // namespace throng
