@@ -15,7 +15,6 @@ double apply(const RunChoices& choices, Scene& scene, std::vector<std::string>& 
   if (choices.exact) scene.exact = true;
   if (choices.near_m) scene.near_m = *choices.near_m;
   if (choices.person_near_m) scene.person_near_m = *choices.person_near_m;
-  if (choices.contact_points) scene.contact_points = true;
   if (choices.between) scene.between = *choices.between;
   if (choices.parts) scene.parts = *choices.parts;
   return choices.avatars ? scale_to(scene, *choices.avatars, notes) : 1;

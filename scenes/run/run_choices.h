@@ -20,7 +20,6 @@ struct RunChoices {
   std::optional<PartVolumes> part_volume;
   bool exact = false;
   std::optional<double> near_m, person_near_m;
-  bool contact_points = false;
   std::optional<PairRules> between, parts;
 };
 
