@@ -12,6 +12,14 @@ uint64_t key_of(const EventRow& event) {
   return PairKey(event.a, event.b, event.part_a, event.part_b).bits();
 }
 
+template <class Row>
+void set_pair(Row& row, const PairKey& pair) {
+  row.a = pair.a();
+  row.b = pair.b();
+  row.part_a = static_cast<uint8_t>(pair.part_a());
+  row.part_b = static_cast<uint8_t>(pair.part_b());
+}
+
 ContactRow begun(const EventRow& event, double step_s) {
   return {event.a,
           event.b,
@@ -54,10 +62,7 @@ std::vector<NearRow> near_rows(std::span<const NearPair> pairs) {
   rows.reserve(pairs.size());
   for (const NearPair& pair : pairs) {
     NearRow& row = rows.emplace_back();
-    row.a = pair.pair.a();
-    row.b = pair.pair.b();
-    row.part_a = static_cast<uint8_t>(pair.pair.part_a());
-    row.part_b = static_cast<uint8_t>(pair.pair.part_b());
+    set_pair(row, pair.pair);
     row.level = static_cast<uint8_t>(pair.level);
     row.lo_m = pair.lo_m;
     row.hi_m = pair.hi_m;
@@ -76,10 +81,7 @@ std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> po
   rows.reserve(points.size());
   for (const ContactPoint& point : points) {
     ContactPointRow& row = rows.emplace_back();
-    row.a = point.pair.a();
-    row.b = point.pair.b();
-    row.part_a = static_cast<uint8_t>(point.pair.part_a());
-    row.part_b = static_cast<uint8_t>(point.pair.part_b());
+    set_pair(row, point.pair);
     std::copy(point.point_m.begin(), point.point_m.end(), row.point_m);
     std::copy(point.direction.begin(), point.direction.end(), row.direction);
     row.depth_m = point.depth_m;

@@ -156,10 +156,10 @@ HWY_NOINLINE void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const Spr
     }
     for (size_t first = 0; first < by_axes.count; first += kLanes) {
       GapLanes there = by_axes.at(first);
-      there.widen(a, b,
-                  [](const auto& half, const auto& visit) HWY_ATTR { half.each_edge(visit); });
-      there.widen(a, b,
-                  [](const auto& half, const auto& visit) HWY_ATTR { half.each_corner(visit); });
+      there.widen(a, b, [](const auto& half, const auto& visit) HWY_ATTR {
+        half.each_edge(visit);
+        half.each_corner(visit);
+      });
       take_lo(there, by_axes.index + first, HWY_MIN(kLanes, by_axes.count - first), by_all);
     }
     for (size_t first = 0; first < by_all.count; first += kLanes) {

@@ -48,13 +48,12 @@ OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
     slabs.slab[d] = around(low, high, d < static_cast<size_t>(kAxisDirections));
     length[d] =
         std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
-    per_length[d] = 1.0f / length[d];
   }
   // The same number already, but for a flat part and the last bit.
   const float half = std::max({slabs.slab[0].half, slabs.slab[1].half, slabs.slab[2].half});
   for (size_t axis = 0; axis < 3; ++axis) slabs.slab[axis].half = half;
   fill_lookups();
-  fill_reaches();
+  fill_inverses();
 }
 
 OrdopTable::OrdopTable(const Slabs& fitted) {
@@ -69,10 +68,9 @@ OrdopTable::OrdopTable(const Slabs& fitted) {
     const double half = static_cast<double>(fitted.slab[d].half);
     slabs.slab[d] = around(moved - half, moved + half, d < static_cast<size_t>(kAxisDirections));
     length[d] = direction_length(static_cast<int>(d));
-    per_length[d] = 1.0f / length[d];
   }
   fill_lookups();
-  fill_reaches();
+  fill_inverses();
 }
 
 void OrdopTable::fill_lookups() {
@@ -93,12 +91,13 @@ void OrdopTable::fill_lookups() {
   }
 }
 
-void OrdopTable::fill_reaches() {
+void OrdopTable::fill_inverses() {
   // A part as thin as rounding, whose inverse reach would be infinite, holds nothing.
   constexpr float kThinnest = 1e-6f;
   holds_origin = true;
   for (size_t d = 0; d < kDirections.size(); ++d) {
     const Slab& slab = slabs.slab[d];
+    per_length[d] = 1 / length[d];
     per_reach_up[d] = 1 / (slab.centre + slab.half);
     per_reach_down[d] = 1 / (slab.centre - slab.half);
     holds_origin &= slab.half - std::abs(slab.centre) > kThinnest;

@@ -47,7 +47,7 @@ struct alignas(64) OrdopTable {
 
  private:
   void fill_lookups();
-  void fill_reaches();
+  void fill_inverses();
 };
 
 }  // namespace throng

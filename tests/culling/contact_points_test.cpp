@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
-#include <tuple>
 
 #include "base/errors.h"
 #include "tests/culling/distance_oracle.h"
 #include "tests/culling/random_world.h"
+#include "tests/same_bits.h"
 
 namespace throng {
 namespace {
@@ -26,18 +25,6 @@ CullerOptions with_points(float near_m = 0, float body_near_m = 0) {
   options.exact = true;
   options.near = {near_m, body_near_m, 0.1, true};
   return options;
-}
-
-auto bits(const ContactPoint& row) {
-  return std::tuple(row.pair, std::bit_cast<std::array<uint64_t, 3>>(row.point_m),
-                    std::bit_cast<std::array<uint32_t, 3>>(row.direction),
-                    std::bit_cast<uint32_t>(row.depth_m));
-}
-
-bool same(std::span<const ContactPoint> a, std::span<const ContactPoint> b) {
-  return std::equal(
-      a.begin(), a.end(), b.begin(), b.end(),
-      [](const ContactPoint& p, const ContactPoint& q) { return bits(p) == bits(q); });
 }
 
 std::vector<PairKey> pairs_of(std::span<const ContactPoint> rows) {
@@ -131,7 +118,7 @@ TEST(ContactPoints, AreTheSameBesideMarginsAndChangeNothingOfThem) {
       Culler without(world.types, options, workers);
       with.step(world.view(), world);
       without.step(world.view(), world);
-      EXPECT_TRUE(same(with.contact_points(), alone.contact_points()));
+      EXPECT_TRUE(same_bits<ContactPoint>(with.contact_points(), alone.contact_points()));
       EXPECT_TRUE(without.contact_points().empty());
       EXPECT_EQ(with.near_hash(), without.near_hash());
       EXPECT_EQ(with.near_pairs().size(), without.near_pairs().size());
@@ -169,11 +156,11 @@ TEST(ContactPoints, AreTheSameForThreadsTargetsSearchesAndVolumes) {
     for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep}) {
       options.simd = target;
       options.pair_search = search;
-      EXPECT_TRUE(same(all_by(options, 3), expected)) << name_of(target);
+      EXPECT_TRUE(same_bits<ContactPoint>(all_by(options, 3), expected)) << name_of(target);
     }
   for (const VolumeKind volume : {VolumeKind::kSphere, VolumeKind::kObb, VolumeKind::kAabb}) {
     options.part_volume = volume;
-    EXPECT_TRUE(same(all_by(options, 2), expected)) << name_of(volume);
+    EXPECT_TRUE(same_bits<ContactPoint>(all_by(options, 2), expected)) << name_of(volume);
   }
 }
 
@@ -194,7 +181,7 @@ TEST(ContactPoints, UnderACountedDeadlineAreOfWhatIsDecided) {
       Culler cut(world.types, options, one), again(world.types, options, three);
       cut.step(world.view(), world);
       again.step(world.view(), world);
-      EXPECT_TRUE(same(cut.contact_points(), again.contact_points()));
+      EXPECT_TRUE(same_bits<ContactPoint>(cut.contact_points(), again.contact_points()));
       EXPECT_EQ(cut.near_pairs().empty(), near_m == 0);
       const std::vector<PairKey> touching = pairs_of(cut);
       for (const ContactPoint& row : cut.contact_points()) {
@@ -202,7 +189,7 @@ TEST(ContactPoints, UnderACountedDeadlineAreOfWhatIsDecided) {
         const auto known = std::find_if(all.begin(), all.end(),
                                         [&](const ContactPoint& p) { return p.pair == row.pair; });
         ASSERT_NE(known, all.end());
-        EXPECT_EQ(bits(row), bits(*known));
+        EXPECT_TRUE(same_bits(row, *known));
       }
       points = cut.contact_points().size();
       if (tests == 0) {

@@ -46,6 +46,24 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
         << name << std::hex << ": expected " << hashes.second << ", found " << hashes.first;
 }
 
+class MessagesOfOptions : public testing::TestWithParam<Channel> {};
+
+TEST_P(MessagesOfOptions, AreNotSentWhereNobodyAskedAndTheChannelIsNotNamed) {
+  SyntheticRun run({.avatars = 5});
+  MessageList list;
+  RunEncoder encoder({}, list);
+  run.play(encoder, 3);
+  for (const auto& m : list.messages) {
+    EXPECT_NE(m.channel, GetParam());
+    const std::string bytes(m.bytes.begin(), m.bytes.end());
+    EXPECT_EQ(bytes.find(name_of(GetParam())), std::string::npos) << name_of(m.channel);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Channels, MessagesOfOptions,
+                         testing::Values(Channel::kNear, Channel::kSeparation, Channel::kContacts),
+                         [](const auto& channel) { return std::string(name_of(channel.param)); });
+
 struct Crowd {
   int avatars;
   int pairs;

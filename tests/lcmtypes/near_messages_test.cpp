@@ -1,5 +1,4 @@
-// What a run says of distances: to the last bit, in as many messages as it takes, and nothing where
-// nobody asked.
+// What a run says of distances: to the last bit, in as many messages as it takes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -74,18 +73,6 @@ TEST(NearMessages, HoldEveryRowToTheBit) {
       ASSERT_TRUE(same(reader.near_pairs()[i], parts[i])) << i;
     for (size_t i = 0; i < people.size(); ++i)
       ASSERT_TRUE(same(reader.near_people()[i], people[i])) << i;
-  }
-}
-
-TEST(NearMessages, AreNotSentWhereNobodyAskedAndTheChannelIsNotNamed) {
-  SyntheticRun run({.avatars = 5});
-  MessageList list;
-  RunEncoder encoder({}, list);
-  run.play(encoder, 3);
-  for (const auto& m : list.messages) {
-    EXPECT_NE(m.channel, Channel::kNear);
-    const std::string bytes(m.bytes.begin(), m.bytes.end());
-    EXPECT_EQ(bytes.find("THRONG_NEAR"), std::string::npos) << name_of(m.channel);
   }
 }
 

@@ -65,17 +65,6 @@ TEST(SeparationMessages, SayWhatTheMonitorSaw) {
   }
 }
 
-TEST(SeparationMessages, AreNotSentWhereNobodyAskedAndTheChannelIsNotNamed) {
-  SyntheticRun run({.avatars = 5});
-  MessageList list;
-  RunEncoder encoder({}, list);
-  run.play(encoder, 3);
-  for (const auto& m : list.messages) {
-    const std::string bytes(m.bytes.begin(), m.bytes.end());
-    EXPECT_EQ(bytes.find("THRONG_SEPARATION"), std::string::npos) << name_of(m.channel);
-  }
-}
-
 TEST(SeparationMessages, ThatCannotBeAreRefused) {
   separation_t m{};
   m.schema = kSchema;
