@@ -127,8 +127,7 @@ class FclDistances {
 
 /// What one has and the other has not. Where a solid holds the other FCL says how far the surfaces
 /// are from each other, and ours 0: such rows count as equal.
-uint64_t differing(std::span<const NearPair> ours, std::span<const FclDistances::Row> theirs,
-                   double near_m) {
+uint64_t differing(const NearRows& ours, std::span<const FclDistances::Row> theirs, double near_m) {
   constexpr double kRounding_m = 1e-5;
   uint64_t count = 0;
   for (const FclDistances::Row& row : theirs) {

@@ -18,6 +18,16 @@ struct StageCounters {
   uint64_t passed = 0;
   double update_ns = 0;  ///< summed over threads
   double test_ns = 0;
+
+  /// `volume` stays.
+  StageCounters& operator+=(const StageCounters& other) {
+    updates += other.updates;
+    tests += other.tests;
+    passed += other.passed;
+    update_ns += other.update_ns;
+    test_ns += other.test_ns;
+    return *this;
+  }
 };
 
 struct CullingCounters {
@@ -27,6 +37,8 @@ struct CullingCounters {
   StageCounters part;      ///< the part volume over surviving parts
   StageCounters exact;     ///< triangles
   /// Distances, beside the pass and not in its times: pairs of parts that were asked, and listed.
+  /// Where one test of or-DOPs answers for contacts and distances, the stages above count and time
+  /// all boxes within the margin, and this one the time of the or-DOPs.
   StageCounters near;
   uint64_t primitive_tests = 0;  ///< boxes and triangles inside the exact stage: the paper's N_p
   std::array<uint64_t, kPairLevels> levels{};  ///< pairs reported at each PairLevel

@@ -169,12 +169,8 @@ void Culler::archive(Archive& a) {
 std::span<const PairKey> Culler::pairs() const { return state_->events.touching(); }
 std::span<const PairEvent> Culler::events() const { return state_->events.events(); }
 std::span<const uint8_t> Culler::levels() const { return state_->pass->levels(); }
-std::span<const NearPair> Culler::near_pairs() const {
-  return state_->near ? state_->near->pairs() : std::span<const NearPair>();
-}
-std::span<const NearPair> Culler::near_bodies() const {
-  return state_->near ? state_->near->bodies() : std::span<const NearPair>();
-}
+NearRows Culler::near_pairs() const { return state_->near ? state_->near->pairs() : NearRows(); }
+NearRows Culler::near_bodies() const { return state_->near ? state_->near->bodies() : NearRows(); }
 std::span<const ContactPoint> Culler::contact_points() const {
   return state_->near ? state_->near->contact_points() : std::span<const ContactPoint>();
 }

@@ -74,8 +74,8 @@ class Culler {
   uint64_t persisting() const;
   /// The pairs of parts within `near.near_m`, and of each two bodies within `near.body_near_m` the
   /// nearest pair; sorted.
-  std::span<const NearPair> near_pairs() const;
-  std::span<const NearPair> near_bodies() const;
+  NearRows near_pairs() const;
+  NearRows near_bodies() const;
   /// One for each of pairs(), where `near.contact_points` asks for them; under a deadline none of
   /// what it leaves undecided.
   std::span<const ContactPoint> contact_points() const;

@@ -14,8 +14,8 @@
 #include "culling/distance/hull_depth.h"
 #include "culling/exact/triangle_bvh.h"
 #include "culling/kernels/kernels_of.h"
+#include "culling/volumes/nearby_points.h"
 #include "culling/volumes/ordop_pair.h"
-#include "culling/volumes/spread_points.h"
 #include "culling/volumes/volume_list.h"
 
 namespace throng {
@@ -73,9 +73,9 @@ struct BodyType::Volumes {
   const std::vector<ConvexHull>& hulls() const {
     return hulls_.get(parts_, [](const PartShape& part) { return ConvexHull(points_on(part)); });
   }
-  const std::vector<SpreadPoints>& spread_points() const {
-    return spread_points_.get(parts_,
-                              [](const PartShape& part) { return SpreadPoints(points_on(part)); });
+  const std::vector<NearbyPoints>& nearby_points() const {
+    return nearby_points_.get(parts_,
+                              [](const PartShape& part) { return NearbyPoints(points_on(part)); });
   }
 
  private:
@@ -95,7 +95,7 @@ struct BodyType::Volumes {
   std::array<FittedOnce<OrdopLanes>, kVolumeCount> lanes_;  // where a volume has kernels
   FittedOnce<TriangleBvh> surfaces_;
   FittedOnce<ConvexHull> hulls_;
-  FittedOnce<SpreadPoints> spread_points_;
+  FittedOnce<NearbyPoints> nearby_points_;
 };
 
 }  // namespace throng

@@ -4,8 +4,14 @@
 #pragma once
 
 #include <array>
+#include <compare>
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "culling/pair.h"
 
@@ -60,6 +66,86 @@ struct NearPair {
     return std::numeric_limits<float>::infinity();
   }
 };
+
+/// A NearPair that volumes alone have bounded, as it is kept: a crowd has hundreds of thousands.
+struct NearInterval {
+  PairKey pair;
+  float lo_m = 0, hi_m = 0;
+
+  NearPair row() const { return {pair, lo_m, hi_m}; }
+};
+
+/// Rows as NearPairs, whatever they are kept as; a view. A row is made when it is asked for: keep the
+/// row, not its address.
+class NearRows {
+ public:
+  class Iterator;
+
+  NearRows() = default;
+  NearRows(std::span<const NearPair> pairs) : pairs_(pairs.data()), size_(pairs.size()) {}
+  NearRows(std::span<const NearInterval> intervals)
+      : intervals_(intervals.data()), size_(intervals.size()) {}
+  template <typename Pairs>
+  requires std::convertible_to<const Pairs&, std::span<const NearPair>> NearRows(const Pairs& pairs)
+      : NearRows(std::span<const NearPair>(pairs)) {}
+
+  size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  NearPair operator[](size_t i) const { return pairs_ ? pairs_[i] : intervals_[i].row(); }
+  Iterator begin() const;
+  Iterator end() const;
+
+ private:
+  const NearPair* pairs_ = nullptr;
+  const NearInterval* intervals_ = nullptr;  ///< where pairs_ is none
+  size_t size_ = 0;
+};
+
+/// Random access; what it refers to is made when it is asked for.
+class NearRows::Iterator {
+ public:
+  using iterator_category = std::random_access_iterator_tag;
+  using value_type = NearPair;
+  using difference_type = std::ptrdiff_t;
+  using reference = NearPair;
+  struct pointer {
+    NearPair row;
+    const NearPair* operator->() const { return &row; }
+  };
+
+  Iterator() = default;
+  Iterator(const NearRows& rows, size_t at) : rows_(rows), at_(at) {}
+
+  NearPair operator*() const { return rows_[at_]; }
+  pointer operator->() const { return {**this}; }
+  NearPair operator[](difference_type n) const { return *(*this + n); }
+  Iterator& operator+=(difference_type n) {
+    at_ += static_cast<size_t>(n);
+    return *this;
+  }
+  Iterator& operator-=(difference_type n) { return *this += -n; }
+  Iterator& operator++() { return *this += 1; }
+  Iterator& operator--() { return *this -= 1; }
+  Iterator operator++(int) { return std::exchange(*this, *this + 1); }
+  Iterator operator--(int) { return std::exchange(*this, *this - 1); }
+  friend Iterator operator+(Iterator i, difference_type n) { return i += n; }
+  friend Iterator operator+(difference_type n, Iterator i) { return i += n; }
+  friend Iterator operator-(Iterator i, difference_type n) { return i -= n; }
+  friend difference_type operator-(const Iterator& a, const Iterator& b) {
+    return static_cast<difference_type>(a.at_ - b.at_);
+  }
+  friend bool operator==(const Iterator& a, const Iterator& b) { return a.at_ == b.at_; }
+  friend std::strong_ordering operator<=>(const Iterator& a, const Iterator& b) {
+    return a.at_ <=> b.at_;
+  }
+
+ private:
+  NearRows rows_;
+  size_t at_ = 0;
+};
+
+inline NearRows::Iterator NearRows::begin() const { return {*this, 0}; }
+inline NearRows::Iterator NearRows::end() const { return {*this, size_}; }
 
 /// Where two parts touch and how deep, as a NearPair of theirs has it.
 struct ContactPoint {

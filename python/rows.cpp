@@ -57,7 +57,7 @@ std::vector<ContactRow> contacts_of(const std::vector<EventRow>& events, double 
   return contacts;
 }
 
-std::vector<NearRow> near_rows(std::span<const NearPair> pairs) {
+std::vector<NearRow> near_rows(const NearRows& pairs) {
   std::vector<NearRow> rows;
   rows.reserve(pairs.size());
   for (const NearPair& pair : pairs) {

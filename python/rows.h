@@ -88,7 +88,7 @@ struct FrameRow {
   double frame_ms, cull_ms;
 };
 
-std::vector<NearRow> near_rows(std::span<const NearPair> pairs);
+std::vector<NearRow> near_rows(const NearRows& pairs);
 std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> points);
 
 inline EventRow event_row(int64_t frame, const PairEvent& event) {

@@ -1,5 +1,7 @@
 // What the sanitizers ask every program for before it starts; TSAN_OPTIONS and the like still have
 // the last word. Linked into everything by cmake/Sanitizers.cmake.
+// One rule: they are shared libraries, and find only what a program exports.
+#pragma GCC visibility push(default)
 
 extern "C" {
 
@@ -15,3 +17,5 @@ const char* __ubsan_default_options() { return "print_stacktrace=1"; }
 #endif
 
 }  // extern "C"
+
+#pragma GCC visibility pop

@@ -1,6 +1,7 @@
 #include "culling/distance/near_parts.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "culling/distance/contact_point.h"
@@ -59,42 +60,47 @@ std::vector<Eigen::Vector3f> BodyType::Volumes::points_on(const PartShape& part)
 
 void fit_for_near(const BodyType& type, bool exact) {
   type.volumes().tables();
-  type.volumes().spread_points();
+  type.volumes().nearby_points();
   type.volumes().hulls();
   if (exact) type.volumes().surfaces();
 }
 
 void NearParts::begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m) {
   bodies_ = &bodies;
-  near_m_ = near_m;
+  near_m_ = std::max(near_m, kLeastGap_m);
   parts_.begin(frame, bodies, near_m);
 }
 
-void NearParts::find(const PartStageFrame& frame) {
-  parts_.find(frame);
-  bounds_.resize(parts_.candidates().size());
+void NearParts::find_bounds(const PartStageFrame& frame) {
+  constexpr float kFar_m = std::numeric_limits<float>::infinity();
+  const size_t count = parts_.candidates().size();
+  bounds_.resize(count);
+  overlaps_.resize(count);
+  std::fill_n(bounds_.data(), count, GapBounds{kFar_m, kFar_m});
+  std::fill_n(overlaps_.data(), count, uint8_t{0});
   parts_.for_each_bucket(
       [&](size_t a, size_t b, std::span<uint32_t> some) {
         const ShapePart part_a = shape_part(frame, a), part_b = shape_part(frame, b);
-        frame.kernels->ordop_gaps(part_a.table(), part_b.table(), part_a.spread_points(),
-                                  part_b.spread_points(), pairs().data(), bodies_->poses(),
+        frame.kernels->ordop_gaps(part_a.table(), part_b.table(), part_a.nearby_points(),
+                                  part_b.nearby_points(), pairs().data(), bodies_->poses(),
                                   candidates().data(), some.data(), some.size(), near_m_,
-                                  bounds_.data());
+                                  bounds_.data(), overlaps_.data());
       },
       [&](uint32_t one) {  // shapes beyond the buckets: rare
         const Candidate& c = candidates()[one];
         const auto &a = frame.types[pairs()[c.pair].type_a]->volumes(),
                    &b = frame.types[pairs()[c.pair].type_b]->volumes();
         scalar_kernels().ordop_gaps(a.tables()[c.part_a], b.tables()[c.part_b],
-                                    a.spread_points()[c.part_a], b.spread_points()[c.part_b],
+                                    a.nearby_points()[c.part_a], b.nearby_points()[c.part_b],
                                     pairs().data(), bodies_->poses(), candidates().data(), &one, 1,
-                                    near_m_, bounds_.data());
+                                    near_m_, bounds_.data(), overlaps_.data());
       });
 }
 
 void NearParts::reserve_like(const NearParts& other) {
   parts_.reserve_like(other.parts_);
   bounds_.match(other.bounds_);
+  overlaps_.match(other.overlaps_);
 }
 
 void narrow_by_hulls(const PartPair& pair, NearCandidate& candidate) {

@@ -39,23 +39,34 @@ class NearParts {
   void add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
     parts_.add(frame, pairs);
   }
-  void find(const PartStageFrame& frame);
+  /// Candidates by boxes, then what or-DOPs and points say of them.
+  void find_candidates(const PartStageFrame& frame) { parts_.find(frame); }
+  void find_bounds(const PartStageFrame& frame);
 
   const PosedBodies& posed() const { return *bodies_; }
+  const PartCandidates& parts() const { return parts_; }
   std::span<const BodyPair> pairs() const { return parts_.pairs(); }
   /// Those of a pair are consecutive and sorted, pairs in their order.
   std::span<const Candidate> candidates() const { return parts_.candidates(); }
-  /// One a candidate; of those farther apart than the margin only lo_m is set.
+  /// One a candidate; infinite for those that are farther apart than the margin.
   std::span<const GapBounds> bounds() const { return {bounds_.data(), parts_.candidates().size()}; }
+  /// Whether the or-DOPs of each overlap, as without a margin.
+  std::span<const uint8_t> overlaps() const {
+    return {overlaps_.data(), parts_.candidates().size()};
+  }
+  void clear_counters() { parts_.clear_counters(); }
 
   void reserve_like(const NearParts& other);
-  uint32_t times_grown() const { return parts_.times_grown() + bounds_.times_grown(); }
+  uint32_t times_grown() const {
+    return parts_.times_grown() + bounds_.times_grown() + overlaps_.times_grown();
+  }
 
  private:
   const PosedBodies* bodies_ = nullptr;
   float near_m_ = 0;
   PartCandidates parts_;
   GrowBuffer<GapBounds> bounds_;
+  GrowBuffer<uint8_t> overlaps_;
 };
 
 /// Both bounds by the convex hulls: within 0.2 mm of each other where the parts are convex.

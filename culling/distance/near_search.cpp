@@ -54,8 +54,37 @@ void add_to(EventSum& sum, const NearPair& row, uint64_t kind) {
   ++sum.count;
 }
 
+void add_to(EventSum& sum, const NearInterval& interval, uint64_t kind) {
+  add_to(sum, interval.row(), kind);
+}
+
 /// Nothing: events say which pairs touch.
 void add_to(EventSum&, const ContactPoint&, uint64_t) {}
+
+/// Calls visit(pair, first, end) for the candidates of two bodies after another.
+template <typename Visit>
+void for_pairs(std::span<const Candidate> candidates, const Visit& visit) {
+  for (size_t i = 0; i < candidates.size();) {
+    const size_t first = i;
+    const uint32_t pair = candidates[i].pair;
+    while (i < candidates.size() && candidates[i].pair == pair) ++i;
+    visit(pair, first, i);
+  }
+}
+
+/// Writes those that their volumes do not prove farther apart than `within_m`; returns how many.
+/// There is room for all. No branch: which are near is hard to foretell.
+size_t write_near(const NearParts& parts, size_t first, size_t end, float within_m,
+                  NearCandidate* out) {
+  const Candidate* const candidates = parts.candidates().data();
+  const GapBounds* const bounds = parts.bounds().data();
+  size_t count = 0;
+  for (size_t i = first; i < end; ++i) {
+    out[count] = {bounds[i].lo_m, bounds[i].hi_m, candidates[i].part_a, candidates[i].part_b};
+    count += bounds[i].lo_m <= within_m;
+  }
+  return count;
+}
 
 }  // namespace
 
@@ -75,6 +104,7 @@ void NearSearch::begin_frame(const PartStageFrame& frame, const BodiesView& bodi
   if (options_.deadline_ms)
     until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                 std::chrono::duration<double, std::milli>(*options_.deadline_ms));
+  for (NearParts& parts : parts_) parts.clear_counters();
   past_.begin_frame(tasks);
 }
 
@@ -87,13 +117,20 @@ void NearSearch::add(int worker, std::span<const SlotPair> pairs) {
 }
 
 void NearSearch::finish(int worker, size_t index) {
-  Stopwatch watch;
   NearParts& parts = parts_[static_cast<size_t>(worker)];
   Task& task = tasks_[index];
+  parts.find_candidates(frame_);
+  Stopwatch watch;
+  parts.find_bounds(frame_);
+  task.posed = &parts.posed();
   task.counters = {};
-  parts.find(frame_);
-  take_candidates(parts, static_cast<uint32_t>(index));
-  if (!options_.has_deadline()) decide(task);
+  task.counters.volume_tests = parts.candidates().size();
+  if (lists_intervals()) {
+    list_intervals(parts, task);
+  } else {
+    take_candidates(parts, task);
+    if (!options_.has_deadline()) decide(task);
+  }
   // Under a deadline all tasks have the same bodies.
   if (needs_past() && (!options_.has_deadline() || index == 0))
     past_.note(index, parts.posed().bodies(), parts.posed().poses(), bodies_, [&](uint16_t type) {
@@ -102,29 +139,52 @@ void NearSearch::finish(int worker, size_t index) {
   task.counters.ns += watch.lap_ns();
 }
 
-/// Two bodies after another, the parts that their volumes do not prove farther apart.
-void NearSearch::take_candidates(const NearParts& parts, uint32_t index) {
-  Task& task = tasks_[index];
-  const std::span<const Candidate> candidates = parts.candidates();
-  const std::span<const GapBounds> bounds = parts.bounds();
-  task.posed = &parts.posed();
-  task.pair_count = task.candidate_count = 0;
-  task.counters.volume_tests = candidates.size();
-  task.candidates.grow(candidates.size(), 0);
-  for (size_t i = 0; i < candidates.size();) {
-    Pair pair{parts.pairs()[candidates[i].pair], std::numeric_limits<float>::max(),
-              static_cast<uint32_t>(task.candidate_count), 0, index};
-    for (const uint32_t of = candidates[i].pair; i < candidates.size() && candidates[i].pair == of;
-         ++i) {
-      if (bounds[i].lo_m > options_.near.most_m()) continue;
-      task.candidates[task.candidate_count++] = {bounds[i].lo_m, bounds[i].hi_m,
-                                                 candidates[i].part_a, candidates[i].part_b};
-      pair.least_m = std::min(pair.least_m, bounds[i].lo_m);
-    }
-    pair.count = static_cast<uint32_t>(task.candidate_count) - pair.first;
-    pair.is_decided = options_.exact;
-    if (pair.count > 0) append(task.pairs, task.pair_count, pair);
+void NearSearch::list_intervals(const NearParts& parts, Task& task) {
+  task.intervals.clear();
+  NearCandidate* const room = task.intervals.room(parts.candidates().size());
+  size_t count = 0;
+  for_pairs(parts.candidates(), [&](uint32_t pair, size_t first, size_t end) {
+    const BodyPair& bodies = parts.pairs()[pair];
+    const size_t near = write_near(parts, first, end, options_.near.near_m, room + count);
+    const size_t left = narrow(bodies, {room + count, near}, task);
+    task.intervals.added(left);
+    task.intervals.end_run(bodies);
+    count += left;
+  });
+}
+
+/// What volumes leave wide hulls tell better. Returns how many are near, which come first.
+size_t NearSearch::narrow(const BodyPair& bodies, std::span<NearCandidate> candidates,
+                          const Task& task) const {
+  bool is_narrowed = false;
+  for (NearCandidate& c : candidates) {
+    if (c.hi_m - c.lo_m <= kWide_m) continue;
+    narrow_by_hulls(part_pair(frame_, task.posed->poses(), bodies, c.part_a, c.part_b), c);
+    is_narrowed = true;
   }
+  if (!is_narrowed) return candidates.size();
+  const float near_m = options_.near.near_m;
+  const auto end = std::remove_if(candidates.begin(), candidates.end(),
+                                  [near_m](const NearCandidate& c) { return c.lo_m > near_m; });
+  return static_cast<size_t>(end - candidates.begin());
+}
+
+void NearSearch::take_candidates(const NearParts& parts, Task& task) {
+  task.pair_count = task.candidate_count = 0;
+  task.candidates.grow(parts.candidates().size(), 0);
+  for_pairs(parts.candidates(), [&](uint32_t of, size_t first, size_t end) {
+    NearCandidate* const near = task.candidates.data() + task.candidate_count;
+    const size_t count = write_near(parts, first, end, options_.near.most_m(), near);
+    if (count == 0) return;
+    const auto less = [](const NearCandidate& p, const NearCandidate& q) {
+      return p.lo_m < q.lo_m;
+    };
+    const float least_m = std::min_element(near, near + count, less)->lo_m;
+    append(task.pairs, task.pair_count,
+           Pair{parts.pairs()[of], least_m, static_cast<uint32_t>(task.candidate_count),
+                static_cast<uint32_t>(count), options_.exact});
+    task.candidate_count += count;
+  });
 }
 
 /// Under a deadline the two bodies that may be nearest come first, wholly, as long as the budget
@@ -148,40 +208,31 @@ void NearSearch::plan_budget() {
 }
 
 void NearSearch::decide(Task& task) {
-  task.row_count = task.nearest_count = task.contact_count = 0;
+  task.rows.clear();
+  task.nearest.clear();
+  task.contacts.clear();
   for (size_t i = 0; i < task.pair_count; ++i) {
     Pair& pair = task.pairs[i];
     if (options_.deadline_ms && pair.is_decided) pair.is_decided = Clock::now() < until_;
-    pair.by_volumes = !pair.is_decided && options_.near.body_near_m == 0;
-    if (pair.by_volumes)
-      narrow(pair, task);
-    else
+    if (pair.is_decided || options_.near.body_near_m > 0)
       list(pair, task);
+    else if (options_.near.near_m > 0)
+      list_undecided(pair, task);
   }
 }
 
-/// By volumes alone: candidates become rows where they are sorted. They prove of nothing that it
-/// touches.
-void NearSearch::narrow(Pair& pair, Task& task) {
-  if (options_.near.near_m == 0) {
-    pair.count = 0;
-    return;
-  }
+/// By volumes alone, which prove of nothing that it touches.
+void NearSearch::list_undecided(const Pair& pair, Task& task) {
   NearCandidate* const first = task.candidates.data() + pair.first;
-  NearCandidate* const end = first + pair.count;
-  for (NearCandidate* c = first; c != end; ++c)
-    if (c->hi_m - c->lo_m > kWide_m)
-      narrow_by_hulls(part_pair(frame_, task.posed->poses(), pair.bodies, c->part_a, c->part_b),
-                      *c);
-  const float near_m = options_.near.near_m;
-  pair.count = static_cast<uint32_t>(
-      std::remove_if(first, end, [near_m](const NearCandidate& c) { return c.lo_m > near_m; }) -
-      first);
+  const size_t near = narrow(pair.bodies, {first, pair.count}, task);
+  for (const NearCandidate& c : std::span(first, near))
+    task.rows.add(interval_of(pair.bodies.body_a, pair.bodies.body_b, c).row());
+  task.rows.end_run(pair.bodies);
 }
 
 /// The rows of two bodies, where they are narrowed. The candidates that may be nearest come first:
 /// all within near_m, then as long as one can be nearer than the nearest yet.
-void NearSearch::list(Pair& pair, Task& task) {
+void NearSearch::list(const Pair& pair, Task& task) {
   const bool has_static =
       types_[pair.bodies.type_a]->is_static() || types_[pair.bodies.type_b]->is_static();
   const float body_near_m = has_static ? 0 : options_.near.body_near_m;
@@ -190,8 +241,6 @@ void NearSearch::list(Pair& pair, Task& task) {
   std::sort(first, end, [](const NearCandidate& p, const NearCandidate& q) {
     return std::pair(p.lo_m, p.parts()) < std::pair(q.lo_m, q.parts());
   });
-  pair.first_row = static_cast<uint32_t>(task.row_count);
-  pair.first_contact = static_cast<uint32_t>(task.contact_count);
   NearPair nearest;
   nearest.lo_m = nearest.hi_m = std::numeric_limits<float>::max();
   float least_m = std::numeric_limits<float>::max();  // no two parts are nearer
@@ -208,27 +257,23 @@ void NearSearch::list(Pair& pair, Task& task) {
       if (!verdict.is_near) continue;
       row = decided(task, pair.bodies, *c, verdict);
       if (verdict.touches && options_.near.contact_points)
-        append(task.contacts, task.contact_count,
-               {row.pair, row.point_a_m, row.normal, row.depth_m});
+        task.contacts.add({row.pair, row.point_a_m, row.normal, row.depth_m});
     } else {
       narrow_by_hulls(parts, *c);
-      row = undecided(pair.bodies, *c);
+      row = interval_of(pair.bodies.body_a, pair.bodies.body_b, *c).row();
     }
-    if (options_.near.near_m > 0 && row.lo_m <= options_.near.near_m)
-      append(task.rows, task.row_count, row);
+    if (options_.near.near_m > 0 && row.lo_m <= options_.near.near_m) task.rows.add(row);
     least_m = std::min(least_m, row.lo_m);
     if (std::pair(row.hi_m, row.pair) < std::pair(nearest.hi_m, nearest.pair)) nearest = row;
   }
-  pair.rows = static_cast<uint32_t>(task.row_count) - pair.first_row;
-  pair.contacts = static_cast<uint32_t>(task.contact_count) - pair.first_contact;
   const auto by_pair = [](const auto& p, const auto& q) { return p.pair < q.pair; };
-  std::sort(task.rows.data() + pair.first_row, task.rows.data() + task.row_count, by_pair);
-  std::sort(task.contacts.data() + pair.first_contact, task.contacts.data() + task.contact_count,
-            by_pair);
+  std::ranges::sort(task.rows.open(), by_pair);
+  std::ranges::sort(task.contacts.open(), by_pair);
   nearest.lo_m = least_m;
-  pair.first_nearest = static_cast<uint32_t>(task.nearest_count);
-  pair.nearest = body_near_m > 0 && nearest.lo_m <= body_near_m;
-  if (pair.nearest > 0) append(task.nearest, task.nearest_count, nearest);
+  if (body_near_m > 0 && nearest.lo_m <= body_near_m) task.nearest.add(nearest);
+  task.rows.end_run(pair.bodies);
+  task.contacts.end_run(pair.bodies);
+  task.nearest.end_run(pair.bodies);
 }
 
 NearVerdict NearSearch::verdict_of(const PartPair& parts, const NearCandidate& candidate,
@@ -237,18 +282,15 @@ NearVerdict NearSearch::verdict_of(const PartPair& parts, const NearCandidate& c
   return task.decider.decide(parts, candidate, static_cast<double>(within_m), task.counters);
 }
 
-NearPair NearSearch::undecided(const BodyPair& bodies, const NearCandidate& candidate) const {
-  NearPair row;
-  row.pair = PairKey(bodies_.ids[bodies.body_a], bodies_.ids[bodies.body_b], candidate.part_a,
-                     candidate.part_b);
-  row.lo_m = candidate.lo_m;
-  row.hi_m = candidate.hi_m;
-  return row;
+NearInterval NearSearch::interval_of(size_t body_a, size_t body_b,
+                                     const NearCandidate& candidate) const {
+  return {PairKey(bodies_.ids[body_a], bodies_.ids[body_b], candidate.part_a, candidate.part_b),
+          candidate.lo_m, candidate.hi_m};
 }
 
 NearPair NearSearch::decided(const Task& task, const BodyPair& bodies,
                              const NearCandidate& candidate, const NearVerdict& verdict) const {
-  NearPair row = undecided(bodies, candidate);
+  NearPair row = interval_of(bodies.body_a, bodies.body_b, candidate).row();
   const Vector3d& root = bodies_.roots[bodies.body_a].position_m;
   row.level = PairLevel::kExact;
   row.lo_m = rounded_down(verdict.lo_m);
@@ -286,31 +328,12 @@ float NearSearch::closing_mps(const Task& task, const BodyPair& bodies,
 
 void NearSearch::end_frame(StageCounters& counters) {
   Stopwatch watch;
-  if (options_.has_deadline()) {
+  if (options_.has_deadline() && !lists_intervals()) {
     plan_budget();
     workers_.for_blocks(static_cast<int>(task_count_),
                         [&](int task, int) { decide(tasks_[static_cast<size_t>(task)]); });
   }
-  EventSum sum = take_rows(
-      pairs_, 1, [](const Pair& pair) { return pair.by_volumes ? pair.count : pair.rows; },
-      [this](const Pair& pair, const Task& task, NearPair* out) {
-        if (!pair.by_volumes) return std::copy_n(task.rows.data() + pair.first_row, pair.rows, out);
-        return std::transform(task.candidates.data() + pair.first,
-                              task.candidates.data() + pair.first + pair.count, out,
-                              [&](const NearCandidate& c) { return undecided(pair.bodies, c); });
-      });
-  sum += take_rows(
-      nearest_, 2, [](const Pair& pair) { return pair.nearest; },
-      [](const Pair& pair, const Task& task, NearPair* out) {
-        return std::copy_n(task.nearest.data() + pair.first_nearest, pair.nearest, out);
-      });
-  hash_.add_frame(frame_number_++, sum);
-  if (options_.near.contact_points)
-    take_rows(
-        contacts_, 0, [](const Pair& pair) { return pair.contacts; },
-        [](const Pair& pair, const Task& task, ContactPoint* out) {
-          return std::copy_n(task.contacts.data() + pair.first_contact, pair.contacts, out);
-        });
+  hash_.add_frame(frame_number_++, take_rows());
   if (needs_past()) past_.end_frame();
   for (NearParts& parts : parts_)  // any worker may get any task next time
     for (const NearParts& other : parts_) parts.reserve_like(other);
@@ -321,49 +344,51 @@ void NearSearch::end_frame(StageCounters& counters) {
     counters.test_ns += of_task.ns;
   }
   counters.passed = options_.near.is_asked() ? pairs().size() : contact_points().size();
+  if (!shares_boxes_) {
+    const PartCandidates::Counters boxes = box_counters();
+    counters.test_ns += boxes.body_box.test_ns + boxes.box.test_ns;
+  }
   counters.test_ns = counters.test_ns / workers_.threads() + watch.lap_ns();
 }
 
-/// Brings what the tasks have found into order: count_of(pair) rows, that write(pair, task, out)
-/// writes.
-template <typename Row, typename CountOf, typename Write>
-EventSum NearSearch::take_rows(Rows<Row>& rows, uint64_t kind, const CountOf& count_of,
-                               const Write& write) {
-  using Runs = typename Rows<Row>::Runs;
-  rows.runs.sort(bodies_.ids.size(), workers_, [&](const auto& visit) {
-    for (size_t t = 0; t < task_count_; ++t) {
-      for (size_t p = 0; p < tasks_[t].pair_count; ++p) {
-        const Pair& pair = tasks_[t].pairs[p];
-        if (const uint32_t count = count_of(pair); count > 0)
-          visit(typename Runs::Found{pair.bodies.body_a, {pair.bodies.body_b, count, &pair}});
-      }
-    }
-  });
-  rows.count = rows.runs.item_count();
-  rows.rows.resize(rows.count);
-  rows.sums.resize(rows.runs.block_count());
-  workers_.for_blocks(static_cast<int>(rows.runs.block_count()), [&](int index, int) {
-    const auto block = static_cast<size_t>(index);
-    Row* out = rows.rows.data() + rows.runs.items_before(block);
-    EventSum& sum = rows.sums[block] = {};
-    rows.runs.for_runs(block, [&](size_t, const typename Runs::Run& run) {
-      Row* const first = out;
-      out = write(*run.items, tasks_[run.items->task], out);
-      for (const Row* row = first; row != out; ++row) add_to(sum, *row, kind);
-    });
-  });
-  EventSum sum;
-  for (size_t block = 0; block < rows.runs.block_count(); ++block) sum += rows.sums[block];
+PartCandidates::Counters NearSearch::box_counters() const {
+  PartCandidates::Counters sum;
+  for (const NearParts& parts : parts_) {
+    sum.body_box += parts.parts().counters().body_box;
+    sum.box += parts.parts().counters().box;
+  }
   return sum;
 }
 
-void NearSearch::keep_contact_points(std::span<const PairKey> touching) {
-  ContactPoint* const first = contacts_.rows.data();
-  const auto is_unknown = [&](const ContactPoint& row) {
-    return !std::binary_search(touching.begin(), touching.end(), row.pair);
+/// Brings what the tasks have found into order. Returns the sum of what the hash is of.
+EventSum NearSearch::take_rows() {
+  EventSum sum;
+  const auto as_it_is = [](size_t, size_t, const auto& row) { return row; };
+  if (lists_intervals())
+    sum +=
+        take(&Task::intervals, intervals_, 1,
+             [this](size_t a, size_t b, const NearCandidate& c) { return interval_of(a, b, c); });
+  else if (options_.near.near_m > 0)
+    sum += take(&Task::rows, pairs_, 1, as_it_is);
+  if (options_.near.body_near_m > 0) sum += take(&Task::nearest, nearest_, 2, as_it_is);
+  if (options_.near.contact_points) take(&Task::contacts, contacts_, 0, as_it_is);
+  return sum;
+}
+
+template <typename Item, typename Row, typename RowOf>
+EventSum NearSearch::take(FoundRows<Item> Task::*found, OrderedRows<Row, Item>& rows, uint64_t kind,
+                          const RowOf& row_of) {
+  const auto each_task = [&](const auto& visit) {
+    for (size_t t = 0; t < task_count_; ++t) visit(tasks_[t].*found);
   };
-  contacts_.count =
-      static_cast<size_t>(std::remove_if(first, first + contacts_.count, is_unknown) - first);
+  return rows.take(bodies_.ids.size(), workers_, each_task, row_of,
+                   [kind](EventSum& sum, const Row& row) { add_to(sum, row, kind); });
+}
+
+void NearSearch::keep_contact_points(std::span<const PairKey> touching) {
+  contacts_.remove([&](const ContactPoint& row) {
+    return !std::binary_search(touching.begin(), touching.end(), row.pair);
+  });
 }
 
 void NearSearch::archive(Archive& a) {
@@ -374,13 +399,13 @@ void NearSearch::archive(Archive& a) {
 }
 
 uint64_t NearSearch::Task::times_grown() const {
-  return uint64_t{pairs.times_grown()} + candidates.times_grown() + rows.times_grown() +
-         nearest.times_grown() + contacts.times_grown();
+  return uint64_t{pairs.times_grown()} + candidates.times_grown() + intervals.times_grown() +
+         rows.times_grown() + nearest.times_grown() + contacts.times_grown();
 }
 
 uint64_t NearSearch::times_grown() const {
   uint64_t sum = urgent_.times_grown() + past_.times_grown() + pairs_.times_grown() +
-                 nearest_.times_grown() + contacts_.times_grown();
+                 intervals_.times_grown() + nearest_.times_grown() + contacts_.times_grown();
   for (const NearParts& parts : parts_) sum += parts.times_grown();
   for (const Task& task : tasks_) sum += task.times_grown();
   return sum;

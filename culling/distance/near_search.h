@@ -1,6 +1,6 @@
 // Distances of a frame: every pair of parts within a margin, of each two bodies the nearest pair,
-// and where parts touch. Works beside the narrow phase, task by task, on the bodies that it has
-// posed; what touches is found as without it.
+// and where parts touch. Works in the tasks of the narrow phase, on the bodies that it has posed.
+// Its bounds also say which or-DOPs overlap, so that nobody needs to test them again.
 // One rule: rows are the same for any number of threads, SIMD target and pair search.
 #pragma once
 
@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "base/files/archive.h"
+#include "culling/distance/found_rows.h"
 #include "culling/distance/near_parts.h"
 #include "culling/distance/past_poses.h"
 #include "culling/stages/pass.h"
-#include "culling/stages/sorted_runs.h"
 
 namespace throng {
 
@@ -22,6 +22,8 @@ class NearSearch {
  public:
   /// Keeps references to `types` and `workers`.
   NearSearch(BodyTypes types, const CullerOptions& options, Workers& workers);
+  /// Somebody else counts what boxes do, see box_counters().
+  void share_boxes() { shares_boxes_ = true; }
 
   /// A frame: begin_frame(), every task once on any worker, end_frame(). Spans returned earlier
   /// become invalid.
@@ -31,16 +33,22 @@ class NearSearch {
   void begin(int worker, const PosedBodies& bodies);
   void add(int worker, std::span<const SlotPair> pairs);
   void finish(int worker, size_t task);
+  /// Behind finish(), until the next begin().
+  const NearParts& parts(int worker) const { return parts_[static_cast<size_t>(worker)]; }
   void end_frame(StageCounters& counters);
+  /// Of a frame, over all workers.
+  PartCandidates::Counters box_counters() const;
 
   /// Behind end_frame(): leaves out contact points of pairs that are not among these, sorted. Under
   /// a deadline the narrow phase may have got no farther than whole bodies.
   void keep_contact_points(std::span<const PairKey> touching);
 
   /// Sorted by their keys.
-  std::span<const NearPair> pairs() const { return pairs_.all(); }
+  NearRows pairs() const {
+    return lists_intervals() ? NearRows(intervals_.all()) : NearRows(pairs_.all());
+  }
   /// One for each two bodies, sorted.
-  std::span<const NearPair> bodies() const { return nearest_.all(); }
+  NearRows bodies() const { return nearest_.all(); }
   /// Of those that touch, sorted.
   std::span<const ContactPoint> contact_points() const { return contacts_.all(); }
   /// Of every row so far: its key, its interval and its level.
@@ -52,17 +60,12 @@ class NearSearch {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Two bodies, their candidates and what came of them.
+  /// Two bodies and their candidates.
   struct Pair {
     BodyPair bodies;
     float least_m;  ///< no two parts of theirs are nearer
     uint32_t first, count;
-    uint32_t task;
-    bool is_decided = false;  ///< by triangles
-    bool by_volumes = false;  ///< every candidate is a row, as it is
-    uint32_t first_row = 0, rows = 0;
-    uint32_t first_nearest = 0, nearest = 0;  ///< 0 or 1 of them
-    uint32_t first_contact = 0, contacts = 0;
+    bool is_decided;  ///< by triangles
   };
   struct Urgent {
     Pair* pair;
@@ -72,43 +75,36 @@ class NearSearch {
     const PosedBodies* posed = nullptr;
     GrowBuffer<Pair> pairs;
     GrowBuffer<NearCandidate> candidates;
-    GrowBuffer<NearPair> rows, nearest;
-    GrowBuffer<ContactPoint> contacts;
-    size_t pair_count = 0, candidate_count = 0, row_count = 0, nearest_count = 0;
-    size_t contact_count = 0;
+    size_t pair_count = 0, candidate_count = 0;
+    FoundRows<NearCandidate> intervals;
+    FoundRows<NearPair> rows, nearest;
+    FoundRows<ContactPoint> contacts;
     NearCounters counters;
     NearDecider
         decider;  // a task's, not a worker's: whoever runs it finds the memory that it needs
     uint64_t times_grown() const;
   };
-  /// Those of all tasks in the order of their keys.
-  template <typename Row>
-  struct Rows {
-    using Runs = SortedRuns<Pair>;
-    Runs runs;  ///< a run's items are those of one pair, whatever their number
-    GrowBuffer<Row> rows;
-    GrowBuffer<EventSum> sums;  ///< by block
-    size_t count = 0;
 
-    std::span<const Row> all() const { return {rows.data(), count}; }
-    uint64_t times_grown() const {
-      return runs.times_grown() + rows.times_grown() + sums.times_grown();
-    }
-  };
-
+  /// By volumes alone, with nothing more to find out of a pair of bodies.
+  bool lists_intervals() const { return !options_.exact && options_.near.body_near_m == 0; }
   bool needs_past() const {
     return options_.exact && options_.near.is_asked() && options_.near.step_s > 0;
   }
   NearVerdict verdict_of(const PartPair& parts, const NearCandidate& candidate, float within_m,
                          Task& task) const;
-  void take_candidates(const NearParts& parts, uint32_t index);
+  void list_intervals(const NearParts& parts, Task& task);
+  size_t narrow(const BodyPair& bodies, std::span<NearCandidate> candidates,
+                const Task& task) const;
+  void take_candidates(const NearParts& parts, Task& task);
   void plan_budget();
   void decide(Task& task);
-  void narrow(Pair& pair, Task& task);
-  void list(Pair& pair, Task& task);
-  template <typename Row, typename CountOf, typename Write>
-  EventSum take_rows(Rows<Row>& rows, uint64_t kind, const CountOf& count_of, const Write& write);
-  NearPair undecided(const BodyPair& bodies, const NearCandidate& candidate) const;
+  void list(const Pair& pair, Task& task);
+  void list_undecided(const Pair& pair, Task& task);
+  EventSum take_rows();
+  template <typename Item, typename Row, typename RowOf>
+  EventSum take(FoundRows<Item> Task::*found, OrderedRows<Row, Item>& rows, uint64_t kind,
+                const RowOf& row_of);
+  NearInterval interval_of(size_t body_a, size_t body_b, const NearCandidate& candidate) const;
   NearPair decided(const Task& task, const BodyPair& bodies, const NearCandidate& candidate,
                    const NearVerdict& verdict) const;
   float closing_mps(const Task& task, const BodyPair& bodies, const NearCandidate& candidate,
@@ -118,6 +114,7 @@ class NearSearch {
   CullerOptions options_;
   Workers& workers_;
   std::vector<NearParts> parts_;  // one a worker
+  bool shares_boxes_ = false;
   // Of the frame.
   PartStageFrame frame_{};
   BodiesView bodies_{};
@@ -127,8 +124,9 @@ class NearSearch {
 
   GrowBuffer<Urgent> urgent_;  // under a deadline: the nearest first
   PastPoses past_;
-  Rows<NearPair> pairs_, nearest_;
-  Rows<ContactPoint> contacts_;
+  OrderedRows<NearInterval, NearCandidate> intervals_;  // instead of pairs_, see lists_intervals()
+  OrderedRows<NearPair> pairs_, nearest_;
+  OrderedRows<ContactPoint> contacts_;
   EventHash hash_;
   uint64_t frame_number_ = 0;
 };

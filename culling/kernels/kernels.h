@@ -12,8 +12,8 @@
 
 #include "base/pose.h"
 #include "base/simd.h"
+#include "culling/volumes/nearby_points.h"
 #include "culling/volumes/ordop_table.h"
-#include "culling/volumes/spread_points.h"
 
 namespace throng {
 
@@ -137,6 +137,9 @@ struct GapBounds {
 /// The share of a length that rounding leaves at least, where it was worked out from lengths no
 /// greater than it and the parts', whose rounding the margin bounds.
 inline constexpr float kGapDown = 1 - 0x1p-19f, kGapUp = 1 + 0x1p-19f;
+/// Or-DOPs proven to be this far apart do not overlap: more than rounding can tell one from the
+/// other.
+inline constexpr float kLeastGap_m = 1e-3f;
 
 struct OrdopLanes;
 
@@ -174,12 +177,13 @@ struct Kernels {
                               const uint32_t* order, size_t count, uint8_t* overlaps);
   OrdopPairs ordop_pairs_14, ordop_pairs_18, ordop_pairs_26;
 
-  /// How far apart candidates of one bucket are, as ordop_pairs: sets bounds[order[i]], of those
-  /// farther apart than near_m only lo_m. `on_a` is of the part that `a` is of.
-  void (*ordop_gaps)(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
-                     const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
+  /// How far apart candidates of one bucket are, as ordop_pairs_26: sets bounds[order[i]] and
+  /// overlaps[order[i]] of those that are not proven farther apart than near_m; no others overlap
+  /// if that is kLeastGap_m or more. `on_a` is of the part that `a` is of.
+  void (*ordop_gaps)(const OrdopTable& a, const OrdopTable& b, const NearbyPoints& on_a,
+                     const NearbyPoints& on_b, const BodyPair* pairs, const PartPose* poses,
                      const Candidate* candidates, const uint32_t* order, size_t count, float near_m,
-                     GapBounds* bounds);
+                     GapBounds* bounds, uint8_t* overlaps);
 
   /// One or-DOP of the paper's against one other; see ordop_pair.h. shift_m: root of b minus
   /// root of a, then the margin that bounds all float rounding.

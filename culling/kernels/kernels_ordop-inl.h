@@ -221,23 +221,23 @@ struct Relative {
 
   template <int K>
   HWY_INLINE HalfTest<K> from_a(const OrdopTable& a, const OrdopTable& b) const {
-    HalfTest<K> half{a, b, {}, offset_a, margin_a};
     const OrdopTable::Ratios ratio = b.ratios_to(a);
-    for (size_t j = 0; j < 3; ++j)
-      half.column[j] = V3{scaled_axis(axes[0][j], b_over_a, ratio.of[0][j]),
-                          scaled_axis(axes[1][j], b_over_a, ratio.of[1][j]),
-                          scaled_axis(axes[2][j], b_over_a, ratio.of[2][j])};
-    return half;
+    const auto column = [&](size_t j) HWY_ATTR {
+      return V3{scaled_axis(axes[0][j], b_over_a, ratio.of[0][j]),
+                scaled_axis(axes[1][j], b_over_a, ratio.of[1][j]),
+                scaled_axis(axes[2][j], b_over_a, ratio.of[2][j])};
+    };
+    return {a, b, {column(0), column(1), column(2)}, offset_a, margin_a};
   }
   template <int K>
   HWY_INLINE HalfTest<K> from_b(const OrdopTable& a, const OrdopTable& b) const {
-    HalfTest<K> half{b, a, {}, offset_b, margin_b};
     const OrdopTable::Ratios ratio = a.ratios_to(b);
-    for (size_t j = 0; j < 3; ++j)
-      half.column[j] = V3{scaled_axis(axes[j][0], a_over_b, ratio.of[0][j]),
-                          scaled_axis(axes[j][1], a_over_b, ratio.of[1][j]),
-                          scaled_axis(axes[j][2], a_over_b, ratio.of[2][j])};
-    return half;
+    const auto column = [&](size_t j) HWY_ATTR {
+      return V3{scaled_axis(axes[j][0], a_over_b, ratio.of[0][j]),
+                scaled_axis(axes[j][1], a_over_b, ratio.of[1][j]),
+                scaled_axis(axes[j][2], a_over_b, ratio.of[2][j])};
+    };
+    return {b, a, {column(0), column(1), column(2)}, offset_b, margin_b};
   }
 
  private:
@@ -263,12 +263,13 @@ struct Undecided {
   HWY_INLINE void add(Kept& kept, const uint32_t* order, M left) {
     const Lanes d;
     const LaneBits bits;
+    const size_t end = count;  // a register's: the stores might be to `count`
     // Whole registers: a masked store costs several times as much.
-    kept.each_row(
-        [&](size_t row, V v) { hn::StoreU(hn::Compress(v, left), d, rows[row] + count); });
+    kept.each_row([&](size_t row, V v)
+                      HWY_ATTR { hn::StoreU(hn::Compress(v, left), d, rows[row] + end); });
     const auto indices = hn::Compress(hn::LoadU(bits, order), hn::RebindMask(bits, left));
-    hn::StoreU(indices, bits, index + count);
-    count += hn::CountTrue(d, left);
+    hn::StoreU(indices, bits, index + end);
+    count = end + hn::CountTrue(d, left);
   }
   HWY_INLINE Kept at(size_t first) const {
     const Lanes d;

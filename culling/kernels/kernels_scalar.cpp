@@ -246,23 +246,19 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
             });
 }
 
-Eigen::Vector3f nearest_of(const SpreadPoints& points, const Eigen::Vector3f& to,
-                           size_t of = SpreadPoints::kCount) {
-  Eigen::Vector3f best;
-  float least2 = std::numeric_limits<float>::max();
-  for (size_t i = 0; i < of; ++i) {
-    const Eigen::Vector3f point(points.x[i], points.y[i], points.z[i]), between = point - to;
-    const float apart2 = along(between, between);
-    if (apart2 >= least2 && i > 0) continue;
-    least2 = apart2;
-    best = point;
+Eigen::Vector3f nearby(const NearbyPoints& on, const Eigen::Vector3f& to) {
+  float cell = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    const NearbyPoints::Axis& axis = on.axes[i];
+    const float at = (to[static_cast<Eigen::Index>(i)] - axis.low_m) * axis.per_m;
+    cell += std::floor(std::min(std::max(at, 0.0f), axis.last)) * axis.stride;
   }
-  return best;
+  const NearbyPoints::Point& point = on.of_cell(static_cast<size_t>(cell));
+  return {point.x, point.y, point.z};
 }
 
-/// From the middle of b to the nearest of a few points of a, from there to the nearest of b's, and
-/// from there to the nearest of a's.
-float point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b, const Side& side_a,
+/// From the middle of b to a point of a, from there to one of b's, and from there to one of a's.
+float point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b, const Side& side_a,
                      const Side& side_b, const Eigen::Vector3f& a_to_b) {
   const float per_a = 1.0f / side_a.scale, per_b = 1.0f / side_b.scale;
   const Eigen::Vector3f root =
@@ -280,27 +276,28 @@ float point_to_point(const SpreadPoints& on_a, const SpreadPoints& on_b, const S
            per_b;
   };
   Eigen::Vector3f b(side_b.table.origin[0], side_b.table.origin[1], side_b.table.origin[2]);
-  Eigen::Vector3f a = nearest_of(on_a, from_a(b) * per_a, SpreadPoints::kFew);
-  b = nearest_of(on_b, from_b(a));
-  a = nearest_of(on_a, from_a(b) * per_a);
+  Eigen::Vector3f a = nearby(on_a, from_a(b) * per_a);
+  b = nearby(on_b, from_b(a));
+  a = nearby(on_a, from_a(b) * per_a);
   const Eigen::Vector3f apart = a * side_a.scale - from_a(b);
   return std::sqrt(along(apart, apart));
 }
 
-void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const SpreadPoints& on_a,
-                const SpreadPoints& on_b, const BodyPair* pairs, const PartPose* poses,
+void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const NearbyPoints& on_a,
+                const NearbyPoints& on_b, const BodyPair* pairs, const PartPose* poses,
                 const Candidate* candidates, const uint32_t* order, size_t count, float near_m,
-                GapBounds* bounds) {
+                GapBounds* bounds, uint8_t* overlaps) {
   for_sides(a, b, pairs, poses, candidates, {order, count},
             [&](uint32_t index, const Side& side_a, const Side& side_b,
                 const Eigen::Vector3f& a_to_b, float margin) {
               const Halves halves = Halves::of(side_a, side_b, a_to_b, margin);
               const float gap = std::max(halves.from_a.widest_gap() * side_a.scale,
                                          halves.from_b.widest_gap() * side_b.scale);
-              bounds[index].lo_m = std::max(gap * kGapDown - margin, 0.0f);
-              if (bounds[index].lo_m > near_m) return;
-              bounds[index].hi_m =
-                  point_to_point(on_a, on_b, side_a, side_b, a_to_b) * kGapUp + margin;
+              const float lo_m = std::max(gap * kGapDown - margin, 0.0f);
+              if (lo_m > near_m) return;
+              bounds[index] = {
+                  lo_m, point_to_point(on_a, on_b, side_a, side_b, a_to_b) * kGapUp + margin};
+              overlaps[index] = !halves.from_a.separates<26>() && !halves.from_b.separates<26>();
             });
 }
 

@@ -84,6 +84,20 @@ void PartCandidates::find(const PartStageFrame& frame) {
   counters_.box.test_ns += watch.lap_ns();
 }
 
+bool PartCandidates::boxes_overlap(const PartStageFrame& frame, const Candidate& candidate) const {
+  const BodyPair& pair = pairs_[candidate.pair];
+  const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
+  const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
+  const float* a = boxes_.blocks + (size_t{pair.box_a} + 1) * kBoxLanes + candidate.part_a;
+  const float* b = boxes_.blocks + (size_t{pair.box_b} + 1) * kBoxLanes + candidate.part_b;
+  bool apart = false;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    apart |= b[axis * padded_b] + pair.shift_m[axis] > a[(axis + 3) * padded_a];
+    apart |= b[(axis + 3) * padded_b] + pair.shift_m[axis] < a[axis * padded_a];
+  }
+  return !apart;
+}
+
 void PartCandidates::leave_out_unasked(const PairFilter& filter) {
   Candidate* const end = candidates_.data() + candidate_count_;
   const auto nobody_asks = [&](const Candidate& c) {

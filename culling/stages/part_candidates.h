@@ -51,6 +51,8 @@ class PartCandidates {
   std::span<const BodyPair> pairs() const { return {pairs_.data(), pair_count_}; }
   std::span<const Candidate> candidates() const { return {candidates_.data(), candidate_count_}; }
   PairKey key_of(const Candidate& candidate) const;
+  /// Whatever near_m is.
+  bool boxes_overlap(const PartStageFrame& frame, const Candidate& candidate) const;
   /// Forgets all but the first.
   void keep_pairs(const PartStageFrame& frame, size_t count);
   void keep_candidates(size_t count) { candidate_count_ = count; }

@@ -56,7 +56,7 @@ struct ShapePart {
   const BodyType::Volumes& volumes;
   size_t part;
   const OrdopTable& table() const { return volumes.tables()[part]; }
-  const SpreadPoints& spread_points() const { return volumes.spread_points()[part]; }
+  const NearbyPoints& nearby_points() const { return volumes.nearby_points()[part]; }
 };
 inline ShapePart shape_part(const PartStageFrame& frame, size_t shape) {
   const uint16_t type = frame.shape_type[shape];

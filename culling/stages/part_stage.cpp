@@ -9,23 +9,11 @@
 #include "culling/stages/stopwatch.h"
 
 namespace throng {
-namespace {
-
-void add_stage(StageCounters& sum, const StageCounters& other) {
-  sum.updates += other.updates;
-  sum.tests += other.tests;
-  sum.passed += other.passed;
-  sum.update_ns += other.update_ns;
-  sum.test_ns += other.test_ns;
-}
-
-}  // namespace
-
 void PartStageCounters::add(const PartStageCounters& other) {
-  add_stage(body_box, other.body_box);
-  add_stage(box, other.box);
-  add_stage(part, other.part);
-  add_stage(exact, other.exact);
+  body_box += other.body_box;
+  box += other.box;
+  part += other.part;
+  exact += other.exact;
   primitive_tests += other.primitive_tests;
 }
 
@@ -47,12 +35,29 @@ void PartStage::finish(const PartStageFrame& frame, PartPairs& out) {
   write_runs(out);
 }
 
+/// Boxes that are apart decide before volumes do: volumes that are said to overlap are not, then.
+void PartStage::finish(const PartStageFrame& frame, const PartCandidates& wider,
+                       std::span<const uint8_t> overlaps, PartPairs& out) {
+  Stopwatch watch;
+  tested_ = &wider;
+  const std::span<const Candidate> candidates = wider.candidates();
+  overlaps_.resize(candidates.size());
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    overlaps_[i] = overlaps[i] && wider.boxes_overlap(frame, candidates[i]);
+    counters_.part.passed += overlaps_[i];
+  }
+  counters_.part.tests += candidates.size();
+  counters_.part.test_ns += watch.lap_ns();
+  if (frame.exact) decide_by_triangles(frame, candidates.size());
+  write_runs(out);
+}
+
 /// Candidates of a pair are consecutive and sorted, and so are its parts. No branch: which
 /// candidates overlap, and where a pair ends, is hard to foretell.
 void PartStage::write_runs(PartPairs& out) const {
-  const std::span<const Candidate> candidates = parts_.candidates();
+  const std::span<const Candidate> candidates = tested_->candidates();
   out.parts.resize(candidates.size() + 1);  // one more: written before it is known to count
-  out.runs.resize(candidates.empty() ? 0 : parts_.pairs().size());
+  out.runs.resize(candidates.empty() ? 0 : tested_->pairs().size());
   uint16_t* const parts = out.parts.data();
   PartRun* run = out.runs.data();
   uint32_t count = 0, first = 0, pair = 0;
@@ -69,7 +74,7 @@ void PartStage::write_runs(PartPairs& out) const {
   out.run_count = static_cast<size_t>(run - out.runs.data()) + (count != first);
   for (size_t i = 0; i < out.run_count; ++i) {
     PartRun& named = out.runs[i];
-    const BodyPair& bodies = parts_.pairs()[named.body_a];
+    const BodyPair& bodies = tested_->pairs()[named.body_a];
     named.body_a = bodies.body_a;
     named.body_b = bodies.body_b;
   }
@@ -79,14 +84,14 @@ size_t PartStage::decide_by_triangles(const PartStageFrame& frame, uint64_t most
   Stopwatch watch;
   ExactCounters primitive;
   uint64_t tests = 0;
-  const std::span<const Candidate> candidates = parts_.candidates();
+  const std::span<const Candidate> candidates = tested_->candidates();
   size_t i = 0;
   for (; i < candidates.size(); ++i) {
     if (!overlaps_[i]) continue;
     if (tests == most) break;
     ++tests;
     const Candidate& c = candidates[i];
-    const PartPair p = part_pair(frame, bodies_->poses(), parts_.pairs()[c.pair], c);
+    const PartPair p = part_pair(frame, bodies_->poses(), tested_->pairs()[c.pair], c);
     overlaps_[i] = parts_touch(p, primitive);
     counters_.exact.passed += overlaps_[i];
   }

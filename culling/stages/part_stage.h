@@ -42,12 +42,17 @@ class PartStage {
   /// A task: begin() with the posed bodies, add() pairs of their slots, finish().
   void begin(const PartStageFrame& frame, const PosedBodies& bodies) {
     bodies_ = &bodies;
+    tested_ = &parts_;
     parts_.begin(frame, bodies);
   }
   void add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
     parts_.add(frame, pairs);
   }
   void finish(const PartStageFrame& frame, PartPairs& out);
+  /// finish() without add(): candidates that somebody has found within a margin, and which of their
+  /// volumes overlap. Nothing is counted by pair of parts.
+  void finish(const PartStageFrame& frame, const PartCandidates& wider,
+              std::span<const uint8_t> overlaps, PartPairs& out);
 
   /// finish() step by step, for who may have to stop in between: find_candidates(), test_parts(),
   /// then, where asked, decide_by_triangles().
@@ -93,9 +98,10 @@ class PartStage {
 
   const PosedBodies* bodies_ = nullptr;
   PartCandidates parts_;
-  GrowBuffer<uint8_t> overlaps_;
-  std::unique_ptr<PartTally> tally_;  // null: nobody asks
-  PartStageCounters counters_;        // of volumes and triangles
+  const PartCandidates* tested_ = nullptr;  // parts_, or somebody's
+  GrowBuffer<uint8_t> overlaps_;            // one a candidate of tested_
+  std::unique_ptr<PartTally> tally_;        // null: nobody asks
+  PartStageCounters counters_;              // of volumes and triangles
 };
 
 }  // namespace throng

@@ -22,6 +22,10 @@ Pipeline::Pipeline(BodyTypes types, const CullerOptions& options, Workers& worke
       posed_(static_cast<size_t>(workers.threads())) {
   if (options.by_part)
     for (PartStage& stage : stages_) stage.tally_parts();
+  // What distances are bounded with are the usual part volumes: one test answers both.
+  near_decides_ = near != nullptr && !options.by_part && !shared_.parts().is_mixed &&
+                  shared_.parts().volume == VolumeKind::kOrdop26;
+  if (near_decides_) near->share_boxes();
 }
 
 void Pipeline::run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
@@ -71,14 +75,17 @@ void Pipeline::refine(const PoseSource& source) {
       bodies.need(shared_.broad().block(block));
     bodies.pose(shared_.posing(source), alone_);
     stage.begin(parts, bodies);
-    for (size_t block = task.first; block < task.end; ++block)
-      stage.add(parts, shared_.broad().block(block));
-    stage.finish(parts, task.found);
-    if (near_) {
-      near_->begin(worker, bodies);
-      for (size_t block = task.first; block < task.end; ++block)
-        near_->add(worker, shared_.broad().block(block));
-      near_->finish(worker, static_cast<size_t>(index));
+    if (near_) near_->begin(worker, bodies);
+    for (size_t block = task.first; block < task.end; ++block) {
+      if (near_) near_->add(worker, shared_.broad().block(block));
+      if (!near_decides_) stage.add(parts, shared_.broad().block(block));
+    }
+    if (near_) near_->finish(worker, static_cast<size_t>(index));
+    if (near_decides_) {
+      const NearParts& near = near_->parts(worker);
+      stage.finish(parts, near.parts(), near.overlaps(), task.found);
+    } else {
+      stage.finish(parts, task.found);
     }
     bodies.clear();
   });
@@ -130,6 +137,11 @@ void Pipeline::sum_counters(CullingCounters& counters) const {
   PosedBodies::Counters made;
   for (const PartStage& stage : stages_) parts.add(stage.counters());
   for (const PosedBodies& bodies : posed_) made.add(bodies.counters());
+  if (near_decides_) {
+    const PartCandidates::Counters boxes = near_->box_counters();
+    parts.body_box += boxes.body_box;
+    parts.box += boxes.box;
+  }
   shared_.count(parts, made, counters);
 }
 

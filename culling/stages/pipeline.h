@@ -38,6 +38,7 @@ class Pipeline final : public Pass {
 
   PairLevel last_level_;
   Workers& workers_;
+  bool near_decides_ = false;  // which part volumes overlap, too
   NearSearch* near_;
   SharedStages shared_;
   // One a worker.

@@ -42,9 +42,8 @@ void set_near(near_t& m, size_t i, const NearPair& row, bool of_people) {
 
 }  // namespace
 
-void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash,
-                    std::span<const NearPair> parts, std::span<const NearPair> people,
-                    size_t first) {
+void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash, const NearRows& parts,
+                    const NearRows& people, size_t first) {
   const size_t count = std::min(kNearPerMessage, parts.size() + people.size() - first);
   begin_near(m, asked, hash, count);
   for (size_t i = 0; i < count; ++i) {

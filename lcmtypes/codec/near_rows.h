@@ -17,9 +17,8 @@ inline constexpr size_t kNearPerMessage = (kMaxMessageBytes - kHeaderBytes - 20)
 
 /// A message of the rows from number `first` on, as many as fit: those of parts, then those of two
 /// people.
-void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash,
-                    std::span<const NearPair> parts, std::span<const NearPair> people,
-                    size_t first);
+void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash, const NearRows& parts,
+                    const NearRows& people, size_t first);
 /// Of a message that was checked.
 NearPair near_at(const near_t& m, size_t i);
 

@@ -130,7 +130,7 @@ void OwnChannels::tell_events(size_t i, std::span<const PairEvent> events) {
 }
 
 void OwnChannels::tell_near(size_t i, const RunInfo& run, const Frame& frame) {
-  const auto choose = [&](std::span<const NearPair> all, std::vector<NearPair>& own) {
+  const auto choose = [&](const NearRows& all, std::vector<NearPair>& own) {
     own.clear();
     for (const NearPair& row : all)
       if (names(parties_[i], row.pair)) own.push_back(row);

@@ -65,19 +65,13 @@ struct Measurements {
   std::vector<Samples> stages;
 };
 
-void add_stage(StageCounters& total, const StageCounters& stage) {
-  total.volume = stage.volume;
-  total.updates += stage.updates;
-  total.tests += stage.tests;
-  total.passed += stage.passed;
-  total.update_ns += stage.update_ns;
-  total.test_ns += stage.test_ns;
-}
-
 void add_counters(CullingCounters& total, const CullingCounters& frame) {
   const auto totals = culling_stages(total);
   const auto stages = culling_stages(frame);
-  for (size_t i = 0; i < stages.size(); ++i) add_stage(*totals[i], *stages[i]);
+  for (size_t i = 0; i < stages.size(); ++i) {
+    *totals[i] += *stages[i];
+    totals[i]->volume = stages[i]->volume;
+  }
   total.primitive_tests += frame.primitive_tests;
   for (size_t level = 0; level < kPairLevels; ++level) total.levels[level] += frame.levels[level];
   total.posed_bodies += frame.posed_bodies;
@@ -91,7 +85,7 @@ void add_near(NearSummary& near, const Frame& frame) {
   near.pairs += frame.near_pairs.size();
   near.people += frame.near_people.size();
   near.pairs_peak = std::max(near.pairs_peak, uint64_t{frame.near_pairs.size()});
-  for (const std::span<const NearPair> rows : {frame.near_pairs, frame.near_people})
+  for (const NearRows& rows : {frame.near_pairs, frame.near_people})
     for (const NearPair& row : rows) near.least_m = std::min(near.least_m, row.lo_m);
 }
 

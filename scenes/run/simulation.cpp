@@ -248,7 +248,8 @@ void Simulation::State::split_times(double steering_ns, double postures_ns) {
   const double exact_ns = sum(counters.exact);
   const double pose_ns = posed.gait_ns + posed.kinematics_ns;
   const double total_ns = avatar_ns + part_ns + exact_ns + pose_ns;
-  const double pass_ns = std::max(0.0, counters.wall_ns - counters.events_ns);
+  const double near_ns = counters.near.update_ns + counters.near.test_ns;
+  const double pass_ns = std::max(0.0, counters.wall_ns - counters.events_ns - near_ns);
   const double share = total_ns > 0 ? pass_ns / total_ns : 0;
   times[Stage::kSteering] = steering_ns;
   times[Stage::kGait] = postures_ns + share * posed.gait_ns;

@@ -63,7 +63,7 @@ struct Frame {
   std::span<const uint8_t> levels;
   /// Of parts within the scene's near_m, and the nearest parts of two people within person_near_m;
   /// sorted.
-  std::span<const NearPair> near_pairs, near_people;
+  NearRows near_pairs, near_people;
   /// One for each of pairs, where the scene asks for them (see Culler::contact_points()).
   std::span<const ContactPoint> contact_points;
   uint64_t near_hash = 0;  ///< of all near rows up to this frame's

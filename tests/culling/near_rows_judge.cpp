@@ -29,7 +29,7 @@ void NearRowsTally::add(const NearRowsTally& other) {
 
 std::string NearRowsJudge::verdict(const DistanceTree::Placed& a, const DistanceTree::Placed& b,
                                    const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key,
-                                   std::span<const NearPair> rows) {
+                                   const NearRows& rows) {
   const auto row = std::lower_bound(
       rows.begin(), rows.end(), key,
       [](const NearPair& one, const PairKey& wanted) { return one.pair < wanted; });

@@ -40,8 +40,8 @@ class NearRowsJudge {
   /// `rows`: of the frame, sorted. `describe()` says which pair it is.
   template <typename Describe>
   void judge(const DistanceTree::Placed& a, const DistanceTree::Placed& b,
-             const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key,
-             std::span<const NearPair> rows, const Describe& describe) {
+             const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key, const NearRows& rows,
+             const Describe& describe) {
     const std::string wrong = verdict(a, b, a_to_b_m, touches, key, rows);
     if (!wrong.empty() && tally_.first_wrong.empty())
       tally_.first_wrong = describe() + ": " + wrong;
@@ -50,7 +50,7 @@ class NearRowsJudge {
  private:
   std::string verdict(const DistanceTree::Placed& a, const DistanceTree::Placed& b,
                       const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key,
-                      std::span<const NearPair> rows);
+                      const NearRows& rows);
 
   float near_m_;
   NearRowsTally& tally_;

@@ -221,6 +221,35 @@ TEST(NearRows, ChangeNoEvents) {
   }
 }
 
+/// Where the volumes are those that distances are bounded with, one test answers both: it must
+/// answer as the other does, however narrow the margin, whatever the volumes and whoever counts.
+TEST(NearRows, ChangeNoEventsOfAnyVolumeHoweverNarrowTheMargin) {
+  const auto events_of = [](const CullerOptions& options, uint64_t seed) {
+    uint64_t events = 0;
+    hash_by(options, 2, 100 * seed, &events);
+    return events;
+  };
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    for (const VolumeKind volume : kAllVolumes) {
+      CullerOptions without;
+      without.part_volume = volume;
+      without.by_part = seed % 4 == 0;
+      if (volume != VolumeKind::kOrdop26 && seed % 6 != 0) continue;
+      const uint64_t expected = events_of(without, seed);
+      for (const float near_m : {1e-9f, 1e-4f, 0.02f, 0.5f}) {
+        CullerOptions with = without;
+        with.near.near_m = near_m;
+        for (const SimdTarget target : simd_targets_of_this_machine()) {
+          with.simd = target;
+          ASSERT_EQ(events_of(with, seed), expected)
+              << name_of(volume) << ' ' << near_m << ' ' << name_of(target);
+        }
+      }
+    }
+  }
+}
+
 /// Where they are left undecided, intervals are those of the volumes, and nothing is missing.
 TEST(NearRows, UnderACountedDeadlineAreTheSameAndNoneIsMissing) {
   CullerOptions options = with_margins(true);

@@ -84,10 +84,10 @@ struct Listened {
 };
 
 /// The slow way: row by row, by a set of bodies.
-template <class Row>
-std::vector<PairKey> of_bodies(std::span<const Row> rows, const std::set<uint32_t>& bodies) {
+template <class Rows>
+std::vector<PairKey> of_bodies(const Rows& rows, const std::set<uint32_t>& bodies) {
   std::vector<PairKey> own;
-  for (const Row& row : rows)
+  for (const auto& row : rows)
     if (bodies.contains(row.pair.a()) || bodies.contains(row.pair.b())) own.push_back(row.pair);
   return own;
 }

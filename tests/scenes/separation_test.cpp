@@ -112,11 +112,15 @@ constexpr const char* kMeasured =
 
 using Triple = std::tuple<uint32_t, uint32_t, BodyRegion>;
 
+/// A pair of parts of a robot and a person.
+struct SeenPair {
+  NearPair near;
+  uint32_t person;
+  float required_m;  ///< NaN where there is no speed
+};
 /// What one frame says, pair by pair and without order.
 struct Seen {
-  std::map<std::pair<uint32_t, BodyRegion>, std::vector<const NearPair*>> pairs;
-  std::map<const NearPair*, float> required_m;  ///< NaN where there is no speed
-  std::map<const NearPair*, uint32_t> person;
+  std::map<std::pair<uint32_t, BodyRegion>, std::vector<SeenPair>> pairs;
   std::map<Triple, bool> is_short, is_unknown;
 };
 
@@ -152,9 +156,7 @@ class Oracle {
             rule_.human_mps.value_or(static_cast<double>(pair.closing_mps) - robot_mps);
         robot_mps = rule_.robot_mps.value_or(robot_mps);
         const double required = protective_distance(rule_, human_mps, robot_mps).total_m();
-        seen.pairs[{robot, region}].push_back(&pair);
-        seen.person[&pair] = person;
-        seen.required_m[&pair] = static_cast<float>(required);
+        seen.pairs[{robot, region}].push_back({pair, person, static_cast<float>(required)});
         const Triple triple{robot, person, region};
         seen.is_short[triple] |= static_cast<double>(pair.lo_m) < required;
         seen.is_unknown[triple] |= std::isnan(required);
@@ -224,20 +226,20 @@ class Separation : public SceneFile {
         ASSERT_EQ(row.people_short, 0u);
         continue;
       }
-      const NearPair* least = *std::min_element(
-          found->second.begin(), found->second.end(), [](const NearPair* p, const NearPair* q) {
-            return std::tuple(p->lo_m, p->hi_m, p->pair) < std::tuple(q->lo_m, q->hi_m, q->pair);
-          });
-      ASSERT_EQ(row.pair, least->pair);
-      ASSERT_EQ(row.lo_m, least->lo_m);
-      ASSERT_EQ(row.hi_m, least->hi_m);
-      expect_same(row.required_m, seen.required_m.at(least));
+      const auto key = [](const SeenPair& p) {
+        return std::tuple(p.near.lo_m, p.near.hi_m, p.near.pair);
+      };
+      const SeenPair& least = *std::ranges::min_element(found->second, {}, key);
+      ASSERT_EQ(row.pair, least.near.pair);
+      ASSERT_EQ(row.lo_m, least.near.lo_m);
+      ASSERT_EQ(row.hi_m, least.near.hi_m);
+      expect_same(row.required_m, least.required_m);
       float spare_m = NAN;
       std::set<uint32_t> people;
-      for (const NearPair* pair : found->second) {
-        const float spare = pair->lo_m - seen.required_m.at(pair);
+      for (const SeenPair& pair : found->second) {
+        const float spare = pair.near.lo_m - pair.required_m;
         if (!std::isnan(spare)) spare_m = std::isnan(spare_m) ? spare : std::min(spare_m, spare);
-        if (spare < 0) people.insert(seen.person.at(pair));
+        if (spare < 0) people.insert(pair.person);
       }
       expect_same(row.spare_m, spare_m);
       ASSERT_EQ(row.people_short, people.size());

@@ -31,7 +31,7 @@ NearTables::NearTables(std::filesystem::path folder, const RunInfo& run)
     ++levels_;
 }
 
-void NearTables::list(const RunInfo& run, const Frame& frame, std::span<const NearPair> rows,
+void NearTables::list(const RunInfo& run, const Frame& frame, const NearRows& rows,
                       const char* of) {
   for (const NearPair& row : rows) {
     const PairKey pair = row.pair;

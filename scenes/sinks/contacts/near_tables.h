@@ -35,7 +35,7 @@ class NearTables {
   std::string note() const;
 
  private:
-  void list(const RunInfo& run, const Frame& frame, std::span<const NearPair> rows, const char* of);
+  void list(const RunInfo& run, const Frame& frame, const NearRows& rows, const char* of);
   void expose(const Frame& frame);
   void write_exposures(const RunInfo& run);
 
