@@ -75,8 +75,8 @@ struct NearInterval {
   NearPair row() const { return {pair, lo_m, hi_m}; }
 };
 
-/// Rows as NearPairs, whatever they are kept as; a view. A row is made when it is asked for: keep the
-/// row, not its address.
+/// Rows as NearPairs, whatever they are kept as; a view. A row is made when it is asked for: keep
+/// the row, not its address.
 class NearRows {
  public:
   class Iterator;
