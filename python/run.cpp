@@ -71,8 +71,6 @@ void prepare(RunWork& work) {
   work.source = open_run_source(request.source);
   refuse_inputs(request, work.source.scene);
   if (!request.separation.empty()) require_separation(work.source.scene, "separation");
-  for (std::string& note : separation_notes(work.source.scene))
-    work.source.notes.push_back(std::move(note));
   request.simulation.world = std::move(work.source.world);
   work.simulation = std::make_unique<Simulation>(work.source.scene, request.simulation);
   work.recorder = std::make_unique<RunRecorder>(request.trajectory_fps, request.trajectories);

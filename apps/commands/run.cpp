@@ -29,7 +29,6 @@
 #include "lcmtypes/wire/own_channels.h"
 #include "scenes/crowd/journeys.h"
 #include "scenes/run/runner.h"
-#include "scenes/separation/separation_check.h"
 
 namespace throng {
 namespace {
@@ -369,7 +368,6 @@ int run_scene(const RunOptions& options) {
   plan.check();  // before what takes its time
   RunSource source = open_run_source(options.source);
   require_recordable(options.recorders, source.scene);
-  for (std::string& note : separation_notes(source.scene)) source.notes.push_back(std::move(note));
   for (const std::string& note : source.notes) say("note: {}\n", note);
   const double states = state_every(options, source.scene);
   plan_inputs(source.scene, plan);

@@ -15,6 +15,7 @@
 #include "scenes/crowd/steering/steering.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/run/run_choices.h"
+#include "scenes/separation/separation_check.h"
 
 namespace throng {
 namespace {
@@ -143,6 +144,7 @@ RunSource open_run_source(const RunSourceOptions& options) {
   if (options.contact_points) out.scene.contact_points = true;
   if (!options.between.empty()) out.scene.between = pair_rules_of(options.between, "--between");
   if (!options.parts.empty()) out.scene.parts = pair_rules_of(options.parts, "--parts");
+  for (std::string& note : separation_notes(out.scene)) out.notes.push_back(std::move(note));
   return out;
 }
 

@@ -70,7 +70,10 @@ class Runs(Case):
             "separation: {reaction_s: 0.1, stopping_s: 0.3, intrusion_m: 0.1, human_error_m: 0.05, robot_error_m: 0.02}\n"
         )
         ours, theirs = (self.folder / name for name in ("ours", "theirs"))
-        found = throng.run(scene, separation=ours).separation
+        run = throng.run(scene, separation=ours)
+        found = run.separation
+        self.assertIn("separation", run.notes[0])
+        self.assertEqual(throng.Simulation(scene).notes, run.notes)
         words = ["run", str(scene), "--lcm", "off", "--log", "off", "--separation", str(theirs), "--json", "-"]
         expected = json.loads(command(*words, folder=self.folder))["separation"]
         self.assertGreater(found["shortfalls"], 0)
