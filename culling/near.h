@@ -5,13 +5,13 @@
 
 #include <array>
 #include <compare>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
 #include <limits>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "culling/pair.h"
 
@@ -85,9 +85,7 @@ class NearRows {
   NearRows(std::span<const NearPair> pairs) : pairs_(pairs.data()), size_(pairs.size()) {}
   NearRows(std::span<const NearInterval> intervals)
       : intervals_(intervals.data()), size_(intervals.size()) {}
-  template <typename Pairs>
-  requires std::convertible_to<const Pairs&, std::span<const NearPair>> NearRows(const Pairs& pairs)
-      : NearRows(std::span<const NearPair>(pairs)) {}
+  NearRows(const std::vector<NearPair>& pairs) : NearRows(std::span<const NearPair>(pairs)) {}
 
   size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
