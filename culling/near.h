@@ -106,10 +106,11 @@ class NearRows::Iterator {
   using value_type = NearPair;
   using difference_type = std::ptrdiff_t;
   using reference = NearPair;
-  struct pointer {
+  struct Arrow {
     NearPair row;
     const NearPair* operator->() const { return &row; }
   };
+  using pointer = Arrow;
 
   Iterator() = default;
   Iterator(const NearRows& rows, size_t at) : rows_(rows), at_(at) {}
