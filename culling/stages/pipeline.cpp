@@ -81,7 +81,7 @@ void Pipeline::refine(const PoseSource& source) {
       if (!near_decides_) stage.add(parts, shared_.broad().block(block));
     }
     if (near_) near_->finish(worker, static_cast<size_t>(index));
-    if (near_decides_) {
+    if (near_ && near_decides_) {
       const NearParts& near = near_->parts(worker);
       stage.finish(parts, near.parts(), near.overlaps(), task.found);
     } else {
