@@ -26,15 +26,11 @@ HWY_INLINE Gap gap_along(const HalfTest<26>& half, const Each& each) {
   const Lanes tag;
   Gap most = {hn::Set(tag, -kEmptyLow), hn::Set(tag, -kEmptyLow)};
   each(half, [&](size_t index, const V3& d, V tau) HWY_ATTR {
-    const Interval far = bound<26>(half.other, d);
-    const Slab& near = half.own.slabs.slab[index];
-    V between = hn::Add(tau, far.centre);
-    if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
-    const V apart = hn::Abs(between), reach = hn::Add(hn::Set(tag, near.half), far.half);
-    const V margin_along = hn::Mul(half.margin, hn::Set(tag, half.own.length[index]));
+    const auto [apart, reach] = half.along(index, d, tau);
     const V gap = hn::Mul(hn::Sub(apart, reach), hn::Set(tag, half.own.per_length[index]));
     most.widest = hn::Max(most.widest, gap);
-    most.beyond_margin = hn::Max(most.beyond_margin, hn::Sub(apart, hn::Add(reach, margin_along)));
+    most.beyond_margin =
+        hn::Max(most.beyond_margin, hn::Sub(apart, half.with_margin(index, reach)));
   });
   return most;
 }

@@ -28,17 +28,27 @@ struct HalfTest {
   V3 offset;     ///< other's centre in own's frame and units
   V margin;      ///< over own's scale
 
-  /// True where direction `index` of own, `d` in other's frame, separates; tau = direction .
-  /// offset.
-  HWY_INLINE M separates(size_t index, const V3& d, V tau) const {
+  /// The two along direction `index` of own, `d` in other's frame; tau = direction . offset.
+  struct Along {
+    V apart;  ///< their middles
+    V reach;  ///< their half widths together
+  };
+  HWY_INLINE Along along(size_t index, const V3& d, V tau) const {
     const Lanes tag;
     const Interval far = bound<K>(other, d);
     const Slab& near = own.slabs.slab[index];
     V between = hn::Add(tau, far.centre);
     if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
-    const V margin_along = hn::Mul(margin, hn::Set(tag, own.length[index]));
-    const V reach = hn::Add(hn::Add(hn::Set(tag, near.half), far.half), margin_along);
-    return hn::Gt(hn::Abs(between), reach);
+    return {hn::Abs(between), hn::Add(hn::Set(tag, near.half), far.half)};
+  }
+  /// How far apart their middles may be without being separated.
+  HWY_INLINE V with_margin(size_t index, V reach) const {
+    return hn::Add(reach, hn::Mul(margin, hn::Set(Lanes(), own.length[index])));
+  }
+  /// True where the direction separates.
+  HWY_INLINE M separates(size_t index, const V3& d, V tau) const {
+    const Along there = along(index, d, tau);
+    return hn::Gt(there.apart, with_margin(index, there.reach));
   }
   /// Calls visit(index, direction in other's frame, tau) for own's directions.
   template <typename Visit>

@@ -246,17 +246,6 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
             });
 }
 
-Eigen::Vector3f nearby(const NearbyPoints& on, const Eigen::Vector3f& to) {
-  float cell = 0;
-  for (size_t i = 0; i < 3; ++i) {
-    const NearbyPoints::Axis& axis = on.axes[i];
-    const float at = (to[static_cast<Eigen::Index>(i)] - axis.low_m) * axis.per_m;
-    cell += std::floor(std::min(std::max(at, 0.0f), axis.last)) * axis.stride;
-  }
-  const NearbyPoints::Point& point = on.of_cell(static_cast<size_t>(cell));
-  return {point.x, point.y, point.z};
-}
-
 /// From the middle of b to a point of a, from there to one of b's, and from there to one of a's.
 float point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b, const Side& side_a,
                      const Side& side_b, const Eigen::Vector3f& a_to_b) {
@@ -276,9 +265,9 @@ float point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b, const S
            per_b;
   };
   Eigen::Vector3f b(side_b.table.origin[0], side_b.table.origin[1], side_b.table.origin[2]);
-  Eigen::Vector3f a = nearby(on_a, from_a(b) * per_a);
-  b = nearby(on_b, from_b(a));
-  a = nearby(on_a, from_a(b) * per_a);
+  Eigen::Vector3f a = on_a.near(from_a(b) * per_a);
+  b = on_b.near(from_b(a));
+  a = on_a.near(from_a(b) * per_a);
   const Eigen::Vector3f apart = a * side_a.scale - from_a(b);
   return std::sqrt(along(apart, apart));
 }

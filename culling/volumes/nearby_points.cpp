@@ -69,4 +69,14 @@ NearbyPoints::NearbyPoints(std::span<const Vector3f> given) {
       }
 }
 
+Vector3f NearbyPoints::near(const Vector3f& place) const {
+  float cell = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    const float at = (place[static_cast<Eigen::Index>(i)] - axes[i].low_m) * axes[i].per_m;
+    cell += std::floor(std::min(std::max(at, 0.0f), axes[i].last)) * axes[i].stride;
+  }
+  const Point& point = of_cell(static_cast<size_t>(cell));
+  return {point.x, point.y, point.z};
+}
+
 }  // namespace throng

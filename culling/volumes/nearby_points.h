@@ -32,6 +32,8 @@ struct NearbyPoints {
   /// At least one point. Of more than kMostPoints only some are taken.
   explicit NearbyPoints(std::span<const Eigen::Vector3f> points);
 
+  /// That of the cell of `place`; kernels do the same in lanes.
+  Eigen::Vector3f near(const Eigen::Vector3f& place) const;
   const Point& of_cell(size_t cell) const { return points[point_of_cell[cell]]; }
 
  private:
