@@ -6,8 +6,13 @@
 #include <Eigen/Core>
 #include <bit>
 #include <cstdint>
+#include <numbers>
 
 namespace throng {
+
+/// In radians.
+inline constexpr double kTurn = 2 * std::numbers::pi;
+inline constexpr double kDegree = std::numbers::pi / 180;
 
 struct SinCos {
   double sin = 0;

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/stopwatch.h"
 #include "culling/deadline/deadline.h"
 #include "culling/distance/near_alone.h"
 #include "culling/distance/near_search.h"
 #include "culling/event_hash.h"
 #include "culling/stages/pass.h"
 #include "culling/stages/pipeline.h"
-#include "culling/stages/stopwatch.h"
 #include "culling/strategies/recipe_pass.h"
 
 namespace throng {

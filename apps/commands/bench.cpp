@@ -25,7 +25,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kBenchFooter = R"(
 Other engines update the boxes of all parts and list overlapping boxes; ours poses people, culls to
 or-DOP 26 pairs and tells begin and end. docs/benchmarks.md says what is unfair in which direction.
 The engines are built in by `cmake --preset bench`.
@@ -333,7 +333,7 @@ void add_options(CommandOptions& app, BenchCommand& command) {
 Command add_bench_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("bench", "This machine against the other engines it was built with");
-  app->footer(kFooter);
+  app->footer(kBenchFooter);
   const auto command = std::make_shared<BenchCommand>();
   add_options(*app, *command);
   return {app, [command] { return measure(*command); }};

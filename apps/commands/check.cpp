@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kCheckFooter = R"(
 A log is sound when every byte belongs to a message, every message is as it was written, none is
 missing, every contact that begins also ends, and the events have the run's hash. Exit code 1 says
 that it is not.
@@ -70,7 +70,7 @@ int check(const CheckOptions& options) {
 Command add_check_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("check", "Judges a log: numbering, gaps, events in pairs");
-  app->footer(kFooter);
+  app->footer(kCheckFooter);
   const auto options = std::make_shared<CheckOptions>();
   app->add_option("LOG", options->log, "The log to judge")->required();
   app->add_option("--repair", options->repaired, "Writes what is sound into a new log")

@@ -21,7 +21,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kCompareFooter = R"(
 A and B are scenes, names from `throng scenes`, recordings or logs; each is run first, with triangles (a log
 is culled again). Options that a recording needs stand in a scene of `kind: recorded`.
 
@@ -114,7 +114,7 @@ int compare(const CompareOptions& options) {
 Command add_compare_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand(
       "compare", "Two crowds side by side: speed, spacing, flow, sway, contacts and their depth");
-  app->footer(kFooter);
+  app->footer(kCompareFooter);
   const auto options = std::make_shared<CompareOptions>();
   app->add_option("A", options->a,
                   "A scene file, a name from `throng scenes`, a recording, or a log")

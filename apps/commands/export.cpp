@@ -18,7 +18,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kExportFooter = R"(
 --mcap writes what Foxglove and other viewers of MCAP show: /tf, where every part is; /scene, the meshes of bodies
 and obstacles; /contact_markers; /contacts, a message for each begin and end. --csv writes the messages of a
 channel, a row a person, event or frame: events, states, touching,
@@ -101,7 +101,7 @@ int export_log(const ExportOptions& options) {
 Command add_export_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("export", "A log for other viewers (MCAP), or as a table (CSV)");
-  app->footer(kFooter);
+  app->footer(kExportFooter);
   const auto options = std::make_shared<ExportOptions>();
   app->add_option("LOG", options->log, "The log of a run")->required();
   app->add_option("--mcap", options->mcap, "An MCAP file to write")->type_name("FILE");

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(
+constexpr const char* kInfoFooter = R"(
 The reader is chosen by the extension: .tri, .urdf, .yaml or .yml, .lcmlog. Any other file is a recording
 of people, known by its content: see docs/recordings.md.
 
@@ -68,7 +68,7 @@ int describe(const std::string& name, const RecordingFlags& flags) {
 Command add_info_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand(
       "info", "Checks and describes a .tri mesh, a URDF, a scene, a log or a recording");
-  app->footer(kFooter);
+  app->footer(kInfoFooter);
   const auto file = std::make_shared<std::string>();
   app->add_option("FILE", *file, "What to describe")->required();
   const auto flags = std::make_shared<RecordingFlags>();

@@ -17,7 +17,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kMonitorFooter = R"(
 Shows channels with their rates, what is missing, the stage counters as N_u C_u N_v C_v N_p C_p C_o and T,
 which parts touch most, and the newest contacts by name. Ctrl-C ends it.
 
@@ -156,7 +156,7 @@ int watch_log(const MonitorOptions& options) {
 
 Command add_monitor_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand("monitor", "Watches a run, live or in a log");
-  app->footer(kFooter);
+  app->footer(kMonitorFooter);
   const auto options = std::make_shared<MonitorOptions>();
   Option* log = app->add_option("LOG", options->log, "A log instead of a live run");
   app->add_option("--lcm", options->lcm, fmt::format("Where to listen [{}]", options->lcm))

@@ -19,7 +19,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kPaperFooter = R"(
 Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes Manipulation in Massive Rigid
 Body Simulation, TELKOMNIKA 11(6), 2013. docs/paper.md says which number is which.
 
@@ -88,7 +88,7 @@ int reproduce_paper(const PaperCommand& command) {
 Command add_paper_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("paper", "Every table and figure of the paper, ours beside theirs");
-  app->footer(kFooter);
+  app->footer(kPaperFooter);
   const auto command = std::make_shared<PaperCommand>();
   command->options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const auto five = [](const std::string& text) -> std::string {

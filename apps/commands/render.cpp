@@ -23,7 +23,7 @@ namespace {
 constexpr int kMaxPixels = 8192;
 constexpr float kAnimationQuality = 55;
 
-constexpr const char* kFooter = R"(
+constexpr const char* kRenderFooter = R"(
 Body parts that touch are orange, by triangles red. Without --eye and --target the picture shows the whole crowd.
 
 Examples:
@@ -153,7 +153,7 @@ void add_point(CommandOptions& app, const char* name, std::vector<float>& xyz, c
 
 Command add_render_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand("render", "A picture of one frame of a log");
-  app->footer(kFooter);
+  app->footer(kRenderFooter);
   const auto command = std::make_shared<RenderCommand>();
   app->add_option("LOG", command->log, "The log of a run")->required();
   Option* frame = app->add_option("--frame", command->frame, "Which frame; the first is 0")

@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxThreads = 256;
 
-constexpr const char* kFooter = R"(
+constexpr const char* kRunFooter = R"(
 Examples:
   throng run plaza
   throng run plaza --avatars 5000 --seconds 2 --json result.json
@@ -417,7 +417,7 @@ int run_scene(const RunOptions& options) {
 Command add_run_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("run", "Runs a scene: who touches whom, frame by frame");
-  app->footer(kFooter);
+  app->footer(kRunFooter);
   const auto options = std::make_shared<RunOptions>();
   add_options(*app, *options);
   return {app, [options] { return run_scene(*options); }};

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(
+constexpr const char* kStudyFooter = R"(
 A study file:
   scenes: [plaza, my_scene.yaml]
   seeds: {from: 1, to: 10, step: 1}
@@ -325,7 +325,7 @@ int study(const StudyCommand& options) {
 Command add_study_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand(
       "study", "Scenes x seeds x parameters: a table with a row for each run");
-  app->footer(kFooter);
+  app->footer(kStudyFooter);
   const auto options = std::make_shared<StudyCommand>();
   app->add_option("FILE", options->file, "A study file");
   app->add_option("--out", options->out, "The table to write: NAME.csv or NAME.sqlite")

@@ -21,7 +21,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kValidateFooter = R"(
 The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md has them with
 figures. Exit code 1 if any fails. Ctrl-C ends it with the verdicts that are there.
 With --reality instead: how the crowd, with nothing set for a test, stands beside recorded people.
@@ -157,7 +157,7 @@ int validate(const ValidateOptions& options) {
 Command add_validate_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("validate", "RiMEA, IMO and ISO 20414 tests of how people walk");
-  app->footer(kFooter);
+  app->footer(kValidateFooter);
   const auto options = std::make_shared<ValidateOptions>();
   app->add_option("--out", options->out, "A folder for report.md and its figures")
       ->type_name("DIR");

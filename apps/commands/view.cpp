@@ -22,7 +22,7 @@ namespace {
 constexpr int kDefaultPort = 7684;  // the number of the LCM port: one to remember
 constexpr std::chrono::milliseconds kLookAround{50};
 
-constexpr const char* kFooter = R"(
+constexpr const char* kViewFooter = R"(
 Without LOG the page shows the run that is heard over LCM, whichever process computes it, and waits
 for one. With LOG it plays, steps and scrubs. --html writes the page and the recorded run into one
 file that opens from disk; no server is started.
@@ -78,7 +78,7 @@ int view(const ViewCommand& command) {
 Command add_view_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("view", "The 3-D page: a live run, a log, or one file");
-  app->footer(kFooter);
+  app->footer(kViewFooter);
   const auto command = std::make_shared<ViewCommand>();
   command->web.port = kDefaultPort;
   Option* log = app->add_option("LOG", command->log, "The log of a run; without it, live");

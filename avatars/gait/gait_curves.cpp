@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "base/elementary.h"
@@ -12,9 +11,6 @@ namespace throng {
 namespace {
 
 using Knot = PeriodicCurve::Knot;
-
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 // Boulic's tables change at these relative speeds; the last one ends them.
 constexpr double kSlow = 0.5;

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "avatars/gait/gait_curves.h"
 #include "base/elementary.h"
@@ -15,9 +14,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 constexpr double kToeOut = 6 * kDegree;
 // Beyond the model's own hang of the arms, so that hands pass the thighs.

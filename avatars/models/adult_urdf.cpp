@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 
 #include "avatars/models/adult_body.h"
+#include "base/elementary.h"
 
 namespace throng {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 struct Range {
   double lower, upper;

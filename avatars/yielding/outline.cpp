@@ -16,7 +16,6 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 // An arm that hangs straight, a little before the hip and as near to it as it gets.
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr std::array<double, YieldColumns::kArmJoints> kDrawn_rad = {0, -3 * kDegree, 3 * kDegree,
                                                                      0};
 constexpr float kMostLook_rad = 0.5f;  // Gait::kMostLook_rad

@@ -30,7 +30,7 @@ struct Inputs {
   float margin_m = 0;
 };
 
-Inputs record(const std::vector<Object>& objects, int frames, uint64_t seed) {
+Inputs record_inputs(const std::vector<Object>& objects, int frames, uint64_t seed) {
   BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   const auto count = static_cast<uint32_t>(objects.size());
   Inputs inputs;
@@ -128,7 +128,7 @@ double run_ms(const std::vector<Object>& objects, int frames, uint64_t seed) {
 std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>& objects,
                                                        int frames, uint64_t seed,
                                                        int constructions) {
-  const Inputs inputs = record(objects, frames, seed);
+  const Inputs inputs = record_inputs(objects, frames, seed);
   std::array<MethodCosts, kMethods.size()> costs;
   for_each_method([&](size_t index, auto method) {
     measure_construction<decltype(method)>(objects, constructions, costs[index]);

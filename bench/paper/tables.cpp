@@ -81,7 +81,7 @@ Table formula_check() {
   return table;
 }
 
-Table figure_6(const PaperResult& result) {
+Table table_of_figure_6(const PaperResult& result) {
   Table table;
   table.title = "Fig. 6: construction time by object, microseconds";
   table.note = "Median of 100 repetitions (exact: 10). The paper prints its sums only, as C_o.";
@@ -136,7 +136,7 @@ Table figures_8_to_10(const PaperResult& result) {
   return table;
 }
 
-Table figure_3(const PaperResult& result) {
+Table table_of_figure_3(const PaperResult& result) {
   Table table;
   table.title = "Fig. 3: simplicity against accuracy, measured";
   table.note = fmt::format(
@@ -270,7 +270,7 @@ std::vector<Table> tables_of(const PaperResult& result) {
   if (has_costs) tables.push_back(table_3(result));
   tables.push_back(formula_check());
   if (has_costs)
-    for (const auto table_of : {figure_6, figure_3, figures_8_to_10})
+    for (const auto table_of : {table_of_figure_6, table_of_figure_3, figures_8_to_10})
       tables.push_back(table_of(result));
   for (const Scale& scale : result.scales) tables.push_back(part_two(scale));
   if (result.done == Done::kAll) {

@@ -5,10 +5,11 @@
 #include <limits>
 #include <numbers>
 
+#include "base/elementary.h"
+
 namespace throng::realism {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 std::string without_side(const std::string& joint) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "culling/stages/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace throng {
 namespace {

@@ -1,6 +1,6 @@
 #include "culling/distance/near_alone.h"
 
-#include "culling/stages/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace throng {
 

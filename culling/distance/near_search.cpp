@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/checksum.h"
-#include "culling/stages/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace throng {
 namespace {

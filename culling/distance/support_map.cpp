@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Of an angle that a direction may lie beyond the edge of its cell, by rounding.
-constexpr double kRounding = 1e-9;
+constexpr double kAngleRounding = 1e-9;
 
 /// Where a cell lies: its middle, unit, and the sine of the angle to the farthest of its corners.
 struct Cone {
@@ -33,7 +33,7 @@ Cone cone_of(size_t cell, int side) {
   Cone out{at(0.5, 0.5), 0};
   for (const double u : {0.0, 1.0})
     for (const double v : {0.0, 1.0})
-      out.sine = std::max(out.sine, at(u, v).cross(out.middle).norm() + kRounding);
+      out.sine = std::max(out.sine, at(u, v).cross(out.middle).norm() + kAngleRounding);
   return out;
 }
 

@@ -13,12 +13,12 @@ using Eigen::Vector3d;
 
 /// The directions that are asked are those of doubles; boxes and corners are of floats: their sums
 /// round by less.
-constexpr double kRounding = 1e-12;
+constexpr double kSumRounding = 1e-12;
 
 double reach_along(const TriangleBvh::Node& node, const Vector3d& direction,
                    const Vector3d& direction_abs) {
   return direction.dot(to_double(node.centre_m)) + direction_abs.dot(to_double(node.half_m)) +
-         kRounding;
+         kSumRounding;
 }
 
 double foremost_corner(const std::array<Eigen::Vector3f, 3>& corners, const Vector3d& direction) {

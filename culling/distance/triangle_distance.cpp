@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// The nearest so far.
-struct Nearest {
+struct NearestPair {
   NearestPoints points;
   double squared = std::numeric_limits<double>::infinity();
 
@@ -56,7 +56,7 @@ double gap_along(const Vector3d& unit, const Triangle& a, const Triangle& b) {
 
 /// Two triangles apart are nearest at two edges, or at a corner and a face.
 TriangleGap triangle_gap(const Triangle& a, const Triangle& b) {
-  Nearest nearest;
+  NearestPair nearest;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const NearestPoints points = nearest_of_segments(a, i, b, j);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "culling/stages/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace throng {
 namespace {

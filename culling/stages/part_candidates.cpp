@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/counting_sort.h"
-#include "culling/stages/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace throng {
 namespace {

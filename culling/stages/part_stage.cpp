@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/stopwatch.h"
 #include "culling/fitted.h"
 #include "culling/kernels/kernels_of.h"
 #include "culling/stages/part_pair.h"
-#include "culling/stages/stopwatch.h"
 
 namespace throng {
 void PartStageCounters::add(const PartStageCounters& other) {

@@ -2,11 +2,11 @@
 // pair of parts.
 #include <algorithm>
 
+#include "base/stopwatch.h"
 #include "culling/kernels/kernels_of.h"
 #include "culling/kernels/kernels_scalar.h"
 #include "culling/stages/part_pair.h"
 #include "culling/stages/part_stage.h"
-#include "culling/stages/stopwatch.h"
 
 namespace throng {
 

@@ -1,7 +1,7 @@
 #include "culling/stages/pipeline.h"
 
+#include "base/stopwatch.h"
 #include "culling/distance/near_search.h"
-#include "culling/stages/stopwatch.h"
 
 namespace throng {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/counting_sort.h"
+#include "base/stopwatch.h"
 #include "culling/fitted.h"
-#include "culling/stages/stopwatch.h"
 
 namespace throng {
 

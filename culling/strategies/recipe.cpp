@@ -4,11 +4,11 @@
 #include <cassert>
 
 #include "base/grow_buffer.h"
+#include "base/stopwatch.h"
 #include "culling/fitted.h"
 #include "culling/kernels/kernels_of.h"
 #include "culling/stages/pair_search.h"
 #include "culling/stages/slots.h"
-#include "culling/stages/stopwatch.h"
 
 namespace throng {
 namespace {

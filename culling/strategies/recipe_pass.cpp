@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "culling/stages/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace throng {
 

@@ -8,14 +8,13 @@
 #include <map>
 #include <numbers>
 
+#include "base/elementary.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "culling/event_hash.h"
 
 namespace throng {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Models and groups are named by 16 bits with a sign; loading keeps to kMaxModels and kMaxGroups.
 int16_t number_of(uint16_t index) {

@@ -14,7 +14,7 @@ namespace throng {
 namespace {
 
 // Messages that wait for a step; a controller at 1 kHz sends 17 a frame.
-constexpr int kQueuedMessages = 200;
+constexpr int kQueuedCommands = 200;
 // A controller that was started again counts from anywhere.
 constexpr std::chrono::seconds kRestart{1};
 
@@ -51,7 +51,7 @@ void DriveReceiver::subscribe() {
     counts.channel = channel;
     counts.group = run_.groups[group];
     lcm_->subscribeFunction(channel, +on_message, listener.get())
-        ->setQueueCapacity(kQueuedMessages);
+        ->setQueueCapacity(kQueuedCommands);
     listeners_.push_back(std::move(listener));
   }
 }
@@ -60,7 +60,7 @@ void DriveReceiver::apply(Simulation& simulation) {
   simulation_ = &simulation;
   for (const auto& listener : listeners_) listener->is_new = false;
   // As many as can wait, no more: who sends without end must not hold up the run.
-  for (int i = 0; i < kQueuedMessages && lcm_->handleTimeout(0) > 0; ++i) {
+  for (int i = 0; i < kQueuedCommands && lcm_->handleTimeout(0) > 0; ++i) {
   }
   for (const auto& listener : listeners_) {
     Counts& counts = counts_[listener->index];

@@ -26,7 +26,7 @@ constexpr std::chrono::seconds kGrace{1};
 constexpr size_t kMaxChannel = 63;  // liblcm's
 constexpr size_t kAvatarsPerTurn = (kMaxMessageBytes - 100) / (4 + 3 * 8 + 6 * 4);
 constexpr size_t kNamedAvatars = 5;
-constexpr int kQueuedMessages = 200;
+constexpr int kQueuedAnswers = 200;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -81,7 +81,7 @@ void Lockstep::listen(size_t group) {
   };
   if (lcm_ && lcm_->good())
     lcm_->subscribeFunction(counts.channel, +on_message, party.get())
-        ->setQueueCapacity(kQueuedMessages);
+        ->setQueueCapacity(kQueuedAnswers);
   parties_.push_back(std::move(party));
 }
 

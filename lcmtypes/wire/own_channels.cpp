@@ -15,7 +15,8 @@
 namespace throng {
 namespace {
 
-constexpr size_t kMaxChannel = 63 - std::string_view("_EVENTS").size();  // liblcm's, of the longest
+constexpr size_t kMaxOwnChannel =
+    63 - std::string_view("_EVENTS").size();  // liblcm's, of the longest
 
 int64_t now_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -35,13 +36,13 @@ OwnChannel own_channel_of(const std::string& text) {
   OwnChannel own;
   if (colon != std::string::npos) own = {text.substr(0, colon), text.substr(colon + 1)};
   const auto is_fine = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
-  if (own.who.empty() || own.channel.empty() || own.channel.size() > kMaxChannel ||
+  if (own.who.empty() || own.channel.empty() || own.channel.size() > kMaxOwnChannel ||
       own.channel.starts_with("THRONG_") ||
       !std::all_of(own.channel.begin(), own.channel.end(), is_fine))
     throw InputError("--tell",
                      fmt::format("WHO:CHANNEL, WHO a group, the number of a body or all, CHANNEL 1 "
                                  "to {} letters, digits or '_', not beginning with THRONG_",
-                                 kMaxChannel),
+                                 kMaxOwnChannel),
                      fmt::format("'{}'", text));
   return own;
 }

@@ -19,7 +19,7 @@ constexpr double kStop_m = 0.25;
 /// Away from the rim, so that arriving means having entered; a narrow goal has only its middle.
 constexpr double kRim_m = 0.3;
 /// Companions take places so far from each other.
-constexpr double kBeside_m = 0.7;
+constexpr double kPlacesApart_m = 0.7;
 constexpr uint32_t kTries = 16;
 /// Beyond any coordinate of a scene file.
 constexpr double kFarthest_m = 1e6;
@@ -143,8 +143,8 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   if (id == first) return;
   // Companions stand in a square, which lies within the area where that is large enough.
   const Eigen::Vector2d inwards = area->middle_m() - targets_m_[id];
-  const Eigen::Vector2d step(std::copysign(kBeside_m, inwards.x()),
-                             std::copysign(kBeside_m, inwards.y()));
+  const Eigen::Vector2d step(std::copysign(kPlacesApart_m, inwards.x()),
+                             std::copysign(kPlacesApart_m, inwards.y()));
   const uint32_t corner = id - first;
   const Eigen::Vector2d beside =
       (targets_m_[id] + Eigen::Vector2d(corner != 2 ? step.x() : 0, corner != 1 ? step.y() : 0))

@@ -42,7 +42,7 @@ constexpr double kParts = 0.3;
 constexpr double kSight_m = 6;
 /// They see who is there if nothing that stops people is so near to the straight way, by samples.
 constexpr double kBody_m = 0.2;
-constexpr int kSamples = 8;
+constexpr int kSightSamples = 8;
 
 // Taking a place: the most that a way is bent for it (the tangent) and from how far off; the
 // distance along the way for which somebody hurries by all of it, and the bounds of that.
@@ -362,7 +362,7 @@ void Parties::wait_for_others(std::span<const Member> members, size_t who, const
   if (first.id != self.id && first.is_on_way && self.is_on_way && first.visits == self.visits &&
       first.way.dot(self.way) < kParts &&
       (first.at_m - self.at_m).squaredNorm() < kSight_m * kSight_m &&
-      ways_.walkable().is_clear_between(self.at_m, first.at_m, kBody_m, kSamples))
+      ways_.walkable().is_clear_between(self.at_m, first.at_m, kBody_m, kSightSamples))
     wish.towards = (first.at_m - self.at_m).normalized();
   if (last == nullptr) return;
   const double too_far_m = behind_m - length_m - kLeads_m;

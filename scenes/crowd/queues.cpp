@@ -17,7 +17,7 @@ constexpr double kOut_m = 0.3;
 constexpr double kSees_m = 12;
 constexpr double kSample_m = 0.4;
 /// Nothing that stops people is nearer to the way.
-constexpr double kBody_m = 0.2;
+constexpr double kClearWay_m = 0.2;
 /// In a queue people look so far along the line, round its corners.
 constexpr double kAhead_m = 0.5;
 /// Of the spacing: whoever is farther back than this from where to stand steps forward, and up to
@@ -361,7 +361,7 @@ Eigen::Vector2d Queues::end_m(uint32_t queue) const {
 bool Queues::sees(uint32_t queue, const Eigen::Vector2d& from_m,
                   const Eigen::Vector2d& to_m) const {
   const int pieces = static_cast<int>(std::ceil((to_m - from_m).norm() / kSample_m));
-  if (!ways_.walkable().is_clear_between(from_m, to_m, kBody_m, pieces)) return false;
+  if (!ways_.walkable().is_clear_between(from_m, to_m, kClearWay_m, pieces)) return false;
   for (const Rectangle& area : ways_.queues()[queue].plan.areas)
     for (int i = 1; i < pieces; ++i)
       if (area.contains(from_m + (i / double(pieces)) * (to_m - from_m))) return false;

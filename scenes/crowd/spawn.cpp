@@ -22,8 +22,8 @@ constexpr double kReferenceHeight_m = 1.70;
 constexpr double kReferenceRadius_m = 0.22;
 constexpr uint32_t kNobody = UINT32_MAX;
 /// From companion to companion at the start: at first exactly beside, then anywhere as near.
-constexpr double kBeside_m = 0.75;
-constexpr double kNear_m = 0.55, kFar_m = 1.3;
+constexpr double kCompanionsApart_m = 0.75;
+constexpr double kNearest_m = 0.55, kFarthest_m = 1.3;
 constexpr uint32_t kDartsBeside = 80;
 
 /// The people placed so far in lists by cell.
@@ -145,7 +145,7 @@ bool find_place_beside(const Scene& scene, const Group& group, const Ways& ways,
   };
   const Eigen::Vector2d left(-people[first].heading.y(), people[first].heading.x());
   const double apart_m =
-      kBeside_m + person.radius_m + people[first].radius_m - 2 * kReferenceRadius_m;
+      kCompanionsApart_m + person.radius_m + people[first].radius_m - 2 * kReferenceRadius_m;
   for (const double places_off : {1.0, -1.0, 2.0, -2.0})
     if (take(people[first].position_m + places_off * apart_m * left, kGaps_m[1])) return true;
   for (uint32_t dart = 0; dart < kDartsBeside; ++dart) {
@@ -153,7 +153,7 @@ bool find_place_beside(const Scene& scene, const Group& group, const Ways& ways,
     const auto among = static_cast<double>(people.size() - first);
     const size_t other = first + static_cast<size_t>(random_uniform(key, 0, among, 0));
     const SinCos turn = sin_cos(random_uniform(key, 0, 2 * std::numbers::pi, 1));
-    const double away_m = random_uniform(key, kNear_m, kFar_m, 2);
+    const double away_m = random_uniform(key, kNearest_m, kFarthest_m, 2);
     if (take(people[other].position_m + away_m * Eigen::Vector2d(turn.cos, turn.sin), kGaps_m[2]))
       return true;
   }

@@ -26,7 +26,7 @@ constexpr double kDeepest_m = 0.01;
 /// lattices.
 constexpr double kShaken = 0.35;
 constexpr uint32_t kTriesEach = 400;
-constexpr uint32_t kNobody = UINT32_MAX;
+constexpr uint32_t kEnd = UINT32_MAX;
 
 /// The n-th point of a sequence that fills the unit square evenly (Roberts 2018: powers of the
 /// plastic number).
@@ -48,8 +48,8 @@ class Lists {
   }
 
   void fill(std::span<const StandingBody> bodies) {
-    first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNobody);
-    next_.assign(bodies.size(), kNobody);
+    first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kEnd);
+    next_.assign(bodies.size(), kEnd);
     for (size_t i = bodies.size(); i-- > 0;) {
       uint32_t& first = first_[index(column_of(bodies[i]), row_of(bodies[i]))];
       next_[i] = first;
@@ -63,7 +63,7 @@ class Lists {
     const int column = column_of(bodies[i]), row = row_of(bodies[i]);
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
       for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
-        for (uint32_t other = first_[index(c, r)]; other != kNobody; other = next_[other])
+        for (uint32_t other = first_[index(c, r)]; other != kEnd; other = next_[other])
           if (other > i) visit(other);
   }
 

@@ -12,7 +12,7 @@ constexpr double kGap_m = 0.1;
 /// Places tried a decision for one person; then the next decision tries.
 constexpr uint32_t kTries = 24;
 /// Whoever comes with others takes a place so near to one of them, if there is room.
-constexpr double kBeside_m = 1;
+constexpr double kJoin_m = 1;
 
 /// True if a way leads to the stop from somewhere in an area. Where none does, people enter all the
 /// same and are reported as stranded.
@@ -104,8 +104,8 @@ bool Traffic::find_place(const Entrance& entrance, std::span<Eigen::Vector2d> po
     // Of the tries two thirds.
     if (follows_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kTries / 3) {
       const Eigen::Vector2d near = where.nearest_m(positions_m[id - 1]);
-      where.min_m = where.min_m.cwiseMax(near - Eigen::Vector2d::Constant(kBeside_m));
-      where.max_m = where.max_m.cwiseMin(near + Eigen::Vector2d::Constant(kBeside_m));
+      where.min_m = where.min_m.cwiseMax(near - Eigen::Vector2d::Constant(kJoin_m));
+      where.max_m = where.max_m.cwiseMin(near + Eigen::Vector2d::Constant(kJoin_m));
     }
     const Eigen::Vector2d point(
         random_uniform(key, where.min_m.x(), where.max_m.x(), 2 * attempt + 1),

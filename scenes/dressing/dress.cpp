@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "avatars/gait/gait.h"
 #include "base/elementary.h"
@@ -14,7 +13,6 @@
 namespace throng {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 /// A stride takes a second: what a way does in less is sway.
 constexpr double kWayReach_s = 1.2;
 /// Of the parabolas that take noise off a head, and how much at most.

@@ -4,14 +4,12 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 
 #include "base/elementary.h"
 
 namespace throng {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 /// The window reaches so far to both sides; its weights are nearly a Gaussian of a third of it.
 constexpr double kReach_s = 1.8;
 /// Of recorded heads nine in ten sway by 2 cm and more; noise of 5 mm comes to less than this.

@@ -24,7 +24,7 @@ void require_parts_of_size(const Fields& fields, const Model& body) {
             fmt::format("one at {:g} m in '{}'; is it in other units?", vertex.norm(), part.name));
 }
 
-void read_model(Reading& reading, Fields& fields, PartsBox& box) {
+void read_box_model(Reading& reading, Fields& fields, PartsBox& box) {
   box.model = read_model_file(reading, fields);
   std::shared_ptr<const Model>& body = reading.bodies[box.model.string()];
   if (body == nullptr) body = load_model(box.model);
@@ -32,7 +32,7 @@ void read_model(Reading& reading, Fields& fields, PartsBox& box) {
   require_parts_of_size(fields, *box.body);
 }
 
-void complete(Reading&, const Fields& fields, PartsBox& box) {
+void complete_box(Reading&, const Fields& fields, PartsBox& box) {
   if (box.min_speed_mps > box.max_speed_mps)
     throw InputError(fields.where(), "min_speed_mps of at most max_speed_mps",
                      fmt::format("{} and {}", box.min_speed_mps, box.max_speed_mps));
@@ -63,11 +63,11 @@ const KeyTable<PartsBox>& box_keys() {
            own_key<PartsBox>("model",
                              "whose parts: `adult`, or a URDF file relative to the scene file",
                              "`adult`", {})
-               .reading(read_model)
+               .reading(read_box_model)
                .hashing([](Hasher& hash, const PartsBox& box) {
                  hash.add(box.body == nullptr ? 0 : box.body->content_hash);
                })},
-      .complete = complete};
+      .complete = complete_box};
   return table;
 }
 

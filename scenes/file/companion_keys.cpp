@@ -23,7 +23,7 @@ Key<Companions> parties_key(const std::string& name, const std::string& meaning,
       });
 }
 
-void complete(Reading&, const Fields& fields, Companions& companions) {
+void complete_companions(Reading&, const Fields& fields, Companions& companions) {
   const auto& sizes = companions.sizes;
   if (std::all_of(sizes.begin(), sizes.end(), [](double parties) { return parties == 0; }))
     throw InputError(fields.where(), "one of 'pairs', 'threes' and 'fours' above 0", "none");
@@ -41,7 +41,7 @@ const KeyTable<Companions>& companion_keys() {
                       &Companions::share, kShareRange),
                parties_key("pairs", "how many parties are of two, relative to the others", 0),
                parties_key("threes", "of three", 1), parties_key("fours", "of four", 2)},
-      .complete = complete};
+      .complete = complete_companions};
   return table;
 }
 

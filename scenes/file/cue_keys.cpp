@@ -12,7 +12,6 @@ namespace {
 
 /// More goals than any route has.
 constexpr int64_t kMaxGoals = 1'000'000;
-constexpr Range kPlaceRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 /// Narrower than any body.
 constexpr double kNarrowest_m = 0.2;
 
@@ -41,7 +40,7 @@ KeyTable<Cue> make_cue_keys() {
                    })}};
 }
 
-void read_name(Reading& reading, Fields& fields, Door& door) {
+void read_door_name(Reading& reading, Fields& fields, Door& door) {
   door.name = fields.name_or("name", fmt::format("door {}", reading.scene.doors.size() + 1));
   require_new(fields, door.name, reading.door_names);
 }
@@ -72,7 +71,7 @@ Key<Door> cues_key(const std::string& name, const std::string& meaning, const st
       });
 }
 
-void complete(Reading& reading, const Fields& fields, Door& door) {
+void complete_door(Reading& reading, const Fields& fields, Door& door) {
   const Rectangle& ground = reading.scene.ground;
   for (const Eigen::Vector2d& end : {door.from_m, door.to_m})
     if (!ground.contains(end))
@@ -114,14 +113,14 @@ const KeyTable<Door>& door_keys() {
       .text = {.name = "door", .meaning = "A leaf across a way that opens and closes"},
       .title = "a door",
       .keys = {own_key<Door>("name", "unique among the doors", "`door 1`, ...", {})
-                   .reading(read_name)
+                   .reading(read_door_name)
                    .hashing(&Door::name),
                end_key("from_m", "`[x, y]` of one end", &Door::from_m),
                end_key("to_m", "`[x, y]` of the other", &Door::to_m),
                cues_key("opens", "when it opens, a list of [cues](#cues)", "open from the start",
                         &Door::opens),
                cues_key("closes", "when it closes", "never", &Door::closes)},
-      .complete = complete};
+      .complete = complete_door};
   return table;
 }
 

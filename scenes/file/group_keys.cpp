@@ -17,7 +17,7 @@ constexpr Range kPersonRange{kMinPerson_m, kMaxPerson_m};
 constexpr Range kRobotRange{kMinRobot_m, kMaxRobot_m};
 constexpr Range kRadiusRange{kMinRadius_m, kMaxRadius_m};
 
-void read_name(Reading& reading, Fields& fields, Group& group) {
+void read_group_name(Reading& reading, Fields& fields, Group& group) {
   group.name = fields.name_or("name", fmt::format("group {}", reading.scene.groups.size() + 1));
   require_new(fields, group.name, reading.group_names);
 }
@@ -45,7 +45,7 @@ void read_spawn(Reading& reading, Fields& fields, Group& group) {
     group.spawn = read_area(fields.file(), fields.require("spawn"), "spawn", ground);
 }
 
-void read_model(Reading& reading, Fields& fields, Group& group) {
+void read_group_model(Reading& reading, Fields& fields, Group& group) {
   group.model = read_model_file(reading, fields);
   std::shared_ptr<const Model>& body = reading.bodies[group.model.string()];
   if (body == nullptr) body = load_model(group.model);
@@ -150,7 +150,7 @@ void require_scale(const Fields& fields, const Group& group) {
                                  body.name, reach_m));
 }
 
-void complete(Reading& reading, const Fields& fields, Group& group) {
+void complete_group(Reading& reading, const Fields& fields, Group& group) {
   if (group.density_per_m2 > 0 && !has_people(group))
     throw InputError(fields.where(), "a model with human legs for 'density_per_m2'",
                      fmt::format("'{}'", group.body->name));
@@ -181,7 +181,7 @@ const Distribution& height_of(const Group& group) {
 std::vector<Key<Group>> rows_of_groups() {
   return {
       own_key<Group>("name", "unique in the scene", "`group 1`, `group 2`, ...", {})
-          .reading(read_name)
+          .reading(read_group_name)
           .hashing(&Group::name),
       whole("count", "how many people stand there at the start", &Group::count, 0, kMaxBodies)
           .stating("required, unless there are sources or a density")
@@ -191,7 +191,7 @@ std::vector<Key<Group>> rows_of_groups() {
                      "[meshes](reliability.md#files-that-a-foreign-library-parses) may be `.tri`, "
                      "`.stl`, `.obj`, `.dae` and many others",
                      "`adult`", {})
-          .reading(read_model)
+          .reading(read_group_model)
           .hashing([](Hasher& hash, const Group& group) {
             hash.add(group.body == nullptr ? 0 : group.body->content_hash);
           }),
@@ -314,7 +314,7 @@ const KeyTable<Group>& group_keys() {
                                         .title = "a group",
                                         .keys = rows_of_groups(),
                                         .later = later_rows_of_groups(),
-                                        .complete = complete};
+                                        .complete = complete_group};
   return table;
 }
 

@@ -16,7 +16,6 @@ namespace {
 constexpr Range kSizeRange{1e-3, 1e4};
 constexpr Range kBottomRange{-10, 1000};
 constexpr Range kHeadingRange{-360, 360};
-constexpr Range kPlaceRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 /// Meshes hold floats: a wall along the edge of a ground of 10 km may stand out by as much.
 constexpr double kRounding_m = 1e-3;
 
@@ -26,7 +25,7 @@ double lowest_m(const Mesh& mesh) {
   return static_cast<double>(lowest);
 }
 
-void read_name(Reading& reading, Fields& fields, Obstacle& obstacle) {
+void read_obstacle_name(Reading& reading, Fields& fields, Obstacle& obstacle) {
   obstacle.name =
       fields.name_or("name", fmt::format("obstacle {}", reading.scene.obstacles.size() + 1));
   require_new(fields, obstacle.name, reading.obstacle_names);
@@ -78,7 +77,7 @@ void make_shape(const Reading& reading, const Fields& fields, Obstacle& obstacle
   }
 }
 
-void complete(Reading& reading, const Fields& fields, Obstacle& obstacle) {
+void complete_obstacle(Reading& reading, const Fields& fields, Obstacle& obstacle) {
   make_shape(reading, fields, obstacle);
   const bool is_mesh = obstacle.kind == Obstacle::Kind::kMesh;
   obstacle.centre_m.z() += is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
@@ -108,7 +107,7 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
   };
   return {
       own_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
-          .reading(read_name)
+          .reading(read_obstacle_name)
           .hashing(&Obstacle::name),
       word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
                                      {{"box", Obstacle::Kind::kBox},
@@ -157,7 +156,7 @@ const KeyTable<Obstacle>& obstacle_keys() {
       .text = {.name = "obstacle", .meaning = "Something solid that stands still"},
       .title = "an obstacle",
       .keys = rows_of_obstacles(),
-      .complete = complete};
+      .complete = complete_obstacle};
   return table;
 }
 

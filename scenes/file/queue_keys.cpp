@@ -12,7 +12,6 @@
 namespace throng {
 namespace {
 
-constexpr Range kPlaceRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 /// From body to body, and so far that it is still a queue.
 constexpr Range kSpacingRange{0.4, 10};
 /// Each corner has a flow field.
@@ -46,7 +45,7 @@ std::string show(const Eigen::Vector2d& point) {
   return fmt::format("[{:.6g}, {:.6g}]", point.x(), point.y());
 }
 
-void complete(Reading&, const Fields& fields, QueueRule& rule) {
+void complete_queue(Reading&, const Fields& fields, QueueRule& rule) {
   if (static_cast<int64_t>(rule.line_m.size()) > kMostCorners)
     throw InputError(fields.where(), fmt::format("a line of at most {} corners", kMostCorners),
                      fmt::format("{}", rule.line_m.size()));
@@ -100,7 +99,7 @@ const KeyTable<QueueRule>& queue_keys() {
       .keys = {number("spacing_m", "from one to the next, middle to middle", &QueueRule::spacing_m,
                       kSpacingRange)},
       .later = {line_key()},
-      .complete = complete};
+      .complete = complete_queue};
   return table;
 }
 

@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-constexpr Range kRateRange{1e-3, 1e4};
+constexpr Range kFpsRange{1e-3, 1e4};
 constexpr Range kUnitRange{1e-4, 1e3};
 
 /// An option that the file may say itself.
@@ -52,7 +52,7 @@ std::filesystem::path recording_file(const Reading& reading, const Fields& field
   return std::filesystem::path(folder) / name.substr(slash + 1);
 }
 
-void read_model(Reading& reading, Fields& fields, Scene& scene) {
+void read_recorded_model(Reading& reading, Fields& fields, Scene& scene) {
   Group& group = scene.groups.back();
   group.model = read_model_file(reading, fields);
   std::shared_ptr<const Model>& body = reading.bodies[group.model.string()];
@@ -92,7 +92,7 @@ std::vector<Key<Scene>> rows() {
             group.name = fields.name_or("name", group.name);
             require_new(fields, group.name, reading.group_names);
           }),
-      option("fps", "recorded frames a second", "what the file says, else required", kRateRange,
+      option("fps", "recorded frames a second", "what the file says, else required", kFpsRange,
              &RecordingOptions::fps),
       option("unit_m", "metres a unit of length: 0.01 for cm", "what the file or its kind says",
              kUnitRange, &RecordingOptions::unit_m),
@@ -129,7 +129,8 @@ std::vector<Key<Scene>> rows() {
           .reading([](Reading&, Fields& fields, Scene& scene) {
             scene.recorded->geometry = fields.boolean_or("geometry", true);
           }),
-      own_key<Scene>("model", "the bodies, as of a group", "`adult`", {}).reading(read_model),
+      own_key<Scene>("model", "the bodies, as of a group", "`adult`", {})
+          .reading(read_recorded_model),
       own_key<Scene>("height_m", "as of a group; says more than heights of the file",
                      "as recorded, else by age", map_rule("distribution"))
           .reading([](Reading&, Fields& fields, Scene& scene) {

@@ -66,7 +66,7 @@ std::vector<Key<Goal>> later_rows_of_goals() {
           queue};
 }
 
-void complete(Reading& reading, const Fields& fields, Goal& goal) {
+void complete_goal(Reading& reading, const Fields& fields, Goal& goal) {
   if (goal.is_limited()) reading.limited.emplace_back(fields.where(), goal);
 }
 
@@ -97,7 +97,7 @@ KeyTable<Goal> make_goal_keys() {
                 "their own inside",
                 &Goal::pass)},
       .later = later_rows_of_goals(),
-      .complete = complete};
+      .complete = complete_goal};
 }
 
 KeyTable<Source> make_source_keys() {

@@ -4,9 +4,13 @@
 
 #include <string>
 
+#include "base/limits.h"
 #include "scenes/file/key.h"
 
 namespace throng {
+
+/// Where on the ground anything may be.
+inline constexpr Range kPlaceRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 
 /// {min_m: [x, y], max_m: [x, y]} with min below max, coordinates within kMaxCoordinate_m. `what`
 /// names it in messages: "ground".

@@ -28,7 +28,7 @@ Key<SeparationRule> maybe(const std::string& name, const std::string& meaning,
       });
 }
 
-void complete(Reading& reading, const Fields& fields, SeparationRule& rule) {
+void complete_separation(Reading& reading, const Fields& fields, SeparationRule& rule) {
   rule.where = fields.where();
   if (rule.stopping_s.has_value() == rule.deceleration_mps2.has_value())
     throw InputError(fields.where(), "one of 'stopping_s' and 'deceleration_mps2'",
@@ -66,7 +66,7 @@ const KeyTable<SeparationRule>& separation_keys() {
                       &SeparationRule::human_error_m, kLengthRange),
                number("robot_error_m", "Z_r: how wrong the place of the robot may be",
                       &SeparationRule::robot_error_m, kLengthRange)},
-      .complete = complete};
+      .complete = complete_separation};
   return table;
 }
 

@@ -5,7 +5,7 @@
 namespace throng {
 namespace {
 
-constexpr double kShortest_s = 0.075, kLongest_s = 0.13;
+constexpr double kShortestStep_s = 0.075, kLongestStep_s = 0.13;
 constexpr double kBin_mps2 = 0.02;
 constexpr size_t kBins = 2500;
 
@@ -13,7 +13,7 @@ constexpr size_t kBins = 2500;
 
 Accelerations::Accelerations(double sample_s)
     : sample_s_(sample_s),
-      is_measured_(sample_s >= kShortest_s && sample_s <= kLongest_s),
+      is_measured_(sample_s >= kShortestStep_s && sample_s <= kLongestStep_s),
       heads_mps2_(0, kBin_mps2, kBins),
       roots_mps2_(0, kBin_mps2, kBins) {}
 

@@ -7,11 +7,12 @@
 namespace throng {
 namespace {
 
-constexpr size_t kNone = SIZE_MAX;
+constexpr size_t kNoPose = SIZE_MAX;
 
 }  // namespace
 
-ContactDepths::ContactDepths(const RunInfo& run) : first_pose_(run.model_of_avatar.size(), kNone) {
+ContactDepths::ContactDepths(const RunInfo& run)
+    : first_pose_(run.model_of_avatar.size(), kNoPose) {
   for (const std::shared_ptr<const Model>& model : run.models) {
     std::vector<ConvexHull>& hulls = hulls_.emplace_back();
     for (const Part& part : model->parts) hulls.emplace_back(part.mesh.vertices);
@@ -19,7 +20,7 @@ ContactDepths::ContactDepths(const RunInfo& run) : first_pose_(run.model_of_avat
 }
 
 const PartPose* ContactDepths::poses_of(const RunInfo& run, const Frame& frame, uint32_t avatar) {
-  if (first_pose_[avatar] == kNone) {
+  if (first_pose_[avatar] == kNoPose) {
     const Model& model = *run.models[run.model_of_avatar[avatar]];
     first_pose_[avatar] = poses_.size();
     poses_.resize(poses_.size() + model.parts.size());
@@ -30,7 +31,7 @@ const PartPose* ContactDepths::poses_of(const RunInfo& run, const Frame& frame, 
 
 void ContactDepths::find(const RunInfo& run, const Frame& frame,
                          const std::function<void(PairKey, double)>& found) {
-  std::fill(first_pose_.begin(), first_pose_.end(), kNone);
+  std::fill(first_pose_.begin(), first_pose_.end(), kNoPose);
   poses_.clear();
   for (const PairKey& pair : frame.pairs) {
     if (pair.b() >= first_pose_.size() || pair.part_a() == kWholeBody) continue;

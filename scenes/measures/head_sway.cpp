@@ -16,7 +16,7 @@ constexpr double kWalking_mps = 0.3;
 /// Less is noise.
 constexpr double kLeast_m = 0.005;
 /// Half waves shorter or longer are not those of steps: 0.4 to 2 strides a second.
-constexpr double kShortest_s = 0.25, kLongest_s = 1.25;
+constexpr double kShortestWave_s = 0.25, kLongestWave_s = 1.25;
 /// A smoothed path cuts corners by what hardly changes over so long.
 constexpr double kLevel_s = 2;
 /// Until that is known no wave counts.
@@ -86,7 +86,7 @@ void HeadSway::follow(size_t person, double across_m, double speed_mps, double t
 
 void HeadSway::finish_half_wave(size_t person, const Wave& wave, double crossing_s) {
   const double length_s = crossing_s - wave.since_s;
-  if (wave.extreme_m < kLeast_m || length_s < kShortest_s || length_s > kLongest_s) return;
+  if (wave.extreme_m < kLeast_m || length_s < kShortestWave_s || length_s > kLongestWave_s) return;
   people_[person].amplitude_m += wave.extreme_m;
   ++people_[person].half_waves;
   const double speed_mps = wave.speed_mps / wave.moments;

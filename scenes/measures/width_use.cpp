@@ -1,10 +1,10 @@
 #include "scenes/measures/width_use.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "base/elementary.h"
 #include "scenes/sinks/trajectories/walkable_area.h"
 
 namespace throng {
@@ -40,9 +40,8 @@ void WidthUse::take(const Moment& moment, const Velocities& velocities) {
 }
 
 Eigen::Vector2d WidthUse::main_direction() const {
-  if (spread_.trace() == 0) return Eigen::Vector2d::UnitX();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread_);
-  const Eigen::Vector2d axis = solver.eigenvectors().col(1);
+  const SinCos along = sin_cos(0.5 * arc_tan2(2 * spread_(0, 1), spread_(0, 0) - spread_(1, 1)));
+  const Eigen::Vector2d axis(along.cos, along.sin);
   return axis.dot(sum_) < 0 ? Eigen::Vector2d(-axis) : axis;
 }
 

@@ -1,17 +1,12 @@
 #include "scenes/run/runner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+
+#include "base/stopwatch.h"
 
 namespace throng {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double nanoseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-}
 
 /// The latest samples of a stage. A day at 60 Hz has five million frames; the last quarter of a
 /// million tell the median as well.
@@ -149,15 +144,15 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
   Measurements measurements(frames);
   simulation.serve(sinks);
   for (Sink* sink : sinks) sink->begin(info);
-  const auto start = Clock::now();
+  const Stopwatch watch;
   FrameTimes& times = simulation.times();
   while (simulation.next_frame() < frames && !summary.stopped_early) {
-    const auto frame_start = Clock::now();
+    const Stopwatch frame_watch;
     const Frame& frame = simulation.step();
-    const auto publish_start = Clock::now();
+    const Stopwatch publish_watch;
     for (Sink* sink : sinks) sink->frame(info, frame);
-    times[Stage::kPublish] = nanoseconds_since(publish_start);
-    times.frame_ns = nanoseconds_since(frame_start);
+    times[Stage::kPublish] = publish_watch.ns();
+    times.frame_ns = frame_watch.ns();
     measurements.add(times, *frame.counters);
     add_frame(summary, frame, info.culler.exact, simulation.steering());
     ++summary.frames;
@@ -166,7 +161,7 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
   summary.steering = simulation.steering();
   const RunEnd end = simulation.finish();
   for (Sink* sink : sinks) sink->end(info, end);
-  summary.wall_s = nanoseconds_since(start) * 1e-9;
+  summary.wall_s = watch.ns() * 1e-9;
   summary.simulated_s = static_cast<double>(summary.frames) * info.step_s;
   summary.realtime_factor = summary.wall_s > 0 ? summary.simulated_s / summary.wall_s : 0;
   summary.begins = end.begins;

@@ -10,6 +10,7 @@
 
 #include "avatars/stepping/standing.h"
 #include "base/elementary.h"
+#include "base/stopwatch.h"
 #include "scenes/file/shapes.h"
 #include "scenes/run/asked_pairs.h"
 #include "scenes/run/bodies_there.h"
@@ -26,15 +27,9 @@
 namespace throng {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// What clocks of other programs on this machine tell, too.
 int64_t since_1970_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
-double nanoseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
 }
 
 /// Loads what the scene names but does not hold yet.
@@ -308,21 +303,21 @@ void Simulation::serve(std::span<Sink* const> sinks) {
 
 const Frame& Simulation::step() {
   State& s = *state_;
-  const auto start = Clock::now();
+  const Stopwatch watch;
   if (s.frames > 0) {
     s.world->step();
     s.world->lead(s.driven);
   }
-  const double steering_ns = nanoseconds_since(start);
-  const auto before_gait = Clock::now();
+  const double steering_ns = watch.ns();
+  const Stopwatch gait_watch;
   s.bodies.now_s = static_cast<double>(s.frames) * s.scene.step_s;
   s.world->update(s.posing, s.bodies, s.speeds_mps);
   s.driven.place(s.bodies.roots);
-  const auto before_yielding = Clock::now();
+  const Stopwatch yielding_watch;
   if (s.yielding) s.yielding->step(s.world->present(), s.bodies);
-  s.times[Stage::kYielding] = nanoseconds_since(before_yielding);
+  s.times[Stage::kYielding] = yielding_watch.ns();
   if (s.options.postures) s.update_postures();
-  const double postures_ns = nanoseconds_since(before_gait) - s.times[Stage::kYielding];
+  const double postures_ns = gait_watch.ns() - s.times[Stage::kYielding];
   if (s.options.culling) {
     const BodiesView there = s.there.view(s.bodies, s.world->present());
     s.posing.use_bodies(s.there.chosen());
@@ -332,7 +327,7 @@ const Frame& Simulation::step() {
   s.split_times(steering_ns, postures_ns);
   s.fill_frame();
   ++s.frames;
-  s.times.frame_ns = nanoseconds_since(start);
+  s.times.frame_ns = watch.ns();
   return s.frame;
 }
 

@@ -13,7 +13,6 @@
 namespace throng::validation {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 /// Headings that differ by less are the same way, those less from opposite are head-on.
 constexpr double kNearlyParallel_rad = 15 * kDegree;
 /// Slower, they would be beside each other for longer than an encounter lasts.

@@ -39,13 +39,6 @@ constexpr int kMaxPolygons = 4096;  // of one path
 constexpr int kMaxCorners = 1024;
 constexpr int kMaxNodes = 65535;  // Detour numbers the nodes of a search with 16 bits
 
-template <typename T, void (*Free)(T*)>
-struct Freed {
-  void operator()(T* owned) const { Free(owned); }
-};
-template <typename T, void (*Free)(T*)>
-using Owned = std::unique_ptr<T, Freed<T, Free>>;
-
 /// A convex footprint, wider by a margin on all sides.
 std::vector<Eigen::Vector2d> widened(const std::vector<Eigen::Vector2d>& footprint,
                                      double margin_m) {
@@ -71,6 +64,13 @@ double Path::length_m() const {
 }
 
 struct NavMesh::State {
+  template <typename T, void (*Free)(T*)>
+  struct Freed {
+    void operator()(T* owned) const { Free(owned); }
+  };
+  template <typename T, void (*Free)(T*)>
+  using Owned = std::unique_ptr<T, Freed<T, Free>>;
+
   State(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
         std::span<const Passage> passages, std::span<const Passage> closures);
 

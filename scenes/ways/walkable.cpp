@@ -13,7 +13,7 @@ namespace throng {
 namespace {
 
 /// Lists of footprints a cell; more cells than this would not fit the second cache.
-constexpr double kMaxCells = 1 << 16;
+constexpr double kMaxListedCells = 1 << 16;
 /// Entries of all those lists, 256 MB: a thousand obstacles as large as the largest ground.
 constexpr size_t kMaxEntries = size_t{1} << 26;
 
@@ -71,7 +71,7 @@ int Walkable::cell_of(double offset_m, int cells) const {
 
 void Walkable::build_cells() {
   const Eigen::Vector2d size = ground_.size_m();
-  cell_m_ = std::max(2.0, std::sqrt(size.prod() / kMaxCells));
+  cell_m_ = std::max(2.0, std::sqrt(size.prod() / kMaxListedCells));
   columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
   const auto footprints = first_door_ + static_cast<uint32_t>(is_shut_.size());

@@ -7,13 +7,12 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <vector>
+
+#include "base/elementary.h"
 
 namespace throng {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 using Knots = std::vector<PeriodicCurve::Knot>;
 

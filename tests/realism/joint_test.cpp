@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/elementary.h"
 #include "bench/realism/arm_swing.h"
@@ -16,8 +15,6 @@
 
 namespace throng::realism {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// One adult, whose joints and root are moved by hand.
 class Puppet {

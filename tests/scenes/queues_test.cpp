@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/elementary.h"
 #include "base/errors.h"
 #include "tests/scenes/crowd_world.h"
 #include "tests/scenes/same_walk.h"
@@ -15,7 +16,6 @@ namespace throng {
 namespace {
 
 constexpr int kStepsASecond = 30;
-constexpr double kDegree = std::numbers::pi / 180;
 
 double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));

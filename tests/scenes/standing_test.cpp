@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "avatars/gait/gait.h"
+#include "base/elementary.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 #include "tests/scenes/crowd_world.h"
@@ -13,8 +14,6 @@
 
 namespace throng {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));

@@ -16,7 +16,6 @@ using nlohmann::json;
 
 constexpr std::chrono::milliseconds kWait{50};
 constexpr std::chrono::milliseconds kStatusPeriod{500};
-constexpr size_t kHistoryPairs = 40;
 
 std::string text_of(const json& message) {
   return message.dump(-1, ' ', false, json::error_handler_t::replace);

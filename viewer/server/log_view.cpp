@@ -6,7 +6,6 @@ namespace throng {
 namespace {
 
 constexpr size_t kIndexSamples = 2000;
-constexpr size_t kHistoryPairs = 40;
 
 RunReader described(const LogIndex& index) {
   RunReader run;

@@ -97,9 +97,9 @@ void Comments::read(std::string_view line) {
         unit_m = in_m;
 }
 
-class Lines final : public LineTaker {
+class ArchiveLines final : public LineTaker {
  public:
-  explicit Lines(RecordingBuilder& builder) : builder_(builder) {}
+  explicit ArchiveLines(RecordingBuilder& builder) : builder_(builder) {}
 
   void take(std::string_view line, int64_t number) override {
     const char* at = line.data();
@@ -256,7 +256,7 @@ class ArchiveText final : public RecordingReader {
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
     builder.head().kind = kind();
     builder.head().tracks = TrackedPoint::kHead;
-    Lines lines(builder);
+    ArchiveLines lines(builder);
     source.lines(lines);
   }
 

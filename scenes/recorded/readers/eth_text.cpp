@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kPositionsPerS = 2.5;
 constexpr size_t kShort = 4, kLong = 8;  ///< columns
 
@@ -45,9 +45,9 @@ class Guess {
   int64_t steps_ = 0;
 };
 
-class Lines final : public LineTaker {
+class EthLines final : public LineTaker {
  public:
-  explicit Lines(RecordingBuilder& builder)
+  explicit EthLines(RecordingBuilder& builder)
       : builder_(builder), unit_(builder.options().unit_m.value_or(1)) {}
 
   void take(std::string_view line, int64_t number) override {
@@ -70,8 +70,8 @@ class Lines final : public LineTaker {
                  {.instant = static_cast<double>(frame),
                   .x_m = unit_.metres(x),
                   .y_m = unit_.metres(y),
-                  .z_m = kNone,
-                  .heading_rad = kNone},
+                  .z_m = kUnknown,
+                  .heading_rad = kUnknown},
                  number);
   }
 
@@ -115,7 +115,7 @@ class EthText final : public RecordingReader {
     head.kind = kind();
     head.clock = builder.options().fps ? RecordedClock::kFrames : RecordedClock::kSteps;
     head.per_s = builder.options().fps.value_or(kPositionsPerS);
-    Lines lines(builder);
+    EthLines lines(builder);
     source.lines(lines);
   }
 };

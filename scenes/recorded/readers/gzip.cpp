@@ -15,11 +15,11 @@ namespace throng {
 namespace {
 
 constexpr std::string_view kMagic = "\x1f\x8b";
-constexpr const char* kExpected = "a gzip file";
+constexpr const char* kExpectedGzip = "a gzip file";
 /// Tables of numbers shrink to a third or a tenth; the most that the format can do is 1032.
 constexpr uint64_t kMostRatio = 300;
 constexpr uint64_t kAnyRatioBytes = 16 << 20;
-constexpr size_t kPieceBytes = 256 << 10;
+constexpr size_t kUnpackedBytes = 256 << 10;
 
 /// Ends what zlib began, in the child.
 struct Inflater {
@@ -36,7 +36,7 @@ struct Inflater {
 void inflate_all(const RegularFile& file, uint64_t most, const SendPiece& send) {
   Inflater inflater;
   z_stream& stream = inflater.stream;
-  std::vector<uint8_t> in(kPieceBytes), out(kPieceBytes);
+  std::vector<uint8_t> in(kUnpackedBytes), out(kUnpackedBytes);
   uint64_t read = 0, made = 0;
   int result = Z_STREAM_END;
   while (made < most) {
@@ -57,18 +57,19 @@ void inflate_all(const RegularFile& file, uint64_t most, const SendPiece& send) 
     stream.avail_out = static_cast<uInt>(out.size());
     result = inflate(&stream, Z_NO_FLUSH);
     if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
-      throw Refusal(kExpected,
+      throw Refusal(kExpectedGzip,
                     fmt::format("one that is damaged after {} bytes of what it holds: {}", made,
                                 stream.msg != nullptr ? stream.msg : "bad data"));
     const size_t count = out.size() - stream.avail_out;
     made += count;
     if (made > kAnyRatioBytes && made > kMostRatio * file.size())
-      throw Refusal(fmt::format("{} that holds at most {} times its size", kExpected, kMostRatio),
-                    "more");
+      throw Refusal(
+          fmt::format("{} that holds at most {} times its size", kExpectedGzip, kMostRatio),
+          "more");
     send(std::span(out).first(count));
   }
   if (made < most && result != Z_STREAM_END)
-    throw Refusal(fmt::format("{} to its end", kExpected),
+    throw Refusal(fmt::format("{} to its end", kExpectedGzip),
                   fmt::format("one that is cut short after {} bytes of what it holds", made));
 }
 
@@ -78,7 +79,8 @@ bool is_gzip(std::string_view head) { return head.starts_with(kMagic); }
 
 void unpack(const RegularFile& file, const std::function<void(std::string_view)>& take,
             uint64_t most) {
-  const ForeignParser zlib{.library = "zlib", .expected = kExpected, .way_out = "unpack it first"};
+  const ForeignParser zlib{
+      .library = "zlib", .expected = kExpectedGzip, .way_out = "unpack it first"};
   const ForeignLimits limits{.max_file_bytes = uint64_t{64} << 30,
                              .max_memory_bytes = 64 << 20,
                              .memory_per_file_byte = 0,

@@ -13,11 +13,7 @@
 namespace throng {
 namespace {
 
-constexpr const char* kExpected = "a SQLite database of JuPedSim";
-
-[[noreturn]] void refuse(const std::string& expected, const std::string& found) {
-  throw Refusal(expected, found);
-}
+constexpr const char* kExpectedSqlite = "a SQLite database of JuPedSim";
 
 class Statement {
  public:
@@ -49,7 +45,7 @@ class Statement {
 
  private:
   void check(int result) const {
-    if (result != SQLITE_OK) refuse(kExpected, sqlite3_errmsg(database_));
+    if (result != SQLITE_OK) throw Refusal(kExpectedSqlite, sqlite3_errmsg(database_));
   }
 
   sqlite3* database_;
@@ -64,7 +60,7 @@ class Database {
     const int result =
         sqlite3_open_v2(uri.c_str(), &database_,
                         SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
-    if (result != SQLITE_OK) refuse(kExpected, sqlite3_errstr(result));
+    if (result != SQLITE_OK) throw Refusal(kExpectedSqlite, sqlite3_errstr(result));
     for (const char* pragma : {"PRAGMA trusted_schema = OFF", "PRAGMA temp_store = MEMORY"})
       sqlite3_exec(database_, pragma, nullptr, nullptr, nullptr);
   }
@@ -102,7 +98,7 @@ ForeignFacts facts_of(const Database& database, const std::vector<std::string>& 
     double number = 0;
     if (key != "fps" && key != "version") continue;
     if (!parse_number(trimmed(value), number))
-      refuse(fmt::format("a number as {} in the table metadata", key), in_quotes(value));
+      throw Refusal(fmt::format("a number as {} in the table metadata", key), in_quotes(value));
     if (key == "fps") facts.fps = number;
     // A kind is named by it, no more.
     if (key == "version" && number >= 1 && number < 1000)
@@ -124,24 +120,24 @@ ForeignFacts facts_of(const Database& database, const std::vector<std::string>& 
 void expect_number(const Statement& row, int column, bool is_whole, int64_t count) {
   const int type = row.type(column);
   if (type == SQLITE_INTEGER || (type == SQLITE_FLOAT && !is_whole)) return;
-  refuse(fmt::format("a {}number as {} in row {} of trajectory_data", is_whole ? "whole " : "",
-                     row.name(column), count),
-         type == SQLITE_NULL ? "nothing" : in_quotes(row.text(column)));
+  throw Refusal(fmt::format("a {}number as {} in row {} of trajectory_data",
+                            is_whole ? "whole " : "", row.name(column), count),
+                type == SQLITE_NULL ? "nothing" : in_quotes(row.text(column)));
 }
 
-void parse(const RegularFile& file, ForeignSender& sender) {
+void parse_database(const RegularFile& file, ForeignSender& sender) {
   const Database database(file);
   const std::vector<std::string> tables = database.tables();
   if (!has(tables, "trajectory_data") || !has(tables, "metadata"))
-    refuse(
+    throw Refusal(
         "the tables trajectory_data and metadata, as JuPedSim writes them",
         tables.empty() ? "none" : in_quotes(fmt::format("{}", fmt::join(tables, ", "))) + " alone");
   sender.facts(facts_of(database, tables));
   const std::vector<std::string> columns = database.columns("trajectory_data");
   for (const char* column : {"frame", "id", "pos_x", "pos_y"})
     if (!has(columns, column))
-      refuse(fmt::format("a column {} in trajectory_data", column),
-             in_quotes(fmt::format("{}", fmt::join(columns, ", "))));
+      throw Refusal(fmt::format("a column {} in trajectory_data", column),
+                    in_quotes(fmt::format("{}", fmt::join(columns, ", "))));
   const bool has_orientation = has(columns, "ori_x") && has(columns, "ori_y");
   const bool has_motion = !has_orientation && has(tables, "throng_motion");
   std::string sql = "SELECT t.frame, t.id, t.pos_x, t.pos_y";
@@ -178,10 +174,10 @@ class JupedsimSqlite final : public RecordingReader {
     refuse_unfinished(source.file().path());
     const ForeignKind foreign{
         .parser = {.library = "SQLite",
-                   .expected = kExpected,
+                   .expected = kExpectedSqlite,
                    .way_out = "`sqlite3 FILE .recover` may save what is in it"},
         .kind = kind()};
-    read_apart(source, foreign, parse, builder);
+    read_apart(source, foreign, parse_database, builder);
   }
 
  private:

@@ -15,7 +15,7 @@
 namespace throng {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotSaid = std::numeric_limits<float>::quiet_NaN();
 constexpr std::string_view kViswalkColumns = "$PEDESTRIAN:";
 constexpr std::string_view kViswalkFirst = "$VISION";
 
@@ -27,7 +27,7 @@ int decimals_of(std::string_view number) {
 }
 
 /// Lines that say nothing: blank ones, comments, and what Viswalk puts before its columns.
-bool is_silent(std::string_view line) {
+bool says_nothing(std::string_view line) {
   return trimmed(line).empty() || line.starts_with('#') || line.starts_with('*') ||
          (line.starts_with('$') && !line.starts_with(kViswalkColumns));
 }
@@ -58,7 +58,7 @@ class Rows final : public LineTaker {
       : builder_(builder), wanted_(parse_columns_option(builder.options().columns)) {}
 
   void take(std::string_view line, int64_t number) override {
-    if (is_silent(line)) return;
+    if (says_nothing(line)) return;
     if (names_.empty())
       begin(line, number);
     else
@@ -140,7 +140,7 @@ class Rows final : public LineTaker {
     return out;
   }
   float optional(ColumnRole role, int64_t line) const {
-    if (!columns_.has(role) || text(role).empty() || lower(text(role)) == "nan") return kNone;
+    if (!columns_.has(role) || text(role).empty() || lower(text(role)) == "nan") return kNotSaid;
     return static_cast<float>(number(role, line));
   }
 
@@ -191,7 +191,7 @@ class TableText final : public RecordingReader {
       const size_t length = head.find('\n');
       const std::string_view line = trimmed(head.substr(0, length));
       head.remove_prefix(length == std::string_view::npos ? head.size() : length + 1);
-      if (is_silent(line)) continue;
+      if (says_nothing(line)) continue;
       return line.size() < LineCutter::kLongest &&
              columns_by_name(names_of(line, separator_of(names_in(line))), {}, "")
                  .missing()

@@ -10,7 +10,7 @@
 namespace throng::validation {
 namespace {
 
-constexpr double kPatience_s = 300;
+constexpr double kWalkedWithin_s = 300;
 constexpr double kNear_m = 3;
 
 Outcome companions(const Conditions& conditions) {
@@ -18,10 +18,10 @@ Outcome companions(const Conditions& conditions) {
   const uint64_t seed = conditions.seed;
   Outcome outcome;
   const std::vector<Together> places = {
-      stay_together("crossing", crossing_parties_plan(model, seed), kPatience_s, outcome),
-      stay_together("door of 1 m", parties_at_a_door_plan(model, seed), kPatience_s, outcome)};
+      stay_together("crossing", crossing_parties_plan(model, seed), kWalkedWithin_s, outcome),
+      stay_together("door of 1 m", parties_at_a_door_plan(model, seed), kWalkedWithin_s, outcome)};
   const PartyExits exits =
-      leave_together(parties_with_two_exits_plan(model, seed), 2 * kPatience_s, outcome);
+      leave_together(parties_with_two_exits_plan(model, seed), 2 * kWalkedWithin_s, outcome);
   return judged(std::move(outcome), judge_companions(places, exits));
 }
 

@@ -9,7 +9,7 @@ namespace throng::validation {
 namespace {
 
 constexpr uint64_t kEncounters = 1000;
-constexpr double kSeconds = 20;
+constexpr double kEncounter_s = 20;
 
 Outcome encounters(const Conditions& conditions) {
   return judged({}, judge_encounters(meet(kEncounters, conditions)));
@@ -18,7 +18,7 @@ Outcome encounters(const Conditions& conditions) {
 Outcome contacts(const Conditions& conditions) {
   std::vector<LevelContacts> levels;
   for (const char* name : {"plaza", "corridor", "crossing", "rush_hour"}) {
-    const std::vector<LevelContacts> more = contacts_of(name, kSeconds, conditions);
+    const std::vector<LevelContacts> more = contacts_of(name, kEncounter_s, conditions);
     levels.resize(more.size());
     for (size_t i = 0; i < more.size(); ++i) {
       levels[i].contacts += more[i].contacts;

@@ -11,7 +11,7 @@ namespace throng::validation {
 namespace {
 
 constexpr int kAgainst[] = {0, 10, 50, 100};
-constexpr double kPatience_s = 600;
+constexpr double kPassedWithin_s = 600;
 
 struct Crossing {
   double last_s = 0;  ///< when the last of the hundred entered the other room
@@ -28,7 +28,7 @@ Crossing cross(SteeringKind model, int against, uint64_t seed, Outcome& outcome)
   Trial trial(plan);
   Gate east(Gate::Along::kX, 20, 0, 10);
   Gate west(Gate::Along::kX, 10, 0, 10, false);
-  while (trial.step(kPatience_s)) {
+  while (trial.step(kPassedWithin_s)) {
     east.watch(trial);
     west.watch(trial);
   }

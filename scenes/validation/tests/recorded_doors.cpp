@@ -9,8 +9,8 @@
 namespace throng::validation {
 namespace {
 
-constexpr int kPeople = 180;
-constexpr double kPatience_s = 600;
+constexpr int kRecorded = 180;
+constexpr double kEmptiedWithin_s = 600;
 constexpr double kRoom_m = 16;
 constexpr double kNeck_m = 2.8;
 constexpr double kHalf_m = 3;
@@ -40,7 +40,8 @@ Outcome doors(const Conditions& conditions) {
   Outcome outcome;
   std::vector<DoorFlow> flows;
   for (const RecordedDoor& door : recorded_doors())
-    flows.push_back(pass_a_door(door.width_m, kPeople, conditions.model, conditions.seed, outcome));
+    flows.push_back(
+        pass_a_door(door.width_m, kRecorded, conditions.model, conditions.seed, outcome));
   outcome.figures = {figure_of(flows)};
   return judged(std::move(outcome), judge_doors(flows));
 }
@@ -64,7 +65,7 @@ DoorFlow pass_a_door(double width_m, int people, SteeringKind model, uint64_t se
   Trial trial(door_plan(width_m, people, model, seed));
   Gate gate(Gate::Along::kX, kRoom_m, -kHalf_m, kHalf_m);
   Gate out(Gate::Along::kX, kRoom_m + kNeck_m, -kHalf_m, kHalf_m);
-  while (trial.step(kPatience_s)) {
+  while (trial.step(kEmptiedWithin_s)) {
     gate.watch(trial);
     out.watch(trial);
   }

@@ -18,7 +18,7 @@ namespace {
 // the corridor.
 constexpr double kCorridor_y = 5;
 constexpr double kCabin_m = 5;
-constexpr double kLength_m = 18;
+constexpr double kCorridor_m = 18;
 constexpr double kMainFrom_x = 6, kMainTo_x = 7.2;
 constexpr double kCabinDoor_m = 0.9;
 constexpr double kWall_m = Plan::kWall_m;
@@ -51,7 +51,7 @@ Rectangle door_of(const Cabin& cabin) {
 Outcome assigned_exits(const Conditions& conditions) {
   const double main_y = kCorridor_y + 1 + kCabin_m;
   std::vector<Rectangle> open = {
-      {{0, kCorridor_y}, {kLength_m + 2, kCorridor_y + 1}},
+      {{0, kCorridor_y}, {kCorridor_m + 2, kCorridor_y + 1}},
       {{kMainFrom_x, kCorridor_y + 1}, {kMainTo_x, main_y + 2}},
   };
   for (const Cabin& cabin : kCabins) {
@@ -61,12 +61,12 @@ Outcome assigned_exits(const Conditions& conditions) {
   Plan plan = carved("cabins", open, {conditions.model}, conditions.seed);
   for (const Cabin& cabin : kCabins)
     plan.people(cabin.people, inside(cabin),
-                {cabin.by_main
-                     ? Rectangle{{kMainFrom_x, main_y + 1}, {kMainTo_x, main_y + 2}}
-                     : Rectangle{{kLength_m + 1, kCorridor_y}, {kLength_m + 2, kCorridor_y + 1}}});
+                {cabin.by_main ? Rectangle{{kMainFrom_x, main_y + 1}, {kMainTo_x, main_y + 2}}
+                               : Rectangle{{kCorridor_m + 1, kCorridor_y},
+                                           {kCorridor_m + 2, kCorridor_y + 1}}});
   Trial trial(plan);
   Gate main(Gate::Along::kY, main_y, kMainFrom_x, kMainTo_x);
-  Gate secondary(Gate::Along::kX, kLength_m, kCorridor_y, kCorridor_y + 1);
+  Gate secondary(Gate::Along::kX, kCorridor_m, kCorridor_y, kCorridor_y + 1);
   while (trial.step(120)) {
     main.watch(trial);
     secondary.watch(trial);
@@ -91,7 +91,7 @@ Outcome assigned_exits(const Conditions& conditions) {
 constexpr double kWidth_m = 20;
 constexpr double kStart_m = 10;
 constexpr int kRows = 20, kColumns = 25;
-constexpr int kPeople = kRows * kColumns;
+constexpr int kEvacuees = kRows * kColumns;
 
 /// In the last metres below `top_y`.
 void crowd(Plan& plan, double top_y, const Rectangle& exit) {
@@ -143,7 +143,7 @@ Outcome wide_corner(const Conditions& conditions) {
   std::string data, plots;
   const char* const names[] = {"50 m straight on", "round the corner", "81 m straight on"};
   for (size_t i = 0; i < 3; ++i) {
-    everybody = everybody && times[i].size() == kPeople;
+    everybody = everybody && times[i].size() == kEvacuees;
     data += fmt::format("$way{} << EOD\n0 0\n", i);
     for (size_t n = 0; n < times[i].size(); ++n) {
       mean_s[i] += times[i][n] / static_cast<double>(times[i].size());

@@ -9,7 +9,7 @@
 namespace throng::validation {
 namespace {
 
-constexpr double kPatience_s = 300;
+constexpr double kThroughWithin_s = 300;
 
 Outcome spacing(const std::string& id, const Conditions& conditions) {
   Outcome outcome;
@@ -22,7 +22,7 @@ Outcome spacing(const std::string& id, const Conditions& conditions) {
   site.reading.file = conditions.recordings / site.file;
   const auto recording = read_recording(site.reading);
   const auto theirs = recorded_spacing(site.plan.scene, *recording);
-  const auto ours = steered_spacing(with_inflow(site, *recording), kPatience_s, outcome);
+  const auto ours = steered_spacing(with_inflow(site, *recording), kThroughWithin_s, outcome);
   return judged(std::move(outcome), judge_spacing(ours, theirs));
 }
 

@@ -9,7 +9,7 @@
 namespace throng::validation {
 namespace {
 
-constexpr double kLane_m = 0.5;
+constexpr double kStrip_m = 0.5;
 constexpr Oval kRing = {0, 7, 3};
 constexpr int kRingPeople = 80;
 constexpr double kRingBegin_s = 30;
@@ -21,7 +21,7 @@ constexpr int kHallPeople = 600;
 
 void add(std::vector<double>& lanes, double from_inside_m, double seconds) {
   if (from_inside_m < 0) return;
-  const auto lane = static_cast<size_t>(from_inside_m / kLane_m);
+  const auto lane = static_cast<size_t>(from_inside_m / kStrip_m);
   if (lane < lanes.size()) lanes[lane] += seconds;
 }
 
@@ -31,7 +31,7 @@ Figure figure_of(const std::string& id, const std::string& title,
   for (const double lane : lanes) sum += lane;
   std::string data;
   for (size_t i = 0; i < lanes.size(); ++i)
-    data += fmt::format("{:.2f} {:.2f}\n", kLane_m * (static_cast<double>(i) + 0.5),
+    data += fmt::format("{:.2f} {:.2f}\n", kStrip_m * (static_cast<double>(i) + 0.5),
                         sum > 0 ? 100 * lanes[i] / sum : 0);
   return {id, title, "",
           "$data << EOD\n" + data +
@@ -45,7 +45,7 @@ Figure figure_of(const std::string& id, const std::string& title,
 Outcome ring(const Conditions& conditions) {
   Outcome outcome;
   Trial trial(ring_plan(conditions.model, conditions.seed));
-  std::vector<double> lanes(static_cast<size_t>(std::lround(kRing.width_m / kLane_m)), 0);
+  std::vector<double> lanes(static_cast<size_t>(std::lround(kRing.width_m / kStrip_m)), 0);
   while (trial.step(kRingEnd_s)) {
     outcome.wall_crossings += kRing.strays(trial);
     if (trial.now_s() < kRingBegin_s) continue;
@@ -60,7 +60,7 @@ Outcome ring(const Conditions& conditions) {
 Outcome corner(const Conditions& conditions) {
   Outcome outcome;
   Trial trial(corner_plan(conditions.model, conditions.seed));
-  std::vector<double> lanes(static_cast<size_t>(std::lround(kCorner_m / kLane_m)), 0);
+  std::vector<double> lanes(static_cast<size_t>(std::lround(kCorner_m / kStrip_m)), 0);
   while (trial.step(300))
     for (size_t id = 0; id < trial.size(); ++id) {
       const Eigen::Vector2d from_inside = trial.position_m(id) - Eigen::Vector2d(kLeg_m, kCorner_m);

@@ -140,16 +140,16 @@ constexpr AgeRange kAges[] = {{"under 30", Age::kYoung, 0.58, 1.61, 15},
                               {"30 to 50", Age::kMiddleAged, 1.41, 1.54, 15},
                               {"over 50", Age::kElderly, 0.68, 1.41, 14},
                               {"impaired", Age::kImpaired, 0.46, 0.76, 6}};
-constexpr double kLane_m = 4;
+constexpr double kWalkway_m = 4;
 
 /// Speeds of people who walk side by side, 4 m apart, over 20 m; 0 for who did not. Of a walker
 /// only ages and speed count.
 std::vector<double> speeds_of(SteeringKind model, const std::vector<Group>& walkers, uint64_t seed,
                               Outcome& outcome) {
-  const double width_m = kLane_m * static_cast<double>(walkers.size());
+  const double width_m = kWalkway_m * static_cast<double>(walkers.size());
   Plan plan("lanes", {{0, 0}, {40, width_m}}, {model}, seed);
   for (size_t i = 0; i < walkers.size(); ++i) {
-    const double y = kLane_m * (static_cast<double>(i) + 0.5);
+    const double y = kWalkway_m * (static_cast<double>(i) + 0.5);
     // One goal for all, so that one set of ways serves them.
     Group& one = plan.people(1, {{1, y - 0.1}, {1.2, y + 0.1}}, {{{36, 0}, {38, width_m}}});
     one.ages = walkers[i].ages;
