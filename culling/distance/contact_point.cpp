@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "culling/distance/triangle_distance.h"
@@ -46,15 +47,15 @@ Vector3d shared_point(const Triangle& a, const Triangle& b) {
   return 0.5 * (nearest.on_a + nearest.on_b);
 }
 
-/// The nearest to a target first; what lies farther than the best so far is left out.
+/// The nearest to a target first.
 struct NearestFirst {
   struct Rank {
     double a2 = 0, b2 = 0;  ///< squared, to the box of each, in A's unit of length
     double both() const { return std::max(a2, b2); }
   };
-  Vector3d in_a, in_b;  ///< the target in the frame of each
-  double a_from_b2;     ///< squared: B's unit of length in A's
-  const double& best2;
+  Vector3d in_a, in_b;    ///< the target in the frame of each
+  double a_from_b2;       ///< squared: B's unit of length in A's
+  const double& nearer2;  ///< squared: only what is nearer is looked at
 
   Rank with_a(Rank rank, const TriangleBvh::Node& node) const {
     return {squared_to_box(node, in_a), rank.b2};
@@ -62,7 +63,7 @@ struct NearestFirst {
   Rank with_b(Rank rank, const TriangleBvh::Node& node) const {
     return {rank.a2, a_from_b2 * squared_to_box(node, in_b)};
   }
-  bool is_open(Rank rank) const { return rank.both() <= best2; }
+  bool is_open(Rank rank) const { return rank.both() < nearer2; }
   static bool is_before(Rank one, Rank other) { return one.both() < other.both(); }
 };
 
@@ -75,20 +76,22 @@ std::optional<Vector3d> contact_point(const PlacedSurface& a, const PlacedSurfac
   const double ratio = static_cast<double>(b.scale) / static_cast<double>(a.scale);
   const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
   const Vector3d target = linear.inverse() * (near_m - translation(*a.pose));
+  const double worth = kNearer_m / static_cast<double>(a.scale);
   std::optional<Vector3d> best;
-  double best2 = std::numeric_limits<double>::infinity();
+  double best_far = std::numeric_limits<double>::infinity(), nearer2 = best_far;
   const TouchingTriangles triangles(*a.surface, *b.surface, a_from_b, ratio, counters);
   triangles.visit(
       [&](const Triangle& ta, const Triangle& tb) {
         const Vector3d point = shared_point(ta, tb);
-        const double squared = (point - target).squaredNorm();
-        if (squared < best2) {
-          best2 = squared;
+        const double far = (point - target).norm();
+        if (far < best_far) {
           best = point;
+          best_far = far;
+          nearer2 = std::pow(std::max(0.0, far - worth), 2);
         }
         return false;
       },
-      NearestFirst{target, a_from_b.inverse * (target - a_from_b.offset), ratio * ratio, best2});
+      NearestFirst{target, a_from_b.inverse * (target - a_from_b.offset), ratio * ratio, nearer2});
   if (!best) best = piece_inside(*a.surface, *b.surface, a_from_b);
   if (!best) return std::nullopt;
   return linear * *best + translation(*a.pose);

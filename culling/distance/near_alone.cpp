@@ -22,6 +22,7 @@ void NearAlone::run(const BodiesView& bodies, const PoseSource& source, StageCou
   workers_.for_blocks(static_cast<int>(broad.block_count()), [&](int block, int worker) {
     near_.begin(worker, posed_);
     near_.add(worker, broad.block(static_cast<size_t>(block)));
+    near_.bound(worker, static_cast<size_t>(block));
     near_.finish(worker, static_cast<size_t>(block));
   });
   near_.end_frame(counters);

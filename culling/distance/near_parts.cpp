@@ -44,6 +44,11 @@ HullGap gap_of_hulls(const PartPair& pair) {
 double lo_m(const HullGap& gap) { return gap.lo_m * (1 - kShare) - kRounding_m; }
 double hi_m(const HullGap& gap) { return gap.corners_m * (1 + kShare) + kRounding_m; }
 
+bool touches(const PartPair& pair, Touch known, NearCounters& counters) {
+  if (known != Touch::kUnasked) return known == Touch::kYes;
+  return parts_touch(pair, counters.primitives);
+}
+
 }  // namespace
 
 /// All, or, where there are triangles, their corners.
@@ -112,10 +117,11 @@ void narrow_by_hulls(const PartPair& pair, NearCandidate& candidate) {
 NearVerdict NearDecider::decide(const PartPair& pair, const NearCandidate& candidate,
                                 double within_m, NearCounters& counters) {
   ++counters.exact_tests;
+  if (candidate.touch == Touch::kYes) return touching(pair, counters);
   const HullGap hulls = gap_of_hulls(pair);
   const double known_m = std::max(static_cast<double>(candidate.lo_m), lo_m(hulls));
   if (known_m > within_m) return {};
-  if (known_m <= 0 && parts_touch(pair, counters.primitives)) return touching(pair, counters);
+  if (known_m <= 0 && touches(pair, candidate.touch, counters)) return touching(pair, counters);
   const double most_m = std::min({within_m, static_cast<double>(candidate.hi_m), hi_m(hulls)});
   const std::optional<SurfaceGap> gap = surface_gap(
       surface_of(pair.a), surface_of(pair.b), pair.a_to_b_m, most_m,
@@ -132,9 +138,9 @@ NearVerdict NearDecider::decide(const PartPair& pair, const NearCandidate& candi
   return out;
 }
 
-NearVerdict NearDecider::decide_touch(const PartPair& pair, NearCounters& counters) {
+NearVerdict NearDecider::decide_touch(const PartPair& pair, Touch known, NearCounters& counters) {
   ++counters.exact_tests;
-  return parts_touch(pair, counters.primitives) ? touching(pair, counters) : NearVerdict();
+  return touches(pair, known, counters) ? touching(pair, counters) : NearVerdict();
 }
 
 NearVerdict NearDecider::touching(const PartPair& pair, NearCounters& counters) {

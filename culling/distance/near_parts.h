@@ -19,10 +19,14 @@ namespace throng {
 /// Makes what is read here of a type; once, before steps.
 void fit_for_near(const BodyType& type, bool exact);
 
+/// What triangles have said already.
+enum class Touch : uint8_t { kUnasked, kNo, kYes };
+
 /// Two parts that may be near: what is proven of their distance.
 struct NearCandidate {
   float lo_m, hi_m;
   uint8_t part_a, part_b;
+  Touch touch;
   uint16_t parts() const { return static_cast<uint16_t>(PairKey::parts_of(part_a, part_b)); }
 };
 
@@ -88,7 +92,7 @@ class NearDecider {
   NearVerdict decide(const PartPair& pair, const NearCandidate& candidate, double within_m,
                      NearCounters& counters);
   /// Of those that touch alone; all others are not near.
-  NearVerdict decide_touch(const PartPair& pair, NearCounters& counters);
+  NearVerdict decide_touch(const PartPair& pair, Touch known, NearCounters& counters);
 
  private:
   NearVerdict touching(const PartPair& pair, NearCounters& counters);

@@ -74,17 +74,21 @@ void for_pairs(std::span<const Candidate> candidates, const Visit& visit) {
 
 /// Writes those that their volumes do not prove farther apart than `within_m`; returns how many.
 /// There is room for all. No branch: which are near is hard to foretell.
+template <typename TouchOf>
 size_t write_near(const NearParts& parts, size_t first, size_t end, float within_m,
-                  NearCandidate* out) {
+                  NearCandidate* out, const TouchOf& touch_of) {
   const Candidate* const candidates = parts.candidates().data();
   const GapBounds* const bounds = parts.bounds().data();
   size_t count = 0;
   for (size_t i = first; i < end; ++i) {
-    out[count] = {bounds[i].lo_m, bounds[i].hi_m, candidates[i].part_a, candidates[i].part_b};
+    out[count] = {bounds[i].lo_m, bounds[i].hi_m, candidates[i].part_a, candidates[i].part_b,
+                  touch_of(i)};
     count += bounds[i].lo_m <= within_m;
   }
   return count;
 }
+
+Touch unasked(size_t) { return Touch::kUnasked; }
 
 }  // namespace
 
@@ -116,27 +120,37 @@ void NearSearch::add(int worker, std::span<const SlotPair> pairs) {
   parts_[static_cast<size_t>(worker)].add(frame_, pairs);
 }
 
-void NearSearch::finish(int worker, size_t index) {
+void NearSearch::bound(int worker, size_t index) {
   NearParts& parts = parts_[static_cast<size_t>(worker)];
-  Task& task = tasks_[index];
   parts.find_candidates(frame_);
   Stopwatch watch;
   parts.find_bounds(frame_);
+  NearCounters& counters = tasks_[index].counters;
+  counters = {};
+  counters.volume_tests = parts.candidates().size();
+  counters.ns = watch.lap_ns();
+}
+
+void NearSearch::finish(int worker, size_t index, std::span<const uint8_t> touches) {
+  const NearParts& parts = parts_[static_cast<size_t>(worker)];
+  Task& task = tasks_[index];
+  Stopwatch watch;
   task.posed = &parts.posed();
-  task.counters = {};
-  task.counters.volume_tests = parts.candidates().size();
   if (lists_intervals()) {
     list_intervals(parts, task);
   } else {
-    take_candidates(parts, task);
+    take_candidates(parts, touches, task);
     if (!options_.has_deadline()) decide(task);
   }
   // Under a deadline all tasks have the same bodies.
-  if (needs_past() && (!options_.has_deadline() || index == 0))
-    past_.note(index, parts.posed().bodies(), parts.posed().poses(), bodies_, [&](uint16_t type) {
-      return types_[type]->is_static() ? 0 : types_[type]->part_count();
-    });
+  if (needs_past() && (!options_.has_deadline() || index == 0)) note_past(index, parts.posed());
   task.counters.ns += watch.lap_ns();
+}
+
+void NearSearch::note_past(size_t index, const PosedBodies& posed) {
+  past_.note(index, posed.bodies(), posed.poses(), bodies_, [&](uint16_t type) {
+    return types_[type]->is_static() ? 0 : types_[type]->part_count();
+  });
 }
 
 void NearSearch::list_intervals(const NearParts& parts, Task& task) {
@@ -145,7 +159,7 @@ void NearSearch::list_intervals(const NearParts& parts, Task& task) {
   size_t count = 0;
   for_pairs(parts.candidates(), [&](uint32_t pair, size_t first, size_t end) {
     const BodyPair& bodies = parts.pairs()[pair];
-    const size_t near = write_near(parts, first, end, options_.near.near_m, room + count);
+    const size_t near = write_near(parts, first, end, options_.near.near_m, room + count, unasked);
     const size_t left = narrow(bodies, {room + count, near}, task);
     task.intervals.added(left);
     task.intervals.end_run(bodies);
@@ -169,12 +183,17 @@ size_t NearSearch::narrow(const BodyPair& bodies, std::span<NearCandidate> candi
   return static_cast<size_t>(end - candidates.begin());
 }
 
-void NearSearch::take_candidates(const NearParts& parts, Task& task) {
+void NearSearch::take_candidates(const NearParts& parts, std::span<const uint8_t> touches,
+                                 Task& task) {
+  const auto touch_of = [touches](size_t i) {
+    if (touches.empty()) return Touch::kUnasked;
+    return touches[i] ? Touch::kYes : Touch::kNo;
+  };
   task.pair_count = task.candidate_count = 0;
   task.candidates.grow(parts.candidates().size(), 0);
   for_pairs(parts.candidates(), [&](uint32_t of, size_t first, size_t end) {
     NearCandidate* const near = task.candidates.data() + task.candidate_count;
-    const size_t count = write_near(parts, first, end, options_.near.most_m(), near);
+    const size_t count = write_near(parts, first, end, options_.near.most_m(), near, touch_of);
     if (count == 0) return;
     const auto less = [](const NearCandidate& p, const NearCandidate& q) {
       return p.lo_m < q.lo_m;
@@ -278,7 +297,8 @@ void NearSearch::list(const Pair& pair, Task& task) {
 
 NearVerdict NearSearch::verdict_of(const PartPair& parts, const NearCandidate& candidate,
                                    float within_m, Task& task) const {
-  if (!options_.near.is_asked()) return task.decider.decide_touch(parts, task.counters);
+  if (!options_.near.is_asked())
+    return task.decider.decide_touch(parts, candidate.touch, task.counters);
   return task.decider.decide(parts, candidate, static_cast<double>(within_m), task.counters);
 }
 

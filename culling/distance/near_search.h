@@ -28,12 +28,14 @@ class NearSearch {
   /// A frame: begin_frame(), every task once on any worker, end_frame(). Spans returned earlier
   /// become invalid.
   void begin_frame(const PartStageFrame& frame, const BodiesView& bodies, size_t tasks);
-  /// A task: begin() with the posed bodies, add() pairs of their slots, finish(). Under a deadline
-  /// the bodies stay posed until end_frame().
+  /// A task: begin() with the posed bodies, add() pairs of their slots, bound(), finish(). Under a
+  /// deadline the bodies stay posed until end_frame().
   void begin(int worker, const PosedBodies& bodies);
   void add(int worker, std::span<const SlotPair> pairs);
-  void finish(int worker, size_t task);
-  /// Behind finish(), until the next begin().
+  void bound(int worker, size_t task);
+  /// `touches`: of each candidate, where triangles have been asked already; else empty.
+  void finish(int worker, size_t task, std::span<const uint8_t> touches = {});
+  /// Behind bound(), until the next begin().
   const NearParts& parts(int worker) const { return parts_[static_cast<size_t>(worker)]; }
   void end_frame(StageCounters& counters);
   /// Of a frame, over all workers.
@@ -93,9 +95,10 @@ class NearSearch {
   NearVerdict verdict_of(const PartPair& parts, const NearCandidate& candidate, float within_m,
                          Task& task) const;
   void list_intervals(const NearParts& parts, Task& task);
+  void note_past(size_t index, const PosedBodies& posed);
   size_t narrow(const BodyPair& bodies, std::span<NearCandidate> candidates,
                 const Task& task) const;
-  void take_candidates(const NearParts& parts, Task& task);
+  void take_candidates(const NearParts& parts, std::span<const uint8_t> touches, Task& task);
   void plan_budget();
   void decide(Task& task);
   void list(const Pair& pair, Task& task);

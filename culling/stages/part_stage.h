@@ -66,7 +66,11 @@ class PartStage {
   const PartCandidates& parts() const { return parts_; }
   /// One a candidate, after test_parts().
   std::span<const uint8_t> overlaps() const {
-    return {overlaps_.data(), parts_.candidates().size()};
+    return {overlaps_.data(), tested_->candidates().size()};
+  }
+  /// One a candidate, after finish(): what triangles say. Empty where they were not asked.
+  std::span<const uint8_t> touches(const PartStageFrame& frame) const {
+    return frame.exact ? overlaps() : std::span<const uint8_t>();
   }
 
   /// From now on finish() counts by pair of parts, too.

@@ -80,12 +80,14 @@ void Pipeline::refine(const PoseSource& source) {
       if (near_) near_->add(worker, shared_.broad().block(block));
       if (!near_decides_) stage.add(parts, shared_.broad().block(block));
     }
-    if (near_) near_->finish(worker, static_cast<size_t>(index));
+    if (near_) near_->bound(worker, static_cast<size_t>(index));
     if (near_ && near_decides_) {
       const NearParts& near = near_->parts(worker);
       stage.finish(parts, near.parts(), near.overlaps(), task.found);
+      near_->finish(worker, static_cast<size_t>(index), stage.touches(parts));
     } else {
       stage.finish(parts, task.found);
+      if (near_) near_->finish(worker, static_cast<size_t>(index));
     }
     bodies.clear();
   });
