@@ -29,7 +29,8 @@ struct KnownGap {
 };
 
 /// The search ends with two points that are no farther apart than the surfaces by more than this.
-inline constexpr double kEnough_m = 8e-4;
+/// An interval may be 1 mm wide; at 100 m the rounding of frames takes the rest of it.
+inline constexpr double kEnough_m = 8.8e-4;
 
 struct SurfaceGap {
   double lo_m = 0, hi_m = 0;  ///< hold the distance; at most kEnough_m and 1 um apart on a body
