@@ -25,7 +25,7 @@ constexpr uintmax_t kMaxTriBytes = uintmax_t{512} << 20;
 constexpr size_t kMinLineBytes = 6;
 /// The earth is 6.4e6 m in radius: larger coordinates are a lost decimal point, and their products
 /// would leave the range of a float.
-constexpr float kEarthRadii_m = 1e7F;
+constexpr float kMaxTriCoordinate_m = 1e7F;
 std::string things(size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
@@ -81,7 +81,7 @@ std::optional<float> coordinate(std::string_view word) {
       return std::nullopt;
     return 0.0F;
   }
-  if (error != std::errc() || !(std::abs(value) <= kEarthRadii_m)) return std::nullopt;
+  if (error != std::errc() || !(std::abs(value) <= kMaxTriCoordinate_m)) return std::nullopt;
   return value;
 }
 
@@ -170,8 +170,9 @@ void read_vertices(Lines& lines, size_t count, Mesh& mesh) {
     for (size_t k = 0; k < 3; ++k) {
       const auto value = coordinate(words.word[k]);
       if (!value)
-        lines.fail(fmt::format("a coordinate within {:.0e} m", static_cast<double>(kEarthRadii_m)),
-                   in_quotes(words.word[k]));
+        lines.fail(
+            fmt::format("a coordinate within {:.0e} m", static_cast<double>(kMaxTriCoordinate_m)),
+            in_quotes(words.word[k]));
       vertex[static_cast<Eigen::Index>(k)] = *value;
     }
     mesh.vertices.push_back(vertex);

@@ -23,7 +23,7 @@ void NearAlone::run(const BodiesView& bodies, const PoseSource& source, StageCou
     near_.begin(worker, posed_);
     near_.add(worker, broad.block(static_cast<size_t>(block)));
     near_.bound(worker, static_cast<size_t>(block));
-    near_.finish(worker, static_cast<size_t>(block));
+    near_.finish(worker, static_cast<size_t>(block), {});
   });
   near_.end_frame(counters);
   counters.updates = posed_.counters().parts;

@@ -34,7 +34,7 @@ class NearSearch {
   void add(int worker, std::span<const SlotPair> pairs);
   void bound(int worker, size_t task);
   /// `touches`: of each candidate, where triangles have been asked already; else empty.
-  void finish(int worker, size_t task, std::span<const uint8_t> touches = {});
+  void finish(int worker, size_t task, std::span<const uint8_t> touches);
   /// Behind bound(), until the next begin().
   const NearParts& parts(int worker) const { return parts_[static_cast<size_t>(worker)]; }
   void end_frame(StageCounters& counters);

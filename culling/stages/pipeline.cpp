@@ -81,14 +81,15 @@ void Pipeline::refine(const PoseSource& source) {
       if (!near_decides_) stage.add(parts, shared_.broad().block(block));
     }
     if (near_) near_->bound(worker, static_cast<size_t>(index));
+    std::span<const uint8_t> touches;
     if (near_ && near_decides_) {
       const NearParts& near = near_->parts(worker);
       stage.finish(parts, near.parts(), near.overlaps(), task.found);
-      near_->finish(worker, static_cast<size_t>(index), stage.touches(parts));
+      touches = stage.touches(parts);
     } else {
       stage.finish(parts, task.found);
-      if (near_) near_->finish(worker, static_cast<size_t>(index));
     }
+    if (near_) near_->finish(worker, static_cast<size_t>(index), touches);
     bodies.clear();
   });
   for (size_t i = 0; i < stages_.size(); ++i) {
