@@ -26,19 +26,21 @@ endif()
 
 # What a frame does not wait for is compiled without the optimisations that take longest: two thirds of the
 # time, and the same results.
-set(THRONG_COLD $<$<CONFIG:Release>:-O1>)
+if(CMAKE_BUILD_TYPE STREQUAL Release OR CMAKE_CXX_FLAGS MATCHES "-O2")
+  set(THRONG_COLD -O1)
+endif()
 
-# cmake/precompiled.h, compiled once for each optimisation: g++ takes that of the precompiled header,
-# whatever a file asks for.
-function(throng_precompiled name)
+# throng_precompiled(NAME HEADER OPTION...): a header of cmake/, compiled once for each optimisation: g++
+# takes that of the precompiled header, whatever a file asks for.
+function(throng_precompiled name header)
   add_library(${name} STATIC EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
   target_link_libraries(${name} PRIVATE throng_options throng_warnings Eigen3::Eigen fmt::fmt)
-  target_precompile_headers(${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.h)
+  target_precompile_headers(${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${header})
   target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess> ${ARGN})
 endfunction()
 if(THRONG_PCH)
-  throng_precompiled(throng_precompiled)
-  throng_precompiled(throng_precompiled_cold ${THRONG_COLD})
+  throng_precompiled(throng_precompiled precompiled.h)
+  throng_precompiled(throng_precompiled_cold precompiled.h ${THRONG_COLD})
 endif()
 
 # throng_sources_for_several(TARGET VARIABLE): those that are compiled once for each SIMD target, by

@@ -1,1 +1,1 @@
-// Nothing: cmake/precompiled.h is compiled with it.
+// Nothing: a header is precompiled with it.
