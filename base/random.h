@@ -27,6 +27,7 @@ enum class Purpose : uint32_t {
   kCompany = 16,
   kWaiting = 17,
   kStudy = 18,
+  kOwnSide = 19,
 };
 
 /// The names of one stream of numbers.

@@ -160,7 +160,7 @@ void Crowd::start_walking(size_t slot) {
   w.queuing[slot] = 0;
   w.held[slot] = 0;
   w.squeeze[slot] = squeezes_[id];
-  w.urge[slot] = 0;
+  w.urge[slot] = w.eagerness[slot] = 0;
   wish_for(slot, velocities_mps_[id].cast<float>());
 }
 

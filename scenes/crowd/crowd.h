@@ -127,6 +127,7 @@ class Crowd {
   void stretch(size_t slot);
   bool stands(size_t slot) const { return walkers_.way_x[slot] == 0 && walkers_.way_y[slot] == 0; }
   bool stands_among_standing(size_t slot) const;
+  double own_side_m(size_t slot) const;
   Eigen::Vector2d wanted_mps(size_t slot);
   void wish_for(size_t slot, const Eigen::Vector2f& wanted_mps);
   void show(size_t slot);

@@ -126,6 +126,15 @@ double Crowd::strangers_per_m2(size_t slot) const {
   return sum * 3 / (std::numbers::pi * kReach_m * kReach_m);
 }
 
+namespace {
+
+/// 0 up to `from`, 1 from `to` on.
+float share_between(double from, double to, double x) {
+  return static_cast<float>(std::clamp((x - from) / (to - from), 0.0, 1.0));
+}
+
+}  // namespace
+
 /// Returns the longest stall.
 double Crowd::wish(Slots slots) {
   if (!parties_.any()) look_around(slots);
@@ -136,8 +145,10 @@ double Crowd::wish(Slots slots) {
     longest_s = std::max(longest_s, watch_progress(slot));
     wish_for(slot, wanted_mps(slot).cast<float>());
     const double stalled_s = stalled_s_of(slot);
-    w.urge[slot] = static_cast<float>(std::clamp(
-        (stalled_s - tuning::kUrgeFrom_s) / (tuning::kUrgeTo_s - tuning::kUrgeFrom_s), 0.0, 1.0));
+    w.urge[slot] = share_between(tuning::kUrgeFrom_s, tuning::kUrgeTo_s, stalled_s);
+    w.eagerness[slot] =
+        std::max(share_between(tuning::kEagerFrom_s, tuning::kEagerTo_s, stalled_s),
+                 w.eagerness[slot] - static_cast<float>(period_s_ / tuning::kEagerFor_s));
     stretch(slot);
     show(slot);
     find_facing(slot);
@@ -172,6 +183,7 @@ SteeringView Crowd::view() const {
   view.max_speed_mps = slots_.max_speed_mps.data();
   view.horizon_s = slots_.horizon_s.data();
   view.urge = walkers_.urge.data();
+  view.eagerness = walkers_.eagerness.data();
   view.neighbours = slots_.neighbours.data();
   view.neighbour_counts = slots_.neighbour_counts.data();
   view.period_s = static_cast<float>(period_s_);

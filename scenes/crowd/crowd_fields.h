@@ -41,6 +41,7 @@ enum class Saved : uint8_t {
 //   wanted_x_mps, wanted_y_mps
 //   way_x, way_y  where to: a unit vector, or zero
 //   urge          0 to 1: how much others make way
+//   eagerness     0 to 1: how far somebody who was held up closes up to who walks off ahead
 #define THRONG_WALKER_FIELDS(FIELD)                \
   FIELD(Eigen::Vector2d, position_m, kElsewhere)   \
   FIELD(Eigen::Vector2d, velocity_mps, kElsewhere) \
@@ -66,7 +67,8 @@ enum class Saved : uint8_t {
   FIELD(float, wanted_y_mps, kAsPace)              \
   FIELD(float, way_x, kAsPace)                     \
   FIELD(float, way_y, kAsPace)                     \
-  FIELD(float, urge, kAsPart)
+  FIELD(float, urge, kAsPart)                      \
+  FIELD(float, eagerness, kAsPart)
 
 // FIELD(type, name), one value a slot: what follows from a walker, and what a decision works out.
 //   phase            the step of a period in which somebody decides

@@ -9,12 +9,22 @@
 
 namespace throng {
 
+/// How far to the left of the shortest way somebody walks, less than nothing to the right: to a
+/// side of their own, and as far as walls leave room.
+double Crowd::own_side_m(size_t slot) const {
+  const double room_m = walkers_.clearance_m[slot] - tuning::kOwnSideFrom_m;
+  if (room_m <= 0) return 0;
+  const RandomKey key{options_.seed, grid_.order()[slot], 0, Purpose::kOwnSide};
+  return random_uniform(key, -room_m, room_m);
+}
+
 Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   const bool has_companions =
       parties_.has(id) && journeys_.doing(id) != Doing::kQueuing;  // each has a place of their own
   Eigen::Vector2d direction =
-      has_companions ? parties_.alone(id) : journeys_.direction(id, walkers_.position_m[slot]);
+      has_companions ? parties_.alone(id)
+                     : journeys_.direction(id, walkers_.position_m[slot], own_side_m(slot));
   walkers_.facing[slot] = direction;
   const double room = doorkeeper_.has_doors() ? pace(slot, direction) : 1;
   if (has_companions) direction = parties_.way(id);

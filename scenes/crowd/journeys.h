@@ -57,7 +57,9 @@ class Journeys {
   void follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
 
   /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
-  Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m) const;
+  /// Whoever keeps to one side walks as somebody does who is so far to their right.
+  Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m,
+                            double to_left_m = 0) const;
 
   /// The way that somebody who waits will go from here. Zero for those who have none.
   Eigen::Vector2d facing(uint32_t id, const Eigen::Vector2d& position_m) const;

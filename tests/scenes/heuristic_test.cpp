@@ -22,7 +22,7 @@ constexpr float kPeriod_s = 0.1f;
 
 struct Someone {
   Eigen::Vector2f at_m, velocity_mps, wanted_mps;
-  float urge = 0;
+  float urge = 0, eagerness = 0;
 };
 struct Wall {
   Eigen::Vector2f away;
@@ -36,7 +36,7 @@ struct Moment {
 
   std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1) const {
     const size_t count = people.size();
-    std::vector<float> x, y, vx, vy, wx, wy, way_x, way_y, urge;
+    std::vector<float> x, y, vx, vy, wx, wy, way_x, way_y, urge, eagerness;
     for (const Someone& each : people) {
       x.push_back(each.at_m.x());
       y.push_back(each.at_m.y());
@@ -45,6 +45,7 @@ struct Moment {
       wx.push_back(each.wanted_mps.x());
       wy.push_back(each.wanted_mps.y());
       urge.push_back(each.urge);
+      eagerness.push_back(each.eagerness);
       const float length = each.wanted_mps.norm();
       way_x.push_back(length > 0 ? each.wanted_mps.x() / length : 0);
       way_y.push_back(length > 0 ? each.wanted_mps.y() / length : 0);
@@ -83,6 +84,7 @@ struct Moment {
     view.way_y = way_y.data();
     view.max_speed_mps = most.data();
     view.urge = urge.data();
+    view.eagerness = eagerness.data();
     view.neighbours = near.data();
     view.neighbour_counts = counts.data();
     view.wall_x = wall_x.data();
@@ -113,6 +115,7 @@ Moment random_moment(uint64_t seed) {
     each.wanted_mps = polar(uniform(seed, id + 4, 0, 1) < 0.2f ? 0 : kFree_mps,
                             uniform(seed, id + 5, -3.14, 3.14));
     if (uniform(seed, id + 7, 0, 1) < 0.2f) each.urge = uniform(seed, 900 + i, 0, 1);
+    if (uniform(seed, id + 7, 0, 1) < 0.4f) each.eagerness = uniform(seed, 950 + i, 0, 1);
     // Some stand in one place.
     if (i > 0 && uniform(seed, id + 6, 0, 1) < 0.05f) each.at_m = moment.people.back().at_m;
     moment.people.push_back(each);
@@ -177,7 +180,8 @@ TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
     const auto turned = [](const Eigen::Vector2f& v) { return Eigen::Vector2f(-v.y(), v.x()); };
     Moment quarter = moment;
     for (Someone& each : quarter.people)
-      each = {turned(each.at_m), turned(each.velocity_mps), turned(each.wanted_mps), each.urge};
+      each = {turned(each.at_m), turned(each.velocity_mps), turned(each.wanted_mps), each.urge,
+              each.eagerness};
     for (Wall& wall : quarter.walls) wall.away = turned(wall.away);
     bool one_place = false;  // two in one place part along x
     for (size_t i = 1; i < moment.people.size(); ++i)
@@ -186,6 +190,27 @@ TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
     EXPECT_LE((quarter.decide().front() - turned(moment.decide().front())).norm(), 1e-3f)
         << "seed " << seed;
   }
+}
+
+/// How fast somebody who stands sets out behind one so far ahead who walks off at 0.1 m/s.
+float sets_out_mps(float ahead_m, float eagerness) {
+  const Eigen::Vector2f wanted(kFree_mps, 0);
+  // Walls to both sides leave no way past.
+  const Moment moment{{{{0, 0}, {0, 0}, wanted, 0, eagerness}, {{ahead_m, 0}, {0.1f, 0}, wanted}},
+                      {{{0, 1}, 0.03f}, {{0, -1}, 0.03f}}};
+  return moment.decide().front().x();
+}
+
+TEST(Heuristic, WhoeverIsEagerFollowsMoreCloselySomebodyWhoWalksOff) {
+  const float calm_mps = sets_out_mps(0.6f, 0), eager_mps = sets_out_mps(0.6f, 1);
+  EXPECT_GT(calm_mps, 0);
+  EXPECT_GT(eager_mps, 1.3f * calm_mps);
+  EXPECT_LE(sets_out_mps(0.6f, 0.5f), eager_mps);
+  EXPECT_GE(sets_out_mps(0.6f, 0.5f), calm_mps);
+}
+
+TEST(Heuristic, NobodyHurriesAfterSomebodyTheyAllButTouch) {
+  EXPECT_EQ(sets_out_mps(0.3f, 1), sets_out_mps(0.3f, 0));
 }
 
 TEST(Heuristic, BehindSomebodyWhoStandsInANarrowWayPeopleStop) {

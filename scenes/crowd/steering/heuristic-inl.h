@@ -7,13 +7,17 @@ constexpr float kRadius_m = 0.22f;
 struct Tuning {
   // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
   // way; at stand_m people stand, from about room_m more on they walk freely.
-  float stand_m = 0.64f;
+  float stand_m = 0.65f;
   float shoulders_m = 0.30f;
   float room_m = 0.85f;
   /// Oncoming people pass each other with a shoulder turned.
   float passing_m = 0.12f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
   float ahead_s = 3;
+  // Those who are eager count on more, by how much faster the other is and by its square, so that
+  // what comes and goes in a queue counts little: nothing if bodies are all but at touching_m, all
+  // of it from follows_m on.
+  float eager_s = 5, eager_s2pm = 90, touching_m = 0.3f, follows_m = 0.5f;
   // Nearer than blocked_m to somebody a way is blocked, farther off than clear_m it is free. In the
   // open, and by those who go the same way, people are passed so much farther off; it is open where
   // the sixth nearest is at open_m, and dense where it is at dense_m.
@@ -24,7 +28,7 @@ struct Tuning {
   float wall_m = 0.24f;
   // Nobody comes nearer than bodies do, within so long: both give way by half (see avoid()). They
   // are wider than deep. Where it is dense shoulders turn: bodies are narrower by this share.
-  float wide_m = 0.46f, deep_m = 0.31f, body_s = 0.48f, turned = 0.15f;
+  float wide_m = 0.445f, deep_m = 0.31f, body_s = 0.48f, turned = 0.15f;
   // Of those who get nowhere, and of those whom they meet, bodies become narrower by up to the
   // first share, and the room that they are passed with by up to the second.
   float squeeze = 0.45f, squeeze_room = 0.24f;
@@ -88,8 +92,10 @@ constexpr Turns kTurns = [] {
 
 float square(float x) { return x * x; }
 
-/// x / (1 + x^4)^(1/4): x where it is small, 1 where it is large.
-float saturated(float x) { return x / std::sqrt(std::sqrt(1 + square(square(x)))); }
+/// x / (1 + x^8)^(1/8): x where it is small, 1 where it is large.
+float saturated(float x) {
+  return x / std::sqrt(std::sqrt(std::sqrt(1 + square(square(square(x))))));
+}
 
 /// The direction in the middle of two, of which the second counts by its length.
 Eigen::Vector2f between(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
@@ -279,6 +285,14 @@ class Decision {
     return std::clamp((cosine - kSameWay) / (kAlong - kSameWay), 0.0f, 1.0f);
   }
 
+  /// How much longer a gap is taken to be to somebody so far ahead who is so much faster.
+  float growth_m(float ahead_m, float faster_mps) const {
+    const float follows = std::clamp(
+        (ahead_m - kTuning.touching_m) / (kTuning.follows_m - kTuning.touching_m), 0.0f, 1.0f);
+    const float eager_s = kTuning.eager_s + kTuning.eager_s2pm * faster_mps;
+    return (kTuning.ahead_s + p_.eagerness[slot_] * follows * eager_s) * faster_mps;
+  }
+
   /// Whoever goes the same way is ahead or aside as seen along the mean of both ways: two who come
   /// to a door from its sides walk through it beside each other.
   float speed_on(const Eigen::Vector2f& way) const {
@@ -297,8 +311,9 @@ class Decision {
       // Of two who are ahead of one another, the one that has the other more ahead waits.
       if (same == 0 && -(o.x_m * o.way_x + o.y_m * o.way_y) > ahead_m) continue;
       const float round = std::sqrt(std::sqrt(1 - square(square(aside_m / shoulders_m))));
-      gap_m = std::min(gap_m, ahead_m - kTuning.stand_m * o.size * round +
-                                  kTuning.ahead_s * std::max(other_mps - speed_mps_, 0.0f));
+      gap_m =
+          std::min(gap_m, ahead_m - kTuning.stand_m * o.size * round +
+                              growth_m(ahead_m / o.size, std::max(other_mps - speed_mps_, 0.0f)));
     }
     return wanted_mps_ * saturated(std::max(gap_m, 0.0f) / kTuning.room_m);
   }

@@ -29,6 +29,7 @@ struct SteeringView {
   const float* max_speed_mps = nullptr;
   const float* horizon_s = nullptr;      ///< no collision for so long
   const float* urge = nullptr;           ///< 0 to 1: others make way for who has more of it
+  const float* eagerness = nullptr;      ///< 0 to 1: how much one hurries after who walks off ahead
   const uint32_t* neighbours = nullptr;  ///< NeighbourGrid::kMost a slot, nearest first
   const uint8_t* neighbour_counts = nullptr;
 
