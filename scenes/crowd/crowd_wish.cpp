@@ -13,7 +13,7 @@ namespace throng {
 /// side of their own, and as far as walls leave room.
 double Crowd::own_side_m(size_t slot) const {
   const double room_m = walkers_.clearance_m[slot] - tuning::kOwnSideFrom_m;
-  if (room_m <= 0) return 0;
+  if (!traits_.keeps_sides || room_m <= 0) return 0;
   const RandomKey key{options_.seed, grid_.order()[slot], 0, Purpose::kOwnSide};
   return random_uniform(key, -room_m, room_m);
 }

@@ -57,7 +57,8 @@ class Journeys {
   void follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
 
   /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
-  /// Whoever keeps to one side walks as somebody does who is so far to their right.
+  /// Whoever keeps `to_left_m` off the shortest way walks as somebody does who is so far to their
+  /// right.
   Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m,
                             double to_left_m = 0) const;
 

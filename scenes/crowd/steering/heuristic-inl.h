@@ -45,7 +45,7 @@ struct Tuning {
   // And to the right, so fast where so many come towards them: each way has its own side then.
   float side_mps = 0.3f, oncoming = 3;
   /// Times to take up a velocity, and the most that it changes.
-  float speed_up_s = 0.16f, slow_down_s = 0.35f, most_mps2 = 3.5f;
+  float speed_up_s = 0.19f, slow_down_s = 0.35f, most_mps2 = 3.5f;
 };
 constexpr Tuning kTuning;
 

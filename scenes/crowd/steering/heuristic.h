@@ -12,7 +12,7 @@ namespace throng {
 
 /// Bodies turn and give way: centres come nearer to each other than discs allow.
 inline constexpr SteeringTraits kHeuristicTraits{
-    .keeps_gap = true, .eases = true, .is_nudged = false, .core = 0.65f};
+    .keeps_gap = true, .eases = true, .is_nudged = false, .keeps_sides = true, .core = 0.65f};
 
 /// The definition.
 void decide_heuristic_scalar(const SteeringView& people, std::span<const uint32_t> slots,

@@ -55,6 +55,8 @@ struct SteeringTraits {
   /// People who are stuck try ways past at random, and show others the velocity that they want
   /// instead of their own; otherwise the model gets them out by itself.
   bool is_nudged = true;
+  /// People walk on a side of their own of the shortest way, as far as walls leave room.
+  bool keeps_sides = false;
   /// Discs that overlap by more than this share of their radii leaves room for are pushed apart: 1
   /// for people who keep all of them clear.
   float core = 1;
