@@ -205,8 +205,9 @@ TEST(Heuristic, WhoeverIsEagerFollowsMoreCloselySomebodyWhoWalksOff) {
   const float calm_mps = sets_out_mps(0.6f, 0), eager_mps = sets_out_mps(0.6f, 1);
   EXPECT_GT(calm_mps, 0);
   EXPECT_GT(eager_mps, 1.3f * calm_mps);
-  EXPECT_LE(sets_out_mps(0.6f, 0.5f), eager_mps);
-  EXPECT_GE(sets_out_mps(0.6f, 0.5f), calm_mps);
+  const float between_mps = sets_out_mps(0.6f, 0.05f);
+  EXPECT_GT(between_mps, calm_mps);
+  EXPECT_LT(between_mps, eager_mps);
 }
 
 TEST(Heuristic, NobodyHurriesAfterSomebodyTheyAllButTouch) {
