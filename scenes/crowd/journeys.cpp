@@ -212,12 +212,12 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
   if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
   if (!is_inside(id, position_m)) {
     const FlowField& field = this->field(id);
-    const Eigen::Vector2d way = field.direction(position_m);
+    Eigen::Vector2d way = field.direction(position_m);
     if (to_left_m != 0) {
       const double most_m = tuning::kOwnSideShare * field.distance_m(position_m);
       const Eigen::Vector2d right(way.y(), -way.x());
       const Eigen::Vector2d beside_m = position_m + std::clamp(to_left_m, -most_m, most_m) * right;
-      const Eigen::Vector2d own = field.direction(beside_m);
+      Eigen::Vector2d own = field.direction(beside_m);
       if (own.dot(way) > 0) return own;
     }
     if (way.squaredNorm() > 0) return way;
