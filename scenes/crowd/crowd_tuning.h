@@ -79,18 +79,18 @@ inline constexpr double kStuck_s = 1.5;
 /// Others begin to make way for who has been stuck so long, and do all the way after so long.
 inline constexpr double kUrgeFrom_s = 0.5;
 inline constexpr double kUrgeTo_s = 3.5;
-/// Whoever was held up for so long begins to follow more closely those who walk off ahead, does so
-/// wholly after so long, and no more once it has walked for the third. Doors carry 60 % more people
-/// than a single file at its best: one headway for both there is not.
-inline constexpr double kEagerFrom_s = 2.0;
-inline constexpr double kEagerTo_s = 5.0;
-inline constexpr double kEagerFor_s = 15.0;
 /// How far the velocity that such a one shows to others goes over to the one wanted.
 inline constexpr double kShownIntent = 0.85;
 /// The horizon of somebody stuck: one who looks less far ahead takes gaps that others leave.
 inline constexpr double kStuckHorizon_s = 0.5;
 /// How far to a side such a try goes, at most, as a multiple of the way ahead.
 inline constexpr double kSidestep = 2.0;
+/// Whoever was held up for so long begins to follow more closely those who walk off ahead, does so
+/// wholly after so long, and no more once it has walked for the third. Doors carry 60 % more people
+/// than a single file at its best: one headway for both there is not.
+inline constexpr double kEagerFrom_s = 2.0;
+inline constexpr double kEagerTo_s = 5.0;
+inline constexpr double kEagerFor_s = 15.0;
 /// A target counts as reached within this; after so long in the goal's area, anyhow.
 inline constexpr double kArrival_m = 0.7;
 inline constexpr double kPatience_s = 3.0;
