@@ -28,6 +28,7 @@ enum class Purpose : uint32_t {
   kWaiting = 17,
   kStudy = 18,
   kOwnSide = 19,
+  kDetour = 20,
 };
 
 /// The names of one stream of numbers.

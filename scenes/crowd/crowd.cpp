@@ -36,7 +36,8 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       options_(options),
       model_(make_steering_model(options.steering.model, options.simd)),
       traits_(model_->traits()),
-      journeys_(ways, people, options.seed),
+      detours_(ways, workers),
+      journeys_(ways, detours_, people, options.seed),
       traffic_(ways, people, options.seed),
       occasions_(ways, people),
       doorkeeper_(ways, radii_of(people), workers),
@@ -176,8 +177,8 @@ void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
 }
 
 void Crowd::archive(Archive& a) {
-  a(steps_, positions_m_, headings_, walked_m_, journeys_, traffic_, occasions_, doorkeeper_,
-    exits_, parties_, counters_);
+  a(steps_, positions_m_, headings_, walked_m_, detours_, journeys_, traffic_, occasions_,
+    doorkeeper_, exits_, parties_, counters_);
   queues_.archive(a, journeys_);
   grid_.archive(a);
   if (a.is_reading()) {

@@ -17,6 +17,7 @@
 #include "base/workers.h"
 #include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/crowd_fields.h"
+#include "scenes/crowd/detours.h"
 #include "scenes/crowd/doorkeeper.h"
 #include "scenes/crowd/exits.h"
 #include "scenes/crowd/journeys.h"
@@ -183,6 +184,7 @@ class Crowd {
   std::vector<float> looks_rad_;
   std::vector<double> walked_m_;
 
+  Detours detours_;
   Journeys journeys_;
   Traffic traffic_;
   Occasions occasions_;

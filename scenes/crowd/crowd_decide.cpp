@@ -19,6 +19,15 @@ void Crowd::decide() {
 void Crowd::begin_period() {
   change_people();
   seat_people();
+  detours_.update(
+      static_cast<uint64_t>(steps_ / steps_a_period_), grid_.order().size(),
+      [this](size_t slot) {
+        constexpr double kLeast_mps = 0.1;  // of those who are led
+        return Detours::Walker{
+            walkers_.position_m[slot],
+            walkers_.velocity_mps[slot] / std::max(walkers_.free_speed_mps[slot], kLeast_mps)};
+      },
+      workers_);
 }
 
 /// Those of a phase look around, wish, choose and are kept out of each other.

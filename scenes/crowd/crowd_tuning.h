@@ -101,6 +101,19 @@ inline constexpr double kPatience_s = 3.0;
 inline constexpr double kOwnSideFrom_m = 1.0;
 inline constexpr double kOwnSideShare = 0.2;
 
+/// Ways bend round where a crowd is slow: where it is denser than the first, and all the more up to
+/// the second, a metre counts longer by the share of the free speed at which people get on along
+/// the way, but none is taken for slower than the third. Who stands in such a crowd bends less and
+/// less: at full density people follow the way as it is, or they would swing before a door and mix
+/// two streams. What is seen once a second counts by so much, the rest is what was seen before.
+/// People mind the delay by a factor of their own between the last two.
+inline constexpr double kSlowFrom_per_m2 = 0.7;
+inline constexpr double kSlowTo_per_m2 = 1.5;
+inline constexpr double kSlowest = 0.15;
+inline constexpr double kCrowdingNew = 0.3;
+inline constexpr double kLeastMinded = 0.5;
+inline constexpr double kMostMinded = 1.5;
+
 /// Of several exits people take the one where they expect to be through first, and look again once
 /// a second, some at each decision. They change to another if it is better by this share of the
 /// time and by their own patience besides: what they see of a queue is rough, and an exit that

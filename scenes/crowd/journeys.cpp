@@ -28,8 +28,9 @@ constexpr double kInTheWay_m = 1;
 
 }  // namespace
 
-Journeys::Journeys(const Ways& ways, std::span<const Person> people, uint64_t seed)
-    : ways_(ways), seed_(seed) {
+Journeys::Journeys(const Ways& ways, const Detours& detours, std::span<const Person> people,
+                   uint64_t seed)
+    : ways_(ways), detours_(detours), seed_(seed) {
   for (const Person& person : people) {
     groups_.push_back(person.group);
     delays_s_.push_back(person.delay_s);
@@ -218,13 +219,25 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
       const Eigen::Vector2d right(way.y(), -way.x());
       const Eigen::Vector2d beside_m = position_m + std::clamp(to_left_m, -most_m, most_m) * right;
       Eigen::Vector2d own = field.direction(beside_m);
-      if (own.dot(way) > 0) return own;
+      if (own.dot(way) > 0) return bend(id, position_m, own);
     }
-    if (way.squaredNorm() > 0) return way;
+    if (way.squaredNorm() > 0) return bend(id, position_m, way);
   }
   const Eigen::Vector2d way = targets_m_[id] - position_m;
   const double length_m = way.norm();
   return length_m > 0 ? Eigen::Vector2d(way / length_m) : Eigen::Vector2d::Zero();
+}
+
+/// Round where a crowd is slow, each as much as they mind.
+Eigen::Vector2d Journeys::bend(uint32_t id, const Eigen::Vector2d& position_m,
+                               const Eigen::Vector2d& along) const {
+  const Stop& to = stop(id);
+  if (to.queue) return along;
+  const size_t way = exits_[id] < kOpen ? ways_.exits()[exits_[id]].way : to.way;
+  if (!detours_.is_bent(way)) return along;
+  const RandomKey key{seed_, id, 0, Purpose::kDetour};
+  return detours_.bend(way, position_m, along,
+                       random_uniform(key, tuning::kLeastMinded, tuning::kMostMinded));
 }
 
 Eigen::Vector2d Journeys::facing(uint32_t id, const Eigen::Vector2d& position_m) const {

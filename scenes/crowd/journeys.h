@@ -11,6 +11,7 @@
 
 #include "base/files/archive.h"
 #include "scenes/crowd/crowd_counters.h"
+#include "scenes/crowd/detours.h"
 #include "scenes/crowd/spawn.h"
 #include "scenes/ways/ways.h"
 
@@ -29,9 +30,9 @@ enum class Doing : uint8_t {
 
 class Journeys {
  public:
-  /// Keeps a reference to `ways`. Those with an entrance are outside until enter(); the others
-  /// begin at time 0.
-  Journeys(const Ways& ways, std::span<const Person> people, uint64_t seed);
+  /// Keeps references to `ways` and `detours`. Those with an entrance are outside until enter();
+  /// the others begin at time 0.
+  Journeys(const Ways& ways, const Detours& detours, std::span<const Person> people, uint64_t seed);
 
   /// Everything that follow() may have changed.
   void archive(Archive& a);
@@ -123,9 +124,12 @@ class Journeys {
   bool is_inside(uint32_t id, const Eigen::Vector2d& position_m) const;
   double draw_wait_s(uint32_t id) const;
   const FlowField& queue_field(uint32_t id) const;
+  Eigen::Vector2d bend(uint32_t id, const Eigen::Vector2d& position_m,
+                       const Eigen::Vector2d& along) const;
   void choose_target(uint32_t id, const Eigen::Vector2d& position_m);
 
   const Ways& ways_;
+  const Detours& detours_;
   uint64_t seed_;
   // By person.
   std::vector<uint32_t> groups_;

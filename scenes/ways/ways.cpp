@@ -59,6 +59,7 @@ Ways::Ways(const Scene& scene, Workers& workers) : walkable_(scene), grid_(walka
       Stop& stop = route.emplace_back();
       stop = {goal,
               fields_[at].get(),
+              at,
               pieces_of(*nav_mesh_, goal),
               first_exits_[at],
               first_exits_[at + 1] - first_exits_[at],
@@ -173,7 +174,7 @@ void Ways::find_exits(Workers& workers) {
                                      : doorways_before(grid_, FlowField(grid_, goals_[goal]));
   });
   const auto add = [&](size_t goal, double width_m, std::vector<size_t> cells) {
-    exits_.push_back({nullptr, width_m});
+    exits_.push_back({nullptr, fields_.size() + exits_.size(), width_m});
     goal_of_exit_.push_back(goal);
     doorways_.push_back(std::move(cells));
   };
@@ -287,7 +288,9 @@ void Ways::set_doors(std::span<const DoorState> doors, Workers& workers) {
   if (!changes_ways && !differs_in(DoorState::kShut)) return;
   doors_.assign(doors.begin(), doors.end());
   show_doors();
-  if (changes_ways) build_fields(workers);
+  if (!changes_ways) return;
+  ++revision_;
+  build_fields(workers);
 }
 
 bool Ways::leads(const Stop& stop, const Eigen::Vector2d& point) const {

@@ -26,6 +26,7 @@ struct Exit {
   /// Leads through no other doorway; to an area, past no other one if that can be helped, as
   /// whoever is there would leave by it: a way as near as kPast_m to another counts longer.
   const FlowField* field = nullptr;
+  size_t way = 0;      ///< the field's number, of Ways::way()
   double width_m = 0;  ///< of the doorway about, or the area's longer side
 
   static constexpr double kPast_m = 3;
@@ -35,6 +36,7 @@ struct Exit {
 struct Stop {
   Goal goal;
   const FlowField* field = nullptr;
+  size_t way = 0;           ///< the field's number, of Ways::way()
   std::vector<int> pieces;  ///< of the navigation mesh, that the goal lies on
   /// Which of Ways::exits() are this goal's: none, or several.
   uint32_t first_exit = 0;
@@ -78,11 +80,19 @@ class Ways {
   Ways& operator=(const Ways&) = delete;
 
   const Walkable& walkable() const { return walkable_; }
+  const FlowGrid& grid() const { return grid_; }
   size_t groups() const { return routes_.size(); }
   /// The goals of a group, in order; at least one.
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
   /// Goal by goal.
   const std::vector<Exit>& exits() const { return exits_; }
+  /// The fields of all goals and exits, which keep their numbers; those of queues have none.
+  size_t way_count() const { return fields_.size() + exit_fields_.size(); }
+  const FlowField& way(size_t number) const {
+    return number < fields_.size() ? *fields_[number] : *exit_fields_[number - fields_.size()];
+  }
+  /// Another one once doors have moved and fields with them.
+  uint64_t revision() const { return revision_; }
   /// Of goals that people come into one after another, each once: groups often share them.
   const std::vector<QueueWays>& queues() const { return queues_; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
@@ -145,6 +155,7 @@ class Ways {
   std::vector<DoorState> doors_;
   std::vector<std::vector<size_t>> door_cells_;  ///< that nobody gets past who does not step on one
   std::vector<uint8_t> closed_;                  ///< by cell; empty: no door is closed
+  uint64_t revision_ = 0;
 };
 
 }  // namespace throng

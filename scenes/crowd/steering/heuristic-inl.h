@@ -11,7 +11,7 @@ struct Tuning {
   float shoulders_m = 0.30f;
   float room_m = 0.85f;
   /// Oncoming people pass each other with a shoulder turned.
-  float passing_m = 0.12f;
+  float passing_m = 0.27f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
   float ahead_s = 3;
   // Those who are eager count on more, by how much faster the other is and by its square, so that

@@ -1,0 +1,322 @@
+#include "scenes/crowd/detours.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "scenes/crowd/crowd_tuning.h"
+
+namespace throng {
+namespace {
+
+constexpr double kFinest_m = 2;
+/// A way of that many cells takes two milliseconds.
+constexpr int kMostCells = 1 << 14;
+constexpr float kNoWay_m = std::numeric_limits<float>::infinity();
+/// Cells of a flow field whose distances differ by more have a closed door between them.
+constexpr float kJump_m = static_cast<float>(FlowField::kClosed_m) / 2;
+/// A way that is bent keeps at least this share of its own direction.
+constexpr double kKeeps = 0.15;
+
+/// As FlowField's: the upwind scheme's quadratic.
+float eikonal(float x, float y, float step_m) {
+  const float low = std::min(x, y), gap = std::max(x, y) - low;
+  if (gap >= step_m) return low + step_m;
+  return low + 0.5f * (gap + std::sqrt(2 * step_m * step_m - gap * gap));
+}
+
+}  // namespace
+
+Detours::Detours(const Ways& ways, Workers& workers)
+    : all_(ways), marches_(static_cast<size_t>(workers.threads())) {
+  const FlowGrid& grid = ways.grid();
+  merged_ = std::max(1, static_cast<int>(std::lround(kFinest_m / grid.cell_m())));
+  const auto merged = [&](int cells) { return (cells + merged_ - 1) / merged_; };
+  while (merged(grid.columns()) * merged(grid.rows()) > kMostCells) ++merged_;
+  columns_ = merged(grid.columns());
+  rows_ = merged(grid.rows());
+  cell_m_ = merged_ * grid.cell_m();
+  const auto cells = static_cast<size_t>(columns_) * static_cast<size_t>(rows_);
+  room_m2_.resize(cells);
+  for (size_t cell = 0; cell < grid.cell_count(); ++cell) {
+    const auto columns = static_cast<size_t>(grid.columns());
+    if (grid.is_free(cell))
+      room_m2_[coarse_of(static_cast<int>(cell % columns), static_cast<int>(cell / columns))] +=
+          static_cast<float>(grid.cell_m() * grid.cell_m());
+  }
+  counted_.resize(cells);
+  people_.resize(cells);
+  counted_paces_.assign(cells, Eigen::Vector2f::Zero());
+  paces_ = counted_paces_;
+  dense_.resize(cells);
+  ways_.resize(ways.way_count());
+  for (BentWay& way : ways_) {
+    way.links.resize(cells);
+    way.free_m.resize(cells);
+    way.along.resize(cells);
+    way.slopes.assign(cells, Eigen::Vector2f::Zero());
+  }
+  for (March& march : marches_) {
+    march.distance_m.resize(cells);
+    march.queue.reserve(4 * cells);  // each cell once from each side
+  }
+  find_cells(workers);
+}
+
+void Detours::archive(Archive& a) {
+  a(people_, paces_);
+  for (BentWay& way : ways_) {
+    a(way.is_bent);
+    if (way.is_bent != 0) a(way.slopes);
+  }
+  if (!a.is_reading()) return;
+  find_dense();
+  // Written so that NaN is refused, too.
+  for (const float people : people_)
+    if (!(people >= 0 && people < kNoWay_m)) a.refuse("so many people in a cell", "others");
+  for (const Eigen::Vector2f& pace : paces_)
+    if (!(pace.norm() < kNoWay_m)) a.refuse("how fast people get on", "another");
+  for (const BentWay& way : ways_)
+    for (const Eigen::Vector2f& slope : way.slopes)
+      if (!(slope.norm() < kNoWay_m)) a.refuse("the slope of a delay", "another");
+}
+
+size_t Detours::coarse_of(int column, int row) const {
+  return static_cast<size_t>(row / merged_) * static_cast<size_t>(columns_) +
+         static_cast<size_t>(column / merged_);
+}
+
+void Detours::clear_counts() {
+  std::fill(counted_.begin(), counted_.end(), 0.0f);
+  std::fill(counted_paces_.begin(), counted_paces_.end(), Eigen::Vector2f::Zero());
+}
+
+Detours::Patch Detours::patch_at(const Eigen::Vector2d& place_m) const {
+  const Eigen::Vector2d at = (place_m - all_.grid().origin_m()) / cell_m_;
+  const double x = std::clamp(at.x() - 0.5, 0.0, static_cast<double>(columns_ - 1));
+  const double y = std::clamp(at.y() - 0.5, 0.0, static_cast<double>(rows_ - 1));
+  const auto column = static_cast<size_t>(x), row = static_cast<size_t>(y);
+  const auto columns = static_cast<size_t>(columns_);
+  return {row * columns + column, column + 1 < columns ? size_t{1} : 0,
+          row + 1 < static_cast<size_t>(rows_) ? columns : 0,
+          static_cast<float>(x - static_cast<double>(column)),
+          static_cast<float>(y - static_cast<double>(row))};
+}
+
+/// Shared out among the four cells around, of which those with room take part.
+void Detours::count(const Walker& walker) {
+  const Patch p = patch_at(walker.place_m);
+  const size_t cells[] = {p.cell, p.cell + p.right, p.cell + p.above, p.cell + p.above + p.right};
+  float shares[] = {(1 - p.fx) * (1 - p.fy), p.fx * (1 - p.fy), (1 - p.fx) * p.fy, p.fx * p.fy};
+  float sum = 0;
+  for (int i = 0; i < 4; ++i) sum += shares[i] *= room_m2_[cells[i]];
+  if (!(sum > 0)) return;
+  const Eigen::Vector2f pace = walker.pace.cast<float>();
+  for (int i = 0; i < 4; ++i) {
+    counted_[cells[i]] += shares[i] / sum;
+    counted_paces_[cells[i]] += shares[i] / sum * pace;
+  }
+}
+
+void Detours::take_counts() {
+  constexpr auto share = static_cast<float>(tuning::kCrowdingNew);
+  for (size_t cell = 0; cell < cell_count(); ++cell) {
+    people_[cell] += share * (counted_[cell] - people_[cell]);
+    paces_[cell] += share * (counted_paces_[cell] - paces_[cell]);
+  }
+  find_dense();
+}
+
+void Detours::find_dense() {
+  constexpr auto from = static_cast<float>(tuning::kSlowFrom_per_m2);
+  constexpr auto to = static_cast<float>(tuning::kSlowTo_per_m2);
+  is_dense_ = false;
+  for (size_t cell = 0; cell < cell_count(); ++cell) {
+    dense_[cell] = 0;
+    if (!(people_[cell] > from * room_m2_[cell])) continue;
+    dense_[cell] = std::min((people_[cell] / room_m2_[cell] - from) / (to - from), 1.0f);
+    is_dense_ = true;
+  }
+}
+
+/// How much longer than in the open a metre of a way takes: those who come towards one are as bad
+/// as those who stand, and those who walk along as fast as they want do not count.
+float Detours::slowness(const BentWay& way, size_t cell) const {
+  if (dense_[cell] == 0) return 1;
+  const float pace = way.along[cell].dot(paces_[cell]) / people_[cell];
+  return 1 + dense_[cell] * (1 / std::clamp(pace, static_cast<float>(tuning::kSlowest), 1.0f) - 1);
+}
+
+void Detours::update_ways(uint64_t turn, Workers& workers) {
+  if (revision_ != all_.revision()) find_cells(workers);
+  const auto due = (ways_.size() + kRound - 1 - turn) / kRound;
+  workers.for_blocks(static_cast<int>(due), [&](int block, int worker) {
+    find_slopes(turn + kRound * static_cast<size_t>(block), marches_[static_cast<size_t>(worker)]);
+  });
+}
+
+/// Anew once doors have opened or closed.
+void Detours::find_cells(Workers& workers) {
+  revision_ = all_.revision();
+  workers.for_blocks(static_cast<int>(ways_.size()), [&](int block, int worker) {
+    const FlowField& field = all_.way(static_cast<size_t>(block));
+    BentWay& way = ways_[static_cast<size_t>(block)];
+    March& march = marches_[static_cast<size_t>(worker)];
+    link(field, way);
+    this->march(field, way, true, march);
+    for (size_t cell = 0; cell < cell_count(); ++cell)
+      way.free_m[cell] = march.distance_m[cell] < kNoWay_m ? march.distance_m[cell] : -1;
+    for (size_t cell = 0; cell < cell_count(); ++cell) {
+      const Eigen::Vector2f up = slope(way, way.free_m, cell);
+      way.along[cell] = up.isZero() ? up : Eigen::Vector2f(-up.normalized());
+    }
+  });
+}
+
+/// A wall may divide one of our cells: then it stands for the larger part, so that no way leads
+/// through the wall.
+void Detours::link(const FlowField& field, BentWay& way) const {
+  const FlowGrid& grid = all_.grid();
+  const auto columns = static_cast<size_t>(grid.columns());
+  const auto leads = [&](size_t from, ptrdiff_t to) {
+    if (to < 0) return false;
+    const float here_m = field.cell_distance_m(from);
+    const float there_m = field.cell_distance_m(static_cast<size_t>(to));
+    return here_m < kNoWay_m && there_m < kNoWay_m && std::abs(here_m - there_m) < kJump_m;
+  };
+  std::vector<uint8_t> is_part(grid.cell_count());  // of what a cell of ours stands for
+  std::vector<size_t> part, largest;
+  std::vector<uint8_t> known(grid.cell_count());
+  for (int row = 0; row < grid.rows(); row += merged_)
+    for (int column = 0; column < grid.columns(); column += merged_) {
+      largest.clear();
+      const size_t own = coarse_of(column, row);
+      for (int y = row; y < std::min(row + merged_, grid.rows()); ++y)
+        for (int x = column; x < std::min(column + merged_, grid.columns()); ++x) {
+          const size_t first = static_cast<size_t>(y) * columns + static_cast<size_t>(x);
+          if (known[first] || !(field.cell_distance_m(first) < kNoWay_m)) continue;
+          known[first] = 1;
+          part.assign(1, first);
+          for (size_t i = 0; i < part.size(); ++i)
+            for (const ptrdiff_t next : grid.ways_from(part[i])) {
+              if (!leads(part[i], next)) continue;
+              const auto cell = static_cast<size_t>(next);
+              if (known[cell] || coarse_of(static_cast<int>(cell % columns),
+                                           static_cast<int>(cell / columns)) != own)
+                continue;
+              known[cell] = 1;
+              part.push_back(cell);
+            }
+          if (part.size() > largest.size()) std::swap(part, largest);
+        }
+      for (const size_t cell : largest) is_part[cell] = 1;
+    }
+  std::fill(way.links.begin(), way.links.end(), uint8_t{0});
+  for (size_t cell = 0; cell < is_part.size(); ++cell) {
+    if (!is_part[cell]) continue;
+    const auto around = grid.ways_from(cell);
+    const size_t own =
+        coarse_of(static_cast<int>(cell % columns), static_cast<int>(cell / columns));
+    for (const unsigned side : {1u, 3u}) {
+      if (!leads(cell, around[side]) || !is_part[static_cast<size_t>(around[side])]) continue;
+      const auto next = static_cast<size_t>(around[side]);
+      const size_t other =
+          coarse_of(static_cast<int>(next % columns), static_cast<int>(next / columns));
+      if (other == own) continue;
+      way.links[own] = static_cast<uint8_t>(way.links[own] | (1u << side));
+      way.links[other] = static_cast<uint8_t>(way.links[other] | (1u << (side - 1)));
+    }
+  }
+}
+
+/// From the goal's cells, by fast marching.
+void Detours::march(const FlowField& field, const BentWay& way, bool is_empty, March& march) const {
+  const FlowGrid& grid = all_.grid();
+  auto& queue = march.queue;
+  std::vector<float>& distance_m = march.distance_m;
+  std::fill(distance_m.begin(), distance_m.end(), kNoWay_m);
+  queue.clear();
+  const auto push = [&](float found_m, size_t cell) {
+    distance_m[cell] = found_m;
+    queue.emplace_back(found_m, static_cast<uint32_t>(cell));
+    std::push_heap(queue.begin(), queue.end(), std::greater<>());
+  };
+  const auto columns = static_cast<size_t>(grid.columns());
+  for (size_t cell = 0; cell < grid.cell_count(); ++cell) {
+    if (static_cast<double>(field.cell_distance_m(cell)) > 0.71 * grid.cell_m()) continue;
+    const size_t own =
+        coarse_of(static_cast<int>(cell % columns), static_cast<int>(cell / columns));
+    if (distance_m[own] != 0) push(0, own);
+  }
+  const std::array<ptrdiff_t, 4> steps = {-1, 1, -static_cast<ptrdiff_t>(columns_),
+                                          static_cast<ptrdiff_t>(columns_)};
+  const auto beside = [&](size_t cell, unsigned side) {
+    return static_cast<size_t>(static_cast<ptrdiff_t>(cell) + steps[side]);
+  };
+  const auto value = [&](size_t cell, unsigned side) {
+    return (way.links[cell] >> side & 1u) != 0 ? distance_m[beside(cell, side)] : kNoWay_m;
+  };
+  while (!queue.empty()) {
+    const auto [reached_m, cell] = queue.front();
+    std::pop_heap(queue.begin(), queue.end(), std::greater<>());
+    queue.pop_back();
+    if (reached_m > distance_m[cell]) continue;
+    for (unsigned side = 0; side < 4; ++side) {
+      if ((way.links[cell] >> side & 1u) == 0) continue;
+      const size_t next = beside(cell, side);
+      const float step_m = static_cast<float>(cell_m_) * (is_empty ? 1 : slowness(way, next));
+      const float found_m = eikonal(std::min(value(next, 0), value(next, 1)),
+                                    std::min(value(next, 2), value(next, 3)), step_m);
+      if (found_m < distance_m[next]) push(found_m, next);
+    }
+  }
+}
+
+/// Of the delay: how much longer the way is than as if nobody were there.
+void Detours::find_slopes(size_t index, March& march) {
+  BentWay& way = ways_[index];
+  if (!is_dense_) {
+    if (way.is_bent != 0) std::fill(way.slopes.begin(), way.slopes.end(), Eigen::Vector2f::Zero());
+    way.is_bent = 0;
+    return;
+  }
+  this->march(all_.way(index), way, false, march);
+  std::vector<float>& delay_m = march.distance_m;
+  for (size_t cell = 0; cell < cell_count(); ++cell)
+    delay_m[cell] = way.free_m[cell] >= 0 ? delay_m[cell] - way.free_m[cell] : 0;
+  way.is_bent = 1;
+  for (size_t cell = 0; cell < cell_count(); ++cell)
+    way.slopes[cell] = (1 - dense_[cell]) * slope(way, delay_m, cell);
+}
+
+/// Between the cells on both sides that a way leads to, or from the cell to one of them.
+Eigen::Vector2f Detours::slope(const BentWay& way, std::span<const float> height_m,
+                               size_t cell) const {
+  const auto along = [&](unsigned low_side, size_t step) {
+    const bool low = (way.links[cell] >> low_side & 1u) != 0;
+    const bool high = (way.links[cell] >> (low_side + 1) & 1u) != 0;
+    if (!low && !high) return 0.0f;
+    const float rise_m = height_m[high ? cell + step : cell] - height_m[low ? cell - step : cell];
+    return rise_m / static_cast<float>((low && high ? 2 : 1) * cell_m_);
+  };
+  return {along(0, 1), along(2, static_cast<size_t>(columns_))};
+}
+
+Eigen::Vector2d Detours::bend(size_t way, const Eigen::Vector2d& place_m,
+                              const Eigen::Vector2d& along, double minds) const {
+  if (!is_bent(way)) return along;
+  const std::vector<Eigen::Vector2f>& slopes = ways_[way].slopes;
+  const auto [cell, right, above, fx, fy] = patch_at(place_m);
+  const Eigen::Vector2f slope =
+      (1 - fy) * ((1 - fx) * slopes[cell] + fx * slopes[cell + right]) +
+      fy * ((1 - fx) * slopes[cell + above] + fx * slopes[cell + above + right]);
+  if (slope == Eigen::Vector2f::Zero()) return along;
+  const Eigen::Vector2d left(-along.y(), along.x());
+  const Eigen::Vector2d steep = minds * slope.cast<double>();
+  const double keeps = std::max(1 - steep.dot(along), kKeeps);
+  return (keeps * along - steep.dot(left) * left).normalized();
+}
+
+}  // namespace throng
