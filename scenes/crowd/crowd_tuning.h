@@ -90,7 +90,7 @@ inline constexpr double kSidestep = 2.0;
 /// than a single file at its best: one headway for both there is not.
 inline constexpr double kEagerFrom_s = 2.0;
 inline constexpr double kEagerTo_s = 5.0;
-inline constexpr double kEagerFor_s = 15.0;
+inline constexpr double kEagerFor_s = 25.0;
 /// A target counts as reached within this; after so long in the goal's area, anyhow.
 inline constexpr double kArrival_m = 0.7;
 inline constexpr double kPatience_s = 3.0;

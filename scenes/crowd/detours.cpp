@@ -40,12 +40,9 @@ Detours::Detours(const Ways& ways, Workers& workers)
   cell_m_ = merged_ * grid.cell_m();
   const auto cells = static_cast<size_t>(columns_) * static_cast<size_t>(rows_);
   room_m2_.resize(cells);
-  for (size_t cell = 0; cell < grid.cell_count(); ++cell) {
-    const auto columns = static_cast<size_t>(grid.columns());
+  for (size_t cell = 0; cell < grid.cell_count(); ++cell)
     if (grid.is_free(cell))
-      room_m2_[coarse_of(static_cast<int>(cell % columns), static_cast<int>(cell / columns))] +=
-          static_cast<float>(grid.cell_m() * grid.cell_m());
-  }
+      room_m2_[coarse_of(cell)] += static_cast<float>(grid.cell_m() * grid.cell_m());
   counted_.resize(cells);
   people_.resize(cells);
   counted_paces_.assign(cells, Eigen::Vector2f::Zero());
@@ -69,7 +66,7 @@ void Detours::archive(Archive& a) {
   a(people_, paces_);
   for (BentWay& way : ways_) {
     a(way.is_bent);
-    if (way.is_bent != 0) a(way.slopes);
+    if (way.is_bent) a(way.slopes);
   }
   if (!a.is_reading()) return;
   find_dense();
@@ -81,11 +78,6 @@ void Detours::archive(Archive& a) {
   for (const BentWay& way : ways_)
     for (const Eigen::Vector2f& slope : way.slopes)
       if (!(slope.norm() < kNoWay_m)) a.refuse("the slope of a delay", "another");
-}
-
-size_t Detours::coarse_of(int column, int row) const {
-  return static_cast<size_t>(row / merged_) * static_cast<size_t>(columns_) +
-         static_cast<size_t>(column / merged_);
 }
 
 void Detours::clear_counts() {
@@ -165,7 +157,7 @@ void Detours::find_cells(Workers& workers) {
     BentWay& way = ways_[static_cast<size_t>(block)];
     March& march = marches_[static_cast<size_t>(worker)];
     link(field, way);
-    this->march(field, way, true, march);
+    this->march(way, true, march);
     for (size_t cell = 0; cell < cell_count(); ++cell)
       way.free_m[cell] = march.distance_m[cell] < kNoWay_m ? march.distance_m[cell] : -1;
     for (size_t cell = 0; cell < cell_count(); ++cell) {
@@ -175,65 +167,75 @@ void Detours::find_cells(Workers& workers) {
   });
 }
 
-/// A wall may divide one of our cells: then it stands for the larger part, so that no way leads
-/// through the wall.
+/// The cell of ours that one of the flow field lies in.
+size_t Detours::coarse_of(size_t cell) const {
+  const auto columns = static_cast<size_t>(all_.grid().columns());
+  const auto merged = static_cast<size_t>(merged_);
+  return cell / columns / merged * static_cast<size_t>(columns_) + cell % columns / merged;
+}
+
+/// True if a way leads from a cell of a flow field to the next, through no closed door.
+bool Detours::leads(const FlowField& field, size_t from, ptrdiff_t to) {
+  if (to < 0) return false;
+  const float here_m = field.cell_distance_m(from);
+  const float there_m = field.cell_distance_m(static_cast<size_t>(to));
+  return here_m < kNoWay_m && there_m < kNoWay_m && std::abs(here_m - there_m) < kJump_m;
+}
+
+/// By cell of the flow field, whether a cell of ours stands for it. A wall may divide one of ours:
+/// then that stands for the larger part, so that no way leads through the wall.
+std::vector<uint8_t> Detours::parts_of(const FlowField& field) const {
+  const FlowGrid& grid = all_.grid();
+  std::vector<uint8_t> is_part(grid.cell_count()), known(grid.cell_count());
+  std::vector<std::vector<size_t>> largest(cell_count());
+  std::vector<size_t> part;
+  for (size_t first = 0; first < known.size(); ++first) {
+    if (known[first] || !(field.cell_distance_m(first) < kNoWay_m)) continue;
+    const size_t own = coarse_of(first);
+    known[first] = 1;
+    part.assign(1, first);
+    for (size_t i = 0; i < part.size(); ++i)
+      for (const ptrdiff_t next : grid.ways_from(part[i])) {
+        if (!leads(field, part[i], next)) continue;
+        const auto cell = static_cast<size_t>(next);
+        if (known[cell] || coarse_of(cell) != own) continue;
+        known[cell] = 1;
+        part.push_back(cell);
+      }
+    if (part.size() > largest[own].size()) std::swap(part, largest[own]);
+  }
+  for (const std::vector<size_t>& cells : largest)
+    for (const size_t cell : cells) is_part[cell] = 1;
+  return is_part;
+}
+
+/// Which cells a way leads between, and where it ends.
 void Detours::link(const FlowField& field, BentWay& way) const {
   const FlowGrid& grid = all_.grid();
-  const auto columns = static_cast<size_t>(grid.columns());
-  const auto leads = [&](size_t from, ptrdiff_t to) {
-    if (to < 0) return false;
-    const float here_m = field.cell_distance_m(from);
-    const float there_m = field.cell_distance_m(static_cast<size_t>(to));
-    return here_m < kNoWay_m && there_m < kNoWay_m && std::abs(here_m - there_m) < kJump_m;
-  };
-  std::vector<uint8_t> is_part(grid.cell_count());  // of what a cell of ours stands for
-  std::vector<size_t> part, largest;
-  std::vector<uint8_t> known(grid.cell_count());
-  for (int row = 0; row < grid.rows(); row += merged_)
-    for (int column = 0; column < grid.columns(); column += merged_) {
-      largest.clear();
-      const size_t own = coarse_of(column, row);
-      for (int y = row; y < std::min(row + merged_, grid.rows()); ++y)
-        for (int x = column; x < std::min(column + merged_, grid.columns()); ++x) {
-          const size_t first = static_cast<size_t>(y) * columns + static_cast<size_t>(x);
-          if (known[first] || !(field.cell_distance_m(first) < kNoWay_m)) continue;
-          known[first] = 1;
-          part.assign(1, first);
-          for (size_t i = 0; i < part.size(); ++i)
-            for (const ptrdiff_t next : grid.ways_from(part[i])) {
-              if (!leads(part[i], next)) continue;
-              const auto cell = static_cast<size_t>(next);
-              if (known[cell] || coarse_of(static_cast<int>(cell % columns),
-                                           static_cast<int>(cell / columns)) != own)
-                continue;
-              known[cell] = 1;
-              part.push_back(cell);
-            }
-          if (part.size() > largest.size()) std::swap(part, largest);
-        }
-      for (const size_t cell : largest) is_part[cell] = 1;
-    }
+  const std::vector<uint8_t> is_part = parts_of(field);
   std::fill(way.links.begin(), way.links.end(), uint8_t{0});
+  way.ends.clear();
   for (size_t cell = 0; cell < is_part.size(); ++cell) {
+    const size_t own = coarse_of(cell);
+    if (static_cast<double>(field.cell_distance_m(cell)) <= 0.71 * grid.cell_m())
+      way.ends.push_back(static_cast<uint32_t>(own));
     if (!is_part[cell]) continue;
     const auto around = grid.ways_from(cell);
-    const size_t own =
-        coarse_of(static_cast<int>(cell % columns), static_cast<int>(cell / columns));
     for (const unsigned side : {1u, 3u}) {
-      if (!leads(cell, around[side]) || !is_part[static_cast<size_t>(around[side])]) continue;
+      if (!leads(field, cell, around[side])) continue;
       const auto next = static_cast<size_t>(around[side]);
-      const size_t other =
-          coarse_of(static_cast<int>(next % columns), static_cast<int>(next / columns));
-      if (other == own) continue;
+      const size_t other = coarse_of(next);
+      if (!is_part[next] || other == own) continue;
       way.links[own] = static_cast<uint8_t>(way.links[own] | (1u << side));
       way.links[other] = static_cast<uint8_t>(way.links[other] | (1u << (side - 1)));
     }
   }
+  std::sort(way.ends.begin(), way.ends.end());
+  way.ends.erase(std::unique(way.ends.begin(), way.ends.end()), way.ends.end());
 }
 
-/// From the goal's cells, by fast marching.
-void Detours::march(const FlowField& field, const BentWay& way, bool is_empty, March& march) const {
-  const FlowGrid& grid = all_.grid();
+/// By fast marching.
+void Detours::march(const BentWay& way, bool is_empty, March& march) const {
   auto& queue = march.queue;
   std::vector<float>& distance_m = march.distance_m;
   std::fill(distance_m.begin(), distance_m.end(), kNoWay_m);
@@ -243,13 +245,7 @@ void Detours::march(const FlowField& field, const BentWay& way, bool is_empty, M
     queue.emplace_back(found_m, static_cast<uint32_t>(cell));
     std::push_heap(queue.begin(), queue.end(), std::greater<>());
   };
-  const auto columns = static_cast<size_t>(grid.columns());
-  for (size_t cell = 0; cell < grid.cell_count(); ++cell) {
-    if (static_cast<double>(field.cell_distance_m(cell)) > 0.71 * grid.cell_m()) continue;
-    const size_t own =
-        coarse_of(static_cast<int>(cell % columns), static_cast<int>(cell / columns));
-    if (distance_m[own] != 0) push(0, own);
-  }
+  for (const uint32_t cell : way.ends) push(0, cell);
   const std::array<ptrdiff_t, 4> steps = {-1, 1, -static_cast<ptrdiff_t>(columns_),
                                           static_cast<ptrdiff_t>(columns_)};
   const auto beside = [&](size_t cell, unsigned side) {
@@ -278,15 +274,15 @@ void Detours::march(const FlowField& field, const BentWay& way, bool is_empty, M
 void Detours::find_slopes(size_t index, March& march) {
   BentWay& way = ways_[index];
   if (!is_dense_) {
-    if (way.is_bent != 0) std::fill(way.slopes.begin(), way.slopes.end(), Eigen::Vector2f::Zero());
-    way.is_bent = 0;
+    if (way.is_bent) std::fill(way.slopes.begin(), way.slopes.end(), Eigen::Vector2f::Zero());
+    way.is_bent = false;
     return;
   }
-  this->march(all_.way(index), way, false, march);
+  this->march(way, false, march);
   std::vector<float>& delay_m = march.distance_m;
   for (size_t cell = 0; cell < cell_count(); ++cell)
     delay_m[cell] = way.free_m[cell] >= 0 ? delay_m[cell] - way.free_m[cell] : 0;
-  way.is_bent = 1;
+  way.is_bent = true;
   for (size_t cell = 0; cell < cell_count(); ++cell)
     way.slopes[cell] = (1 - dense_[cell]) * slope(way, delay_m, cell);
 }

@@ -47,16 +47,17 @@ class Detours {
   Eigen::Vector2d bend(size_t way, const Eigen::Vector2d& place_m, const Eigen::Vector2d& along,
                        double minds) const;
   /// False where a way is as in an empty scene.
-  bool is_bent(size_t way) const { return ways_[way].is_bent != 0; }
+  bool is_bent(size_t way) const { return ways_[way].is_bent; }
 
  private:
   /// The cells that a way leads through, and what it leads round.
   struct BentWay {
     std::vector<uint8_t> links;  ///< by cell, a bit for each of left, right, below and above
+    std::vector<uint32_t> ends;  ///< cells of the goal
     std::vector<float> free_m;   ///< to the goal, as if nobody were there; negative: no way
     std::vector<Eigen::Vector2f> along;   ///< unit vectors: where it leads, or zero
     std::vector<Eigen::Vector2f> slopes;  ///< of the delay
-    uint8_t is_bent = 0;
+    bool is_bent = false;
   };
   /// What a worker marches with.
   struct March {
@@ -69,7 +70,7 @@ class Detours {
   };
 
   size_t cell_count() const { return room_m2_.size(); }
-  size_t coarse_of(int column, int row) const;
+  size_t coarse_of(size_t cell) const;
   Patch patch_at(const Eigen::Vector2d& place_m) const;
   void clear_counts();
   void count(const Walker& walker);
@@ -77,8 +78,10 @@ class Detours {
   void find_dense();
   void update_ways(uint64_t turn, Workers& workers);
   void find_cells(Workers& workers);
+  static bool leads(const FlowField& field, size_t from, ptrdiff_t to);
+  std::vector<uint8_t> parts_of(const FlowField& field) const;
   void link(const FlowField& field, BentWay& way) const;
-  void march(const FlowField& field, const BentWay& way, bool is_empty, March& march) const;
+  void march(const BentWay& way, bool is_empty, March& march) const;
   float slowness(const BentWay& way, size_t cell) const;
   void find_slopes(size_t index, March& march);
   Eigen::Vector2f slope(const BentWay& way, std::span<const float> height_m, size_t cell) const;

@@ -146,6 +146,7 @@ class Runs(Case):
 INTERRUPTED = """
 import signal, sys, time, threading, os
 import throng
+throng.run, throng.Simulation  # loads what is loaded when it is wanted
 def interrupt():
     time.sleep({after_s})
     print(time.monotonic(), flush=True)
