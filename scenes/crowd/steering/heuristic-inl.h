@@ -64,9 +64,6 @@ constexpr float kFastest_mps = 3;
 
 constexpr float kFar_m = 1e3f;
 
-/// Beyond so much of a square nothing is left to do, however squares and roots were rounded.
-constexpr float kHardly = 1.0001f;
-
 /// The ways that are compared, as turned away from the way wanted, from the right to the left.
 constexpr size_t kWays = 16;  // whole vectors of four or eight; the last stands twice
 constexpr size_t kLastWay = 14;
@@ -187,7 +184,6 @@ class Decision {
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
-      if (o.square_m2 > kHardly * square(kTuning.apart_m * o.size)) continue;
       const float distance_m = std::sqrt(o.square_m2);
       const float lack =
           std::clamp((kTuning.apart_m * o.size - distance_m) / kTuning.drift_m, 0.0f, 2.0f);
@@ -218,17 +214,13 @@ class Decision {
     const float blocked_m = (kTuning.blocked_m + open * kTuning.open_blocked_m) * size;
     const float clear_m = (kTuning.clear_m + open * kTuning.open_clear_m) * size;
     const float per_m = 1 / (clear_m - blocked_m);
-    const float clear_square = kHardly * clear_m * clear_m;
     for (size_t i = 0; i < kWays; i += kAtOnce) {
       const F rx = F(wanted_mps_) * load(&x[i]) - F(o.ox_mps);
       const F ry = F(wanted_mps_) * load(&y[i]) - F(o.oy_mps);
       const F speed_square = max_of(rx * rx + ry * ry, F(1e-6f));
       const F nearing = F(o.x_m) * rx + F(o.y_m) * ry;
       const F time_s = nearing / speed_square;
-      const F miss_square = max_of(F(o.square_m2) - nearing * time_s, F(0));
-      // Most others are in nobody's way: no roots for them.
-      if (!any((nearing > F(0)) & (miss_square < F(clear_square)))) continue;
-      const F miss_m = sqrt_of(miss_square);
+      const F miss_m = sqrt_of(max_of(F(o.square_m2) - nearing * time_s, F(0)));
       const F inside_m = min_of(miss_m, F(blocked_m));
       const F before_s = sqrt_of((F(blocked_m * blocked_m) - inside_m * inside_m) / speed_square);
       const F blocks = min_of((F(clear_m) - miss_m) * F(per_m), F(1));
