@@ -63,9 +63,10 @@ struct Field {
 /// So many per m2.
 void add(Walkers& walkers, const Rectangle& area, double per_m2, const Eigen::Vector2d& pace) {
   const double apart_m = 1 / std::sqrt(per_m2);
-  for (double y = area.min_m.y() + 0.5 * apart_m; y < area.max_m.y(); y += apart_m)
-    for (double x = area.min_m.x() + 0.5 * apart_m; x < area.max_m.x(); x += apart_m)
-      walkers.push_back({{x, y}, pace});
+  const Eigen::Vector2i count = ((area.size_m() / apart_m).array() - 0.5).ceil().cast<int>();
+  for (int row = 0; row < count.y(); ++row)
+    for (int column = 0; column < count.x(); ++column)
+      walkers.push_back({area.min_m + apart_m * Eigen::Vector2d(column + 0.5, row + 0.5), pace});
 }
 
 double left_of_straight(const Field& field, const Eigen::Vector2d& place_m) {
@@ -146,8 +147,7 @@ TEST(Detours, ACrowdBehindAWallIsInNobodysWay) {
   add(walkers, {{20.5, 0}, {40, 34}}, 3, kStand);
   field.look_at(walkers);
   ASSERT_TRUE(field.detours.is_bent(0));
-  for (double y = 2; y < 28; y += 1)
-    EXPECT_NEAR(left_of_straight(field, {16, y}), 0, 0.02) << "at " << y;
+  for (int y = 2; y < 28; ++y) EXPECT_NEAR(left_of_straight(field, {16, y}), 0, 0.02) << "at " << y;
 }
 
 /// Boxes and people by chance.
@@ -175,8 +175,10 @@ TEST(Detours, ABentWayIsOneAndNeverLeadsBack) {
     Walkers walkers;
     Field field = random_field(seed, walkers);
     field.look_at(walkers);
-    for (double y = 0.5; y < 40; y += 0.7)
-      for (double x = 0.5; x < 40; x += 0.7) {
+    constexpr int kAcross = 57;
+    for (int row = 0; row < kAcross; ++row)
+      for (int column = 0; column < kAcross; ++column) {
+        const double x = 0.7 * column + 0.4, y = 0.7 * row + 0.4;
         const Eigen::Vector2d straight = field.straight({x, y});
         if (straight.isZero()) continue;
         for (const double minds : {0.5, 1.5, 100.0}) {
@@ -202,9 +204,11 @@ double least_cost(const Rectangle& block, double costs, const Eigen::Vector2d& f
     return sum;
   };
   double least = std::numeric_limits<double>::infinity();
-  for (double y = from_m.y() + 1; y < 38; y += 0.5)
-    for (double x = 0.5; x < 40; x += 0.5)
-      least = std::min(least, cost(from_m, {x, y}) + cost({x, y}, {x, 38}));
+  for (int row = 0; row < 2 * 36; ++row)
+    for (int column = 0; column < 2 * 40; ++column) {
+      const Eigen::Vector2d by(0.5 * column + 0.25, 0.5 * row + 2.25);
+      least = std::min(least, cost(from_m, by) + cost(by, {by.x(), 38}));
+    }
   return least;
 }
 
