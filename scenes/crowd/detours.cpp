@@ -85,21 +85,13 @@ void Detours::clear_counts() {
   std::fill(counted_paces_.begin(), counted_paces_.end(), Eigen::Vector2f::Zero());
 }
 
-Detours::Patch Detours::patch_at(const Eigen::Vector2d& place_m) const {
-  const Eigen::Vector2d at = (place_m - all_.grid().origin_m()) / cell_m_;
-  const double x = std::clamp(at.x() - 0.5, 0.0, static_cast<double>(columns_ - 1));
-  const double y = std::clamp(at.y() - 0.5, 0.0, static_cast<double>(rows_ - 1));
-  const auto column = static_cast<size_t>(x), row = static_cast<size_t>(y);
-  const auto columns = static_cast<size_t>(columns_);
-  return {row * columns + column, column + 1 < columns ? size_t{1} : 0,
-          row + 1 < static_cast<size_t>(rows_) ? columns : 0,
-          static_cast<float>(x - static_cast<double>(column)),
-          static_cast<float>(y - static_cast<double>(row))};
+CellPatch<float> Detours::patch_at(const Eigen::Vector2d& place_m) const {
+  return {(place_m - all_.grid().origin_m()) / cell_m_, columns_, rows_};
 }
 
 /// Shared out among the four cells around, of which those with room take part.
 void Detours::count(const Walker& walker) {
-  const Patch p = patch_at(walker.place_m);
+  const CellPatch<float> p = patch_at(walker.place_m);
   const size_t cells[] = {p.cell, p.cell + p.right, p.cell + p.above, p.cell + p.above + p.right};
   float shares[] = {(1 - p.fx) * (1 - p.fy), p.fx * (1 - p.fy), (1 - p.fx) * p.fy, p.fx * p.fy};
   float sum = 0;
@@ -186,26 +178,32 @@ bool Detours::leads(const FlowField& field, size_t from, ptrdiff_t to) {
 /// then that stands for the larger part, so that no way leads through the wall.
 std::vector<uint8_t> Detours::parts_of(const FlowField& field) const {
   const FlowGrid& grid = all_.grid();
-  std::vector<uint8_t> is_part(grid.cell_count()), known(grid.cell_count());
-  std::vector<std::vector<size_t>> largest(cell_count());
+  std::vector<uint32_t> part_of(grid.cell_count());  // numbered from 1 on; 0: none
+  struct Largest {
+    uint32_t part = 0;
+    size_t cells = 0;
+  };
+  std::vector<Largest> largest(cell_count());
   std::vector<size_t> part;
-  for (size_t first = 0; first < known.size(); ++first) {
-    if (known[first] || !(field.cell_distance_m(first) < kNoWay_m)) continue;
+  uint32_t parts = 0;
+  for (size_t first = 0; first < part_of.size(); ++first) {
+    if (part_of[first] != 0 || !(field.cell_distance_m(first) < kNoWay_m)) continue;
     const size_t own = coarse_of(first);
-    known[first] = 1;
+    part_of[first] = ++parts;
     part.assign(1, first);
     for (size_t i = 0; i < part.size(); ++i)
       for (const ptrdiff_t next : grid.ways_from(part[i])) {
         if (!leads(field, part[i], next)) continue;
         const auto cell = static_cast<size_t>(next);
-        if (known[cell] || coarse_of(cell) != own) continue;
-        known[cell] = 1;
+        if (part_of[cell] != 0 || coarse_of(cell) != own) continue;
+        part_of[cell] = parts;
         part.push_back(cell);
       }
-    if (part.size() > largest[own].size()) std::swap(part, largest[own]);
+    if (part.size() > largest[own].cells) largest[own] = {parts, part.size()};
   }
-  for (const std::vector<size_t>& cells : largest)
-    for (const size_t cell : cells) is_part[cell] = 1;
+  std::vector<uint8_t> is_part(part_of.size());
+  for (size_t cell = 0; cell < is_part.size(); ++cell)
+    is_part[cell] = part_of[cell] != 0 && part_of[cell] == largest[coarse_of(cell)].part;
   return is_part;
 }
 
@@ -303,11 +301,10 @@ Eigen::Vector2f Detours::slope(const BentWay& way, std::span<const float> height
 Eigen::Vector2d Detours::bend(size_t way, const Eigen::Vector2d& place_m,
                               const Eigen::Vector2d& along, double minds) const {
   if (!is_bent(way)) return along;
-  const std::vector<Eigen::Vector2f>& slopes = ways_[way].slopes;
-  const auto [cell, right, above, fx, fy] = patch_at(place_m);
   const Eigen::Vector2f slope =
-      (1 - fy) * ((1 - fx) * slopes[cell] + fx * slopes[cell + right]) +
-      fy * ((1 - fx) * slopes[cell + above] + fx * slopes[cell + above + right]);
+      patch_at(place_m).blend([&slopes = ways_[way].slopes](size_t cell) -> const Eigen::Vector2f& {
+        return slopes[cell];
+      });
   if (slope == Eigen::Vector2f::Zero()) return along;
   const Eigen::Vector2d left(-along.y(), along.x());
   const Eigen::Vector2d steep = minds * slope.cast<double>();

@@ -64,14 +64,10 @@ class Detours {
     std::vector<float> distance_m;
     std::vector<std::pair<float, uint32_t>> queue;
   };
-  struct Patch {
-    size_t cell, right, above;  ///< right and above are 0 at the rim
-    float fx, fy;
-  };
 
   size_t cell_count() const { return room_m2_.size(); }
   size_t coarse_of(size_t cell) const;
-  Patch patch_at(const Eigen::Vector2d& place_m) const;
+  CellPatch<float> patch_at(const Eigen::Vector2d& place_m) const;
   void clear_counts();
   void count(const Walker& walker);
   void take_counts();

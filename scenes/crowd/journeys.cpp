@@ -213,12 +213,12 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
   if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
   if (!is_inside(id, position_m)) {
     const FlowField& field = this->field(id);
-    Eigen::Vector2d way = field.direction(position_m);
+    const Eigen::Vector2d way = field.direction(position_m);
     if (to_left_m != 0) {
       const double most_m = tuning::kOwnSideShare * field.distance_m(position_m);
       const Eigen::Vector2d right(way.y(), -way.x());
       const Eigen::Vector2d beside_m = position_m + std::clamp(to_left_m, -most_m, most_m) * right;
-      Eigen::Vector2d own = field.direction(beside_m);
+      const Eigen::Vector2d own = field.direction(beside_m);
       if (own.dot(way) > 0) return bend(id, position_m, own);
     }
     if (way.squaredNorm() > 0) return bend(id, position_m, way);

@@ -361,20 +361,12 @@ const Eigen::Vector2d* FlowField::aim_at(size_t cell) const {
   return aims_.empty() ? nullptr : find_cell(aims_, cell);
 }
 
-FlowField::Patch FlowField::patch_at(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d offset = (point - grid_->origin_m()) / grid_->cell_m();
-  const double x = std::clamp(offset.x() - 0.5, 0.0, static_cast<double>(grid_->columns() - 1));
-  const double y = std::clamp(offset.y() - 0.5, 0.0, static_cast<double>(grid_->rows() - 1));
-  const auto column = static_cast<size_t>(x);
-  const auto row = static_cast<size_t>(y);
-  const auto columns = static_cast<size_t>(grid_->columns());
-  return {row * columns + column, column + 1 < columns ? size_t{1} : 0,
-          row + 1 < static_cast<size_t>(grid_->rows()) ? columns : 0,
-          x - static_cast<double>(column), y - static_cast<double>(row)};
+CellPatch<double> FlowField::patch_at(const Eigen::Vector2d& point) const {
+  return {(point - grid_->origin_m()) / grid_->cell_m(), grid_->columns(), grid_->rows()};
 }
 
 void FlowField::prefetch(const Eigen::Vector2d& point) const {
-  const Patch patch = patch_at(point);
+  const CellPatch<double> patch = patch_at(point);
   __builtin_prefetch(&direction_[patch.cell]);
   __builtin_prefetch(&direction_[patch.cell + patch.above]);
 }
@@ -385,10 +377,8 @@ Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
     const double length = way.norm();
     if (length > 1e-3) return way / length;
   }
-  const auto [cell, right, above, fx, fy] = patch_at(point);
   const auto at = [&](size_t index) -> Eigen::Vector2d { return direction_[index].cast<double>(); };
-  const Eigen::Vector2d blend = (1 - fy) * ((1 - fx) * at(cell) + fx * at(cell + right)) +
-                                fy * ((1 - fx) * at(cell + above) + fx * at(cell + above + right));
+  const Eigen::Vector2d blend = patch_at(point).blend(at);
   // Where ways part, directions cancel: take the cell's own then.
   const Eigen::Vector2d chosen = blend.squaredNorm() > 0.01 ? blend : at(grid_->cell_at(point));
   const double length = chosen.norm();

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/ways/cell_patch.h"
 #include "scenes/ways/walkable.h"
 
 namespace throng {
@@ -108,12 +109,7 @@ class FlowField {
   static constexpr double kShun = 4;
 
  private:
-  /// The cells around a point, and how far it is from the first of them to the last.
-  struct Patch {
-    size_t cell, right, above;  ///< right and above are 0 at the rim
-    double fx, fy;
-  };
-  Patch patch_at(const Eigen::Vector2d& point) const;
+  CellPatch<double> patch_at(const Eigen::Vector2d& point) const;
   void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
              std::span<const KeepOff> keep_off);
   void point_downhill();

@@ -29,8 +29,22 @@ Scene field_of(std::vector<Obstacle> obstacles = {}) {
   return scene;
 }
 
+/// So many per m2 of an area.
+Walkers crowd(const Rectangle& area, double per_m2, const Eigen::Vector2d& pace) {
+  Walkers walkers;
+  const double apart_m = 1 / std::sqrt(per_m2);
+  const Eigen::Vector2i count = ((area.size_m() / apart_m).array() - 0.5).ceil().cast<int>();
+  for (int row = 0; row < count.y(); ++row)
+    for (int column = 0; column < count.x(); ++column)
+      walkers.push_back({area.min_m + apart_m * Eigen::Vector2d(column + 0.5, row + 0.5), pace});
+  return walkers;
+}
+
 struct Field {
-  explicit Field(Scene scene_in) : scene(std::move(scene_in)), ways(scene, workers) {}
+  explicit Field(Scene scene_in, const Walkers& walkers = {})
+      : scene(std::move(scene_in)), ways(scene, workers) {
+    look_at(walkers);
+  }
 
   /// As ways are after the same people have been looked at for a while.
   void look_at(const Walkers& walkers) {
@@ -60,35 +74,20 @@ struct Field {
   Detours detours{ways, workers};
 };
 
-/// So many per m2.
-void add(Walkers& walkers, const Rectangle& area, double per_m2, const Eigen::Vector2d& pace) {
-  const double apart_m = 1 / std::sqrt(per_m2);
-  const Eigen::Vector2i count = ((area.size_m() / apart_m).array() - 0.5).ceil().cast<int>();
-  for (int row = 0; row < count.y(); ++row)
-    for (int column = 0; column < count.x(); ++column)
-      walkers.push_back({area.min_m + apart_m * Eigen::Vector2d(column + 0.5, row + 0.5), pace});
-}
-
 double left_of_straight(const Field& field, const Eigen::Vector2d& place_m) {
   const Eigen::Vector2d straight = field.straight(place_m), bent = field.bent(place_m);
   return straight.x() * bent.y() - straight.y() * bent.x();
 }
 
 TEST(Detours, InALooseCrowdWaysAreAsInAnEmptyScene) {
-  Field field(field_of());
-  Walkers walkers;
-  add(walkers, {{0, 0}, {40, 40}}, 0.5, kStand);
-  field.look_at(walkers);
+  const Field field(field_of(), crowd({{0, 0}, {40, 40}}, 0.5, kStand));
   EXPECT_FALSE(field.detours.is_bent(0));
   EXPECT_EQ(field.bent({20, 10}), field.straight({20, 10}));
 }
 
 TEST(Detours, WhoComesUpToACrowdThatStandsGoesRoundItByTheNearerSide) {
-  Field field(field_of());
-  Walkers walkers;
   const Rectangle block{{14, 18}, {26, 24}};
-  add(walkers, block, 3, kStand);
-  field.look_at(walkers);
+  Field field(field_of(), crowd(block, 3, kStand));
   EXPECT_GT(left_of_straight(field, {16, 12}), 0.3);
   EXPECT_LT(left_of_straight(field, {24, 12}), -0.3);
   EXPECT_NEAR(left_of_straight(field, {5, 12}), 0, 0.05) << "is past it anyway";
@@ -102,39 +101,26 @@ TEST(Detours, WhoComesUpToACrowdThatStandsGoesRoundItByTheNearerSide) {
 }
 
 TEST(Detours, NobodyGoesFarRoundWhatIsSoonPassed) {
-  Field field(field_of());
-  Walkers walkers;
-  add(walkers, {{2, 18}, {38, 20}}, 3, kStand);
-  field.look_at(walkers);
+  const Field field(field_of(), crowd({{2, 18}, {38, 20}}, 3, kStand));
   EXPECT_NEAR(left_of_straight(field, {20, 8}), 0, 0.2);
 }
 
 TEST(Detours, ThoseWhoWalkTheSameWayAreInNobodysWayThoseWhoComeTowardsOneAre) {
-  Walkers with, against;
   const Rectangle block{{14, 18}, {26, 24}};
-  add(with, block, 3, {0, 1});
-  add(against, block, 3, {0, -1});
-  Field field(field_of());
-  field.look_at(with);
+  Field field(field_of(), crowd(block, 3, {0, 1}));
   EXPECT_NEAR(left_of_straight(field, {16, 12}), 0, 0.02);
-  field.look_at(against);
+  field.look_at(crowd(block, 3, {0, -1}));
   EXPECT_GT(left_of_straight(field, {16, 12}), 0.3);
 }
 
 TEST(Detours, WhoStandsInTheCrowdFollowsTheWayAsItIs) {
-  Field field(field_of());
-  Walkers walkers;
-  add(walkers, {{8, 14}, {32, 26}}, 3, kStand);
-  field.look_at(walkers);
+  const Field field(field_of(), crowd({{8, 14}, {32, 26}}, 3, kStand));
   EXPECT_GT(left_of_straight(field, {14, 9}), 0.1);
   EXPECT_NEAR(left_of_straight(field, {14, 20}), 0, 0.01);
 }
 
 TEST(Detours, AreForgottenWhenTheCrowdIsGone) {
-  Field field(field_of());
-  Walkers walkers;
-  add(walkers, {{14, 18}, {26, 24}}, 3, kStand);
-  field.look_at(walkers);
+  Field field(field_of(), crowd({{14, 18}, {26, 24}}, 3, kStand));
   ASSERT_TRUE(field.detours.is_bent(0));
   field.look_at({});
   EXPECT_FALSE(field.detours.is_bent(0));
@@ -142,16 +128,13 @@ TEST(Detours, AreForgottenWhenTheCrowdIsGone) {
 
 TEST(Detours, ACrowdBehindAWallIsInNobodysWay) {
   // Two halls beside each other, with a wall of 0.2 m between them that is no cell's border.
-  Field field(field_of({box(20.3, 16, 0.2, 32)}));
-  Walkers walkers;
-  add(walkers, {{20.5, 0}, {40, 34}}, 3, kStand);
-  field.look_at(walkers);
+  Field field(field_of({box(20.3, 16, 0.2, 32)}), crowd({{20.5, 0}, {40, 34}}, 3, kStand));
   ASSERT_TRUE(field.detours.is_bent(0));
   for (int y = 2; y < 28; ++y) EXPECT_NEAR(left_of_straight(field, {16, y}), 0, 0.02) << "at " << y;
 }
 
 /// Boxes and people by chance.
-Field random_field(uint64_t seed, Walkers& walkers) {
+Field random_field(uint64_t seed) {
   uint32_t draws = 0;
   const auto draw = [&](double low, double high) {
     return random_uniform({seed, 0, 0, Purpose::kStudy}, low, high, draws++);
@@ -159,22 +142,22 @@ Field random_field(uint64_t seed, Walkers& walkers) {
   std::vector<Obstacle> boxes;
   for (int i = 0; i < 8; ++i)
     boxes.push_back(box(draw(4, 36), draw(6, 34), draw(0.3, 9), draw(0.3, 3), draw(0, 3.1)));
+  Walkers walkers;
   for (int i = 0; i < 6; ++i) {
     const Eigen::Vector2d at(draw(0, 30), draw(4, 30));
     const double angle = draw(0, 6.28), pace = draw(0, 1);
-    add(walkers, {at, at + Eigen::Vector2d(draw(2, 10), draw(2, 10))}, draw(0.5, 5),
-        pace * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    const Walkers more = crowd({at, at + Eigen::Vector2d(draw(2, 10), draw(2, 10))}, draw(0.5, 5),
+                               pace * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    walkers.insert(walkers.end(), more.begin(), more.end());
   }
-  return Field(field_of(std::move(boxes)));
+  return Field(field_of(std::move(boxes)), walkers);
 }
 
 TEST(Detours, ABentWayIsOneAndNeverLeadsBack) {
   int bent = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Walkers walkers;
-    Field field = random_field(seed, walkers);
-    field.look_at(walkers);
+    const Field field = random_field(seed);
     constexpr int kAcross = 57;
     for (int row = 0; row < kAcross; ++row)
       for (int column = 0; column < kAcross; ++column) {
@@ -223,10 +206,7 @@ TEST(Detours, CostHardlyMoreThanTheBestThereIs) {
     const Eigen::Vector2d low(draw(6, 14, 0), draw(14, 20, 1));
     const Rectangle block{low, low + Eigen::Vector2d(draw(6, 16, 2), draw(4, 10, 3))};
     const Eigen::Vector2d from(draw(block.min_m.x(), block.max_m.x(), 4), 2);
-    Field field(field_of());
-    Walkers walkers;
-    add(walkers, block, 3, kStand);
-    field.look_at(walkers);
+    const Field field(field_of(), crowd(block, 3, kStand));
     const std::vector<Eigen::Vector2d> places_m = field.follow(from);
     ASSERT_GT(places_m.back().y(), 38);
     double cost = 0;
@@ -284,10 +264,7 @@ TEST(Detours, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
 }
 
 TEST(Detours, ADamagedCheckpointIsRefused) {
-  Field field(field_of());
-  Walkers walkers;
-  add(walkers, {{14, 18}, {26, 24}}, 3, kStand);
-  field.look_at(walkers);
+  Field field(field_of(), crowd({{14, 18}, {26, 24}}, 3, kStand));
   Archive out;
   field.detours.archive(out);
   for (const size_t at : {size_t{8}, out.bytes().size() - 4}) {
