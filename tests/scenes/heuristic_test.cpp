@@ -34,7 +34,8 @@ struct Moment {
   std::vector<Someone> people;
   std::vector<Wall> walls;
 
-  std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1) const {
+  std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1,
+                                      SteeringFunction model = decide_heuristic_scalar) const {
     const size_t count = people.size();
     std::vector<float> x, y, vx, vy, wx, wy, way_x, way_y, urge, eagerness;
     for (const Someone& each : people) {
@@ -50,7 +51,7 @@ struct Moment {
       way_x.push_back(length > 0 ? each.wanted_mps.x() / length : 0);
       way_y.push_back(length > 0 ? each.wanted_mps.y() / length : 0);
     }
-    const std::vector<float> radii(count, 0.22f), most(count, 1.2f * kFree_mps);
+    const std::vector<float> radii(count, 0.22f), most(count, 1.2f * kFree_mps), horizons(count, 2);
     std::vector<uint32_t> near(NeighbourGrid::kMost * count), starts(count + 1);
     std::vector<uint8_t> counts(count);
     for (uint32_t i = 0; i < count; ++i) {
@@ -83,6 +84,7 @@ struct Moment {
     view.way_x = way_x.data();
     view.way_y = way_y.data();
     view.max_speed_mps = most.data();
+    view.horizon_s = horizons.data();
     view.urge = urge.data();
     view.eagerness = eagerness.data();
     view.neighbours = near.data();
@@ -96,7 +98,7 @@ struct Moment {
     std::vector<uint32_t> slots(end - begin);
     std::iota(slots.begin(), slots.end(), static_cast<uint32_t>(begin));
     view.wall_starts += begin;
-    decide_heuristic_scalar(view, slots, next_x.data(), next_y.data());
+    model(view, slots, next_x.data(), next_y.data());
     std::vector<Eigen::Vector2f> out;
     for (size_t i = begin; i < end; ++i) out.emplace_back(next_x[i], next_y[i]);
     return out;
@@ -171,6 +173,20 @@ TEST(Heuristic, AChoiceDoesNotDependOnWhoElseIsInTheBlock) {
     for (size_t i = 0; i < count; ++i)
       EXPECT_EQ(moment.decide(i, i + 1).front(), all[i]) << "seed " << seed << ", person " << i;
   }
+}
+
+/// By both models' lanes of people, whose planes contradict each other now and then.
+TEST(Heuristic, EverySimdTargetDecidesAsTheDefinitionDoesToTheBit) {
+  for (const SimdTarget target : simd_targets_of_this_machine())
+    for (uint64_t seed = 1; seed <= 2000; ++seed) {
+      const Moment moment = random_moment(seed);
+      const size_t count = moment.people.size();
+      EXPECT_EQ(moment.decide(0, count, heuristic_on(target)), moment.decide(0, count))
+          << name_of(target) << ", seed " << seed;
+      EXPECT_EQ(moment.decide(0, count, orca_on(target)),
+                moment.decide(0, count, decide_orca_scalar))
+          << name_of(target) << ", seed " << seed;
+    }
 }
 
 TEST(Heuristic, ATurnedSceneIsWalkedTurned) {

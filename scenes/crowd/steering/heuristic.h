@@ -17,7 +17,7 @@ inline constexpr SteeringTraits kHeuristicTraits{
 /// The definition.
 void decide_heuristic_scalar(const SteeringView& people, std::span<const uint32_t> slots,
                              float* next_x_mps, float* next_y_mps);
-/// With ways as lanes: the same bits.
+/// With people as lanes: the same bits.
 SteeringFunction heuristic_on(SimdTarget target);
 
 }  // namespace throng
