@@ -28,11 +28,14 @@ class Candidates {
   void clear() { count_ = 0; }
   bool is_full() const { return count_ > kFull; }
 
+  /// Packs registers and stores them whole: to pack into memory takes some processors a hundred
+  /// cycles. What lies behind the last one is written over or never read.
   HWY_INLINE void add(hn::Vec<D> squares, hn::Vec<DU> slots, hn::Mask<D> mask) {
     const D d;
     const DU du;
-    hn::CompressBlendedStore(squares, mask, d, squares_ + count_);
-    count_ += hn::CompressBlendedStore(slots, hn::RebindMask(du, mask), du, slots_ + count_);
+    hn::StoreU(hn::Compress(squares, mask), d, squares_ + count_);
+    hn::StoreU(hn::Compress(slots, hn::RebindMask(du, mask)), du, slots_ + count_);
+    count_ += hn::CountTrue(d, mask);
   }
 
   /// Keeps the kMost nearest, still in ascending order of slots; returns the farthest's square.
