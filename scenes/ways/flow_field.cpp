@@ -241,8 +241,7 @@ size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {
 FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
                      std::span<const uint8_t> closed, std::span<const KeepOff> keep_off)
     : grid_(&grid),
-      distance_m_(grid.cell_count(), kFar),
-      direction_(grid.cell_count(), Eigen::Vector2f::Zero()),
+      cells_(grid.cell_count()),
       is_closed_(closed.begin(), closed.end()) {
   march(areas, closed, keep_off);
   point_downhill();
@@ -255,7 +254,7 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
   // A queue of (distance, cell): equal distances leave in the order of cells.
   using Entry = std::pair<float, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
+  for (size_t cell = 0; cell < cells_.size(); ++cell) {
     if (!grid_->is_free(cell)) continue;
     // The cell's distance to a rectangle, so that small goals between cell centres count too.
     const Eigen::Vector2d centre = grid_->centre_m(cell);
@@ -263,16 +262,16 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
     for (const Rectangle& area : areas)
       away = std::min(away, (centre - area.nearest_m(centre)).norm());
     if (away > 0.71 * grid_->cell_m()) continue;
-    distance_m_[cell] = static_cast<float>(away);
-    queue.emplace(distance_m_[cell], cell);
+    cells_[cell].distance_m = static_cast<float>(away);
+    queue.emplace(cells_[cell].distance_m, cell);
   }
   const auto value = [&](ptrdiff_t cell) {
-    return cell < 0 ? kFar : distance_m_[static_cast<size_t>(cell)];
+    return cell < 0 ? kFar : cells_[static_cast<size_t>(cell)].distance_m;
   };
   while (!queue.empty()) {
     const auto [distance, cell] = queue.top();
     queue.pop();
-    if (distance > distance_m_[cell]) continue;
+    if (distance > cells_[cell].distance_m) continue;
     for (const ptrdiff_t next : grid_->ways_from(cell)) {
       if (next < 0) continue;
       const KeepOff off = keep_off.empty() ? KeepOff::kNo : keep_off[static_cast<size_t>(next)];
@@ -284,8 +283,8 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
       if (off == KeepOff::kShun) step_m *= kShun;
       if (!closed.empty() && closed[static_cast<size_t>(next)] != 0) step_m += kClosed_m;
       const auto found = static_cast<float>(eikonal(x, y, step_m));
-      if (!(found < distance_m_[static_cast<size_t>(next)])) continue;
-      distance_m_[static_cast<size_t>(next)] = found;
+      if (!(found < cells_[static_cast<size_t>(next)].distance_m)) continue;
+      cells_[static_cast<size_t>(next)].distance_m = found;
       if (!closed.empty())
         is_closed_[static_cast<size_t>(next)] =
             closed[static_cast<size_t>(next)] | is_closed_[cell];
@@ -296,27 +295,27 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
 
 void FlowField::point_downhill() {
   const auto fall = [&](float here, ptrdiff_t back, ptrdiff_t ahead) {
-    const float behind = back < 0 ? kFar : distance_m_[static_cast<size_t>(back)];
-    const float before = ahead < 0 ? kFar : distance_m_[static_cast<size_t>(ahead)];
+    const float behind = back < 0 ? kFar : cells_[static_cast<size_t>(back)].distance_m;
+    const float before = ahead < 0 ? kFar : cells_[static_cast<size_t>(ahead)].distance_m;
     const float lower = std::min(behind, before);
     if (!(lower < here)) return 0.0f;
     return before < behind ? here - lower : lower - here;
   };
-  for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
-    if (!(distance_m_[cell] < kFar)) continue;
+  for (size_t cell = 0; cell < cells_.size(); ++cell) {
+    if (!(cells_[cell].distance_m < kFar)) continue;
     const Neighbours around = grid_->ways_from(cell);
-    const Eigen::Vector2f down(fall(distance_m_[cell], around[0], around[1]),
-                               fall(distance_m_[cell], around[2], around[3]));
-    if (down.squaredNorm() > 0) direction_[cell] = down.normalized();
+    const Eigen::Vector2f down(fall(cells_[cell].distance_m, around[0], around[1]),
+                               fall(cells_[cell].distance_m, around[2], around[3]));
+    if (down.squaredNorm() > 0) cells_[cell].direction = down.normalized();
   }
 }
 
 void FlowField::lead_out_of_walls() {
   // Whoever was pushed too near an obstacle goes to the nearest cell with a way: breadth first.
   std::vector<size_t> front;
-  std::vector<uint8_t> known(distance_m_.size());
-  for (size_t cell = 0; cell < distance_m_.size(); ++cell) {
-    known[cell] = distance_m_[cell] < kFar;
+  std::vector<uint8_t> known(cells_.size());
+  for (size_t cell = 0; cell < cells_.size(); ++cell) {
+    known[cell] = cells_[cell].distance_m < kFar;
     if (known[cell]) front.push_back(cell);
   }
   for (size_t i = 0; i < front.size(); ++i) {
@@ -327,8 +326,8 @@ void FlowField::lead_out_of_walls() {
       known[cell] = 1;
       const Eigen::Vector2d out = grid_->centre_m(front[i]) - grid_->centre_m(cell);
       // Mostly along the way of the cell outside: straight out would be turned back at once.
-      const Eigen::Vector2f way = direction_[front[i]] + 0.5f * out.normalized().cast<float>();
-      direction_[cell] = way.normalized();
+      const Eigen::Vector2f way = cells_[front[i]].direction + 0.5f * out.normalized().cast<float>();
+      cells_[cell].direction = way.normalized();
       front.push_back(cell);
     }
   }
@@ -347,11 +346,11 @@ void FlowField::aim_through_gaps() {
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   for (const size_t cell : cells) {
     ptrdiff_t best = -1;
-    float least_m = distance_m_[cell];
+    float least_m = cells_[cell].distance_m;
     for (const ptrdiff_t next : grid_->ways_from(cell)) {
-      if (next < 0 || !(distance_m_[static_cast<size_t>(next)] < least_m)) continue;
+      if (next < 0 || !(cells_[static_cast<size_t>(next)].distance_m < least_m)) continue;
       best = next;
-      least_m = distance_m_[static_cast<size_t>(next)];
+      least_m = cells_[static_cast<size_t>(next)].distance_m;
     }
     if (best >= 0) aims_.emplace_back(cell, grid_->place_m(static_cast<size_t>(best)));
   }
@@ -367,8 +366,8 @@ CellPatch<double> FlowField::patch_at(const Eigen::Vector2d& point) const {
 
 void FlowField::prefetch(const Eigen::Vector2d& point) const {
   const CellPatch<double> patch = patch_at(point);
-  __builtin_prefetch(&direction_[patch.cell]);
-  __builtin_prefetch(&direction_[patch.cell + patch.above]);
+  __builtin_prefetch(&cells_[patch.cell]);
+  __builtin_prefetch(&cells_[patch.cell + patch.above]);
 }
 
 Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
@@ -377,7 +376,7 @@ Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
     const double length = way.norm();
     if (length > 1e-3) return way / length;
   }
-  const auto at = [&](size_t index) -> Eigen::Vector2d { return direction_[index].cast<double>(); };
+  const auto at = [&](size_t index) -> Eigen::Vector2d { return cells_[index].direction.cast<double>(); };
   const Eigen::Vector2d blend = patch_at(point).blend(at);
   // Where ways part, directions cancel: take the cell's own then.
   const Eigen::Vector2d chosen = blend.squaredNorm() > 0.01 ? blend : at(grid_->cell_at(point));
@@ -386,11 +385,11 @@ Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
 }
 
 double FlowField::distance_m(const Eigen::Vector2d& point) const {
-  return static_cast<double>(distance_m_[grid_->cell_at(point)]);
+  return static_cast<double>(cells_[grid_->cell_at(point)].distance_m);
 }
 
 bool FlowField::reaches(const Eigen::Vector2d& point) const {
-  return distance_m_[grid_->cell_at(point)] < kFar;
+  return cells_[grid_->cell_at(point)].distance_m < kFar;
 }
 
 }  // namespace throng

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -96,7 +97,7 @@ class FlowField {
   double distance_m(const Eigen::Vector2d& point) const;
   bool reaches(const Eigen::Vector2d& point) const;
   /// The same as distance_m() of any point of a cell.
-  float cell_distance_m(size_t cell) const { return distance_m_[cell]; }
+  float cell_distance_m(size_t cell) const { return cells_[cell].distance_m; }
   /// True if the way from here leads through a closed door.
   bool is_closed(const Eigen::Vector2d& point) const {
     return !is_closed_.empty() && is_closed_[grid_->cell_at(point)] != 0;
@@ -109,6 +110,12 @@ class FlowField {
   static constexpr double kShun = 4;
 
  private:
+  /// Side by side, as both are asked for of one place.
+  struct Cell {
+    Eigen::Vector2f direction = Eigen::Vector2f::Zero();
+    float distance_m = std::numeric_limits<float>::infinity();
+  };
+
   CellPatch<double> patch_at(const Eigen::Vector2d& point) const;
   void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
              std::span<const KeepOff> keep_off);
@@ -118,8 +125,7 @@ class FlowField {
   const Eigen::Vector2d* aim_at(size_t cell) const;
 
   const FlowGrid* grid_;
-  std::vector<float> distance_m_;
-  std::vector<Eigen::Vector2f> direction_;
+  std::vector<Cell> cells_;
   std::vector<uint8_t> is_closed_;  ///< the way of each cell, or empty: there is no closed door
   /// In and before narrow gaps, the place to walk to next; ascending by cell.
   std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
