@@ -1,6 +1,7 @@
 #include "scenes/crowd/crowd.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "avatars/gait/gait.h"
@@ -89,12 +90,14 @@ void Crowd::seat_people() {
 void Crowd::take_slots() {
   std::swap(walkers_, carried_);
   for_slots([this](size_t begin, size_t end, int) {
+    std::array<uint32_t, kPeopleABlock> from;
     for (size_t slot = begin; slot < end; ++slot) {
-      const uint32_t from = slot_of_[grid_.order()[slot]];
-      if (from == kNowhere)
-        start_walking(slot);
-      else
-        walkers_.carry(carried_, from, slot);
+      const uint32_t before = slot_of_[grid_.order()[slot]];
+      from[slot - begin] = before == kNowhere ? 0 : before;
+    }
+    walkers_.carry(carried_, {from.data(), end - begin}, begin);
+    for (size_t slot = begin; slot < end; ++slot) {
+      if (slot_of_[grid_.order()[slot]] == kNowhere) start_walking(slot);
       show(slot);
     }
   });

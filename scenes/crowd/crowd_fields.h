@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -73,6 +74,7 @@ enum class Saved : uint8_t {
 // FIELD(type, name), one value a slot: what follows from a walker, and what a decision works out.
 //   phase            the step of a period in which somebody decides
 //   vx_mps, vy_mps   the velocity that others see; and the radius
+//   own_side_m       how far to the left of the shortest way somebody walks
 //   next_held        what `held` of a walker becomes
 //   close_counts     of the neighbours, who may overlap; they come first
 //   crowded          of a block, from its first place on: slots with some
@@ -84,6 +86,7 @@ enum class Saved : uint8_t {
   FIELD(float, vx_mps)                \
   FIELD(float, vy_mps)                \
   FIELD(float, radius_m)              \
+  FIELD(double, own_side_m)           \
   FIELD(float, max_speed_mps)         \
   FIELD(float, horizon_s)             \
   FIELD(float, next_x_mps)            \
@@ -131,9 +134,11 @@ struct Walkers {
     });
   }
 
-  /// Takes over all that is known of who had `from_slot` before.
-  void carry(const Walkers& from, size_t from_slot, size_t slot) {
-#define THRONG_CARRY(type, name, saved) name[slot] = from.name[from_slot];
+  /// The slots from `first` on take over all that is known of who had these slots before, one field
+  /// after the other: all at once they would be fifty streams from and to the memory.
+  void carry(const Walkers& from, std::span<const uint32_t> from_slots, size_t first) {
+#define THRONG_CARRY(type, name, saved) \
+    for (size_t i = 0; i < from_slots.size(); ++i) name[first + i] = from.name[from_slots[i]];
     THRONG_WALKER_FIELDS(THRONG_CARRY)
 #undef THRONG_CARRY
   }
