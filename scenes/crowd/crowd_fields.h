@@ -138,7 +138,7 @@ struct Walkers {
   /// after the other: all at once they would be fifty streams from and to the memory.
   void carry(const Walkers& from, std::span<const uint32_t> from_slots, size_t first) {
 #define THRONG_CARRY(type, name, saved) \
-    for (size_t i = 0; i < from_slots.size(); ++i) name[first + i] = from.name[from_slots[i]];
+  for (size_t i = 0; i < from_slots.size(); ++i) name[first + i] = from.name[from_slots[i]];
     THRONG_WALKER_FIELDS(THRONG_CARRY)
 #undef THRONG_CARRY
   }

@@ -240,9 +240,7 @@ size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {
 
 FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
                      std::span<const uint8_t> closed, std::span<const KeepOff> keep_off)
-    : grid_(&grid),
-      cells_(grid.cell_count()),
-      is_closed_(closed.begin(), closed.end()) {
+    : grid_(&grid), cells_(grid.cell_count()), is_closed_(closed.begin(), closed.end()) {
   march(areas, closed, keep_off);
   point_downhill();
   lead_out_of_walls();
@@ -326,7 +324,8 @@ void FlowField::lead_out_of_walls() {
       known[cell] = 1;
       const Eigen::Vector2d out = grid_->centre_m(front[i]) - grid_->centre_m(cell);
       // Mostly along the way of the cell outside: straight out would be turned back at once.
-      const Eigen::Vector2f way = cells_[front[i]].direction + 0.5f * out.normalized().cast<float>();
+      const Eigen::Vector2f way =
+          cells_[front[i]].direction + 0.5f * out.normalized().cast<float>();
       cells_[cell].direction = way.normalized();
       front.push_back(cell);
     }
@@ -376,7 +375,9 @@ Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
     const double length = way.norm();
     if (length > 1e-3) return way / length;
   }
-  const auto at = [&](size_t index) -> Eigen::Vector2d { return cells_[index].direction.cast<double>(); };
+  const auto at = [&](size_t index) -> Eigen::Vector2d {
+    return cells_[index].direction.cast<double>();
+  };
   const Eigen::Vector2d blend = patch_at(point).blend(at);
   // Where ways part, directions cancel: take the cell's own then.
   const Eigen::Vector2d chosen = blend.squaredNorm() > 0.01 ? blend : at(grid_->cell_at(point));
