@@ -231,13 +231,6 @@ Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
                                                static_cast<double>(row) + 0.5);
 }
 
-size_t FlowGrid::cell_at(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d offset = (point - origin_m_) / cell_m_;
-  const int column = std::clamp(static_cast<int>(std::floor(offset.x())), 0, columns_ - 1);
-  const int row = std::clamp(static_cast<int>(std::floor(offset.y())), 0, rows_ - 1);
-  return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
-}
-
 FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
                      std::span<const uint8_t> closed, std::span<const KeepOff> keep_off)
     : grid_(&grid), cells_(grid.cell_count()), is_closed_(closed.begin(), closed.end()) {
@@ -355,8 +348,8 @@ void FlowField::aim_through_gaps() {
   }
 }
 
-const Eigen::Vector2d* FlowField::aim_at(size_t cell) const {
-  return aims_.empty() ? nullptr : find_cell(aims_, cell);
+const Eigen::Vector2d* FlowField::aim_at(const Eigen::Vector2d& point) const {
+  return aims_.empty() ? nullptr : find_cell(aims_, grid_->cell_at(point));
 }
 
 CellPatch<double> FlowField::patch_at(const Eigen::Vector2d& point) const {
@@ -370,7 +363,7 @@ void FlowField::prefetch(const Eigen::Vector2d& point) const {
 }
 
 Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
-  if (const Eigen::Vector2d* aim = aim_at(grid_->cell_at(point))) {
+  if (const Eigen::Vector2d* aim = aim_at(point)) {
     const Eigen::Vector2d way = *aim - point;
     const double length = way.norm();
     if (length > 1e-3) return way / length;

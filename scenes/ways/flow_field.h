@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -42,7 +43,14 @@ class FlowGrid {
   const std::vector<Passage>& passages() const { return passages_; }
   /// From wall to wall, where two cells are near each other and nobody fits through between them.
   const std::vector<Passage>& closures() const { return closures_; }
-  size_t cell_at(const Eigen::Vector2d& point) const;
+  /// Points beyond the ground count as at its rim.
+  size_t cell_at(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d in_cells = (point - origin_m_) / cell_m_;
+    const auto at = [](double cells, int count) {
+      return static_cast<size_t>(std::clamp(cells, 0.0, count - 0.5));
+    };
+    return at(in_cells.y(), rows_) * static_cast<size_t>(columns_) + at(in_cells.x(), columns_);
+  }
   const Eigen::Vector2d& origin_m() const { return origin_m_; }
 
   /// How far from a footprint a person's centre may pass, on cells of this size: half the hips, or
@@ -122,7 +130,7 @@ class FlowField {
   void point_downhill();
   void lead_out_of_walls();
   void aim_through_gaps();
-  const Eigen::Vector2d* aim_at(size_t cell) const;
+  const Eigen::Vector2d* aim_at(const Eigen::Vector2d& point) const;
 
   const FlowGrid* grid_;
   std::vector<Cell> cells_;
