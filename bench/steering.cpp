@@ -19,10 +19,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-constexpr int kWarmUpSteps = 20;
+constexpr double kWarmUp_s = 2;
 constexpr int kDecisions = 2'000'000;
 /// As long as a decision holds, so that each step is one decision and one move.
 constexpr double kStep_s = 0.1;
+/// Of a run: a third of the people decide in a frame, and all of them move.
+constexpr double kFrame_s = 1.0 / 30;
 
 struct Reference {
   int people;
@@ -41,12 +43,12 @@ std::optional<double> rvo2_ms(int people) {
 }
 
 /// Everybody starts anywhere on the square and walks from side to side of it.
-Scene square(int people, double per_m2, uint64_t seed) {
+Scene square(int people, double per_m2, uint64_t seed, double step_s) {
   const double edge_m = std::sqrt(people / per_m2);
   const double rim_m = 0.05 * edge_m + 0.6;
   Scene scene;
   scene.seed = seed;
-  scene.step_s = kStep_s;
+  scene.step_s = step_s;
   scene.ground = {{0, 0}, {edge_m, edge_m}};
   const Rectangle west{{0, 0}, {rim_m, edge_m}}, east{{edge_m - rim_m, 0}, {edge_m, edge_m}};
   const Rectangle south{{0, 0}, {edge_m, rim_m}}, north{{0, edge_m - rim_m}, {edge_m, edge_m}};
@@ -64,14 +66,20 @@ Scene square(int people, double per_m2, uint64_t seed) {
   return scene;
 }
 
-SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& options,
-                    Workers& workers) {
-  const Scene scene = square(people, options.per_m2, options.seed);
+struct Walk {
+  int people = 0;  ///< who found a place
+  Spread ms;       ///< of a step
+  double sweeps = 0;
+};
+
+Walk walk(SteeringKind model, int people, double step_s, const SteeringBenchOptions& options,
+          Workers& workers) {
+  const Scene scene = square(people, options.per_m2, options.seed, step_s);
   Ways ways(scene, workers);
   const Spawned spawned = spawn(scene, ways);
-  throng::Crowd crowd(ways, spawned.people, {scene.seed, kStep_s, {model, false}, options.simd},
+  throng::Crowd crowd(ways, spawned.people, {scene.seed, step_s, {model, false}, options.simd},
                       workers);
-  for (int step = 0; step < kWarmUpSteps; ++step) crowd.step();
+  for (int step = 0; step * step_s < kWarmUp_s; ++step) crowd.step();
   const SteeringCounters before = crowd.counters();
   const int steps = options.steps.value_or(std::clamp(kDecisions / people, 9, 201));
   std::vector<double> times_ms;
@@ -80,11 +88,19 @@ SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& 
     crowd.step();
     times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
+  return {static_cast<int>(crowd.traffic().counters().present), spread_of(times_ms),
+          static_cast<double>(crowd.counters().all_sweeps - before.all_sweeps) / steps};
+}
+
+SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& options,
+                    Workers& workers) {
+  const Walk decisions = walk(model, people, kStep_s, options, workers);
   SteeringRow row;
   row.model = model;
-  row.people = static_cast<int>(crowd.traffic().counters().present);
-  row.ms = spread_of(times_ms);
-  row.sweeps = static_cast<double>(crowd.counters().all_sweeps - before.all_sweeps) / steps;
+  row.people = decisions.people;
+  row.ms = decisions.ms;
+  row.sweeps = decisions.sweeps;
+  row.frame_ms = walk(model, people, kFrame_s, options, workers).ms;
   // The known figure is one core's.
   if (options.threads == 1) row.rvo2_ms = rvo2_ms(row.people);
   return row;
@@ -108,20 +124,23 @@ std::string to_text(const std::vector<SteeringRow>& rows, const SteeringBenchOpt
                     const std::string& cpu) {
   std::string out;
   append(out,
-         "steering: four groups cross a square, {:.4g} per m2, a decision and a move of "
-         "everybody a step, {} thread{}, {} on {}\n\n",
+         "steering: four groups cross a square, {:.4g} per m2, {} thread{}, {} on {}\n"
+         "a step: everybody decides and moves; a frame: a 30th of a second, in which a third of "
+         "them decide and all move\n\n",
          options.per_m2, options.threads, options.threads == 1 ? "" : "s",
          name_of(resolved(options.simd)), cpu);
-  append(out, "  {:<8}{:>9}{:>10}{:>10}{:>10}{:>11}{:>9}{:>11}{:>9}\n", "model", "people", "min ms",
-         "median", "p95", "us/person", "sweeps", "RVO2 ms", "/ ours");
+  append(out, "  {:<10}{:>8}{:>10}{:>8}{:>8}{:>11}{:>8}{:>10}{:>8}{:>10}{:>8}\n", "model", "people",
+         "step: min", "median", "p95", "us/person", "sweeps", "frame ms", "p95", "RVO2 step",
+         "/ ours");
   for (const SteeringRow& row : rows) {
-    append(out, "  {:<8}{:>9}{:>10.3f}{:>10.3f}{:>10.3f}{:>11.3f}{:>9.1f}", name_of(row.model),
-           row.people, row.ms.min, row.ms.median, row.ms.p95,
-           1e3 * row.ms.median / std::max(row.people, 1), row.sweeps);
+    append(out, "  {:<10}{:>8}{:>10.3f}{:>8.3f}{:>8.3f}{:>11.3f}{:>8.1f}{:>10.3f}{:>8.3f}",
+           name_of(row.model), row.people, row.ms.min, row.ms.median, row.ms.p95,
+           1e3 * row.ms.median / std::max(row.people, 1), row.sweeps, row.frame_ms.median,
+           row.frame_ms.p95);
     if (row.rvo2_ms)
-      append(out, "{:>11.4g}{:>9.2f}\n", *row.rvo2_ms, *row.rvo2_ms / row.ms.median);
+      append(out, "{:>10.4g}{:>8.2f}\n", *row.rvo2_ms, *row.rvo2_ms / row.ms.median);
     else
-      append(out, "{:>11}{:>9}\n", "-", "-");
+      append(out, "{:>10}{:>8}\n", "-", "-");
   }
   append(out,
          "\n  RVO2: {}. It did not run here:\n  read the ratio as an order of size. "
@@ -147,6 +166,8 @@ std::string to_json(const std::vector<SteeringRow>& rows, const SteeringBenchOpt
                                 {"min_ms", row.ms.min},
                                 {"p95_ms", row.ms.p95},
                                 {"sweeps", row.sweeps},
+                                {"frame_ms", row.frame_ms.median},
+                                {"frame_p95_ms", row.frame_ms.p95},
                                 {"rvo2_ms", row.rvo2_ms ? Json(*row.rvo2_ms) : Json()}});
   return json.dump(2) + "\n";
 }

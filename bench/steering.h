@@ -1,6 +1,6 @@
 // What a step of steering costs, beside the reference cost of RVO2's published code.
 // One rule: a step decides for everybody and moves everybody, as RVO2's doStep() does, and nothing
-// else is in the time.
+// else is in the time. In a frame of a run people take turns in deciding.
 #pragma once
 
 #include <optional>
@@ -27,11 +27,12 @@ struct SteeringRow {
   SteeringKind model = SteeringKind::kOrca;
   int people = 0;                 ///< who found a place
   Spread ms;                      ///< of a step
-  double sweeps = 0;              ///< of relaxation, mean
+  double sweeps = 0;              ///< of relaxation in a step, mean
+  Spread frame_ms;                ///< of a 30th of a second, in which a third of them decide
   std::optional<double> rvo2_ms;  ///< RVO2's for so many, where known
 };
 
-/// Four groups cross a square without obstacles, from side to side; 20 steps of 0.1 s are warm-up.
+/// Four groups cross a square without obstacles, from side to side; the first 2 s are warm-up.
 std::vector<SteeringRow> measure_steering(const SteeringBenchOptions& options,
                                           const Progress& progress);
 

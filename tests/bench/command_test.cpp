@@ -121,6 +121,7 @@ TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
     EXPECT_EQ(row["people"], 1000);
     EXPECT_GT(row["ms"].get<double>(), 0);
     EXPECT_GE(row["sweeps"].get<double>(), 1);
+    EXPECT_GT(row["frame_ms"].get<double>(), 0);
     EXPECT_EQ(row["rvo2_ms"], 1.08);
   }
   // It is known for one core and for some numbers of people.
