@@ -173,8 +173,8 @@ struct LanesOfPeople {
   }
 };
 
-/// The neighbours of people, the k-th of each after one another: [k * kLanes + lane]. Who has fewer
-/// is one's own neighbour.
+/// The neighbours of people, the k-th of each after one another: [k * kLanes + lane]. In lanes with
+/// fewer the rest are one's own slot.
 struct LanesOfNeighbours {
   HWY_ALIGN int32_t slots[NeighbourGrid::kMost * kLanes];
   HWY_ALIGN uint32_t counts[kLanes] = {};
@@ -199,14 +199,14 @@ struct LanesOfNeighbours {
   HWY_INLINE V of(size_t k, const float* values) const {
     return hn::GatherIndex(D(), values, hn::Load(DI(), slots + k * kLanes));
   }
-  /// Whose own slot comes before the k-th's.
+  /// The lanes whose own slot comes before the k-th's.
   HWY_INLINE M is_before(size_t k, const LanesOfPeople& people) const {
     return hn::RebindMask(D(),
                           hn::Lt(hn::Load(DI(), people.slots), hn::Load(DI(), slots + k * kLanes)));
   }
 };
 
-/// The walls of people, the w-th of each after one another; who has fewer has walls that face
+/// The walls of people, the w-th of each after one another. In lanes with fewer the rest face
 /// nowhere and are far away.
 struct LanesOfWalls {
   HWY_ALIGN float x[kMostWalls * kLanes];
@@ -293,8 +293,9 @@ HWY_INLINE void add_avoiding(const Encounters& e, M in, LanesOfPlanes& planes) {
   const V wx = vx - ox * rate, wy = vy - oy * rate;
   const V w_square = wx * wx + wy * wy;
   const V w_along = wx * ox + wy * oy;
-  const M circle =
-      hn::Or(overlaps, hn::And(w_along<zero, w_along * w_along> radius_square * w_square));
+  const M is_short = hn::Lt(w_along, zero);
+  const M is_within = hn::Gt(w_along * w_along, radius_square * w_square);
+  const M circle = hn::Or(overlaps, hn::And(is_short, is_within));
   // The circle's normal.
   const V w_length = hn::Sqrt(w_square);
   const M known = w_length > tiny;
