@@ -6,7 +6,10 @@
 extern "C" {
 
 #ifdef __SANITIZE_THREAD__
-const char* __tsan_default_options() { return "suppressions=" THRONG_TSAN_SUPPRESSIONS; }
+// A test writes, by a thread, in a process of its own whose files may not grow.
+const char* __tsan_default_options() {
+  return "die_after_fork=0:suppressions=" THRONG_TSAN_SUPPRESSIONS;
+}
 #endif
 
 #ifdef __SANITIZE_ADDRESS__
