@@ -137,8 +137,10 @@ struct Walkers {
   /// The slots from `first` on take over all that is known of who had these slots before, one field
   /// after the other: all at once they would be fifty streams from and to the memory.
   void carry(const Walkers& from, std::span<const uint32_t> from_slots, size_t first) {
-#define THRONG_CARRY(type, name, saved) \
-  for (size_t i = 0; i < from_slots.size(); ++i) name[first + i] = from.name[from_slots[i]];
+    const auto take = [&](auto& to, const auto& before) {
+      for (size_t i = 0; i < from_slots.size(); ++i) to[first + i] = before[from_slots[i]];
+    };
+#define THRONG_CARRY(type, name, saved) take(name, from.name);
     THRONG_WALKER_FIELDS(THRONG_CARRY)
 #undef THRONG_CARRY
   }
