@@ -43,12 +43,11 @@ std::optional<double> rvo2_ms(int people) {
 }
 
 /// Everybody starts anywhere on the square and walks from side to side of it.
-Scene square(int people, double per_m2, uint64_t seed, double step_s) {
+Scene square(int people, double per_m2, uint64_t seed) {
   const double edge_m = std::sqrt(people / per_m2);
   const double rim_m = 0.05 * edge_m + 0.6;
   Scene scene;
   scene.seed = seed;
-  scene.step_s = step_s;
   scene.ground = {{0, 0}, {edge_m, edge_m}};
   const Rectangle west{{0, 0}, {rim_m, edge_m}}, east{{edge_m - rim_m, 0}, {edge_m, edge_m}};
   const Rectangle south{{0, 0}, {edge_m, rim_m}}, north{{0, edge_m - rim_m}, {edge_m, edge_m}};
@@ -72,15 +71,13 @@ struct Walk {
   double sweeps = 0;
 };
 
-Walk walk(SteeringKind model, int people, double step_s, const SteeringBenchOptions& options,
-          Workers& workers) {
-  const Scene scene = square(people, options.per_m2, options.seed, step_s);
-  Ways ways(scene, workers);
-  const Spawned spawned = spawn(scene, ways);
-  throng::Crowd crowd(ways, spawned.people, {scene.seed, step_s, {model, false}, options.simd},
+Walk walk(SteeringKind model, Ways& ways, const Spawned& spawned, double step_s,
+          const SteeringBenchOptions& options, Workers& workers) {
+  throng::Crowd crowd(ways, spawned.people, {options.seed, step_s, {model, false}, options.simd},
                       workers);
   for (int step = 0; step * step_s < kWarmUp_s; ++step) crowd.step();
   const SteeringCounters before = crowd.counters();
+  const int people = std::max(1, static_cast<int>(spawned.people.size()));
   const int steps = options.steps.value_or(std::clamp(kDecisions / people, 9, 201));
   std::vector<double> times_ms;
   for (int step = 0; step < steps; ++step) {
@@ -94,13 +91,16 @@ Walk walk(SteeringKind model, int people, double step_s, const SteeringBenchOpti
 
 SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& options,
                     Workers& workers) {
-  const Walk decisions = walk(model, people, kStep_s, options, workers);
+  const Scene scene = square(people, options.per_m2, options.seed);
+  Ways ways(scene, workers);
+  const Spawned spawned = spawn(scene, ways);
+  const Walk decisions = walk(model, ways, spawned, kStep_s, options, workers);
   SteeringRow row;
   row.model = model;
   row.people = decisions.people;
   row.ms = decisions.ms;
   row.sweeps = decisions.sweeps;
-  row.frame_ms = walk(model, people, kFrame_s, options, workers).ms;
+  row.frame_ms = walk(model, ways, spawned, kFrame_s, options, workers).ms;
   // The known figure is one core's.
   if (options.threads == 1) row.rvo2_ms = rvo2_ms(row.people);
   return row;

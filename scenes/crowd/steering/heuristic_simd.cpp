@@ -69,6 +69,7 @@ class Decisions {
     radius_m_ = own.of(p_.radius_m);
     size_ = radius_m_ / all(kRadius_m);
     max_speed_mps_ = own.of(p_.max_speed_mps);
+    eagerness_ = own.of(p_.eagerness);
     const Vectors wanted{own.of(p_.wanted_x_mps), own.of(p_.wanted_y_mps)};
     wanted_mps_ = length(wanted);
     wants_ = hn::And(in, wanted_mps_ > all(kWants_mps));
@@ -264,8 +265,7 @@ class Decisions {
     const V follows = clamp(
         (ahead_m - all(kTuning.touching_m)) / all(kTuning.follows_m - kTuning.touching_m), 0, 1);
     const V eager_s = all(kTuning.eager_s) + all(kTuning.eager_s2pm) * faster_mps;
-    const V eagerness = own_.of(p_.eagerness);
-    return (all(kTuning.ahead_s) + eagerness * follows * eager_s) * faster_mps;
+    return (all(kTuning.ahead_s) + eagerness_ * follows * eager_s) * faster_mps;
   }
 
   HWY_INLINE V speed_on(Vectors way) const {
@@ -367,7 +367,7 @@ class Decisions {
   Others others_[NeighbourGrid::kMost];
   size_t count_ = 0;
   Vectors way_, velocity_mps_;
-  V radius_m_, size_, max_speed_mps_;
+  V radius_m_, size_, max_speed_mps_, eagerness_;
   V wanted_mps_, speed_mps_, openness_;
   M wants_;
 };
