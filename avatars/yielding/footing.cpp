@@ -42,7 +42,6 @@ constexpr float kLeastStretch = 0.73f, kMostStretch = 1.2f;
 // What a second with legs too near by a metre weighs, squared, against a stride of another length
 // squared.
 constexpr float kNearness = 300, kRhythmEffort = 0.3f, kRhythmChange = 0.2f;
-constexpr size_t kTimes = 10;
 // Among more than so many people, so near, nobody keeps step with all of them.
 constexpr int kMostAround = 3;
 constexpr float kAround_m = 1.1f;
@@ -55,14 +54,8 @@ Vector2f left_of(const Vector2f& v) { return {-v.y(), v.x()}; }
 
 LegOwner owner_of(const Steps& steps) { return {steps.ahead, steps.scale}; }
 
-/// When somebody's legs could meet one's own: kTimes of these from then on.
-struct Meeting {
-  float from_s, per_s;
-  float time_s(size_t k) const { return from_s + (static_cast<float>(k) + 0.5f) * per_s; }
-};
-
 /// Whether they come near, and then when.
-bool comes_near(const Steps& own, const Steps& other, Meeting& meeting) {
+bool comes_near(const Passer& own, const Passer& other, Meeting& meeting) {
   const Vector2f way = other.root_m - own.root_m, closing = other.velocity_mps - own.velocity_mps;
   const float speed2 = std::max(closing.squaredNorm(), 1e-4f);
   const float middle_s = -way.dot(closing) / speed2;
@@ -71,29 +64,66 @@ bool comes_near(const Steps& own, const Steps& other, Meeting& meeting) {
   const float least2 = (way + middle_s * closing).squaredNorm();
   const float half_s = std::sqrt(std::max(kLegsReach_m * kLegsReach_m - least2, 0.0f) / speed2);
   meeting.from_s = std::clamp(middle_s - half_s, 0.0f, kRhythmAhead_s);
-  meeting.per_s = (std::clamp(middle_s + half_s, 0.0f, kRhythmAhead_s) - meeting.from_s) / kTimes;
+  meeting.per_s = (std::clamp(middle_s + half_s, 0.0f, kRhythmAhead_s) - meeting.from_s) / Meeting::kParts;
   return true;
 }
 
 class RhythmChoice {
  public:
-  RhythmChoice(const Steps& own, std::span<const Steps> near, float now, SimdTarget target)
+  RhythmChoice(const Steps& own, std::span<const Steps> others, const Meetings& meetings,
+               float now)
       : legs_{LegNow(own, 0), LegNow(own, 1)},
+        meetings_(meetings),
         now_(now),
         natural_ps_(own.velocity_mps.dot(own.ahead) / (own.track.stride_m * own.scale)) {
-    float from_s = kRhythmAhead_s;
-    for (const Steps& other : near) {
-      Meeting meeting;
-      if (companions_ == kMostCompanions) break;
-      if (!comes_near(own, other, meeting) || meeting.from_s > kSoonEnough_s) continue;
-      from_s = std::min(from_s, meeting.from_s);
-      their_ps_[companions_++] = other.cycles_ps;
-      add_times(other.seen_by(own), meeting, target);
-    }
-    rhythms_.lead_s = std::max(from_s, kLeastLead_s);
+    for (size_t i = 0; i < meetings.count; ++i) others_[i] = others[i].seen_by(own);
   }
 
   float best(SimdTarget target) {
+    bool is_free = now_ == 1;  // then nothing is better than the gait's own strides
+    for (size_t i = 0; i < meetings_.count; ++i) {
+      Foreseen& foreseen = foreseen_[i];
+      // Times beyond the last part are its own.
+      for (size_t k = 0; k < kPlaces; ++k)
+        foreseen.ahead_s[k] = meetings_.all[i].time_s(std::min(k, kTimes - 1));
+      for (size_t side = 0; side < 2; ++side)
+        foresee(LegNow(others_[i], side), foreseen.ahead_s, kTimes, target, foreseen.legs[side]);
+      is_free = is_free && !meets(i, target);
+    }
+    return is_free ? 1 : best_of_rhythms(target);
+  }
+
+ private:
+  static constexpr size_t kTimes = Meeting::kParts;
+  struct Foreseen {
+    alignas(64) PlaceNumbers ahead_s;
+    std::array<ForeseenLeg, 2> legs;
+  };
+
+  /// Whether legs come too near to a companion's with the gait's own strides.
+  bool meets(size_t companion, SimdTarget target) const {
+    const Foreseen& theirs = foreseen_[companion];
+    for (LegNow leg : legs_) {
+      leg.cycles_ps = natural_ps_;
+      leg.root_m = Vector2f::Zero();
+      leg.ahead_m = Vector2f::UnitX();
+      ForeseenLeg own;
+      foresee(leg, theirs.ahead_s, kTimes, target, own);
+      for (const ForeseenLeg& other : theirs.legs)
+        if (comes_near(own.places, {Vector2f::UnitX(), 1}, other.places, owner_of(others_[companion]),
+                       kRhythmClear_m, kTimes, target))
+          return true;
+    }
+    return false;
+  }
+
+  float best_of_rhythms(SimdTarget target) {
+    rhythms_.lead_s = kRhythmAhead_s;
+    for (size_t i = 0; i < meetings_.count; ++i) {
+      rhythms_.lead_s = std::min(rhythms_.lead_s, meetings_.all[i].from_s);
+      add_times(i);
+    }
+    rhythms_.lead_s = std::max(rhythms_.lead_s, kLeastLead_s);
     if (count_ == 0) return 1;
     std::array<float, kPlaces> stretches;
     set_rhythms(stretches);
@@ -102,26 +132,18 @@ class RhythmChoice {
     return stretches[static_cast<size_t>(least - costs_)];
   }
 
- private:
-  static constexpr size_t kMostCompanions = 2;
-
-  void add_times(const Steps& other, const Meeting& meeting, SimdTarget target) {
-    alignas(64) PlaceNumbers ahead_s;
-    for (size_t k = 0; k < kPlaces; ++k) ahead_s[k] = meeting.time_s(k);
-    std::array<ForeseenLeg, 2> foreseen;
-    for (size_t side = 0; side < 2; ++side)
-      foresee(LegNow(other, side), ahead_s, kTimes, target, foreseen[side]);
-    const LegOwner owner = owner_of(other);
+  void add_times(size_t companion) {
+    const Foreseen& theirs = foreseen_[companion];
     for (size_t k = 0; k < kTimes; ++k) {
       LegsThen& then = times_[count_];
-      then.ahead_s = ahead_s[k];
-      then.weight = kNearness * meeting.per_s;
+      then.ahead_s = theirs.ahead_s[k];
+      then.weight = kNearness * meetings_.all[companion].per_s;
       then.count = 0;
-      for (const ForeseenLeg& leg : foreseen) {
+      for (const ForeseenLeg& leg : theirs.legs) {
         const LegPlace place = leg.places.at(k);
-        const Vector2f from_root = place.foot_m - ahead_s[k] * legs_[0].velocity_mps;
+        const Vector2f from_root = place.foot_m - then.ahead_s * legs_[0].velocity_mps;
         if (from_root.squaredNorm() < kLegsReach_m * kLegsReach_m)
-          then.legs[then.count++] = {place, owner};
+          then.legs[then.count++] = {place, owner_of(others_[companion])};
       }
       count_ += then.count > 0;
     }
@@ -131,9 +153,9 @@ class RhythmChoice {
   /// gait's own, or the same on and on.
   void set_rhythms(std::array<float, kPlaces>& stretches) {
     std::array<float, 4> laters = {1, 1, 1, 0};
-    for (size_t k = 0; k < companions_; ++k)
-      if (their_ps_[k] > kSlowestSteps_hz)
-        laters[k + 1] = std::clamp(natural_ps_ / their_ps_[k], kLeastStretch, kMostStretch);
+    for (size_t k = 0; k < meetings_.count; ++k)
+      if (const float their_ps = others_[k].cycles_ps; their_ps > kSlowestSteps_hz)
+        laters[k + 1] = std::clamp(natural_ps_ / their_ps, kLeastStretch, kMostStretch);
     for (size_t i = 0; i < kPlaces; ++i) {
       const size_t step = i / laters.size();
       const float stretch =
@@ -149,11 +171,12 @@ class RhythmChoice {
   }
 
   std::array<LegNow, 2> legs_;
+  const Meetings& meetings_;
   float now_;
   float natural_ps_;  ///< with the gait's own strides
-  std::array<float, kMostCompanions> their_ps_;
-  size_t companions_ = 0;
-  std::array<LegsThen, kMostCompanions * kTimes> times_;
+  std::array<Steps, Meetings::kMost> others_;
+  std::array<Foreseen, Meetings::kMost> foreseen_;
+  std::array<LegsThen, Meetings::kMost * kTimes> times_;
   size_t count_ = 0;  ///< of times_
   Rhythms rhythms_;
   alignas(64) PlaceNumbers costs_;
@@ -198,13 +221,27 @@ LegPlaces moved_places(const ForeseenLeg& leg, size_t time, const Steps& own,
 
 }  // namespace
 
-float stretch_for(const Steps& own, std::span<const Steps> near, float now, SimdTarget target) {
-  if (own.cycles_ps < kSlowestSteps_hz || own.velocity_mps.dot(own.ahead) < kSlowest_mps) return 1;
-  const auto around = std::count_if(near.begin(), near.end(), [&own](const Steps& other) {
+Meetings meetings_with(std::span<const Passer> near, const Passer& own) {
+  Meetings found;
+  const auto around = std::count_if(near.begin(), near.end(), [&own](const Passer& other) {
     return (other.root_m - own.root_m).squaredNorm() < kAround_m * kAround_m;
   });
-  if (around > kMostAround) return 1;
-  return RhythmChoice(own, near, now, target).best(target);
+  if (around > kMostAround) return found;
+  for (size_t i = 0; i < near.size() && found.count < Meetings::kMost; ++i) {
+    Meeting& meeting = found.all[found.count];
+    if (!comes_near(own, near[i], meeting) || meeting.from_s > kSoonEnough_s) continue;
+    meeting.who = i;
+    ++found.count;
+  }
+  return found;
+}
+
+float stretch_for(const Steps& own, std::span<const Steps> others, const Meetings& meetings,
+                  float now, SimdTarget target) {
+  if (meetings.count == 0 || own.cycles_ps < kSlowestSteps_hz ||
+      own.velocity_mps.dot(own.ahead) < kSlowest_mps)
+    return 1;
+  return RhythmChoice(own, others, meetings, now).best(target);
 }
 
 Landing::Landing(const Steps& own, size_t side, SimdTarget target)

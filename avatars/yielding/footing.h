@@ -14,9 +14,34 @@
 
 namespace throng {
 
+/// Somebody on the way.
+struct Passer {
+  Eigen::Vector2f root_m, velocity_mps;
+};
+
+/// When legs of somebody near could meet one's own: from then on, in so many parts of so long.
+struct Meeting {
+  static constexpr size_t kParts = 10;
+  size_t who;
+  float from_s, per_s;
+  /// The middle of the k-th part.
+  float time_s(size_t k) const { return from_s + (static_cast<float>(k) + 0.5f) * per_s; }
+};
+
+/// Of the first two that come soon.
+struct Meetings {
+  static constexpr size_t kMost = 2;
+  std::array<Meeting, kMost> all;
+  size_t count = 0;
+};
+
+/// None if too many are near: nobody keeps step with all of them.
+Meetings meetings_with(std::span<const Passer> near, const Passer& own);
+
 /// How much longer strides than the gait's (and rarer, then) keep legs apart from those of others;
-/// 1 if it makes no difference. `now` is what they are.
-float stretch_for(const Steps& own, std::span<const Steps> near, float now, SimdTarget target);
+/// 1 if it makes no difference. `others` are those met, one each; `now` is what strides are.
+float stretch_for(const Steps& own, std::span<const Steps> others, const Meetings& meetings,
+                  float now, SimdTarget target);
 
 /// A foot that comes down, and others' legs on the ground near it meanwhile.
 class Landing {

@@ -81,6 +81,11 @@ THRONG_LANES void add_nearness_at(size_t i, const LegPlaces& places, const LegOw
   store(cost, costs + i);
 }
 
+THRONG_LANES bool comes_near_at(size_t i, const LegPlaces& leg, const LegOwner& own,
+                                const LegPlaces& other, const LegOwner& whose, float clear_m) {
+  return any(nearness_of(load_leg(leg, i), own, load_leg(other, i), whose, clear_m) > 0.0f);
+}
+
 struct Rhythm {
   F soon_ps, later_ps, per_soon, per_later;
   F cycles_soon;  ///< until lead_s

@@ -56,6 +56,11 @@ struct OtherLeg {
 void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const OtherLeg> others,
                   float clear_m, SimdTarget target, PlaceNumbers& costs);
 
+/// Whether two legs come nearer than `clear_m`, as add_nearness() has it, at any of the first
+/// `count` of some times, or of any beyond up to a register.
+bool comes_near(const LegPlaces& leg, const LegOwner& own, const LegPlaces& other,
+                const LegOwner& whose, float clear_m, size_t count, SimdTarget target);
+
 /// What of somebody else's leg matters to one's own.
 struct WhatIsNear {
   LegOwner own, other;

@@ -7,6 +7,8 @@ namespace throng {
 
 void foresee_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
                         ForeseenLeg& foreseen);
+bool comes_near_one_by_one(const LegPlaces& leg, const LegOwner& own, const LegPlaces& other,
+                           const LegOwner& whose, float clear_m, size_t count);
 bool foresee_near_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
                              const WhatIsNear& near, NearLeg& foreseen);
 void add_nearness_one_by_one(const LegPlaces& places, const LegOwner& own,

@@ -15,6 +15,13 @@ void foresee_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, size_t c
   for (size_t i = 0; i < count; ++i) one_lane::foresee_at(i, leg, ahead_s, foreseen);
 }
 
+bool comes_near_one_by_one(const LegPlaces& leg, const LegOwner& own, const LegPlaces& other,
+                           const LegOwner& whose, float clear_m, size_t count) {
+  for (size_t i = 0; i < count; ++i)
+    if (one_lane::comes_near_at(i, leg, own, other, whose, clear_m)) return true;
+  return false;
+}
+
 bool foresee_near_one_by_one(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
                              const WhatIsNear& near, NearLeg& foreseen) {
   bool is_near = false;

@@ -39,6 +39,13 @@ void foresee_wide(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count,
     THRONG_EIGHT_LANES::foresee_at(i, leg, ahead_s, foreseen);
 }
 
+bool comes_near_wide(const LegPlaces& leg, const LegOwner& own, const LegPlaces& other,
+                     const LegOwner& whose, float clear_m, size_t count) {
+  for (size_t i = 0; i < count; i += THRONG_EIGHT_LANES::kAtOnce)
+    if (THRONG_EIGHT_LANES::comes_near_at(i, leg, own, other, whose, clear_m)) return true;
+  return false;
+}
+
 bool foresee_near_wide(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,
                        const WhatIsNear& near, NearLeg& foreseen) {
   static_assert(THRONG_EIGHT_LANES::kAtOnce == kEightTimes);
@@ -67,6 +74,12 @@ namespace throng {
 void foresee(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count, SimdTarget target,
              ForeseenLeg& foreseen) {
   THRONG_CHOOSE(target, foresee_wide, foresee_one_by_one)(leg, ahead_s, count, foreseen);
+}
+
+bool comes_near(const LegPlaces& leg, const LegOwner& own, const LegPlaces& other,
+                const LegOwner& whose, float clear_m, size_t count, SimdTarget target) {
+  return THRONG_CHOOSE(target, comes_near_wide, comes_near_one_by_one)(leg, own, other, whose,
+                                                                       clear_m, count);
 }
 
 bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlaces& own,

@@ -296,18 +296,31 @@ bool YieldingStage::has_steps(uint32_t id, const BodyStates& bodies) const {
   return !is_held(bodies, id) && posing_.gait_of(id).has_legs();
 }
 
+Passer YieldingStage::passer(uint32_t id, const BodyStates& bodies) const {
+  const Eigen::Vector2d at_m = bodies.roots[id].position_m.head<2>() - middle_m_;
+  return {at_m.cast<float>(), long_ways_mps_[id]};
+}
+
 float YieldingStage::wanted_stretch(uint32_t id, const BodyStates& bodies) const {
   constexpr float kReach_m = 1.6f;
-  std::array<Steps, NeighbourGrid::kMost> near;
+  std::array<Passer, NeighbourGrid::kMost> near;
+  std::array<uint32_t, NeighbourGrid::kMost> ids;
   size_t count = 0;
   for (const uint32_t other : around_[id].near()) {
     const float dx = seen_[other].x_m - seen_[id].x_m, dy = seen_[other].y_m - seen_[id].y_m;
     if (dx * dx + dy * dy > kReach_m * kReach_m || !has_steps(other, bodies)) continue;
-    near[count++] = steps_of(other, bodies, long_ways_mps_[other]);
+    near[count] = passer(other, bodies);
+    ids[count++] = other;
   }
-  if (count == 0) return 1;
-  return stretch_for(steps_of(id, bodies, long_ways_mps_[id]), {near.data(), count},
-                     bodies.yields[id].stretch, simd_);
+  const Meetings meetings = meetings_with({near.data(), count}, passer(id, bodies));
+  if (meetings.count == 0) return 1;
+  std::array<Steps, Meetings::kMost> steps;
+  for (size_t i = 0; i < meetings.count; ++i) {
+    const uint32_t other = ids[meetings.all[i].who];
+    steps[i] = steps_of(other, bodies, long_ways_mps_[other]);
+  }
+  return stretch_for(steps_of(id, bodies, long_ways_mps_[id]), {steps.data(), meetings.count},
+                     meetings, bodies.yields[id].stretch, simd_);
 }
 
 std::array<float, 4> YieldingStage::wanted_landing_m(uint32_t id, const BodyStates& bodies) const {
