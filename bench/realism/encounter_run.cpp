@@ -15,7 +15,8 @@ namespace throng::realism {
 namespace {
 
 /// So many lie side by side.
-constexpr uint64_t kBatch = 1000;
+constexpr uint64_t kBatch = 996;
+static_assert(kBatch % kTurns == 0);
 
 class EncounterWatch final : public Sink {
  public:
@@ -150,12 +151,14 @@ std::string worst_lines(const std::vector<EncounterResult>& results,
 EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener,
                              const std::function<void(uint64_t)>& progress) {
   EncounterRuns out;
-  for (uint64_t done = 0; done < options.count;) {
-    const uint64_t batch = std::min(kBatch, options.count - done);
+  const uint64_t end = options.first + options.count;
+  for (uint64_t first = options.first - options.first % kTurns; first < end; first += kBatch) {
+    const uint64_t batch_end = std::min(first + kBatch, end);
     std::vector<Encounter> encounters;
-    for (uint64_t i = 0; i < batch; ++i) {
-      encounters.emplace_back(options.seed, options.first + done + i);
-      out.drawn_again += static_cast<uint64_t>(encounters.back().rejected());
+    for (uint64_t number = first; number < batch_end; ++number) {
+      encounters.emplace_back(options.seed, number);
+      if (number >= options.first)
+        out.drawn_again += static_cast<uint64_t>(encounters.back().rejected());
     }
     Scene scene = encounter_scene(encounters);
     set_switches(scene);
@@ -165,14 +168,15 @@ EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener,
     std::vector<Sink*> sinks = {&watch};
     if (listener != nullptr) sinks.push_back(listener);
     run(simulation, sinks);
-    for (const EncounterResult& result : watch.results())
+    for (const EncounterResult& result : watch.results()) {
+      if (result.number < options.first) continue;  // there for its turn alone
       if (result.is_sound())
         out.results.push_back(result);
       else
         out.put_away.push_back(result.number);
+    }
     out.strangers += watch.strangers();
-    done += batch;
-    if (progress) progress(done);
+    if (progress) progress(batch_end - options.first);
   }
   return out;
 }

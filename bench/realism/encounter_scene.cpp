@@ -47,12 +47,8 @@ Scene encounter_scene(std::span<const Encounter> encounters) {
         const Encounter& encounter = encounters[person / 2];
         return Eigen::Vector2d(middle_of(encounter) + encounter.place_m(person % 2, time_s));
       });
-  const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * kApart_m);
-  scene.ground = {middle_of(encounters.front()) - half, middle_of(encounters.front()) + half};
-  for (const Encounter& encounter : encounters) {
-    scene.ground.min_m = scene.ground.min_m.cwiseMin(middle_of(encounter) - half);
-    scene.ground.max_m = scene.ground.max_m.cwiseMax(middle_of(encounter) + half);
-  }
+  scene.ground.min_m.setConstant(-0.5 * kApart_m);
+  scene.ground.max_m.setConstant((static_cast<double>(kColumns) - 0.5) * kApart_m);
   return scene;
 }
 

@@ -1,6 +1,6 @@
 // Encounters as a recording: side by side on one ground, too far apart to see each other.
-// One rule: where an encounter lies follows from its number alone, so that it is the same to the
-// bit when it is run by itself.
+// One rule: where an encounter lies follows from its number alone, on a ground that is always the
+// same, so that it is the same to the bit when it is run by itself.
 #pragma once
 
 #include <span>
@@ -16,7 +16,10 @@ using validation::EncounterKind;
 using validation::kEncounterKinds;
 using validation::Passer;
 
-/// People of encounter i are 2 i and 2 i + 1. The ground holds these encounters.
+/// People decide in turns, by their ids: so many encounters until it is the same one's turn again.
+inline constexpr uint64_t kTurns = 6;
+
+/// People of encounter i are 2 i and 2 i + 1; the first number is to be a multiple of kTurns.
 Scene encounter_scene(std::span<const Encounter> encounters);
 
 /// Their world: recorded people with the height, style and phase that each encounter gives them.
