@@ -64,14 +64,14 @@ bool comes_near(const Passer& own, const Passer& other, Meeting& meeting) {
   const float least2 = (way + middle_s * closing).squaredNorm();
   const float half_s = std::sqrt(std::max(kLegsReach_m * kLegsReach_m - least2, 0.0f) / speed2);
   meeting.from_s = std::clamp(middle_s - half_s, 0.0f, kRhythmAhead_s);
-  meeting.per_s = (std::clamp(middle_s + half_s, 0.0f, kRhythmAhead_s) - meeting.from_s) / Meeting::kParts;
+  meeting.per_s =
+      (std::clamp(middle_s + half_s, 0.0f, kRhythmAhead_s) - meeting.from_s) / Meeting::kParts;
   return true;
 }
 
 class RhythmChoice {
  public:
-  RhythmChoice(const Steps& own, std::span<const Steps> others, const Meetings& meetings,
-               float now)
+  RhythmChoice(const Steps& own, std::span<const Steps> others, const Meetings& meetings, float now)
       : legs_{LegNow(own, 0), LegNow(own, 1)},
         meetings_(meetings),
         now_(now),
@@ -110,8 +110,8 @@ class RhythmChoice {
       ForeseenLeg own;
       foresee(leg, theirs.ahead_s, kTimes, target, own);
       for (const ForeseenLeg& other : theirs.legs)
-        if (comes_near(own.places, {Vector2f::UnitX(), 1}, other.places, owner_of(others_[companion]),
-                       kRhythmClear_m, kTimes, target))
+        if (comes_near(own.places, {Vector2f::UnitX(), 1}, other.places,
+                       owner_of(others_[companion]), kRhythmClear_m, kTimes, target))
           return true;
     }
     return false;
