@@ -31,7 +31,7 @@ struct Borders {                   // NOLINT(clang-analyzer-optin.performance.Pa
   alignas(64) BorderNumbers ahead_s;
   const SeenBody* other[kMostBorders + kAtOnce];
   const Limbs* own[kMostBorders + kAtOnce];  ///< as they will swing then
-  size_t count = 0, with_people = 0;
+  size_t count = 0;
 
   THRONG_LANES void copy(size_t from, size_t to) {
     for (float* numbers : {x, y, direction, trunk_room_m, arm_room_m, weight, ahead_s})
@@ -163,63 +163,161 @@ THRONG_LANES Reach reach_of(const Stance& stance, const Shapes& shapes, const F 
   return {stance.scale * trunk, stance.scale * firm, stance.scale * all};
 }
 
-/// How a trunk sways to the left and back, from where it is now.
-struct Sway {
-  const SeenBody& body;
-  float now_m;
-
-  THRONG_LANES explicit Sway(const SeenBody& of)
-      : body(of), now_m(of.swung != nullptr ? of.swung->aside_m(of.phase) : 0) {}
-  THRONG_LANES float left_m(float ahead_s) const {
-    if (body.swung == nullptr || ahead_s == 0) return 0;
-    return body.scale * (body.swung->aside_m(body.phase + ahead_s * body.cycles_ps) - now_m);
+/// How far to the left of their roots trunks are, by phase; of discs nowhere.
+inline const float* asides_of(const SeenBody& body) {
+  static constexpr float kNone[Swings::kPhases] = {};
+  return body.swung != nullptr ? body.swung->aside_m().data() : kNone;
+}
+/// At phases from 0; they may lie beyond a cycle.
+template <typename Asides>
+THRONG_LANES F aside_at(const Asides& asides, F phase) {
+  alignas(64) int32_t whole[kAtOnce];
+  alignas(64) float from[kAtOnce], to[kAtOnce];
+  const F at = phase * float{Swings::kPhases};
+  store_whole(at, whole);
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+    const float* const aside_m = asides(lane);
+    const auto node = static_cast<unsigned>(whole[lane]);
+    from[lane] = aside_m[node % Swings::kPhases];
+    to[lane] = aside_m[(node + 1) % Swings::kPhases];
   }
+  return load(from) + (at - floor_of(at)) * (load(to) - load(from));
+}
+/// How far trunks will have swayed to the left.
+template <typename Asides>
+THRONG_LANES F swayed_by(const Asides& asides, F scale, F phase, F cycles_ps, F ahead_s) {
+  const F sway = aside_at(asides, phase + ahead_s * cycles_ps) - aside_at(asides, phase);
+  return select(ahead_s > 0.0f, scale * sway, 0.0f);
+}
+
+/// How far bodies reach at most.
+THRONG_LANES F bulk_in(const F (&bulk)[4], F turn, F x, F y) {
+  constexpr float kDiagonal = 1.41421356f;
+  const F ahead = abs_of(x), aside = abs_of(y);
+  const F reach = abs_of(ahead - aside) * select(ahead > aside, bulk[0], bulk[2]) +
+                  kDiagonal * min_of(ahead, aside) * bulk[1];
+  return select(abs_of(turn) > 0.0f, bulk[3], reach);
+}
+
+/// Times at which somebody may be within reach: four of each who comes near, and as many more as a
+/// register has.
+struct Moments {
+  static constexpr size_t kEach = 4;
+  using Numbers = float[kEach * kMostNear + kEach + kAtOnce];
+  alignas(64) Numbers ahead_s;
+  const SeenBody* other[kEach * kMostNear + kEach + kAtOnce];
+  alignas(64) Numbers x, y, distance2_m2, weight;
+  alignas(64) Numbers may_touch;  ///< 1: perhaps; 0: both are clear of each other
+  size_t count = 0;
 };
 
-/// The times at which others, as they go, come within reach: now, when they will be nearest,
-/// half-way to that and a little later.
-THRONG_LANES void find_borders(const SeenBody& own, std::span<const SeenBody* const> near,
-                               Borders& borders) {
+// Nobody looks so far ahead.
+inline constexpr float kNever_s = kYieldAhead_s;
+inline constexpr float kReach2_m2 = kYieldReach_m * kYieldReach_m;
+
+/// Now, when others, as they go, will be nearest, half-way to that and a little later.
+THRONG_LANES void find_moments(const SeenBody& own, std::span<const SeenBody* const> near,
+                               Moments& moments) {
   constexpr float kHardly_s = 0.05f;
   // Trunks sway and arms swing: what is nearest now may be nearer a quarter of a cycle later, and
   // arms behind pass each other after the trunks.
   constexpr float kSway_s = 0.25f, kAfter_s = 0.15f;
-  constexpr float kReach2 = kYieldReach_m * kYieldReach_m;
   constexpr float kSwayedReach_m = kYieldReach_m + 0.2f;  // sways are less
-  constexpr float kSwayedReach2 = kSwayedReach_m * kSwayedReach_m;
-  const Sway own_sway(own);
-  for (const SeenBody* other : near) {
-    const float dx = other->x_m - own.x_m, dy = other->y_m - own.y_m;
-    const float vx = other->vx_mps - own.vx_mps, vy = other->vy_mps - own.vy_mps;
-    const float closing = -(dx * vx + dy * vy), speed2 = std::max(vx * vx + vy * vy, 1e-4f);
-    const float nearest_s = closing > 0 ? std::min(closing / speed2, kYieldAhead_s) : 0;
-    const float nearest_x = dx + nearest_s * vx, nearest_y = dy + nearest_s * vy;
-    if (nearest_x * nearest_x + nearest_y * nearest_y > kSwayedReach2) continue;
-    const Sway sway(*other);
-    const auto add = [&](float ahead_s) {
-      const float mine_m = own_sway.left_m(ahead_s), theirs_m = sway.left_m(ahead_s);
-      const float x = dx + ahead_s * vx - theirs_m * other->sin + mine_m * own.sin;
-      const float y = dy + ahead_s * vy + theirs_m * other->cos - mine_m * own.cos;
-      if (x * x + y * y > kReach2) return false;
-      const float left = (kYieldAhead_s - ahead_s) * (1 / (kYieldAhead_s - kSoon_s));
-      const size_t i = borders.count;
-      borders.x[i] = x;
-      borders.y[i] = y;
-      borders.ahead_s[i] = ahead_s;
-      borders.weight[i] = std::min(left, 1.0f);
-      borders.other[i] = other;
-      borders.count += left > 0;
-      return true;
-    };
-    if (nearest_s < kHardly_s) {
-      if (add(0)) add(kSway_s);
-    } else if (add(nearest_s)) {
-      add(0);
-      add(0.5f * nearest_s);
-      add(nearest_s + kAfter_s);
-    }
+  alignas(64) float nearest_s[kMostNear + kAtOnce], distance2_m2[kMostNear + kAtOnce];
+  for (size_t i = 0; i < near.size(); i += kAtOnce) {
+    F place[4];
+    load_rows([&](size_t lane) { return &near[std::min(i + lane, near.size() - 1)]->x_m; }, place);
+    const F dx = place[0] - own.x_m, dy = place[1] - own.y_m;
+    const F vx = place[2] - own.vx_mps, vy = place[3] - own.vy_mps;
+    const F closing = 0.0f - (dx * vx + dy * vy), speed2 = max_of(vx * vx + vy * vy, 1e-4f);
+    const F ahead_s = min_of(max_of(closing / speed2, 0.0f), kYieldAhead_s);
+    const F x = dx + ahead_s * vx, y = dy + ahead_s * vy;
+    store(ahead_s, nearest_s + i);
+    store(x * x + y * y, distance2_m2 + i);
   }
-  borders.with_people = borders.count;
+  for (size_t n = 0; n < near.size(); ++n) {
+    const bool is_now = nearest_s[n] < kHardly_s;
+    float* const ahead_s = moments.ahead_s + moments.count;
+    ahead_s[0] = is_now ? 0 : nearest_s[n];
+    ahead_s[1] = is_now ? kSway_s : 0;
+    ahead_s[2] = is_now ? kNever_s : 0.5f * nearest_s[n];
+    ahead_s[3] = is_now ? kNever_s : nearest_s[n] + kAfter_s;
+    for (size_t k = 0; k < Moments::kEach; ++k) moments.other[moments.count + k] = near[n];
+    moments.count += distance2_m2[n] > kSwayedReach_m * kSwayedReach_m ? 0 : Moments::kEach;
+  }
+  for (size_t i = moments.count; i % kAtOnce != 0; ++i) {
+    moments.ahead_s[i] = kNever_s;
+    moments.other[i] = near.front();
+  }
+}
+
+/// Where others will be, from the i-th moment on.
+THRONG_LANES void look_ahead(const SeenBody& own, size_t i, Moments& moments) {
+  // What lacks room by arms' margins, see draw_for(), and rounding.
+  constexpr float kClear_m = 2 * kArmMargin_m + 0.001f;
+  const SeenBody* const* other = moments.other + i;
+  F place[4], way[4], motion[4];
+  load_rows([&](size_t lane) { return &other[lane]->x_m; }, place);
+  load_rows([&](size_t lane) { return &other[lane]->cos; }, way);
+  load_rows([&](size_t lane) { return &other[lane]->turn_rad; }, motion);
+  const F scale = motion[3];
+  const F ahead_s = load(moments.ahead_s + i);
+  const F mine = swayed_by([&](size_t) { return asides_of(own); }, own.scale, own.phase,
+                           own.cycles_ps, ahead_s);
+  const F theirs = swayed_by([&](size_t lane) { return asides_of(*other[lane]); }, scale, way[2],
+                             way[3], ahead_s);
+  const F x =
+      place[0] - own.x_m + ahead_s * (place[2] - own.vx_mps) - theirs * way[1] + mine * own.sin;
+  const F y =
+      place[1] - own.y_m + ahead_s * (place[3] - own.vy_mps) + theirs * way[0] - mine * own.cos;
+  const F distance2 = x * x + y * y;
+  const F left = (kYieldAhead_s - ahead_s) * (1 / (kYieldAhead_s - kSoon_s));
+  store(x, moments.x + i);
+  store(y, moments.y + i);
+  store(distance2, moments.distance2_m2 + i);
+  store(min_of(left, 1.0f), moments.weight + i);
+
+  static constexpr Bulk kDisc;
+  alignas(64) float discs[kAtOnce];
+  for (size_t lane = 0; lane < kAtOnce; ++lane) discs[lane] = other[lane]->disc_m;
+  F bulk[4], own_bulk[4];
+  const auto bulk_of = [](const SeenBody& body) {
+    return &(body.swung != nullptr ? body.swung->bulk() : kDisc).ahead_m;
+  };
+  load_rows([&](size_t lane) { return bulk_of(*other[lane]); }, bulk);
+  for (size_t n = 0; n < 4; ++n) own_bulk[n] = bulk_of(own)[n];
+  const F apart = sqrt_of(distance2);
+  const F away_x = x / max_of(apart, 1e-6f), away_y = y / max_of(apart, 1e-6f);
+  const F own_reach =
+      own.scale * bulk_in(own_bulk, own.turn_rad, own.cos * away_x + own.sin * away_y,
+                          own.cos * away_y - own.sin * away_x);
+  const F reach = scale * bulk_in(bulk, motion[0], way[0] * away_x + way[1] * away_y,
+                                  way[0] * away_y - way[1] * away_x);
+  const M is_clear = apart >= own_reach + reach + load(discs) + kClear_m * own.scale;
+  store(select(is_clear, 0.0f, 1.0f), moments.may_touch + i);
+}
+
+/// The borders of those within reach. False: nothing is lacking, whatever they are.
+THRONG_LANES bool find_borders(const SeenBody& own, std::span<const SeenBody* const> near,
+                               Borders& borders) {
+  Moments moments;
+  find_moments(own, near, moments);
+  for (size_t i = 0; i < moments.count; i += kAtOnce) look_ahead(own, i, moments);
+  float may_touch = 0;
+  for (size_t i = 0; i < moments.count; ++i) {
+    // Whoever is never within reach when nearest is not looked at any further.
+    const size_t first = i / Moments::kEach * Moments::kEach;
+    const bool counts = moments.weight[i] > 0 && moments.distance2_m2[i] <= kReach2_m2 &&
+                        moments.distance2_m2[first] <= kReach2_m2;
+    borders.x[borders.count] = moments.x[i];
+    borders.y[borders.count] = moments.y[i];
+    borders.ahead_s[borders.count] = moments.ahead_s[i];
+    borders.weight[borders.count] = moments.weight[i];
+    borders.other[borders.count] = moments.other[i];
+    borders.count += counts ? 1 : 0;
+    may_touch = std::max(may_touch, counts ? moments.may_touch[i] : 0);
+  }
+  return may_touch > 0;
 }
 
 /// The borders from the i-th on, in the middle of what would be between two as they are now.
@@ -391,9 +489,9 @@ THRONG_LANES YieldMotion wanted_by(const SeenBody& own, std::span<const SeenBody
                                    std::span<const NearWall> walls) {
   YieldMotion wanted;
   Borders borders;
-  find_borders(own, near, borders);
+  const bool may_touch = find_borders(own, near, borders);
   wanted.is_near = borders.count > 0 || !walls.empty();
-  if (!wanted.is_near) return wanted;
+  if (!wanted.is_near || (!may_touch && own.is_at_rest() && walls.empty())) return wanted;
   if (borders.count > 0) borders.fill(borders.count - 1);
   const Stance stance = stance_of(own.scale, own.turn_rad, own.arms[0], own.arms[1]);
   for (size_t i = 0; i < borders.count; i += kAtOnce) set_rooms(own, stance, i, borders);

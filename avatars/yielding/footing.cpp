@@ -11,11 +11,11 @@ namespace {
 using Eigen::Vector2f;
 
 // Feet stay so far apart, and shins.
-constexpr float kClear_m = 0.07f;
+constexpr float kClear_m = 0.09f;
 // A step is shortened by so much at a time, and moved to the side by so much at most.
 constexpr float kStep_m = 0.05f;
 constexpr int kShortest = -5;  // of them; never longer
-constexpr float kMostAside_m = 0.14f,
+constexpr float kMostAside_m = 0.17f,
                 kInwards = 0.9f;  // the latter of the foot's distance from the middle
 constexpr float kEffort = 0.003f;
 // Shares of the cycle before a foot lands; others' legs that are farther off then do not matter.
@@ -30,6 +30,8 @@ constexpr float kWindow_s = 0.9f;
 // The rhythm of steps is chosen so far ahead, for those whose roots come so near, and by the time
 // in which legs can meet.
 constexpr float kRhythmAhead_s = 2.4f, kRhythmReach_m = 0.8f, kLegsReach_m = 1.0f;
+// So far ahead of the own root, or behind, and to a side of it feet can be in the way of one's own.
+constexpr float kInTheWayAhead_m = 0.9f, kInTheWayAside_m = 0.55f;
 // Ways and rhythms are not foreseen so exactly: legs get more room in the choice.
 constexpr float kRhythmClear_m = 0.22f;
 // Until legs can meet, and for so long at least, steps are shortened or lengthened to get in time;
@@ -37,13 +39,13 @@ constexpr float kRhythmClear_m = 0.22f;
 constexpr float kLeastLead_s = 0.5f;
 // Strides are from so much shorter to so much longer than the gait's, in steps of so much.
 constexpr float kStretchStep = 0.07f;
-constexpr int kFewest = -4, kMost = 2;
-constexpr float kLeastStretch = 0.73f, kMostStretch = 1.2f;
+constexpr int kShortestStrides = -4, kLongestStrides = 2;
+constexpr size_t kStretches = kLongestStrides - kShortestStrides + 1;
 // What a second with legs too near by a metre weighs, squared, against a stride of another length
 // squared.
 constexpr float kNearness = 300, kRhythmEffort = 0.3f, kRhythmChange = 0.2f;
 // Among more than so many people, so near, nobody keeps step with all of them.
-constexpr int kMostAround = 3;
+constexpr int kMostAround = 6;
 constexpr float kAround_m = 1.1f;
 // What meets later than this is left to a later choice.
 constexpr float kSoonEnough_s = 1.2f;
@@ -80,7 +82,7 @@ class RhythmChoice {
   }
 
   float best(SimdTarget target) {
-    bool is_free = now_ == 1;  // then nothing is better than the gait's own strides
+    bool is_free = true;  // then nothing is better than the gait's own strides
     for (size_t i = 0; i < meetings_.count; ++i) {
       Foreseen& foreseen = foreseen_[i];
       // Times beyond the last part are its own.
@@ -125,10 +127,10 @@ class RhythmChoice {
     }
     rhythms_.lead_s = std::max(rhythms_.lead_s, kLeastLead_s);
     if (count_ == 0) return 1;
-    std::array<float, kPlaces> stretches;
+    std::array<float, kRhythms> stretches;
     set_rhythms(stretches);
     add_nearness_in(rhythms_, legs_, {times_.data(), count_}, kRhythmClear_m, target, costs_);
-    const float* least = std::min_element(costs_, costs_ + kPlaces);
+    const float* least = std::min_element(costs_, costs_ + kRhythms);
     return stretches[static_cast<size_t>(least - costs_)];
   }
 
@@ -142,25 +144,22 @@ class RhythmChoice {
       for (const ForeseenLeg& leg : theirs.legs) {
         const LegPlace place = leg.places.at(k);
         const Vector2f from_root = place.foot_m - then.ahead_s * legs_[0].velocity_mps;
-        if (from_root.squaredNorm() < kLegsReach_m * kLegsReach_m)
+        if (std::abs(from_root.x()) < kInTheWayAhead_m &&
+            std::abs(from_root.y()) < kInTheWayAside_m)
           then.legs[then.count++] = {place, owner_of(others_[companion])};
       }
       count_ += then.count > 0;
     }
   }
 
-  /// Every stretch as now and in steps, and after it each rhythm that keeps step with somebody, the
-  /// gait's own, or the same on and on.
-  void set_rhythms(std::array<float, kPlaces>& stretches) {
-    std::array<float, 4> laters = {1, 1, 1, 0};
-    for (size_t k = 0; k < meetings_.count; ++k)
-      if (const float their_ps = others_[k].cycles_ps; their_ps > kSlowestSteps_hz)
-        laters[k + 1] = std::clamp(natural_ps_ / their_ps, kLeastStretch, kMostStretch);
-    for (size_t i = 0; i < kPlaces; ++i) {
-      const size_t step = i / laters.size();
+  /// Every stretch, and after it the gait's own or the same on and on.
+  void set_rhythms(std::array<float, kRhythms>& stretches) {
+    static_assert(2 * kStretches <= kRhythms);
+    for (size_t i = 0; i < kRhythms; ++i) {
+      const size_t step = std::min(i / 2, kStretches - 1);  // the last ones again
       const float stretch =
-          step == 0 ? now_ : 1 + kStretchStep * (static_cast<float>(step) + (kFewest - 1));
-      const float later = i % laters.size() == 3 ? stretch : laters[i % laters.size()];
+          1 + kStretchStep * static_cast<float>(kShortestStrides + static_cast<int>(step));
+      const float later = i % 2 == 0 ? 1 : stretch;
       stretches[i] = stretch;
       rhythms_.soon_ps[i] = natural_ps_ / stretch;
       rhythms_.later_ps[i] = natural_ps_ / later;
@@ -179,9 +178,8 @@ class RhythmChoice {
   std::array<LegsThen, Meetings::kMost * kTimes> times_;
   size_t count_ = 0;  ///< of times_
   Rhythms rhythms_;
-  alignas(64) PlaceNumbers costs_;
+  alignas(64) RhythmNumbers costs_;
 };
-static_assert(static_cast<size_t>(kMost - kFewest + 2) * 4 == kPlaces);
 
 /// How far the next landing could be moved: along and to the side, root frame at scale 1.
 struct LandingShifts {

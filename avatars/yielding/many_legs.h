@@ -85,8 +85,10 @@ bool foresee_near(const LegNow& leg, const PlaceNumbers& ahead_s, const LegPlace
 
 /// Rhythms that somebody could walk in: cycles a second until some time, and from then on. All
 /// above 0.
+inline constexpr size_t kRhythms = 16;
+using RhythmNumbers = float[kRhythms];
 struct Rhythms {
-  alignas(64) PlaceNumbers soon_ps, later_ps;
+  alignas(64) RhythmNumbers soon_ps, later_ps;
   float lead_s;
 };
 
@@ -102,6 +104,6 @@ struct LegsThen {
 /// add_nearness() has it, times the weights.
 void add_nearness_in(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
                      std::span<const LegsThen> others, float clear_m, SimdTarget target,
-                     PlaceNumbers& costs);
+                     RhythmNumbers& costs);
 
 }  // namespace throng

@@ -15,6 +15,6 @@ void add_nearness_one_by_one(const LegPlaces& places, const LegOwner& own,
                              std::span<const OtherLeg> others, float clear_m, PlaceNumbers& costs);
 void add_nearness_in_one_by_one(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
                                 std::span<const LegsThen> others, float clear_m,
-                                PlaceNumbers& costs);
+                                RhythmNumbers& costs);
 
 }  // namespace throng

@@ -40,8 +40,8 @@ void add_nearness_one_by_one(const LegPlaces& places, const LegOwner& own,
 
 void add_nearness_in_one_by_one(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
                                 std::span<const LegsThen> others, float clear_m,
-                                PlaceNumbers& costs) {
-  for (size_t i = 0; i < kPlaces; ++i)
+                                RhythmNumbers& costs) {
+  for (size_t i = 0; i < kRhythms; ++i)
     one_lane::add_nearness_in_at(i, rhythms, own, others, clear_m, costs);
 }
 

@@ -1,4 +1,4 @@
-// Two registers of places or rhythms at a time, and eight times: many_legs-inl.h over vector
+// Two registers of places at a time, and eight times or rhythms: many_legs-inl.h over vector
 // registers.
 #include <cstddef>
 
@@ -59,9 +59,10 @@ void add_nearness_wide(const LegPlaces& places, const LegOwner& own,
 }
 
 void add_nearness_in_wide(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
-                          std::span<const LegsThen> others, float clear_m, PlaceNumbers& costs) {
-  for (size_t i = 0; i < kPlaces; i += register_pairs::kAtOnce)
-    register_pairs::add_nearness_in_at(i, rhythms, own, others, clear_m, costs);
+                          std::span<const LegsThen> others, float clear_m, RhythmNumbers& costs) {
+  static_assert(kRhythms % THRONG_EIGHT_LANES::kAtOnce == 0);
+  for (size_t i = 0; i < kRhythms; i += THRONG_EIGHT_LANES::kAtOnce)
+    THRONG_EIGHT_LANES::add_nearness_in_at(i, rhythms, own, others, clear_m, costs);
 }
 
 #endif
@@ -96,7 +97,7 @@ void add_nearness(const LegPlaces& places, const LegOwner& own, std::span<const 
 
 void add_nearness_in(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
                      std::span<const LegsThen> others, float clear_m, SimdTarget target,
-                     PlaceNumbers& costs) {
+                     RhythmNumbers& costs) {
   THRONG_CHOOSE(target, add_nearness_in_wide, add_nearness_in_one_by_one)
   (rhythms, own, others, clear_m, costs);
 }

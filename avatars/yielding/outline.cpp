@@ -150,6 +150,29 @@ void Limbs::add(const Limbs& other) {
   }
 }
 
+Bulk::Bulk(const Octagon& octagon) {
+  const std::array<float, 8>& r = octagon.reaches_m;
+  ahead_m = std::max(r[0], r[4]);
+  oblique_m = std::max({r[1], r[3], r[5], r[7]});
+  aside_m = std::max(r[2], r[6]);
+  // The corners lie where the sides meet.
+  for (const float side_m : {ahead_m, aside_m})
+    most_m = std::max(most_m, std::hypot(side_m, 1.41421356f * oblique_m - side_m));
+}
+
+namespace {
+
+/// Of an arm while it is drawn in: tucking it may win less than nothing, see arm_reach().
+Octagon drawn_by_any_share(Octagon swung, const Octagon& drawn) {
+  const float farther_m = std::max(
+      {drawn.reaches_m[2] - swung.reaches_m[2], drawn.reaches_m[6] - swung.reaches_m[6], 0.0f});
+  constexpr float kDiagonal = 0.7072f;
+  for (float& reach_m : swung.reaches_m) reach_m += kDiagonal * farther_m;
+  return swung;
+}
+
+}  // namespace
+
 Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
                const std::array<float, kPhases>& aside_m)
     : outline_(&outline), boxes_(boxes), aside_m_(aside_m) {
@@ -158,6 +181,15 @@ Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
     boxes_[phase].add(boxes[(phase + kPhases - 1) % kPhases]);
     ever_.add(boxes[phase]);
   }
+  Octagon all;
+  for (size_t way = 0; way < all.reaches_m.size(); ++way)
+    all.reaches_m[way] = outline.upper.from(0)[way * Reaches::kDirections / 8];
+  for (const Limbs& limbs : boxes_)
+    for (size_t side = 0; side < 2; ++side) {
+      all.add(limbs.thighs[side]);
+      all.add(drawn_by_any_share(limbs.arms[side], outline.drawn[side]));
+    }
+  bulk_ = Bulk(all);
 }
 
 void YieldColumns::archive(Archive& a) {
@@ -170,7 +202,9 @@ void Octagon::archive(Archive& a) { a(reaches_m); }
 
 void Limbs::archive(Archive& a) { a(arms, thighs); }
 
-void Swings::archive(Archive& a) { a(boxes_, ever_, aside_m_); }
+void Bulk::archive(Archive& a) { a(ahead_m, oblique_m, aside_m, most_m); }
+
+void Swings::archive(Archive& a) { a(boxes_, ever_, bulk_, aside_m_); }
 
 void Outline::archive(Archive& a) {
   a(columns, upper, drawn, per_root_speed, leg_length_m);

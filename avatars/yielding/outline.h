@@ -80,6 +80,17 @@ struct Limbs {
 
 struct Outline;
 
+/// Nothing of a body that is not turned reaches farther, however much of its arms is drawn in, at
+/// any phase: to both sides alike, ahead as behind. In between, as far as the corner of an octagon.
+struct Bulk {
+  float ahead_m = 0, oblique_m = 0, aside_m = 0;
+  float most_m = 0;  ///< in any direction, turned as well
+
+  Bulk() = default;
+  explicit Bulk(const Octagon& octagon);
+  void archive(Archive& a);
+};
+
 /// How limbs swing at one speed.
 class Swings {
  public:
@@ -103,18 +114,15 @@ class Swings {
   }
   /// Over a cycle.
   const Limbs& ever() const { return ever_; }
-  /// How far to the left of the root the trunk is at a phase from 0.
-  float aside_m(float phase) const {
-    const float at = phase * kPhases;
-    const auto node = static_cast<unsigned>(at);
-    const float from_m = aside_m_[node % kPhases], to_m = aside_m_[(node + 1) % kPhases];
-    return from_m + (at - static_cast<float>(node)) * (to_m - from_m);
-  }
+  const Bulk& bulk() const { return bulk_; }
+  /// How far to the left of the root the trunk is, by phase.
+  const std::array<float, kPhases>& aside_m() const { return aside_m_; }
 
  private:
   const Outline* outline_;
   std::array<Limbs, kPhases> boxes_;
   Limbs ever_;
+  Bulk bulk_;
   std::array<float, kPhases> aside_m_;
 };
 

@@ -9,9 +9,11 @@ namespace {
 // and without.
 constexpr float kReleaseNear_rps = 0.3f, kRelease_rps = 1.2f;
 constexpr float kReleaseAhead_s = 1.0f / 9;  // as eased_towards() has it
+// What is nearer to nothing (radians, shares of an arm) is over.
+constexpr float kHardly = 1e-3f;
 
-float eased_towards(float wanted, float most_speed, float most_acceleration, float step_s,
-                    float& value, float& speed) {
+void eased_towards(float wanted, float most_speed, float most_acceleration, float step_s,
+                   float& value, float& speed) {
   // As fast as one can be and still stop there; near it slower, so that it is reached smoothly.
   constexpr float kPerSecond = 9;
   const float left = wanted - value, size = std::abs(left);
@@ -21,7 +23,8 @@ float eased_towards(float wanted, float most_speed, float most_acceleration, flo
   const float most_change = most_acceleration * step_s;
   speed += std::clamp(change, -most_change, most_change);
   value += speed * step_s;
-  return value;
+  if (wanted == 0 && std::abs(value) < kHardly && std::abs(speed) < kPerSecond * kHardly)
+    value = speed = 0;
 }
 
 /// What is wanted, but no more than `most` nearer to nothing than now.

@@ -68,6 +68,9 @@ struct alignas(64) SeenBody {
   float scale = 1;
   float disc_m = 0;               ///< radius of a disc, which does not give way
   const Swings* swung = nullptr;  ///< of its outline, at the speed it walks at; null: a disc
+
+  /// As its gait has it.
+  bool is_at_rest() const { return turn_rad == 0 && arms[0] == 0 && arms[1] == 0; }
 };
 static_assert(sizeof(SeenBody) == 64);  // one cache line
 

@@ -11,11 +11,12 @@
 namespace throng {
 namespace {
 
-constexpr double kSearch_s = 0.2;
+constexpr double kSearch_s = 0.4;
+// Whoever gives way or wants to decides so often, all others half as often.
 constexpr double kDecision_s = 0.05;
-// Two who walk towards each other at 1.5 m/s each until they are looked up again and as far ahead
-// as bodies look.
-constexpr float kSearch_m = 2.4f;
+// Two who walk towards each other at 1.5 m/s each until they are looked up again and half as far
+// ahead again as bodies look.
+constexpr float kSearch_m = 3;
 constexpr float kWallReach_m = 0.9f;
 enum : uint8_t { kAway, kFresh, kThere };
 // Velocities are means over about so long: roots of recorded people tremble. Rhythms, which look
@@ -66,6 +67,7 @@ YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const Bod
       wanted_(avatars),
       footings_(avatars),
       around_(avatars),
+      slots_(avatars),
       found_(avatars * NeighbourGrid::kMost),
       counts_(avatars) {
   middle_m_ = grid_.middle_m();
@@ -194,18 +196,15 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
   }
 }
 
-void YieldingStage::search(std::span<const uint8_t> present, const BodyStates& bodies) {
-  grid_.rebuild({last_m_.data(), last_m_.size()}, present);
+void YieldingStage::search(std::span<const uint32_t> slots, const BodyStates& bodies) {
   const std::span<const uint32_t> order = grid_.order();
   constexpr size_t kBlock = 256;
-  const auto blocks = static_cast<int>((order.size() + kBlock - 1) / kBlock);
+  const auto blocks = static_cast<int>((slots.size() + kBlock - 1) / kBlock);
   workers_.for_blocks(blocks, [&](int block, int) {
     const size_t begin = static_cast<size_t>(block) * kBlock;
-    const size_t end = std::min(begin + kBlock, order.size());
-    std::array<uint32_t, kBlock> slots;
-    std::iota(slots.begin(), slots.end(), static_cast<uint32_t>(begin));
-    grid_.nearest({slots.data(), end - begin}, kSearch_m, found_.data(), counts_.data());
-    for (size_t slot = begin; slot < end; ++slot) {
+    const auto some = slots.subspan(begin, std::min(kBlock, slots.size() - begin));
+    grid_.nearest(some, kSearch_m, found_.data(), counts_.data());
+    for (const uint32_t slot : some) {
       Around& around = around_[order[slot]];
       around.people_count = counts_[slot];
       for (size_t i = 0; i < counts_[slot]; ++i)
@@ -213,6 +212,33 @@ void YieldingStage::search(std::span<const uint8_t> present, const BodyStates& b
       find_walls(bodies.roots[order[slot]].position_m.head<2>(), around);
     }
   });
+}
+
+void YieldingStage::search_all(std::span<const uint8_t> present, const BodyStates& bodies) {
+  grid_.rebuild({last_m_.data(), last_m_.size()}, present);
+  slots_.resize(grid_.order().size());
+  std::iota(slots_.begin(), slots_.end(), 0u);
+  search(slots_, bodies);
+}
+
+/// Whoever has come in since the latest search sees the others, and those near see them.
+void YieldingStage::search_fresh(std::span<const uint8_t> present, const BodyStates& bodies) {
+  const auto fresh = static_cast<size_t>(std::count(was_there_.begin(), was_there_.end(), kFresh));
+  if (fresh == 0) return;
+  if (fresh * (NeighbourGrid::kMost + 1) > slots_.capacity()) return search_all(present, bodies);
+  grid_.rebuild({last_m_.data(), last_m_.size()}, present);
+  const std::span<const uint32_t> order = grid_.order();
+  slots_.clear();
+  for (uint32_t slot = 0; slot < order.size(); ++slot)
+    if (was_there_[order[slot]] == kFresh) slots_.push_back(slot);
+  search(slots_, bodies);
+  for (size_t i = 0; i < fresh; ++i) {
+    const uint32_t* const found = found_.data() + NeighbourGrid::kMost * slots_[i];
+    slots_.insert(slots_.end(), found, found + counts_[slots_[i]]);
+  }
+  std::sort(slots_.begin(), slots_.end());  // whoever has several near is looked up once
+  slots_.erase(std::unique(slots_.begin(), slots_.end()), slots_.end());
+  search(slots_, bodies);
 }
 
 void YieldingStage::find_walls(const Eigen::Vector2d& position_m, Around& around) const {
@@ -246,6 +272,11 @@ YieldMotion YieldingStage::wanted_of(uint32_t id) const {
                       simd_);
 }
 
+bool YieldingStage::is_turn_of(uint32_t id) const {
+  const bool rests = motions_[id].is_at_rest() && wanted_[id].is_at_rest();
+  return (steps_ + id) % (rests ? 2 * steps_a_decision_ : steps_a_decision_) == 0;
+}
+
 /// Asks for what deciding about somebody will read: others are far apart in memory.
 void YieldingStage::fetch(uint32_t id) const {
   if (id < around_.size())
@@ -256,7 +287,7 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
   YieldMotion& motion = motions_[id];
   const bool is_fresh = was_there_[id] == kFresh;
   was_there_[id] = kThere;
-  if (is_fresh || (steps_ + id) % steps_a_decision_ == 0) wanted_[id] = wanted_of(id);
+  if (is_fresh || is_turn_of(id)) wanted_[id] = wanted_of(id);
   // A person who has just come in has seen the others before.
   if (is_fresh)
     motion = wanted_[id];
@@ -398,9 +429,10 @@ void YieldingStage::step(std::span<const uint8_t> present, BodyStates& bodies) {
   });
   for (size_t id = 0; !present.empty() && id < was_there_.size(); ++id)
     if (present[id] == 0) was_there_[id] = kAway;
-  const bool has_fresh =
-      std::find(was_there_.begin(), was_there_.end(), kFresh) != was_there_.end();
-  if (steps_++ % steps_a_search_ == 0 || has_fresh) search(present, bodies);
+  if (steps_++ % steps_a_search_ == 0)
+    search_all(present, bodies);
+  else
+    search_fresh(present, bodies);
   workers_.for_blocks(static_cast<int>(blocks_.size()), [&](int index, int worker) {
     const BodyBlock& block = blocks_[static_cast<size_t>(index)];
     if (!rooms_[bodies.types[block.first]]) return;

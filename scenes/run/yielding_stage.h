@@ -54,10 +54,13 @@ class YieldingStage {
   };
 
   void see(const BodyStates& bodies, uint32_t first, uint32_t end);
-  void search(std::span<const uint8_t> present, const BodyStates& bodies);
+  void search(std::span<const uint32_t> slots, const BodyStates& bodies);
+  void search_all(std::span<const uint8_t> present, const BodyStates& bodies);
+  void search_fresh(std::span<const uint8_t> present, const BodyStates& bodies);
   void find_walls(const Eigen::Vector2d& position_m, Around& around) const;
   void check_read(Archive& a, const BodyStates& bodies) const;
   YieldMotion wanted_of(uint32_t id) const;
+  bool is_turn_of(uint32_t id) const;
   void fetch(uint32_t id) const;
   void give_way(uint32_t id, BodyStates& bodies);
   Eigen::Vector2f velocity_of(uint32_t id) const { return {seen_[id].vx_mps, seen_[id].vy_mps}; }
@@ -96,7 +99,8 @@ class YieldingStage {
   std::vector<YieldMotion> motions_, wanted_;
   std::vector<Footing> footings_;  ///< wanted
   std::vector<Around> around_;
-  // Of a search, by slot of the grid.
+  // Of a search: whose, and by slot of the grid.
+  std::vector<uint32_t> slots_;
   std::vector<uint32_t> found_;
   std::vector<uint8_t> counts_;
 };

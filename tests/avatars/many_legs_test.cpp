@@ -182,14 +182,14 @@ TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
     }
     Rhythms rhythms;
     rhythms.lead_s = drawn(seed, 120, 0.5, 1.5);
-    for (uint32_t i = 0; i < kPlaces; ++i) {
+    for (uint32_t i = 0; i < kRhythms; ++i) {
       rhythms.soon_ps[i] = drawn(seed, 200 + i, 0.6, 1.2);
       rhythms.later_ps[i] = drawn(seed, 300 + i, 0.6, 1.2);
     }
     const std::array<LegNow, 2> legs = {LegNow(own, 0), LegNow(own, 1)};
-    alignas(64) PlaceNumbers first = {};
+    alignas(64) RhythmNumbers first = {};
     add_nearness_in(rhythms, legs, thens, 0.2f, SimdTarget::kScalar, first);
-    for (size_t i = 0; i < kPlaces; ++i) {
+    for (size_t i = 0; i < kRhythms; ++i) {
       double expected = 0;
       for (size_t side = 0; side < 2; ++side) {
         Steps in_rhythm = own;
@@ -207,7 +207,7 @@ TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
           << " cycles a second";
     }
     for (const SimdTarget target : simd_targets_of_this_machine()) {
-      alignas(64) PlaceNumbers found = {};
+      alignas(64) RhythmNumbers found = {};
       add_nearness_in(rhythms, legs, thens, 0.2f, target, found);
       EXPECT_TRUE(same_bits(found, first)) << "seed " << seed;
     }
