@@ -156,7 +156,7 @@ double GaitCurves::pelvis_roll(double t) const {
 
 double GaitCurves::pelvis_lateral(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
-  return -style_->sway * 0.128 * rv * (1 - rv) * sin_cos(kTurn * (t - 0.1)).sin;
+  return -style_->sway * 0.128 * rv * (1 - rv) * sin_cos(kTurn * (t - kSwayFrom)).sin;
 }
 
 }  // namespace throng

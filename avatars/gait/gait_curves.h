@@ -64,6 +64,8 @@ class GaitCurves {
   double pelvis_pitch(double t) const;    ///< positive leans forward
   double pelvis_roll(double t) const;     ///< positive raises the left hip
   double pelvis_lateral(double t) const;  ///< in leg lengths, positive to the left
+  /// The pelvis is in the middle then, and goes to the right: a sine from there on.
+  static constexpr double kSwayFrom = 0.1;
   /// Amplitude of the pelvis's rise and fall, in leg lengths.
   double largest_bob() const { return 0.015 * relative_speed_; }
   const StyleFigures& style() const { return *style_; }

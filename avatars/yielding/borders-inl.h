@@ -163,31 +163,10 @@ THRONG_LANES Reach reach_of(const Stance& stance, const Shapes& shapes, const F 
   return {stance.scale * trunk, stance.scale * firm, stance.scale * all};
 }
 
-/// How far to the left of their roots trunks are, by phase; of discs nowhere.
-inline const float* asides_of(const SeenBody& body) {
-  static constexpr float kNone[Swings::kPhases] = {};
-  return body.swung != nullptr ? body.swung->aside_m().data() : kNone;
-}
-/// At phases from 0; they may lie beyond a cycle.
-template <typename Asides>
-THRONG_LANES F aside_at(const Asides& asides, F phase) {
-  alignas(64) int32_t whole[kAtOnce];
-  alignas(64) float from[kAtOnce], to[kAtOnce];
-  const F at = phase * float{Swings::kPhases};
-  store_whole(at, whole);
-  for (size_t lane = 0; lane < kAtOnce; ++lane) {
-    const float* const aside_m = asides(lane);
-    const auto node = static_cast<unsigned>(whole[lane]);
-    from[lane] = aside_m[node % Swings::kPhases];
-    to[lane] = aside_m[(node + 1) % Swings::kPhases];
-  }
-  return load(from) + (at - floor_of(at)) * (load(to) - load(from));
-}
 /// How far trunks will have swayed to the left.
-template <typename Asides>
-THRONG_LANES F swayed_by(const Asides& asides, F scale, F phase, F cycles_ps, F ahead_s) {
-  const F sway = aside_at(asides, phase + ahead_s * cycles_ps) - aside_at(asides, phase);
-  return select(ahead_s > 0.0f, scale * sway, 0.0f);
+THRONG_LANES F swayed_by(F sway_m, F phase, F cycles_ps, F ahead_s) {
+  const F from = phase - static_cast<float>(GaitCurves::kSwayFrom);
+  return sway_m * (sin_of_turns(from) - sin_of_turns(from + ahead_s * cycles_ps));
 }
 
 /// How far bodies reach at most.
@@ -199,23 +178,32 @@ THRONG_LANES F bulk_in(const F (&bulk)[4], F turn, F x, F y) {
   return select(abs_of(turn) > 0.0f, bulk[3], reach);
 }
 
-/// Times at which somebody may be within reach: four of each who comes near, and as many more as a
-/// register has.
+/// Times at which somebody may be within reach: up to four of each, and as many more as a register
+/// has.
 struct Moments {
   static constexpr size_t kEach = 4;
-  using Numbers = float[kEach * kMostNear + kEach + kAtOnce];
+  static constexpr size_t kMost = kEach * kMostNear + kAtOnce;
+  using Numbers = float[kMost];
   alignas(64) Numbers ahead_s;
-  const SeenBody* other[kEach * kMostNear + kEach + kAtOnce];
+  const SeenBody* other[kMost];
+  uint8_t first[kMost];  ///< the moment of the same body when it is nearest
   alignas(64) Numbers x, y, distance2_m2, weight;
   alignas(64) Numbers may_touch;  ///< 1: perhaps; 0: both are clear of each other
   size_t count = 0;
+
+  void add(const SeenBody& body, float time_s, size_t nearest, bool counts) {
+    ahead_s[count] = time_s;
+    other[count] = &body;
+    first[count] = static_cast<uint8_t>(nearest);
+    count += counts ? 1 : 0;
+  }
 };
 
 // Nobody looks so far ahead.
 inline constexpr float kNever_s = kYieldAhead_s;
 inline constexpr float kReach2_m2 = kYieldReach_m * kYieldReach_m;
 
-/// Now, when others, as they go, will be nearest, half-way to that and a little later.
+/// When others, as they go, will be nearest, now, half-way to that and a little later.
 THRONG_LANES void find_moments(const SeenBody& own, std::span<const SeenBody* const> near,
                                Moments& moments) {
   constexpr float kHardly_s = 0.05f;
@@ -223,27 +211,34 @@ THRONG_LANES void find_moments(const SeenBody& own, std::span<const SeenBody* co
   // arms behind pass each other after the trunks.
   constexpr float kSway_s = 0.25f, kAfter_s = 0.15f;
   constexpr float kSwayedReach_m = kYieldReach_m + 0.2f;  // sways are less
-  alignas(64) float nearest_s[kMostNear + kAtOnce], distance2_m2[kMostNear + kAtOnce];
+  constexpr float kSwayedReach2_m2 = kSwayedReach_m * kSwayedReach_m;
+  using OfEach = float[kMostNear + kAtOnce];
+  alignas(64) OfEach ahead_s[Moments::kEach], distance2_m2[Moments::kEach];
   for (size_t i = 0; i < near.size(); i += kAtOnce) {
     F place[4];
     load_rows([&](size_t lane) { return &near[std::min(i + lane, near.size() - 1)]->x_m; }, place);
     const F dx = place[0] - own.x_m, dy = place[1] - own.y_m;
     const F vx = place[2] - own.vx_mps, vy = place[3] - own.vy_mps;
     const F closing = 0.0f - (dx * vx + dy * vy), speed2 = max_of(vx * vx + vy * vy, 1e-4f);
-    const F ahead_s = min_of(max_of(closing / speed2, 0.0f), kYieldAhead_s);
-    const F x = dx + ahead_s * vx, y = dy + ahead_s * vy;
-    store(ahead_s, nearest_s + i);
-    store(x * x + y * y, distance2_m2 + i);
+    const F nearest_s = min_of(max_of(closing / speed2, 0.0f), kYieldAhead_s);
+    const M is_now = nearest_s < kHardly_s;
+    const F times[Moments::kEach] = {select(is_now, 0.0f, nearest_s), select(is_now, kSway_s, 0.0f),
+                                     select(is_now, kNever_s, 0.5f * nearest_s),
+                                     select(is_now, kNever_s, nearest_s + kAfter_s)};
+    for (size_t k = 0; k < Moments::kEach; ++k) {
+      const F x = dx + times[k] * vx, y = dy + times[k] * vy;
+      store(times[k], ahead_s[k] + i);
+      store(x * x + y * y, distance2_m2[k] + i);
+    }
   }
+  // Whoever is never within reach when nearest is not looked at any further.
   for (size_t n = 0; n < near.size(); ++n) {
-    const bool is_now = nearest_s[n] < kHardly_s;
-    float* const ahead_s = moments.ahead_s + moments.count;
-    ahead_s[0] = is_now ? 0 : nearest_s[n];
-    ahead_s[1] = is_now ? kSway_s : 0;
-    ahead_s[2] = is_now ? kNever_s : 0.5f * nearest_s[n];
-    ahead_s[3] = is_now ? kNever_s : nearest_s[n] + kAfter_s;
-    for (size_t k = 0; k < Moments::kEach; ++k) moments.other[moments.count + k] = near[n];
-    moments.count += distance2_m2[n] > kSwayedReach_m * kSwayedReach_m ? 0 : Moments::kEach;
+    const bool comes = distance2_m2[0][n] <= kSwayedReach2_m2;
+    const size_t nearest = moments.count;
+    moments.add(*near[n], ahead_s[0][n], nearest, comes);
+    for (size_t k = 1; k < Moments::kEach; ++k)
+      moments.add(*near[n], ahead_s[k][n], nearest,
+                  comes && ahead_s[k][n] < kNever_s && distance2_m2[k][n] <= kSwayedReach2_m2);
   }
   for (size_t i = moments.count; i % kAtOnce != 0; ++i) {
     moments.ahead_s[i] = kNever_s;
@@ -262,10 +257,13 @@ THRONG_LANES void look_ahead(const SeenBody& own, size_t i, Moments& moments) {
   load_rows([&](size_t lane) { return &other[lane]->turn_rad; }, motion);
   const F scale = motion[3];
   const F ahead_s = load(moments.ahead_s + i);
-  const F mine = swayed_by([&](size_t) { return asides_of(own); }, own.scale, own.phase,
-                           own.cycles_ps, ahead_s);
-  const F theirs = swayed_by([&](size_t lane) { return asides_of(*other[lane]); }, scale, way[2],
-                             way[3], ahead_s);
+  alignas(64) float discs[kAtOnce], sways[kAtOnce];
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+    discs[lane] = other[lane]->disc_m;
+    sways[lane] = other[lane]->sway_m;
+  }
+  const F mine = swayed_by(own.sway_m, own.phase, own.cycles_ps, ahead_s);
+  const F theirs = swayed_by(load(sways), way[2], way[3], ahead_s);
   const F x =
       place[0] - own.x_m + ahead_s * (place[2] - own.vx_mps) - theirs * way[1] + mine * own.sin;
   const F y =
@@ -278,8 +276,6 @@ THRONG_LANES void look_ahead(const SeenBody& own, size_t i, Moments& moments) {
   store(min_of(left, 1.0f), moments.weight + i);
 
   static constexpr Bulk kDisc;
-  alignas(64) float discs[kAtOnce];
-  for (size_t lane = 0; lane < kAtOnce; ++lane) discs[lane] = other[lane]->disc_m;
   F bulk[4], own_bulk[4];
   const auto bulk_of = [](const SeenBody& body) {
     return &(body.swung != nullptr ? body.swung->bulk() : kDisc).ahead_m;
@@ -305,10 +301,8 @@ THRONG_LANES bool find_borders(const SeenBody& own, std::span<const SeenBody* co
   for (size_t i = 0; i < moments.count; i += kAtOnce) look_ahead(own, i, moments);
   float may_touch = 0;
   for (size_t i = 0; i < moments.count; ++i) {
-    // Whoever is never within reach when nearest is not looked at any further.
-    const size_t first = i / Moments::kEach * Moments::kEach;
     const bool counts = moments.weight[i] > 0 && moments.distance2_m2[i] <= kReach2_m2 &&
-                        moments.distance2_m2[first] <= kReach2_m2;
+                        moments.distance2_m2[moments.first[i]] <= kReach2_m2;
     borders.x[borders.count] = moments.x[i];
     borders.y[borders.count] = moments.y[i];
     borders.ahead_s[borders.count] = moments.ahead_s[i];

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "avatars/gait/gait_curves.h"
 #include "avatars/yielding/borders_kernel.h"
 #include "base/elementary.h"
 #include "base/simd/one_lane.h"

@@ -1,8 +1,10 @@
 // Eight borders at a time: borders-inl.h over vector registers.
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
+#include "avatars/gait/gait_curves.h"
 #include "avatars/yielding/borders_kernel.h"
 #include "base/elementary.h"
 #include "base/simd/dispatch.h"

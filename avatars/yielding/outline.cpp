@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "avatars/gait/gait_curves.h"
 #include "base/elementary.h"
 #include "base/files/archive.h"
 
@@ -173,9 +174,8 @@ Octagon drawn_by_any_share(Octagon swung, const Octagon& drawn) {
 
 }  // namespace
 
-Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
-               const std::array<float, kPhases>& aside_m)
-    : outline_(&outline), boxes_(boxes), aside_m_(aside_m) {
+Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes, float sway_m)
+    : outline_(&outline), boxes_(boxes), sway_m_(sway_m) {
   for (size_t phase = 0; phase < kPhases; ++phase) {
     boxes_[phase].add(boxes[(phase + 1) % kPhases]);
     boxes_[phase].add(boxes[(phase + kPhases - 1) % kPhases]);
@@ -204,15 +204,14 @@ void Limbs::archive(Archive& a) { a(arms, thighs); }
 
 void Bulk::archive(Archive& a) { a(ahead_m, oblique_m, aside_m, most_m); }
 
-void Swings::archive(Archive& a) { a(boxes_, ever_, bulk_, aside_m_); }
+void Swings::archive(Archive& a) { a(boxes_, ever_, bulk_, sway_m_); }
 
 void Outline::archive(Archive& a) {
   a(columns, upper, drawn, per_root_speed, leg_length_m);
   auto speeds = static_cast<uint32_t>(swings.size());
   a(speeds);
   while (swings.size() < speeds)
-    swings.emplace_back(*this, std::array<Limbs, Swings::kPhases>{},
-                        std::array<float, Swings::kPhases>{});
+    swings.emplace_back(*this, std::array<Limbs, Swings::kPhases>{}, 0.0f);
   for (Swings& swing : swings) a(swing);
 }
 
@@ -281,15 +280,17 @@ std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitT
   const int aside = model.joint_of("pelvis_lateral");
   for (int speed = 0; speed < table.speeds; ++speed) {
     std::array<Limbs, Swings::kPhases> boxes;
-    std::array<float, Swings::kPhases> aside_m{};
+    double sway_m = 0;
     for (int phase = 0; phase < Swings::kPhases; ++phase) {
       const std::vector<double> posture = row(speed, phase * table.phases / Swings::kPhases);
       boxes[static_cast<size_t>(phase)] = boxes_of(posture, way_axes);
-      if (aside >= 0)
-        aside_m[static_cast<size_t>(phase)] =
-            static_cast<float>(posture[static_cast<size_t>(model.column_of_joint(aside))]);
+      if (aside >= 0)  // its share of a sine from GaitCurves::kSwayFrom on
+        sway_m -=
+            posture[static_cast<size_t>(model.column_of_joint(aside))] * (2.0 / Swings::kPhases) *
+            sin_cos(kTurn * (static_cast<double>(phase) / Swings::kPhases - GaitCurves::kSwayFrom))
+                .sin;
     }
-    outline->swings.emplace_back(*outline, boxes, aside_m);
+    outline->swings.emplace_back(*outline, boxes, static_cast<float>(sway_m));
   }
   return outline;
 }

@@ -96,10 +96,8 @@ class Swings {
  public:
   static constexpr int kPhases = 16;
 
-  /// Keeps a pointer to the outline that it is of. Limbs, and how far the trunk is to the left of
-  /// the root, by phase.
-  Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes,
-         const std::array<float, kPhases>& aside_m);
+  /// Keeps a pointer to the outline that it is of. Limbs by phase.
+  Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes, float sway_m);
   const Outline& outline() const { return *outline_; }
   /// All but the outline.
   void archive(Archive& a);
@@ -115,15 +113,15 @@ class Swings {
   /// Over a cycle.
   const Limbs& ever() const { return ever_; }
   const Bulk& bulk() const { return bulk_; }
-  /// How far to the left of the root the trunk is, by phase.
-  const std::array<float, kPhases>& aside_m() const { return aside_m_; }
+  /// How far the trunk is to either side of the root at most, see GaitCurves::kSwayFrom.
+  float sway_m() const { return sway_m_; }
 
  private:
   const Outline* outline_;
   std::array<Limbs, kPhases> boxes_;
   Limbs ever_;
   Bulk bulk_;
-  std::array<float, kPhases> aside_m_;
+  float sway_m_;
 };
 
 /// Of one style of walking.

@@ -67,6 +67,7 @@ struct alignas(64) SeenBody {
   std::array<float, 2> arms{};     ///< share of being drawn in: right, left
   float scale = 1;
   float disc_m = 0;               ///< radius of a disc, which does not give way
+  float sway_m = 0;               ///< of the trunk, to either side
   const Swings* swung = nullptr;  ///< of its outline, at the speed it walks at; null: a disc
 
   /// As its gait has it.

@@ -178,6 +178,7 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
     seen.scale = bodies.scales[id];
     const Outline* outline = is_held(bodies, id) ? nullptr : posing_.gait_of(id).outline();
     seen.swung = outline == nullptr ? nullptr : &outline->swung_at(bodies.gait_mps[id], seen.scale);
+    seen.sway_m = seen.swung == nullptr ? 0 : seen.scale * seen.swung->sway_m();
     if (outline == nullptr)
       seen.disc_m = seen.scale * posing_.model(bodies.types[id]).footprint_radius_m();
     else

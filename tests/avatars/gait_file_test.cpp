@@ -67,8 +67,7 @@ std::vector<float> answers(const Gait& gait) {
       for (size_t way = 0; way < 8; ++way)
         say({limbs.arms[side].reaches_m[way], limbs.thighs[side].reaches_m[way],
              swings.ever().arms[side].reaches_m[way], gait.outline()->drawn[side].reaches_m[way]});
-    say({swings.aside_m()[static_cast<size_t>(phase * Swings::kPhases) % Swings::kPhases],
-         swings.outline().upper.at(48 * phase), swings.outline().upper.most_m()});
+    say({swings.sway_m(), swings.outline().upper.at(48 * phase), swings.outline().upper.most_m()});
   }
   return said;
 }
