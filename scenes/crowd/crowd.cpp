@@ -158,7 +158,7 @@ void Crowd::start_walking(size_t slot) {
   w.facing[slot].setZero();
   w.turn_radps[slot] = 0;
   w.clearance_m[slot] = 0;
-  w.look_to_rad[slot] = looks_rad_[id] = 0;
+  w.look_to_rad[slot] = w.look_radps[slot] = looks_rad_[id] = 0;
   w.anchor_step[slot] = steps_;
   w.queued_steps[slot] = 0;
   w.queuing[slot] = 0;
@@ -225,6 +225,11 @@ void Crowd::check_read(Archive& a) {
     } else if constexpr (std::is_same_v<Value, float>) {
       if (saved == Saved::kAsLook)
         for (const float look_rad : values) check_look(look_rad);
+      constexpr float kFastestLook_radps = 2 * Gait::kMostLook_rad / tuning::kLook_s;
+      if (saved == Saved::kAsLookSpeed)
+        for (const float look_radps : values)
+          if (!(std::abs(look_radps) <= kFastestLook_radps))
+            a.refuse("a head that turns as fast as heads do", "another");
       if (saved == Saved::kAsShare)
         for (size_t slot = 0; slot < grid_.order().size(); ++slot)
           if (!(values[slot] > 0 && values[slot] <= 1)) a.refuse("a share of a disc", "another");
@@ -323,9 +328,13 @@ double Crowd::move(size_t slot) {
 }
 
 void Crowd::look(size_t slot) {
-  const auto share = static_cast<float>(options_.step_s / (tuning::kLook_s + options_.step_s));
+  const auto step_s = static_cast<float>(options_.step_s);
   float& look_rad = looks_rad_[grid_.order()[slot]];
-  look_rad += share * (walkers_.look_to_rad[slot] - look_rad);
+  float& look_radps = walkers_.look_radps[slot];
+  const float wanted_radps = (walkers_.look_to_rad[slot] - look_rad) / (tuning::kLook_s + step_s);
+  const float most_radps = tuning::kLook_radps2 * step_s;
+  look_radps += std::clamp(wanted_radps - look_radps, -most_radps, most_radps);
+  look_rad = std::clamp(look_rad + step_s * look_radps, -Gait::kMostLook_rad, Gait::kMostLook_rad);
 }
 
 double Crowd::turn(size_t slot) {

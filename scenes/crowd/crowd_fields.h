@@ -16,12 +16,13 @@ namespace throng {
 enum class Saved : uint8_t {
   kElsewhere,  ///< from what is known by person
   kPlainly,
-  kAsSpeed,  ///< refused if nobody is that fast
-  kAsLook,   ///< refused if no head turns that far
-  kAsTurn,   ///< refused if nobody turns that fast
-  kAsShare,  ///< refused if it is not above 0 and at most 1
-  kAsPart,   ///< refused if it is not from 0 to 1
-  kAsPace,   ///< of an axis: refused if nobody is that fast
+  kAsSpeed,      ///< refused if nobody is that fast
+  kAsLook,       ///< refused if no head turns that far
+  kAsLookSpeed,  ///< refused if no head turns that fast
+  kAsTurn,       ///< refused if nobody turns that fast
+  kAsShare,      ///< refused if it is not above 0 and at most 1
+  kAsPart,       ///< refused if it is not from 0 to 1
+  kAsPace,       ///< of an axis: refused if nobody is that fast
 };
 
 // FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
@@ -32,6 +33,7 @@ enum class Saved : uint8_t {
 //   drift_mps     what disc relaxation adds
 //   intent_mps    the wanted velocity, smoothed
 //   look_to_rad   where the head turns
+//   look_radps    how fast it does
 //   facing        what somebody who stands turns to: a unit vector, or zero
 //   turn_radps    of the heading, to the left; 0: whoever stands does not turn
 //   anchor_m      where progress was last made, and the step of it
@@ -56,6 +58,7 @@ enum class Saved : uint8_t {
   FIELD(Eigen::Vector2d, intent_mps, kAsSpeed)     \
   FIELD(double, clearance_m, kPlainly)             \
   FIELD(float, look_to_rad, kAsLook)               \
+  FIELD(float, look_radps, kAsLookSpeed)           \
   FIELD(Eigen::Vector2d, facing, kAsSpeed)         \
   FIELD(double, turn_radps, kAsTurn)               \
   FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \

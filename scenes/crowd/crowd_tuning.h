@@ -73,7 +73,9 @@ inline constexpr double kCreeps = 0.08;
 /// apart again some three seconds after they have set out, pushed by a few centimetres a second.
 inline constexpr double kStretch = 0.01;
 /// The head turns to where its owner wants to go in about this time, before the body does.
-inline constexpr double kLook_s = 0.25;
+inline constexpr float kLook_s = 0.25f;
+/// It speeds up and slows down no faster; where it looks changes at once.
+inline constexpr float kLook_radps2 = 40;
 /// Whoever made no progress for so long tries another way past, each time for about a second.
 inline constexpr double kStuck_s = 1.5;
 /// Others begin to make way for who has been stuck so long, and do all the way after so long.

@@ -124,6 +124,32 @@ TEST(ManyLegs, AreAsNearAsPointsOfThemAre) {
   EXPECT_GT(near, 300);
 }
 
+TEST(ManyLegs, ComeNearIfTheyDoAtAnyTime) {
+  constexpr float kClear_m = 0.2f;
+  constexpr size_t kCount = 16;  // whole registers
+  int near_count = 0;
+  for (uint64_t seed = 0; seed < 400; ++seed) {
+    const Steps own = anybody(seed, 0), other = anybody(seed, 1);
+    const LegOwner owner = {own.ahead, own.scale}, whose = {other.ahead, other.scale};
+    alignas(64) PlaceNumbers ahead_s;
+    for (uint32_t i = 0; i < kPlaces; ++i) ahead_s[i] = drawn(seed, 100 + i, 0, 0.3);
+    ForeseenLeg mine, theirs;
+    foresee(LegNow(own, 0), ahead_s, kPlaces, SimdTarget::kScalar, mine);
+    foresee(LegNow(other, 1), ahead_s, kPlaces, SimdTarget::kScalar, theirs);
+    double nearness = 0;
+    for (size_t i = 0; i < kCount; ++i)
+      nearness += slow_nearness(mine.places.at(i), owner, {theirs.places.at(i), whose}, kClear_m);
+    near_count += nearness > 0;
+    if (nearness > 0 && nearness < 1e-6) continue;  // either will do
+    for (const SimdTarget target : simd_targets_of_this_machine())
+      EXPECT_EQ(comes_near(mine.places, owner, theirs.places, whose, kClear_m, kCount, target),
+                nearness > 0)
+          << "seed " << seed;
+  }
+  EXPECT_GT(near_count, 50);
+  EXPECT_LT(near_count, 350);
+}
+
 TEST(ManyLegs, NearOnesAreThoseThatAreForeseenNearAndStay) {
   constexpr float kFar_m = 0.6f, kClear_m = 0.07f;
   int near_count = 0, touching = 0;

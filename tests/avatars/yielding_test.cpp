@@ -10,6 +10,9 @@
 #include <vector>
 
 #include "avatars/avatars.h"
+#include "avatars/gait/gait_curves.h"
+#include "base/elementary.h"
+#include "tests/avatars/gait_fixture.h"
 
 namespace throng {
 namespace {
@@ -25,6 +28,7 @@ const Gait& adult() {
 SeenBody walker(float speed_mps = 1.3f, float phase = 0) {
   SeenBody body;
   body.swung = &adult().outline()->swung_at(speed_mps, body.scale);
+  body.sway_m = body.swung->sway_m();
   body.phase = phase;
   return body;
 }
@@ -218,6 +222,84 @@ TEST(Yielding, WhatIsNotNeededAnyMoreIsGivenBack) {
       time_s += step_s;
     }
     EXPECT_LT(time_s, 1.6f) << step_s;
+    while (!motion.is_at_rest() && time_s < 5) {
+      follow({}, step_s, motion);
+      time_s += step_s;
+    }
+    EXPECT_LT(time_s, 2.5f) << step_s << ": what hardly shows any more is over";
+  }
+}
+
+TEST(Yielding, NoBodyReachesBeyondItsBulkHoweverMuchOfItsArmsIsDrawnIn) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> share(0, 1), angle(-kHalfTurn, kHalfTurn), speed(0, 2.2f);
+  float nearest_m = 1;
+  for (int i = 0; i < 20000; ++i) {
+    SeenBody body = walker(speed(random), share(random));
+    body.arms = {share(random), share(random)};
+    const Bulk& bulk = body.swung->bulk();
+    Octagon octagon;
+    octagon.reaches_m = {bulk.ahead_m, bulk.oblique_m, bulk.aside_m, bulk.oblique_m,
+                         bulk.ahead_m, bulk.oblique_m, bulk.aside_m, bulk.oblique_m};
+    const float way = angle(random), x = std::cos(way), y = std::sin(way);
+    const float left_m = reach_m(octagon, x, y) - reach_m(body, way);
+    nearest_m = std::min(nearest_m, left_m);
+    ASSERT_GT(left_m, -1e-5f) << "draw " << i << ", " << way << " rad";
+    body.turn_rad = angle(random) / 2;
+    ASSERT_GT(bulk.most_m - reach_m(body, way), -1e-5f) << "draw " << i << ", turned";
+  }
+  EXPECT_LT(nearest_m, 0.02f) << "no wider than bodies are";
+}
+
+TEST(Yielding, WhoIsClearOfAllWantsWhatItWouldIfItLookedCloser) {
+  int nothing = 0, something = 0;
+  for (uint32_t seed = 1; seed <= 3000; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> place(-1, 1), share(0, 1), way(-1, 1);
+    std::vector<SeenBody> near;
+    for (int i = 0; i < 3; ++i) {
+      near.push_back(
+          beside(place(random), place(random), 1 + way(random), kHalfTurn * way(random)));
+      SeenBody& body = near.back();
+      body.vx_mps = way(random), body.vy_mps = way(random);
+      body.phase = share(random), body.cycles_ps = share(random);
+      if (i == 1) body.turn_rad = way(random);
+      if (i == 2) body.arms = {share(random), share(random)};
+    }
+    std::erase_if(near, [](const SeenBody& body) { return std::hypot(body.x_m, body.y_m) < 0.4f; });
+    SeenBody own = walker(1.3f, share(random));
+    const YieldMotion at_rest = wanted(own, near);
+    own.turn_rad = 1e-6f;  // not at rest any more
+    const YieldMotion closer = wanted(own, near);
+    EXPECT_EQ(at_rest.is_near, closer.is_near) << "seed " << seed;
+    EXPECT_NEAR(at_rest.turn_rad, closer.turn_rad, 1e-3f) << "seed " << seed;
+    for (size_t side = 0; side < 2; ++side)
+      EXPECT_NEAR(at_rest.arms[side], closer.arms[side], 1e-3f) << "seed " << seed;
+    const bool is_nothing = at_rest.turn_rad == 0 && at_rest.arms[0] == 0 && at_rest.arms[1] == 0;
+    ++(is_nothing ? nothing : something);
+  }
+  EXPECT_GT(nothing, 100);
+  EXPECT_GT(something, 1000);
+}
+
+TEST(Yielding, TrunksSwayAsAllOfAGaitDoes) {
+  for (const test::Walking& walking : test::Walking::styles()) {
+    const PosableModel posable(*walking.model);
+    const auto column =
+        static_cast<size_t>(posable.column_of_joint(posable.joint_of("pelvis_lateral")));
+    const Outline& outline = *walking.gait.outline();
+    for (size_t speed = 0; speed < outline.swings.size(); ++speed) {
+      const float root = static_cast<float>(speed) / outline.per_root_speed;
+      const float speed_mps = root * root * outline.leg_length_m;
+      const Swings& swings = outline.swings[speed];
+      for (int i = 0; i < 64; ++i) {
+        const double phase = i / 64.0;
+        const double sway_m = -static_cast<double>(swings.sway_m()) *
+                              sin_cos(kTurn * (phase - GaitCurves::kSwayFrom)).sin;
+        EXPECT_NEAR(walking.posture(static_cast<float>(phase), speed_mps)[column], sway_m, 1e-3)
+            << walking.name() << ", " << speed_mps << " m/s, phase " << phase;
+      }
+    }
   }
 }
 
@@ -253,6 +335,7 @@ TEST(Yielding, WhatIsWantedIsTheSameByEveryTargetWhicheverWayAllAreTurned) {
       body.turn_rad = in(-1, 1);
       body.arms = {in(-1, 1), in(0, 1)};
       body.arms[0] = std::max(body.arms[0], 0.0f);
+      if (in(0, 1) < 0.2f) body.turn_rad = 0, body.arms = {};
       body.scale = in(0.8f, 1.1f);
       if (in(0, 1) < 0.1f) {
         body.disc_m = 0.2f;
