@@ -172,7 +172,7 @@ const char* const kRecordedContactsSource =
 
 const std::vector<RecordedContacts>& recorded_contacts() {
   static const std::vector<RecordedContacts> levels = {
-      {0, 0.43, 0.8}, {0.43, 1, 5.4}, {1, 2, 11.3}, {2, 3.57, 34.7}, {3.57, 5, 58.3}};
+      {0, 0.43, 0.8}, {0.43, 1, 4.9}, {1, 2, 11.6}, {2, 3.57, 35.0}, {3.57, 5, 60.8}};
   return levels;
 }
 

@@ -105,6 +105,27 @@ double share_within_2_cm(const Scene& scene) {
   return static_cast<double>(near) / static_cast<double>(errors.size());
 }
 
+TEST_F(RecordedWorldTest, WhoComesInIsGivenWayToAtOnce) {
+  std::string text = "# framerate: 60 fps\n# id frame x/m y/m z/m\n";
+  constexpr int kComesIn = 61;  // a while before neighbours are looked up again
+  for (int frame = 0; frame < 120; ++frame) {
+    const double x_m = 1.3 * frame / 60;
+    for (int person = 0; person < 3; ++person)
+      if (person < 2 || frame >= kComesIn)
+        text += fmt::format("{} {} {:.4f} {:.4f} 1.75\n", person, frame, x_m,
+                            person == 2 ? 0.4 : 4.0 * person);
+  }
+  Simulation simulation(scene(text, TrackedPoint::kCentre), {});
+  const std::vector<Yield>& yields = simulation.bodies().yields;
+  for (int frame = 0; frame < kComesIn + 8; ++frame) {
+    simulation.step();
+    EXPECT_TRUE(frame >= kComesIn || yields[0].is_none()) << frame;
+    EXPECT_TRUE(frame != kComesIn || !yields[2].is_none()) << "who comes in has seen others";
+  }
+  EXPECT_FALSE(yields[0].is_none());
+  EXPECT_TRUE(yields[1].is_none()) << "too far away";
+}
+
 TEST_F(RecordedWorldTest, RootsPassThroughEveryRecordedCentreAtItsInstant) {
   for (const auto& [seed, fps] : {std::pair{1, 25.0}, {2, 16.0}, {3, 2.5}, {4, 60.0}, {5, 1.0}}) {
     const Scene made =
