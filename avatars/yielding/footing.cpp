@@ -45,7 +45,7 @@ constexpr size_t kStretches = kLongestStrides - kShortestStrides + 1;
 // squared.
 constexpr float kNearness = 300, kRhythmEffort = 0.3f, kRhythmChange = 0.2f;
 // Among more than so many people, so near, nobody keeps step with all of them.
-constexpr int kMostAround = 4;
+constexpr int kMostAround = 3;
 constexpr float kAround_m = 1.1f;
 // What meets later than this is left to a later choice.
 constexpr float kSoonEnough_s = 1.2f;
