@@ -57,7 +57,7 @@ Vector2f left_of(const Vector2f& v) { return {-v.y(), v.x()}; }
 LegOwner owner_of(const Steps& steps) { return {steps.ahead, steps.scale}; }
 
 /// Whether they come near, and then when.
-bool comes_near(const Passer& own, const Passer& other, Meeting& meeting) {
+bool find_meeting(const Passer& own, const Passer& other, Meeting& meeting) {
   const Vector2f way = other.root_m - own.root_m, closing = other.velocity_mps - own.velocity_mps;
   const float speed2 = std::max(closing.squaredNorm(), 1e-4f);
   const float middle_s = -way.dot(closing) / speed2;
@@ -227,7 +227,7 @@ Meetings meetings_with(std::span<const Passer> near, const Passer& own) {
   if (around > kMostAround) return found;
   for (size_t i = 0; i < near.size() && found.count < Meetings::kMost; ++i) {
     Meeting& meeting = found.all[found.count];
-    if (!comes_near(own, near[i], meeting) || meeting.from_s > kSoonEnough_s) continue;
+    if (!find_meeting(own, near[i], meeting) || meeting.from_s > kSoonEnough_s) continue;
     meeting.who = i;
     ++found.count;
   }

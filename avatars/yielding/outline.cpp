@@ -105,6 +105,15 @@ std::vector<Region> regions_of(const PosableModel& model, const YieldColumns& co
   return regions;
 }
 
+/// Of an arm while it is drawn in: tucking it may win less than nothing, see arm_reach().
+Octagon drawn_by_any_share(Octagon swung, const Octagon& drawn) {
+  const float farther_m = std::max(
+      {drawn.reaches_m[2] - swung.reaches_m[2], drawn.reaches_m[6] - swung.reaches_m[6], 0.0f});
+  constexpr float kDiagonal = 0.7072f;
+  for (float& reach_m : swung.reaches_m) reach_m += kDiagonal * farther_m;
+  return swung;
+}
+
 struct Shape {
   Region region;
   size_t link;
@@ -160,19 +169,6 @@ Bulk::Bulk(const Octagon& octagon) {
   for (const float side_m : {ahead_m, aside_m})
     most_m = std::max(most_m, std::hypot(side_m, 1.41421356f * oblique_m - side_m));
 }
-
-namespace {
-
-/// Of an arm while it is drawn in: tucking it may win less than nothing, see arm_reach().
-Octagon drawn_by_any_share(Octagon swung, const Octagon& drawn) {
-  const float farther_m = std::max(
-      {drawn.reaches_m[2] - swung.reaches_m[2], drawn.reaches_m[6] - swung.reaches_m[6], 0.0f});
-  constexpr float kDiagonal = 0.7072f;
-  for (float& reach_m : swung.reaches_m) reach_m += kDiagonal * farther_m;
-  return swung;
-}
-
-}  // namespace
 
 Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes, float sway_m)
     : outline_(&outline), boxes_(boxes), sway_m_(sway_m) {
