@@ -233,6 +233,7 @@ THRONG_LANES void find_moments(const SeenBody& own, std::span<const SeenBody* co
   }
   // Whoever is never within reach when nearest is not looked at any further.
   for (size_t n = 0; n < near.size(); ++n) {
+    // Set above, register by register. NOLINTNEXTLINE(clang-analyzer-core.*)
     const bool comes = distance2_m2[0][n] <= kSwayedReach2_m2;
     const size_t nearest = moments.count;
     moments.add(*near[n], ahead_s[0][n], nearest, comes);

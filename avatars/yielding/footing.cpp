@@ -169,16 +169,16 @@ class RhythmChoice {
     }
   }
 
+  std::array<Foreseen, Meetings::kMost> foreseen_;
+  alignas(64) RhythmNumbers costs_;
+  Rhythms rhythms_;
   std::array<LegNow, 2> legs_;
   const Meetings& meetings_;
   float now_;
   float natural_ps_;  ///< with the gait's own strides
   std::array<Steps, Meetings::kMost> others_;
-  std::array<Foreseen, Meetings::kMost> foreseen_;
   std::array<LegsThen, Meetings::kMost * kTimes> times_;
   size_t count_ = 0;  ///< of times_
-  Rhythms rhythms_;
-  alignas(64) RhythmNumbers costs_;
 };
 
 /// How far the next landing could be moved: along and to the side, root frame at scale 1.
