@@ -171,11 +171,9 @@ THRONG_LANES F swayed_by(F sway_m, F phase, F cycles_ps, F ahead_s) {
 
 /// How far bodies reach at most.
 THRONG_LANES F bulk_in(const F (&bulk)[4], F turn, F x, F y) {
-  constexpr float kDiagonal = 1.41421356f;
-  const F ahead = abs_of(x), aside = abs_of(y);
-  const F reach = abs_of(ahead - aside) * select(ahead > aside, bulk[0], bulk[2]) +
-                  kDiagonal * min_of(ahead, aside) * bulk[1];
-  return select(abs_of(turn) > 0.0f, bulk[3], reach);
+  const F ahead = bulk[0], oblique = bulk[1], aside = bulk[2], most = bulk[3];
+  const F octagon[8] = {ahead, oblique, aside, oblique, ahead, oblique, aside, oblique};
+  return select(abs_of(turn) > 0.0f, most, reach_in(octagon, x, y));
 }
 
 /// Times at which somebody may be within reach: up to four of each, and as many more as a register

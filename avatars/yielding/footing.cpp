@@ -57,7 +57,7 @@ Vector2f left_of(const Vector2f& v) { return {-v.y(), v.x()}; }
 LegOwner owner_of(const Steps& steps) { return {steps.ahead, steps.scale}; }
 
 /// Whether they come near, and then when.
-bool find_meeting(const Passer& own, const Passer& other, Meeting& meeting) {
+bool find_meeting(const Course& own, const Course& other, Meeting& meeting) {
   const Vector2f way = other.root_m - own.root_m, closing = other.velocity_mps - own.velocity_mps;
   const float speed2 = std::max(closing.squaredNorm(), 1e-4f);
   const float middle_s = -way.dot(closing) / speed2;
@@ -102,9 +102,9 @@ class RhythmChoice {
     std::array<ForeseenLeg, 2> legs;
   };
 
-  /// Whether legs come too near to a companion's with the gait's own strides.
-  bool meets(size_t companion, SimdTarget target) const {
-    const Foreseen& theirs = foreseen_[companion];
+  /// Whether legs come too near to those of whom one meets with the gait's own strides.
+  bool meets(size_t meeting, SimdTarget target) const {
+    const Foreseen& theirs = foreseen_[meeting];
     for (LegNow leg : legs_) {
       leg.cycles_ps = natural_ps_;
       leg.root_m = Vector2f::Zero();
@@ -112,8 +112,8 @@ class RhythmChoice {
       ForeseenLeg own;
       foresee(leg, theirs.ahead_s, kTimes, target, own);
       for (const ForeseenLeg& other : theirs.legs)
-        if (comes_near(own.places, {Vector2f::UnitX(), 1}, other.places,
-                       owner_of(others_[companion]), kRhythmClear_m, kTimes, target))
+        if (comes_near(own.places, {Vector2f::UnitX(), 1}, other.places, owner_of(others_[meeting]),
+                       kRhythmClear_m, kTimes, target))
           return true;
     }
     return false;
@@ -134,19 +134,19 @@ class RhythmChoice {
     return stretches[static_cast<size_t>(least - costs_)];
   }
 
-  void add_times(size_t companion) {
-    const Foreseen& theirs = foreseen_[companion];
+  void add_times(size_t meeting) {
+    const Foreseen& theirs = foreseen_[meeting];
     for (size_t k = 0; k < kTimes; ++k) {
       LegsThen& then = times_[count_];
       then.ahead_s = theirs.ahead_s[k];
-      then.weight = kNearness * meetings_.all[companion].per_s;
+      then.weight = kNearness * meetings_.all[meeting].per_s;
       then.count = 0;
       for (const ForeseenLeg& leg : theirs.legs) {
         const LegPlace place = leg.places.at(k);
         const Vector2f from_root = place.foot_m - then.ahead_s * legs_[0].velocity_mps;
         if (std::abs(from_root.x()) < kInTheWayAhead_m &&
             std::abs(from_root.y()) < kInTheWayAside_m)
-          then.legs[then.count++] = {place, owner_of(others_[companion])};
+          then.legs[then.count++] = {place, owner_of(others_[meeting])};
       }
       count_ += then.count > 0;
     }
@@ -219,9 +219,9 @@ LegPlaces moved_places(const ForeseenLeg& leg, size_t time, const Steps& own,
 
 }  // namespace
 
-Meetings meetings_with(std::span<const Passer> near, const Passer& own) {
+Meetings meetings_with(std::span<const Course> near, const Course& own) {
   Meetings found;
-  const auto around = std::count_if(near.begin(), near.end(), [&own](const Passer& other) {
+  const auto around = std::count_if(near.begin(), near.end(), [&own](const Course& other) {
     return (other.root_m - own.root_m).squaredNorm() < kAround_m * kAround_m;
   });
   if (around > kMostAround) return found;
@@ -236,9 +236,7 @@ Meetings meetings_with(std::span<const Passer> near, const Passer& own) {
 
 float stretch_for(const Steps& own, std::span<const Steps> others, const Meetings& meetings,
                   float now, SimdTarget target) {
-  if (meetings.count == 0 || own.cycles_ps < kSlowestSteps_hz ||
-      own.velocity_mps.dot(own.ahead) < kSlowest_mps)
-    return 1;
+  if (own.cycles_ps < kSlowestSteps_hz || own.velocity_mps.dot(own.ahead) < kSlowest_mps) return 1;
   return RhythmChoice(own, others, meetings, now).best(target);
 }
 

@@ -14,8 +14,8 @@
 
 namespace throng {
 
-/// Somebody on the way.
-struct Passer {
+/// Where somebody is and goes.
+struct Course {
   Eigen::Vector2f root_m, velocity_mps;
 };
 
@@ -36,7 +36,7 @@ struct Meetings {
 };
 
 /// None if too many are near: nobody keeps step with all of them.
-Meetings meetings_with(std::span<const Passer> near, const Passer& own);
+Meetings meetings_with(std::span<const Course> near, const Course& own);
 
 /// How much longer strides than the gait's (and rarer, then) keep legs apart from those of others;
 /// 1 if it makes no difference. `others` are those met, one each; `now` is what strides are.

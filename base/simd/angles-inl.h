@@ -14,13 +14,10 @@ THRONG_LANES void sin_cos_of(F angle, F& sin, F& cos) {
 
 /// The sine of so many turns.
 THRONG_LANES F sin_of_turns(F turns) {
-  using K = FloatSinCosConstants;
   constexpr float kTurn_rad = 6.28318531f;
   const F u = turns - floor_of(turns + 0.5f), size = abs_of(u);
-  const F angle = kTurn_rad * min_of(size, 0.5f - size);
-  const F z = angle * angle;
-  const F s = ((K::kSin[3] * z + K::kSin[2]) * z + K::kSin[1]) * z + K::kSin[0];
-  const F sine = angle + (angle * z) * s;
+  F sine, cosine;
+  sin_cos_of(kTurn_rad * min_of(size, 0.5f - size), sine, cosine);
   return select(u < 0.0f, 0.0f - sine, sine);
 }
 

@@ -226,7 +226,7 @@ void YieldingStage::search_all(std::span<const uint8_t> present, const BodyState
 void YieldingStage::search_fresh(std::span<const uint8_t> present, const BodyStates& bodies) {
   const auto fresh = static_cast<size_t>(std::count(was_there_.begin(), was_there_.end(), kFresh));
   if (fresh == 0) return;
-  if (fresh * (NeighbourGrid::kMost + 1) > slots_.capacity()) return search_all(present, bodies);
+  if (fresh * (NeighbourGrid::kMost + 1) > was_there_.size()) return search_all(present, bodies);
   grid_.rebuild({last_m_.data(), last_m_.size()}, present);
   const std::span<const uint32_t> order = grid_.order();
   slots_.clear();
@@ -235,11 +235,13 @@ void YieldingStage::search_fresh(std::span<const uint8_t> present, const BodySta
   search(slots_, bodies);
   for (size_t i = 0; i < fresh; ++i) {
     const uint32_t* const found = found_.data() + NeighbourGrid::kMost * slots_[i];
-    slots_.insert(slots_.end(), found, found + counts_[slots_[i]]);
+    for (size_t k = 0; k < counts_[slots_[i]]; ++k)
+      if (was_there_[order[found[k]]] != kFresh) slots_.push_back(found[k]);
   }
-  std::sort(slots_.begin(), slots_.end());  // whoever has several near is looked up once
-  slots_.erase(std::unique(slots_.begin(), slots_.end()), slots_.end());
-  search(slots_, bodies);
+  const auto near = slots_.begin() + static_cast<std::ptrdiff_t>(fresh);
+  std::sort(near, slots_.end());  // whoever has several near is looked up once
+  slots_.erase(std::unique(near, slots_.end()), slots_.end());
+  search(std::span(slots_).subspan(fresh), bodies);
 }
 
 void YieldingStage::find_walls(const Eigen::Vector2d& position_m, Around& around) const {
@@ -280,7 +282,7 @@ bool YieldingStage::is_turn_of(uint32_t id) const {
 
 /// Asks for what deciding about somebody will read: others are far apart in memory.
 void YieldingStage::fetch(uint32_t id) const {
-  if (id < around_.size())
+  if (is_turn_of(id))
     for (const uint32_t other : around_[id].near()) __builtin_prefetch(&seen_[other]);
 }
 
@@ -328,23 +330,23 @@ bool YieldingStage::has_steps(uint32_t id, const BodyStates& bodies) const {
   return !is_held(bodies, id) && posing_.gait_of(id).has_legs();
 }
 
-Passer YieldingStage::passer(uint32_t id, const BodyStates& bodies) const {
+Course YieldingStage::course_of(uint32_t id, const BodyStates& bodies) const {
   const Eigen::Vector2d at_m = bodies.roots[id].position_m.head<2>() - middle_m_;
   return {at_m.cast<float>(), long_ways_mps_[id]};
 }
 
 float YieldingStage::wanted_stretch(uint32_t id, const BodyStates& bodies) const {
   constexpr float kReach_m = 1.6f;
-  std::array<Passer, NeighbourGrid::kMost> near;
+  std::array<Course, NeighbourGrid::kMost> near;
   std::array<uint32_t, NeighbourGrid::kMost> ids;
   size_t count = 0;
   for (const uint32_t other : around_[id].near()) {
     const float dx = seen_[other].x_m - seen_[id].x_m, dy = seen_[other].y_m - seen_[id].y_m;
     if (dx * dx + dy * dy > kReach_m * kReach_m || !has_steps(other, bodies)) continue;
-    near[count] = passer(other, bodies);
+    near[count] = course_of(other, bodies);
     ids[count++] = other;
   }
-  const Meetings meetings = meetings_with({near.data(), count}, passer(id, bodies));
+  const Meetings meetings = meetings_with({near.data(), count}, course_of(id, bodies));
   if (meetings.count == 0) return 1;
   std::array<Steps, Meetings::kMost> steps;
   for (size_t i = 0; i < meetings.count; ++i) {
@@ -442,7 +444,7 @@ void YieldingStage::step(std::span<const uint8_t> present, BodyStates& bodies) {
     for (uint32_t id = block.first; id < block.first + block.count; ++id) {
       if (was_there_[id] == kAway) bodies.yields[id] = {};
       if (was_there_[id] == kAway || is_held(bodies, id)) continue;
-      if ((steps_ + id + 1) % steps_a_decision_ == 0) fetch(id + 1);
+      if (id + 1 < block.first + block.count) fetch(id + 1);
       give_way(id, bodies);
       place_feet(id, bodies);
       if (bodies.yields[id].is_none()) continue;

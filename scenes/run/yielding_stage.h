@@ -65,7 +65,7 @@ class YieldingStage {
   void give_way(uint32_t id, BodyStates& bodies);
   Eigen::Vector2f velocity_of(uint32_t id) const { return {seen_[id].vx_mps, seen_[id].vy_mps}; }
   bool has_steps(uint32_t id, const BodyStates& bodies) const;
-  Passer passer(uint32_t id, const BodyStates& bodies) const;
+  Course course_of(uint32_t id, const BodyStates& bodies) const;
   float wanted_stretch(uint32_t id, const BodyStates& bodies) const;
   std::array<float, 4> wanted_landing_m(uint32_t id, const BodyStates& bodies) const;
   void place_feet(uint32_t id, BodyStates& bodies);

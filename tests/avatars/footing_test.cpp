@@ -35,9 +35,9 @@ Steps moved(Steps steps, const Vector2f& by_m, float cos, float sin) {
 LegPath path_of(const Steps& steps, size_t side) { return {steps, side, steps.cycles_ps, 0}; }
 
 float stretch(const Steps& own, std::span<const Steps> near) {
-  std::vector<Passer> passers;
-  for (const Steps& other : near) passers.push_back({other.root_m, other.velocity_mps});
-  const Meetings meetings = meetings_with(passers, {own.root_m, own.velocity_mps});
+  std::vector<Course> courses;
+  for (const Steps& other : near) courses.push_back({other.root_m, other.velocity_mps});
+  const Meetings meetings = meetings_with(courses, {own.root_m, own.velocity_mps});
   std::vector<Steps> steps;
   for (size_t i = 0; i < meetings.count; ++i) steps.push_back(near[meetings.all[i].who]);
   return stretch_for(own, steps, meetings, 1, resolved(SimdTarget::kBest));
