@@ -39,7 +39,8 @@ generator() { # PROGRAM COUNT: a test program that makes its input up
 
 no_miss() { # SEED: of parts alone, of people who walk, stand and give way, and of pairs within a margin
   bash scripts/build.sh release no_miss no_miss_people no_miss_near && echo "seed $1" &&
-    build/release/no_miss 10000000 "$1" && build/release/no_miss_people 10000000 "$1" &&
+    build/release/no_miss 10000000 "$1" && build/release/no_miss_people 10000000 "$1" touching &&
+    build/release/no_miss_people 100000 "$1" &&
     build/release/no_miss_near 2000000 "$1"
 }
 

@@ -1,22 +1,11 @@
-// What a body wants to do about those near it, a border or a turn of the trunk a lane.
+// Borders between a body and those near it, a border a lane.
 // Included inside the namespace of the lanes F, after base/simd/angles-inl.h.
 
-// The trunk's turns that are compared: as many to either side, a direction of Reaches apart.
-inline constexpr int kTurnsAside = 9;
-inline constexpr size_t kTurns = 2 * kTurnsAside + 1;
-inline constexpr float kTurn_rad = 1 / Reaches::kPerRadian;
 // Bodies sway and lean: they stay clear of their border by so much; arms, which are where they will
 // be within a sixteenth of a cycle, by more.
 inline constexpr float kMargin_m = 0.02f, kArmMargin_m = 0.04f;
 // What is needed so soon is needed now; what is needed later than kYieldAhead_s is not yet.
 inline constexpr float kSoon_s = 0.45f;
-// Half a metre of turned trunk is worth a tenth of a millimetre of room squared ...
-inline constexpr float kEffort = 1e-4f;
-// ... and turning the other way round is worth five centimetres.
-inline constexpr float kTurnBack = 2.5e-3f;
-inline constexpr float kTurned_rad = 0.1f;
-// An arm stays drawn in by so much of what its swing would lack at the worst time of a cycle.
-inline constexpr float kHeld = 0.5f;
 
 /// So much room in a direction, of which so much counts: a number of each border, and as many more
 /// as a register has.
@@ -385,113 +374,4 @@ THRONG_LANES void add_wall(const SeenBody& own, const NearWall& wall, Borders& b
     borders.other[i] = nullptr;
     borders.own[i] = &own.swung->at(Swings::sixteenth_of(own.phase + ahead_s * own.cycles_ps));
   }
-}
-
-/// Where the squares of what a body with its arms drawn in lacks are least.
-THRONG_LANES float best_turn(const SeenBody& own, const Borders& borders) {
-  const Outline& outline = own.swung->outline();
-  const Reaches& upper = outline.upper;
-  // Seen by a trunk that is turned to the left, what is near lies farther to the right: costs are
-  // from the farthest to the left.
-  constexpr size_t kLanesOfTurns = (kTurns + kAtOnce - 1) / kAtOnce * kAtOnce;
-  alignas(64) float costs[kLanesOfTurns];
-  struct {
-    const float* reach_m;
-    float share, room_m, weight;
-  } counting[kMostBorders];
-  size_t count = 0;
-  for (size_t i = 0; i < borders.count; ++i) {
-    const float room_m = borders.trunk_room_m[i] - kMargin_m;
-    if (room_m >= upper.most_m()) continue;
-    float from = borders.direction[i] - kTurnsAside;
-    if (from < 0) from += Reaches::kDirections;
-    const auto whole = static_cast<int>(from);
-    counting[count++] = {upper.from(whole), from - static_cast<float>(whole), room_m,
-                         borders.weight[i]};
-  }
-  for (size_t turn = 0; turn < kLanesOfTurns; turn += kAtOnce) {
-    F cost = 0.0f;
-    for (size_t i = 0; i < count; ++i) {
-      const auto& border = counting[i];
-      const F reach = load(border.reach_m + turn), next = load(border.reach_m + turn + 1);
-      const F lack = max_of(reach + border.share * (next - reach) - border.room_m, 0.0f);
-      cost = cost + border.weight * lack * lack;
-    }
-    store(cost, costs + turn);
-  }
-  const float now_rad = own.turn_rad;
-  const bool is_turned = std::abs(now_rad) > kTurned_rad;
-  const auto turn_of = [](int i) { return static_cast<float>(kTurnsAside - i); };
-  for (int i = 0; i < static_cast<int>(kTurns); ++i) {
-    const float turn_rad = turn_of(i) * kTurn_rad;
-    costs[i] += kEffort * turn_rad * turn_rad;
-    if (is_turned && turn_rad * now_rad < 0) costs[i] += kTurnBack;
-  }
-  int best = kTurnsAside;
-  for (int i = static_cast<int>(kTurns) - 1; i >= 0; --i)
-    if (costs[i] < costs[best]) best = i;
-  float turn = turn_of(best);
-  if (best > 0 && best < static_cast<int>(kTurns) - 1)
-    turn += lowest_between(costs[best + 1], costs[best], costs[best - 1]);
-  constexpr float kWaist = 1 / (1 - kHipsShare);
-  constexpr float kGaitTurn_rad = 0.1f;  // the waist turns by so much in walking
-  const YieldColumns& columns = outline.columns;
-  return std::clamp(turn * kTurn_rad, kWaist * (columns.least_trunk_rad + kGaitTurn_rad),
-                    kWaist * (columns.most_trunk_rad - kGaitTurn_rad));
-}
-
-/// How far arms have to be drawn in to stay within borders.
-THRONG_LANES F draw_for(const ArmReach& arm, F room_m) {
-  constexpr float kWorthIt_m = 0.01f;  // elsewhere it makes no difference
-  const F lack = arm.swung_m + kArmMargin_m - room_m;
-  const M is_more = (lack > arm.tucking_m) & (arm.stilling_m > kWorthIt_m);
-  const F stilled =
-      min_of(max_of((lack - arm.tucking_m) / max_of(arm.stilling_m, kWorthIt_m), 0.0f), 1.0f);
-  const F tucked = min_of(lack / max_of(arm.tucking_m, 1e-4f), 1.0f);
-  const F draw = select(is_more, share_of(stilled), DrawnArm::kTucked * tucked);
-  return select(lack > 0.0f, draw, 0.0f);
-}
-
-/// How far an arm has to be drawn in to swing within all borders, with the trunk turned so.
-THRONG_LANES float wanted_draw(const SeenBody& own, size_t side, const FloatSinCos& turn,
-                               const Borders& borders) {
-  F drawn[8], ever[8], swung[8];
-  set_octagon(own.swung->outline().drawn[side], drawn);
-  set_octagon(own.swung->ever().arms[side], ever);
-  const float now = own.arms[side];
-  F wanted = 0.0f;
-  for (size_t i = 0; i < borders.count; i += kAtOnce) {
-    const F x = load(borders.x + i), y = load(borders.y + i);
-    const F ahead = turn.cos * x + turn.sin * y, left = turn.cos * y - turn.sin * x;
-    const F room = load(borders.arm_room_m + i), weight = load(borders.weight + i);
-    load_octagons([&](size_t lane) -> const Octagon& { return borders.own[i + lane]->arms[side]; },
-                  swung);
-    wanted = max_of(wanted, weight * draw_for(arm_reach(swung, drawn, ahead, left), room));
-    if (now <= 0) continue;
-    // Not let out only to be drawn in again by the same swing.
-    const F held = min_of(now, kHeld * draw_for(arm_reach(ever, drawn, ahead, left), room));
-    const M is_now = (load(borders.ahead_s + i) <= 0.0f) & (weight > 0.0f);
-    wanted = max_of(wanted, select(is_now, held, 0.0f));
-  }
-  alignas(64) float most[kAtOnce];
-  store(wanted, most);
-  return *std::max_element(most, most + kAtOnce);
-}
-
-THRONG_LANES YieldMotion wanted_by(const SeenBody& own, std::span<const SeenBody* const> near,
-                                   std::span<const NearWall> walls) {
-  YieldMotion wanted;
-  Borders borders;
-  const bool may_touch = find_borders(own, near, borders);
-  wanted.is_near = borders.count > 0 || !walls.empty();
-  if (!wanted.is_near || (!may_touch && own.is_at_rest() && walls.empty())) return wanted;
-  if (borders.count > 0) borders.fill(borders.count - 1);
-  const Stance stance = stance_of(own.scale, own.turn_rad, own.arms[0], own.arms[1]);
-  for (size_t i = 0; i < borders.count; i += kAtOnce) set_rooms(own, stance, i, borders);
-  for (const NearWall& wall : walls) add_wall(own, wall, borders);
-  borders.fill(borders.count - 1);
-  wanted.turn_rad = best_turn(own, borders);
-  const FloatSinCos turn = throng::float_sin_cos(wanted.turn_rad);
-  for (size_t side = 0; side < 2; ++side) wanted.arms[side] = wanted_draw(own, side, turn, borders);
-  return wanted;
 }

@@ -24,6 +24,8 @@ namespace {
 #include "base/simd/angles-inl.h"
 //
 #include "avatars/yielding/borders-inl.h"
+//
+#include "avatars/yielding/wanted-inl.h"
 
 }  // namespace
 }  // namespace THRONG_EIGHT_LANES

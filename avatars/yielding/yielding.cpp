@@ -45,8 +45,9 @@ void follow(const YieldMotion& wanted, float step_s, YieldMotion& motion) {
   const YieldLimits& limits = kYieldLimits;
   const float turn_release = (wanted.is_near ? kReleaseNear_rps : kRelease_rps) * kReleaseAhead_s;
   const bool turns_back = wanted.turn_rad * motion.turn_rad < 0;
-  const float turn_rad =
-      turns_back ? wanted.turn_rad : held(wanted.turn_rad, motion.turn_rad, turn_release);
+  const float turn_rad = turns_back || wanted.is_pressed
+                             ? wanted.turn_rad
+                             : held(wanted.turn_rad, motion.turn_rad, turn_release);
   eased_towards(turn_rad, limits.trunk_rps, limits.trunk_rps2, step_s, motion.turn_rad,
                 motion.turn_rps);
   for (size_t side = 0; side < 2; ++side) {

@@ -45,7 +45,9 @@ struct DrawnArm {
 struct YieldMotion {
   float turn_rad = 0, turn_rps = 0;  ///< of the trunk, from the way
   std::array<float, 2> arms{}, arms_ps{};
-  bool is_near = false;  ///< of what is wanted: somebody or something is within reach
+  // Of what is wanted:
+  bool is_near = false;     ///< somebody or something is within reach
+  bool is_pressed = false;  ///< as it is turned now, the trunk lacks more room than it has to
 
   bool is_at_rest() const {
     return turn_rad == 0 && turn_rps == 0 && arms[0] == 0 && arms[1] == 0 && arms_ps[0] == 0 &&

@@ -21,6 +21,9 @@ constexpr double kMostNoise_m = 0.01;
 /// A heading is that of the way over so much to both sides: what is shorter is a shuffle.
 constexpr double kHeadingWay_m = 0.4;
 constexpr double kHeadingReach_s = 1.0;  ///< and no turn is faster than one smoothed over this
+/// How far ahead people know where they go, and over what the way is smoothed for that.
+constexpr double kNext_s = 0.3;
+constexpr double kNextReach_s = 0.5;
 /// Two directions that are nearly opposite have no middle.
 constexpr double kLeastDirection = 1e-6;
 
@@ -135,6 +138,7 @@ class Stretch {
       const Eigen::Vector2d& v = way_[i].velocity_mps;
       knots_[i].ahead_mps = static_cast<float>(v.x() * heading.cos + v.y() * heading.sin);
     }
+    find_next();
     find_phases();
   }
 
@@ -160,6 +164,22 @@ class Stretch {
     const double turns = kTurn * std::floor(all.front() / kTurn);
     for (size_t i = 0; i < all.size(); ++i)
       knots_[i].heading_rad = static_cast<float>(all[i] - turns);
+  }
+
+  void find_next() {
+    const std::vector<WayPoint> way = way_of(track_, kNextReach_s);
+    size_t then = 0;
+    for (size_t i = 0; i < track_.size(); ++i) {
+      then = std::max(then, i);
+      while (then + 1 < track_.size() && track_[then].time_s < track_[i].time_s + kNext_s - kSame_s)
+        ++then;
+      Eigen::Vector2d next_mps = way[i].velocity_mps;
+      if (then > i)
+        next_mps =
+            (way[then].position_m - way[i].position_m) / (track_[then].time_s - track_[i].time_s);
+      knots_[i].next_x_mps = static_cast<float>(next_mps.x());
+      knots_[i].next_y_mps = static_cast<float>(next_mps.y());
+    }
   }
 
   void find_phases() {

@@ -16,17 +16,18 @@ namespace throng {
 class Gait;
 class HeadPlace;
 
-/// A recorded instant of somebody, as it is kept in the track file: 40 bytes.
+/// A recorded instant of somebody, as it is kept in the track file: 48 bytes.
 struct Knot {
   double time_s = 0;
   double x_m = 0, y_m = 0;
   float heading_rad = 0;  ///< without turns: neighbours differ by less than half of one
   float ahead_mps = 0;    ///< along the heading; below 0: backwards
   float phase = 0;        ///< of the gait; NaN: as the distance walked has it
+  float next_x_mps = 0, next_y_mps = 0;  ///< see BodyStates::next_mps
   enum class Next : uint32_t { kWay, kJump, kAway };
   Next next = Next::kWay;  ///< until the next knot: moves there, stays and jumps, or is not there
 };
-static_assert(sizeof(Knot) == 40);
+static_assert(sizeof(Knot) == 48);
 
 /// What dressing needs to know of the body.
 struct Wearer {
@@ -39,6 +40,8 @@ struct Wearer {
 /// What is between two samples for longer than this, and longer than 1.5 of a track's usual
 /// intervals, is an absence.
 inline constexpr double kLongestHole_s = 1.0;
+/// Times that were rounded apart by less are the same.
+inline constexpr double kSame_s = 1e-7;
 /// Nobody runs faster: what does has jumped.
 inline constexpr double kFastestRun_mps = 12;
 

@@ -93,6 +93,7 @@ void RecordedWorld::place(BodyStates& bodies) {
   blocks_ = blocks_of(bodies.types);
   if (others_) others_->place(bodies);
   present_.assign(bodies.types.size(), 0);
+  bodies.next_mps.assign(bodies.types.size(), kNobodyKnows);
 }
 
 void RecordedWorld::describe(RunInfo& info) const {
@@ -207,6 +208,7 @@ WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& p
     bodies.gait_mps[id] = kNotComeIn;
     return {.before = root, .is_present = false};
   }
+  bodies.next_mps[id] = now.next_mps;
   float& phase = bodies.phases[id];
   if (!was_present && !std::isnan(now.phase)) phase = now.phase;
   const float scale = bodies.scales[id];

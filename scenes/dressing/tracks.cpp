@@ -7,9 +7,6 @@
 namespace throng {
 namespace {
 
-/// Recorded instants are found although they and the time of a frame were rounded apart.
-constexpr double kSame_s = 1e-7;
-
 float between(float from, float to, double u) {
   return static_cast<float>(std::lerp(static_cast<double>(from), static_cast<double>(to), u));
 }
@@ -23,7 +20,12 @@ float phase_between(float from, float to, double u) {
 }
 
 TrackNow at_knot(const Knot& knot) {
-  return {true, {knot.x_m, knot.y_m}, knot.heading_rad, knot.ahead_mps, knot.phase};
+  return {true,
+          {knot.x_m, knot.y_m},
+          knot.heading_rad,
+          knot.ahead_mps,
+          {knot.next_x_mps, knot.next_y_mps},
+          knot.phase};
 }
 
 }  // namespace
@@ -95,6 +97,8 @@ TrackNow Tracks::at(size_t person, double time_s) {
   now.position_m = position_between(before, here, next, after, time_s);
   now.heading_rad = between(here.heading_rad, next.heading_rad, u);
   now.ahead_mps = between(here.ahead_mps, next.ahead_mps, u);
+  now.next_mps = {between(here.next_x_mps, next.next_x_mps, u),
+                  between(here.next_y_mps, next.next_y_mps, u)};
   now.phase = phase_between(here.phase, next.phase, u);
   return now;
 }

@@ -22,6 +22,7 @@ struct TrackNow {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< of what was tracked
   float heading_rad = 0;
   float ahead_mps = 0;
+  Eigen::Vector2f next_mps = Eigen::Vector2f::Zero();  ///< see BodyStates::next_mps
   float phase = 0;  ///< of the gait; NaN: as the distance walked has it
 };
 

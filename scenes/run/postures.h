@@ -6,6 +6,7 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,6 +19,9 @@
 namespace throng {
 
 /// The state of all bodies that poses depend on, by body: avatars first, then obstacles.
+inline const Eigen::Vector2f kNobodyKnows =
+    Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+
 struct BodyStates {
   std::vector<uint16_t> types;  ///< models first, then one type an obstacle
   std::vector<RootPose> roots;
@@ -36,6 +40,9 @@ struct BodyStates {
   std::array<std::vector<float>, WalkChunk::kMomentumNumbers> momentum;
   std::vector<WalkPosture> postures;
   std::vector<float> room_x, room_y;
+  /// Velocities over the ground that people are about to have (a mean over some tenths of a second)
+  /// as far as they are known beforehand: empty, or kNobodyKnows, where they are not.
+  std::vector<Eigen::Vector2f> next_mps;
   std::vector<Yield> yields;   ///< empty: nobody gives way
   std::vector<float> stood_s;  ///< see stood_after()
   /// What quiet_standing() needs; without a seed nobody breathes.

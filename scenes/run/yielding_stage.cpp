@@ -19,9 +19,10 @@ constexpr double kDecision_s = 1.0 / 15;
 constexpr float kSearch_m = 3;
 constexpr float kWallReach_m = 0.9f;
 enum : uint8_t { kAway, kFresh, kThere };
-// Velocities are means over about so long: roots of recorded people tremble. Rhythms, which look
-// farther ahead, go by the long ones: whoever swerves will not for long.
-constexpr float kMean_s = 0.1f, kLongMean_s = 0.3f;
+// Velocities that nobody knows beforehand are means over about so long: what moves a root may
+// tremble. Rhythms, which look farther ahead, go by the long ones: whoever swerves will not for
+// long.
+constexpr float kMean_s = 0.05f, kLongMean_s = 0.3f;
 constexpr float kRhythmMean_s = 0.1f;
 // The place where a foot is to land changes no faster.
 constexpr float kLanding_mps = 2.5f;
@@ -37,6 +38,12 @@ constexpr double kJump_m = 1;
 /// Something outside moves it.
 bool is_held(const BodyStates& bodies, uint32_t id) {
   return !bodies.held_rows.empty() && bodies.held_rows[id] != nullptr;
+}
+
+/// The velocity that it is about to have, where that is known.
+std::optional<Eigen::Vector2f> next_of(const BodyStates& bodies, uint32_t id) {
+  if (bodies.next_mps.empty() || std::isnan(bodies.next_mps[id].x())) return {};
+  return bodies.next_mps[id];
 }
 
 int64_t steps_in(double time_s, const Scene& scene) {
@@ -91,7 +98,8 @@ YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const Bod
 void YieldingStage::archive(Archive& a, BodyStates& bodies) {
   a(steps_, was_there_);
   const auto motion = [&a](YieldMotion& m) {
-    a(m.turn_rad, m.turn_rps, m.arms[0], m.arms[1], m.arms_ps[0], m.arms_ps[1], m.is_near);
+    a(m.turn_rad, m.turn_rps, m.arms[0], m.arms[1], m.arms_ps[0], m.arms_ps[1], m.is_near,
+      m.is_pressed);
   };
   const auto numbers = [&a](auto& values) {
     for (auto& value : values) a(value);
@@ -184,15 +192,23 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
     else
       seen.disc_m = 0;
     if (was_there_[id] == kAway || way.squaredNorm() > kJump_m * kJump_m) {
-      seen.vx_mps = seen.vy_mps = seen.cycles_ps = 0;
-      long_ways_mps_[id].setZero();
+      const Eigen::Vector2f next_mps = next_of(bodies, id).value_or(Eigen::Vector2f::Zero());
+      seen.vx_mps = next_mps.x();
+      seen.vy_mps = next_mps.y();
+      seen.cycles_ps = 0;
+      long_ways_mps_[id] = next_mps;
       was_there_[id] = kFresh;
       continue;
     }
     seen.cycles_ps += rhythm_share * ((cycles - std::floor(cycles)) / step_s_ - seen.cycles_ps);
     const Eigen::Vector2f now_mps = way.cast<float>() / step_s_;
-    seen.vx_mps += share * (now_mps.x() - seen.vx_mps);
-    seen.vy_mps += share * (now_mps.y() - seen.vy_mps);
+    if (const std::optional<Eigen::Vector2f> next_mps = next_of(bodies, id)) {
+      seen.vx_mps = next_mps->x();
+      seen.vy_mps = next_mps->y();
+    } else {
+      seen.vx_mps += share * (now_mps.x() - seen.vx_mps);
+      seen.vy_mps += share * (now_mps.y() - seen.vy_mps);
+    }
     long_ways_mps_[id] += long_share * (now_mps - long_ways_mps_[id]);
   }
 }

@@ -131,16 +131,16 @@ TEST(Yielding, WhoGoesAwayIsNotGivenWayTo) {
   EXPECT_TRUE(wanted(walker(), {near}).is_near);
 }
 
+// Nearer than 0.4 m, two who face each other do not, and do not turn through where they lack most.
 TEST(Yielding, TwoAbreastGiveWayUntilTheyFit) {
-  for (int step = 0; step < 12; ++step)
+  for (int step = 0; step < 11; ++step)
     for (int i = 0; i < 16; ++i) {
       const float apart_m = 0.6f - 0.02f * static_cast<float>(step);
       SeenBody right = walker(1.3f, static_cast<float>(i) / 16), left = beside(0, apart_m);
       left.phase = 0.3f;
       settle(right, left);
-      EXPECT_LT(reach_m(right, 0.5f * kHalfTurn) + reach_m(left, -0.5f * kHalfTurn),
-                apart_m + 0.01f)
-          << apart_m << " " << i;
+      const float both_m = reach_m(right, 0.5f * kHalfTurn) + reach_m(left, -0.5f * kHalfTurn);
+      EXPECT_LT(both_m, apart_m + 0.01f) << apart_m << " " << i;
     }
 }
 
@@ -154,6 +154,31 @@ TEST(Yielding, WhoHasMoreRoomTurnsLess) {
     before_rad = most_rad;
   }
   EXPECT_LT(before_rad, 0.05f);
+}
+
+TEST(Yielding, ATurnThatIsInTheWayIsGivenUpAtOnceAndAnyOtherSlowly) {
+  const auto half_a_second_after = [&](float x_m, float y_m) {
+    SeenBody own = walker();
+    YieldMotion motion;
+    motion.turn_rad = own.turn_rad = -0.6f;
+    for (int step = 0; step < 30; ++step) {
+      follow(wanted(own, {beside(x_m, y_m)}), 1.0f / 60, motion);
+      take(motion, own);
+    }
+    return motion.turn_rad;
+  };
+  // Turned to the right, the left shoulder is where it meets whoever is before it on the left.
+  EXPECT_GT(half_a_second_after(0.22f, 0.34f), -0.1f);
+  EXPECT_LT(half_a_second_after(0, 0.6f), -0.4f);
+}
+
+TEST(Yielding, NobodyTurnsThroughWhereItLacksMore) {
+  const std::vector<SeenBody> near = {beside(0, 0.44f), beside(0, -0.44f)};
+  SeenBody own = walker();  // which lacks room to both sides as long as it is not turned
+  for (const float turn_rad : {0.7f, -0.7f}) {
+    own.turn_rad = turn_rad;
+    EXPECT_GT(wanted(own, near).turn_rad * turn_rad, 0.25f) << turn_rad;
+  }
 }
 
 TEST(Yielding, OfAWallTheArmBesideItIsDrawnIn) {
@@ -394,6 +419,7 @@ TEST(Yielding, FollowsWithinItsLimitsAndArrives) {
       YieldMotion to;
       to.turn_rad = turn(random);
       to.arms = {share(random), share(random)};
+      to.is_pressed = change % 2 == 1;
       for (int i = 0; i < static_cast<int>(0.4f / step_s); ++i) {
         const YieldMotion before = motion;
         follow(to, step_s, motion);
@@ -403,10 +429,8 @@ TEST(Yielding, FollowsWithinItsLimitsAndArrives) {
         for (size_t side = 0; side < 2; ++side) {
           ASSERT_LE(std::abs(motion.arms_ps[side]), kYieldLimits.arm_ps * 1.0001f);
           ASSERT_LE(std::abs(motion.arms_ps[side] - before.arms_ps[side]),
-                    kYieldLimits.arm_ps2 * step_s * 1.0001f)
-              << step_s << " " << change;
-          ASSERT_GE(motion.arms[side], 0);
-          ASSERT_LE(motion.arms[side], 1);
+                    kYieldLimits.arm_ps2 * step_s * 1.0001f);
+          ASSERT_EQ(motion.arms[side], std::clamp(motion.arms[side], 0.0f, 1.0f));
         }
       }
     }

@@ -156,7 +156,7 @@ class Boxes(Case):
 
 class People(Case):
     def test_posed_by_hand_touch_whom_they_touch_in_the_scene(self):
-        simulation = throng.Simulation("concert", seconds=1 if SLOWNESS == 1 else 0.3, exact=True)
+        simulation = throng.Simulation("plaza", avatars=1500, seconds=1 if SLOWNESS == 1 else 0.3, exact=True)
         people = len(simulation.people)
         culler = throng.Culler(throng.Model("adult"), exact=True)
         seen = 0

@@ -168,6 +168,23 @@ TEST_F(Dressing, AStepBackIsNoTurn) {
         << "at " << knot.time_s << " s";
 }
 
+TEST_F(Dressing, HowFastSomebodyIsAboutToGoIsTheMeanOfTheNextThreeTenthsOfASecond) {
+  const double step_s = 0.05;
+  const Eigen::Vector2d begins_mps(0.3, -0.1), harder_mps2(0.4, 0.2);
+  std::vector<Sample> track;
+  for (int i = 0; i < 60; ++i) {
+    const double time_s = i * step_s;
+    track.push_back(
+        {time_s, time_s * begins_mps + 0.5 * time_s * time_s * harder_mps2, kNone, kNone});
+  }
+  const std::vector<Knot> knots = dressed(track, wearer(TrackedPoint::kCentre));
+  for (size_t i = 10; i < 44; ++i) {  // nobody knows what was before and comes after
+    const Eigen::Vector2d next_mps = begins_mps + (track[i].time_s + 0.15) * harder_mps2;
+    EXPECT_NEAR(static_cast<double>(knots[i].next_x_mps), next_mps.x(), 1e-4) << i;
+    EXPECT_NEAR(static_cast<double>(knots[i].next_y_mps), next_mps.y(), 1e-4) << i;
+  }
+}
+
 TEST_F(Dressing, HeadingsOfTheFileAreKeptWhateverTheWay) {
   std::vector<Sample> track;
   for (int i = 0; i < 100; ++i)
