@@ -16,7 +16,7 @@ namespace throng::realism {
 
 /// Contacts whose heads never came nearer than this are counted once more by themselves. The first
 /// are all.
-inline constexpr std::array<double, 3> kNearHeads_m = {0, 0.30, 0.35};
+inline constexpr std::array<double, 4> kNearHeads_m = {0, 0.30, 0.35, 0.38};
 
 /// Of the contacts at one level of density whose heads stayed so far apart. Depths and what follows
 /// from them are those of sampled instants, as long as the heads are so far apart then.

@@ -21,6 +21,12 @@ constexpr float kLongest = 1.5f;
 /// A phase gets to where it is seen within some of these: a quarter of a stride.
 constexpr float kCatchUp_s = 0.25f;
 
+/// So many strides before a phase; NaN stays NaN.
+float phase_before(float phase, float strides) {
+  const float before = phase - strides, rest = before - std::floor(before);
+  return rest >= 1 ? 0 : rest;
+}
+
 /// How much longer strides have to be for the phase to get to where it is seen; without, it goes on
 /// by `nominal` in a step.
 float stretch_to(float seen_phase, float phase, float nominal, double step_s) {
@@ -93,6 +99,7 @@ void RecordedWorld::place(BodyStates& bodies) {
   blocks_ = blocks_of(bodies.types);
   if (others_) others_->place(bodies);
   present_.assign(bodies.types.size(), 0);
+  expected_ = present_;
   bodies.next_mps.assign(bodies.types.size(), kNobodyKnows);
 }
 
@@ -155,7 +162,7 @@ void RecordedWorld::prepare(const Posing& posing, const BodyStates& bodies) {
 void RecordedWorld::archive(Archive& a) {
   a(frame_);
   // Whether people came in a frame ago decides how they walk on.
-  a(present_);
+  a(present_, expected_);
   if (others_) others_->archive(a);
 }
 
@@ -183,6 +190,8 @@ void RecordedWorld::update(const Posing& posing, BodyStates& bodies, std::span<f
   std::span<const uint8_t> there = others_->present();
   std::copy(there.begin() + static_cast<ptrdiff_t>(people_.size()), there.end(),
             present_.begin() + static_cast<ptrdiff_t>(people_.size()));
+  std::copy(present_.begin() + static_cast<ptrdiff_t>(people_.size()), present_.end(),
+            expected_.begin() + static_cast<ptrdiff_t>(people_.size()));
   lead_recorded(bodies, speeds_mps);
 }
 
@@ -202,26 +211,30 @@ void RecordedWorld::lead_recorded(const BodyStates& bodies, std::span<const floa
 WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& posing,
                                BodyStates& bodies, float& speed_mps) {
   RootPose& root = bodies.roots[id];
-  const bool was_present = present_[id] != 0;
+  const bool was_there = expected_[id] != 0;
   present_[id] = now.is_present ? 1 : 0;
-  if (!now.is_present) {
+  expected_[id] = now.is_present || (now.comes_in_s > 0 && !bodies.yields.empty()) ? 1 : 0;
+  if (expected_[id] == 0) {
     bodies.gait_mps[id] = kNotComeIn;
     return {.before = root, .is_present = false};
   }
   bodies.next_mps[id] = now.next_mps;
   float& phase = bodies.phases[id];
-  if (!was_present && !std::isnan(now.phase)) phase = now.phase;
   const float scale = bodies.scales[id];
-  const float gait_mps = was_present ? bodies.gait_mps[id] : std::max(now.ahead_mps, 0.0f);
-  const float nominal = std::max(now.ahead_mps, 0.0f) * static_cast<float>(scene_.step_s) /
-                        posing.gait_of(id).stride_length_m(gait_mps, scale);
-  float stretch = was_present ? stretch_to(now.phase, phase, nominal, scene_.step_s) : 1;
+  const float ahead_mps = std::max(now.ahead_mps, 0.0f);
+  const float gait_mps = was_there ? bodies.gait_mps[id] : ahead_mps;
+  const float stride_m = posing.gait_of(id).stride_length_m(gait_mps, scale);
+  const float nominal = ahead_mps * static_cast<float>(scene_.step_s) / stride_m;
+  const float seen_phase =
+      phase_before(now.phase, ahead_mps * static_cast<float>(now.comes_in_s) / stride_m);
+  if (!was_there && !std::isnan(seen_phase)) phase = seen_phase;
+  float stretch = was_there ? stretch_to(seen_phase, phase, nominal, scene_.step_s) : 1;
   if (std::isnan(now.phase) && !bodies.yields.empty()) stretch = bodies.yields[id].stretch;
   const float hips_rad = bodies.yields.empty() ? 0 : bodies.yields[id].hips_rad;
   const SinCos turn = sin_cos(static_cast<double>(now.heading_rad + hips_rad));
   Eigen::Vector2d at = now.position_m;
   if (tracks_heads()) {
-    const float next = was_present ? phase + nominal / stretch : phase;
+    const float next = was_there ? phase + nominal / stretch : phase;
     const Eigen::Vector2d head =
         head_of(bodies, id).offset_m(next - std::floor(next), gait_mps, scale).cast<double>();
     at.x() -= turn.cos * head.x() - turn.sin * head.y();
@@ -231,7 +244,7 @@ WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& p
   root.position_m = {at.x(), at.y(), static_cast<double>(scale) * rise_m_};
   root.world_from_root = turned_to({turn.cos, turn.sin});
   speed_mps = std::abs(now.ahead_mps);
-  return {was_present ? before : root, now.ahead_mps, true, stretch, false};
+  return {was_there ? before : root, now.ahead_mps, true, stretch, false};
 }
 
 }  // namespace throng

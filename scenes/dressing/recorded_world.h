@@ -33,6 +33,7 @@ class RecordedWorld : public World {
   void update(const Posing& posing, BodyStates& bodies, std::span<float> speeds_mps) override;
   void archive(Archive& a) override;
   std::span<const uint8_t> present() const override { return present_; }
+  std::span<const uint8_t> expected() const override { return expected_; }
   const std::vector<std::string>& notes() const override { return notes_; }
 
   // Of the others, who are driven, steered, come and go.
@@ -63,8 +64,8 @@ class RecordedWorld : public World {
   std::vector<BodyBlock> blocks_;
   std::vector<HeadPlace> heads_;  ///< by style; empty where nobody walks so
   std::unique_ptr<Tracks> tracks_;
-  std::unique_ptr<CrowdWorld> others_;  ///< null: the recorded are alone
-  std::vector<uint8_t> present_;        ///< of all
+  std::unique_ptr<CrowdWorld> others_;       ///< null: the recorded are alone
+  std::vector<uint8_t> present_, expected_;  ///< of all
   int64_t frame_ = 0;
   std::vector<std::string> notes_;
 };

@@ -21,11 +21,22 @@ float phase_between(float from, float to, double u) {
 
 TrackNow at_knot(const Knot& knot) {
   return {true,
+          0,
           {knot.x_m, knot.y_m},
           knot.heading_rad,
           knot.ahead_mps,
           {knot.next_x_mps, knot.next_y_mps},
           knot.phase};
+}
+
+TrackNow before(const Knot& first, double time_s) {
+  const double left_s = first.time_s - time_s;
+  if (left_s > kExpected_s) return {};
+  TrackNow now = at_knot(first);
+  now.is_present = false;
+  now.comes_in_s = left_s;
+  now.position_m -= left_s * now.next_mps.cast<double>();
+  return now;
 }
 
 }  // namespace
@@ -70,10 +81,10 @@ TrackNow Tracks::at(size_t person, double time_s) {
   };
   need(cursor.from);
   if (knot(person, cursor.from).time_s > time_s + kSame_s) {
-    if (cursor.from == 0) return {};
     cursor.from = 0;  // back in time, as in a run that is resumed: from the start again
     need(0);
-    if (knot(person, 0).time_s > time_s + kSame_s) return {};
+    const Knot& first = knot(person, 0);
+    if (first.time_s > time_s + kSame_s) return before(first, time_s);
   }
   while (cursor.from + 1 < cursor.count) {
     need(cursor.from + 1);
@@ -87,7 +98,8 @@ TrackNow Tracks::at(size_t person, double time_s) {
   const Knot& here = knot(person, from);
   TrackNow now = at_knot(here);
   if (time_s <= here.time_s + kSame_s || here.next == Knot::Next::kJump) return now;
-  if (here.next == Knot::Next::kAway) return {};
+  if (here.next == Knot::Next::kAway)
+    return from + 1 < cursor.count ? before(knot(person, from + 1), time_s) : TrackNow{};
   const Knot& next = knot(person, from + 1);
   const Knot* before = nullptr;
   if (from > 0 && knot(person, from - 1).next == Knot::Next::kWay) before = &knot(person, from - 1);

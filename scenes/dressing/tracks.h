@@ -19,12 +19,18 @@ namespace throng {
 /// Where somebody is now.
 struct TrackNow {
   bool is_present = false;
+  /// It is not there yet, but will be in so long, which is not above kExpected_s: then this is
+  /// where it would be if it came straight and as fast as it comes in. 0: it is there, or away.
+  double comes_in_s = 0;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< of what was tracked
   float heading_rad = 0;
   float ahead_mps = 0;
   Eigen::Vector2f next_mps = Eigen::Vector2f::Zero();  ///< see BodyStates::next_mps
   float phase = 0;  ///< of the gait; NaN: as the distance walked has it
 };
+
+/// So long before somebody comes in, others reckon with it.
+inline constexpr double kExpected_s = 0.6;
 
 class Tracks {
  public:

@@ -314,7 +314,7 @@ const Frame& Simulation::step() {
   s.world->update(s.posing, s.bodies, s.speeds_mps);
   s.driven.place(s.bodies.roots);
   const Stopwatch yielding_watch;
-  if (s.yielding) s.yielding->step(s.world->present(), s.bodies);
+  if (s.yielding) s.yielding->step(s.world->expected(), s.bodies);
   s.times[Stage::kYielding] = yielding_watch.ns();
   if (s.options.postures) s.update_postures();
   const double postures_ns = gait_watch.ns() - s.times[Stage::kYielding];

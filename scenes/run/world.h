@@ -61,6 +61,9 @@ class World {
   /// all the time.
   virtual std::span<const uint8_t> present() const { return {}; }
 
+  /// As present(), but 1 as well where it is about to come in and others give way to it already.
+  virtual std::span<const uint8_t> expected() const { return present(); }
+
   /// Adds those that something outside moves, where they start.
   virtual void add_driven(DrivenAvatars&) const {}
   /// Puts the driven where they are, after step() and over what it made of them.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSearch_s = 0.4;
 // Whoever gives way or wants to decides so often, all others half as often.
-constexpr double kDecision_s = 1.0 / 15;
+constexpr double kDecision_s = 0.1;
 // Two who walk towards each other at 1.5 m/s each until they are looked up again and half as far
 // ahead again as bodies look.
 constexpr float kSearch_m = 3;

@@ -29,8 +29,8 @@ class YieldingStage {
   YieldingStage(const Scene& scene, const Posing& posing, const BodyStates& bodies, size_t avatars,
                 SimdTarget simd, Workers& workers);
 
-  /// Once a frame, when roots and gait are where they should be: sets bodies.yields. `present` as
-  /// World has it. Allocates nothing when warm.
+  /// Once a frame, when roots and gait are where they should be: sets bodies.yields. `present`:
+  /// World::expected(). Allocates nothing when warm.
   void step(std::span<const uint8_t> present, BodyStates& bodies);
   /// All that later steps depend on, bodies.yields included.
   void archive(Archive& a, BodyStates& bodies);

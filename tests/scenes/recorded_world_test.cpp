@@ -11,6 +11,7 @@
 #include "base/hasher.h"
 #include "base/random.h"
 #include "scenes/dressing/dress.h"
+#include "scenes/dressing/tracks.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/run/simulation.h"
 #include "tests/scenes/recorded/recording_folder.h"
@@ -105,25 +106,32 @@ double share_within_2_cm(const Scene& scene) {
   return static_cast<double>(near) / static_cast<double>(errors.size());
 }
 
-TEST_F(RecordedWorldTest, WhoComesInIsGivenWayToAtOnce) {
-  std::string text = "# framerate: 60 fps\n# id frame x/m y/m z/m\n";
-  constexpr int kComesIn = 61;  // a while before neighbours are looked up again
-  for (int frame = 0; frame < 120; ++frame) {
-    const double x_m = 1.3 * frame / 60;
-    for (int person = 0; person < 3; ++person)
-      if (person < 2 || frame >= kComesIn)
+TEST_F(RecordedWorldTest, WhoComesInIsExpectedByThoseNear) {
+  constexpr int kComesIn = 91;
+  const auto expected_from = static_cast<int>(std::ceil(kComesIn - 60 * kExpected_s));
+  for (const bool was_there_before : {false, true}) {
+    std::string text = "# framerate: 60 fps\n# id frame x/m y/m z/m\n";
+    for (int frame = 0; frame < 130; ++frame)
+      for (int person = 0; person < 3; ++person) {
+        const bool is_elsewhere = person == 2 && frame < kComesIn;
+        if (is_elsewhere && !(was_there_before && frame < 3)) continue;
+        const double x_m = 1.3 * frame / 60 + (is_elsewhere ? 20 : 0);
         text += fmt::format("{} {} {:.4f} {:.4f} 1.75\n", person, frame, x_m,
                             person == 2 ? 0.4 : 4.0 * person);
+      }
+    Simulation simulation(scene(text, TrackedPoint::kCentre), {});
+    const std::vector<Yield>& yields = simulation.bodies().yields;
+    for (int number = 0; number < kComesIn + 8; ++number) {
+      const Frame& frame = simulation.step();
+      const bool is_there = number >= kComesIn || (was_there_before && number < 3);
+      EXPECT_EQ(frame.present[2], is_there ? 1 : 0) << number;
+      EXPECT_TRUE(number >= expected_from || yields[0].is_none()) << number;
+      EXPECT_TRUE(yields[1].is_none()) << "too far away";
+      if (number != kComesIn) continue;
+      for (const size_t id : {0, 2})
+        EXPECT_GT(std::abs(yields[id].trunk_rad), 0.3f) << "two who pass at 0.4 m are turned";
+    }
   }
-  Simulation simulation(scene(text, TrackedPoint::kCentre), {});
-  const std::vector<Yield>& yields = simulation.bodies().yields;
-  for (int frame = 0; frame < kComesIn + 8; ++frame) {
-    simulation.step();
-    EXPECT_TRUE(frame >= kComesIn || yields[0].is_none()) << frame;
-    EXPECT_TRUE(frame != kComesIn || !yields[2].is_none()) << "who comes in has seen others";
-  }
-  EXPECT_FALSE(yields[0].is_none());
-  EXPECT_TRUE(yields[1].is_none()) << "too far away";
 }
 
 TEST_F(RecordedWorldTest, RootsPassThroughEveryRecordedCentreAtItsInstant) {
