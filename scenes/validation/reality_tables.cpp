@@ -172,7 +172,7 @@ const char* const kRecordedContactsSource =
 
 const std::vector<RecordedContacts>& recorded_contacts() {
   static const std::vector<RecordedContacts> levels = {
-      {0, 0.43, 1.0}, {0.43, 1, 5.7}, {1, 2, 10.6}, {2, 3.57, 33.9}, {3.57, 5, 54.8}};
+      {0, 0.43, 0.6}, {0.43, 1, 2.4}, {1, 2, 6.8}, {2, 3.57, 29.3}, {3.57, 5, 54.4}};
   return levels;
 }
 

@@ -172,7 +172,7 @@ TEST(Drive, TheSameCommandsGiveTheSameFramesForEveryNumberOfThreadsAndPairSearch
     options.culler.pair_search = search;
     Simulation simulation(rover_in_crowd(), options);
     int64_t touched = 0;
-    for (int64_t i = 0; i < 600; ++i) {
+    for (int64_t i = 0; i < 1500; ++i) {
       const Frame& frame = simulation.step();
       for (const PairKey& pair : frame.pairs) touched += pair.b() == rover_of(simulation) ? 1 : 0;
       drive_in_a_circle(simulation, i);
