@@ -117,14 +117,14 @@ THRONG_LANES float wanted_draw(const SeenBody& own, size_t side, float turn_rad,
   set_octagon(own.swung->outline().drawn[side], drawn);
   set_octagon(own.swung->ever().arms[side], ever);
   const float now = own.arms[side];
-  const F left_rad = turn_rad - own.turn_rad;
+  const F to_go_rad = turn_rad - own.turn_rad;
   F wanted = 0.0f;
   for (size_t i = 0; i < borders.count; i += kAtOnce) {
     const F x = load(borders.x + i), y = load(borders.y + i);
     const F room = load(borders.arm_room_m + i), weight = load(borders.weight + i);
     const F ahead_s = load(borders.ahead_s + i), most = kTurning_rps * ahead_s;
     F sin, cos;
-    sin_cos_of(own.turn_rad + max_of(min_of(left_rad, most), 0.0f - most), sin, cos);
+    sin_cos_of(own.turn_rad + max_of(min_of(to_go_rad, most), 0.0f - most), sin, cos);
     const F ahead = cos * x + sin * y, left = cos * y - sin * x;
     load_octagons([&](size_t lane) -> const Octagon& { return borders.own[i + lane]->arms[side]; },
                   swung);

@@ -35,10 +35,13 @@ class EncounterWatch final : public Sink {
   }
   void frame(const RunInfo& run, const Frame& frame) override {
     const double now_s = static_cast<double>(frame.number) * run.step_s;
-    for (size_t i = 0; i < results_.size(); ++i)
-      results_[i].nearest_roots_m =
-          std::min(results_[i].nearest_roots_m,
-                   (frame.roots[2 * i + 1].position_m - frame.roots[2 * i].position_m).norm());
+    for (size_t i = 0; i < results_.size(); ++i) {
+      const double apart_m =
+          (frame.roots[2 * i + 1].position_m - frame.roots[2 * i].position_m).norm();
+      if (apart_m >= results_[i].nearest_roots_m) continue;
+      results_[i].nearest_roots_m = apart_m;
+      results_[i].nearest_s = now_s;
+    }
     for (const PairEvent& event : frame.events)
       strangers_ += event.kind == EventKind::kBegin && !are_together(event.pair);
     uint32_t last = UINT32_MAX;

@@ -24,6 +24,7 @@ struct EncounterResult {
   uint64_t number = 0;
   EncounterKind kind = EncounterKind::kHeadOn;
   double nearest_roots_m = std::numeric_limits<double>::infinity();
+  double nearest_s = 0;
   int touching_frames = 0;
   double first_touch_s = 0;
   double deepest_m = 0;

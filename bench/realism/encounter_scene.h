@@ -17,7 +17,7 @@ using validation::kEncounterKinds;
 using validation::Passer;
 
 /// People decide in turns, by their ids: so many encounters until it is the same one's turn again.
-inline constexpr uint64_t kTurns = 12;
+inline constexpr uint64_t kTurns = 6;
 
 /// People of encounter i are 2 i and 2 i + 1; the first number is to be a multiple of kTurns.
 Scene encounter_scene(std::span<const Encounter> encounters);

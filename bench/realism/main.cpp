@@ -16,6 +16,7 @@
 #include "base/say.h"
 #include "bench/realism/contact_report.h"
 #include "bench/realism/encounter_run.h"
+#include "bench/realism/encounter_scene.h"
 #include "bench/realism/joint_report.h"
 #include "bench/realism/made_scene.h"
 #include "bench/realism/scene_switches.h"
@@ -180,6 +181,14 @@ int encounters(const Arguments& arguments) {
   return 0;
 }
 
+/// The command that draws an encounter.
+std::string picture_command(const Encounter& encounter, double at_s, const std::string& log) {
+  const Eigen::Vector2d at = middle_of(encounter);
+  return fmt::format(
+      "throng render {} --frame {} --eye {},{},2.5 --target {},{},1 --out encounter_{}.png", log,
+      std::llround(at_s / kMadeStep_s), at.x() + 2, at.y() - 3, at.x(), at.y(), encounter.number());
+}
+
 int encounter(const Arguments& arguments) {
   EncounterOptions options;
   if (arguments.words.size() < 2) throw InputError("encounter", "its number", "nothing");
@@ -187,17 +196,26 @@ int encounter(const Arguments& arguments) {
   options.count = 1;
   options.seed = option(arguments, "--seed", 1);
   std::optional<LogSink> log;
-  if (const auto found = arguments.options.find("--log"); found != arguments.options.end())
-    log.emplace(found->second);
+  const auto found = arguments.options.find("--log");
+  if (found != arguments.options.end()) log.emplace(found->second);
   const EncounterRuns runs = run_encounters(options, log ? &*log : nullptr);
-  show("{}: {}\n", options.first, Encounter(options.seed, options.first).description());
-  for (const EncounterResult& result : runs.results)
-    show(
-        "roots {:.3f} m apart at the nearest; touching in {} frames, the first at {:.2f} s; "
-        "{:.1f} cm deep at {:.2f} s {}\n",
-        result.nearest_roots_m, result.touching_frames, result.first_touch_s,
-        100 * result.deepest_m, result.deepest_s, result.deepest_parts);
-  if (runs.results.empty()) show("put away: discs of {} m met\n", Encounter::kDisc_m);
+  const Encounter one(options.seed, options.first);
+  show("{}: {}\n", options.first, one.description());
+  if (runs.results.empty()) {
+    show("put away: discs of {} m met\n", Encounter::kDisc_m);
+    return 0;
+  }
+  const EncounterResult& result = runs.results.front();
+  show("roots {:.3f} m apart at the nearest, at {:.2f} s; ", result.nearest_roots_m,
+       result.nearest_s);
+  if (!result.touches())
+    show("they do not touch\n");
+  else
+    show("touching in {} frames, the first at {:.2f} s; {:.1f} cm deep at {:.2f} s {}\n",
+         result.touching_frames, result.first_touch_s, 100 * result.deepest_m, result.deepest_s,
+         result.deepest_parts);
+  const double at_s = result.touches() ? result.deepest_s : result.nearest_s;
+  if (log) show("{}\n", picture_command(one, at_s, found->second));
   return 0;
 }
 
