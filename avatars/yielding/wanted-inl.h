@@ -80,7 +80,8 @@ THRONG_LANES void turn_trunk(const SeenBody& own, const Borders& borders, YieldM
     for (size_t turn = 0; turn < TrunkLack::kLanesOfTurns; turn += kAtOnce)
       store(load(costs + turn) + lack.from(turn), costs + turn);
   }
-  const float cost_now = costs[static_cast<size_t>(now + 0.5f)];
+  const float after_half = now + 0.5f;  // rounds faster than lround()
+  const float cost_now = costs[static_cast<size_t>(after_half)];
   const auto turn_of = [](size_t i) { return kTurn_rad * (kTurnsAside - static_cast<float>(i)); };
   const auto effort_of = [&](size_t i) { return kEffort * turn_of(i) * turn_of(i); };
   size_t best = kTurnsAside;
