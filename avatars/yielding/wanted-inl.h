@@ -111,29 +111,36 @@ THRONG_LANES F draw_for(const ArmReach& arm, F room_m) {
   return select(lack > 0.0f, draw, 0.0f);
 }
 
-/// How far an arm has to be drawn in to swing within all borders while the trunk turns so far.
-THRONG_LANES float wanted_draw(const SeenBody& own, size_t side, float turn_rad,
-                               const Borders& borders) {
+/// Their directions as the trunk has them then, while it turns so far.
+THRONG_LANES void turn_to_trunk(const SeenBody& own, float turn_rad, Borders& borders) {
+  const F to_go_rad = turn_rad - own.turn_rad;
+  for (size_t i = 0; i < borders.count; i += kAtOnce) {
+    const F x = load(borders.x + i), y = load(borders.y + i);
+    const F most = kTurning_rps * load(borders.ahead_s + i);
+    F sin, cos;
+    sin_cos_of(own.turn_rad + max_of(min_of(to_go_rad, most), 0.0f - most), sin, cos);
+    store(cos * x + sin * y, borders.x + i);
+    store(cos * y - sin * x, borders.y + i);
+  }
+}
+
+/// How far an arm has to be drawn in to swing within all borders, whose directions are the trunk's.
+THRONG_LANES float wanted_draw(const SeenBody& own, size_t side, const Borders& borders) {
   F drawn[8], ever[8], swung[8];
   set_octagon(own.swung->outline().drawn[side], drawn);
   set_octagon(own.swung->ever().arms[side], ever);
   const float now = own.arms[side];
-  const F to_go_rad = turn_rad - own.turn_rad;
   F wanted = 0.0f;
   for (size_t i = 0; i < borders.count; i += kAtOnce) {
-    const F x = load(borders.x + i), y = load(borders.y + i);
+    const F ahead = load(borders.x + i), left = load(borders.y + i);
     const F room = load(borders.arm_room_m + i), weight = load(borders.weight + i);
-    const F ahead_s = load(borders.ahead_s + i), most = kTurning_rps * ahead_s;
-    F sin, cos;
-    sin_cos_of(own.turn_rad + max_of(min_of(to_go_rad, most), 0.0f - most), sin, cos);
-    const F ahead = cos * x + sin * y, left = cos * y - sin * x;
     load_octagons([&](size_t lane) -> const Octagon& { return borders.own[i + lane]->arms[side]; },
                   swung);
     wanted = max_of(wanted, weight * draw_for(arm_reach(swung, drawn, ahead, left), room));
     if (now <= 0) continue;
     // Not let out only to be drawn in again by the same swing.
     const F held = min_of(now, kHeld * draw_for(arm_reach(ever, drawn, ahead, left), room));
-    const M is_now = (ahead_s <= 0.0f) & (weight > 0.0f);
+    const M is_now = (load(borders.ahead_s + i) <= 0.0f) & (weight > 0.0f);
     wanted = max_of(wanted, select(is_now, held, 0.0f));
   }
   alignas(64) float most[kAtOnce];
@@ -154,7 +161,7 @@ THRONG_LANES YieldMotion wanted_by(const SeenBody& own, std::span<const SeenBody
   for (const NearWall& wall : walls) add_wall(own, wall, borders);
   borders.fill(borders.count - 1);
   turn_trunk(own, borders, wanted);
-  for (size_t side = 0; side < 2; ++side)
-    wanted.arms[side] = wanted_draw(own, side, wanted.turn_rad, borders);
+  turn_to_trunk(own, wanted.turn_rad, borders);
+  for (size_t side = 0; side < 2; ++side) wanted.arms[side] = wanted_draw(own, side, borders);
   return wanted;
 }

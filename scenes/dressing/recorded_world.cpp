@@ -21,12 +21,6 @@ constexpr float kLongest = 1.5f;
 /// A phase gets to where it is seen within some of these: a quarter of a stride.
 constexpr float kCatchUp_s = 0.25f;
 
-/// So many strides before a phase; NaN stays NaN.
-float phase_before(float phase, float strides) {
-  const float before = phase - strides, rest = before - std::floor(before);
-  return rest >= 1 ? 0 : rest;
-}
-
 /// How much longer strides have to be for the phase to get to where it is seen; without, it goes on
 /// by `nominal` in a step.
 float stretch_to(float seen_phase, float phase, float nominal, double step_s) {
@@ -226,7 +220,7 @@ WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& p
   const float stride_m = posing.gait_of(id).stride_length_m(gait_mps, scale);
   const float nominal = ahead_mps * static_cast<float>(scene_.step_s) / stride_m;
   const float seen_phase =
-      phase_before(now.phase, ahead_mps * static_cast<float>(now.comes_in_s) / stride_m);
+      wrapped_phase(now.phase - ahead_mps * static_cast<float>(now.comes_in_s) / stride_m);
   if (!was_there && !std::isnan(seen_phase)) phase = seen_phase;
   float stretch = was_there ? stretch_to(seen_phase, phase, nominal, scene_.step_s) : 1;
   if (std::isnan(now.phase) && !bodies.yields.empty()) stretch = bodies.yields[id].stretch;

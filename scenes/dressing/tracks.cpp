@@ -14,9 +14,7 @@ float between(float from, float to, double u) {
 /// The shorter way round; NaN stays NaN.
 float phase_between(float from, float to, double u) {
   const float turn = std::remainder(to - from, 1.0f);
-  const float phase = between(from, from + turn, u);
-  const float rest = phase - std::floor(phase);
-  return rest >= 1 ? 0 : rest;
+  return wrapped_phase(between(from, from + turn, u));
 }
 
 TrackNow at_knot(const Knot& knot) {
@@ -29,7 +27,8 @@ TrackNow at_knot(const Knot& knot) {
           knot.phase};
 }
 
-TrackNow before(const Knot& first, double time_s) {
+/// Of somebody who is away, by the knot that it comes in at.
+TrackNow before_coming_in(const Knot& first, double time_s) {
   const double left_s = first.time_s - time_s;
   if (left_s > kExpected_s) return {};
   TrackNow now = at_knot(first);
@@ -84,7 +83,7 @@ TrackNow Tracks::at(size_t person, double time_s) {
     cursor.from = 0;  // back in time, as in a run that is resumed: from the start again
     need(0);
     const Knot& first = knot(person, 0);
-    if (first.time_s > time_s + kSame_s) return before(first, time_s);
+    if (first.time_s > time_s + kSame_s) return before_coming_in(first, time_s);
   }
   while (cursor.from + 1 < cursor.count) {
     need(cursor.from + 1);
@@ -99,7 +98,7 @@ TrackNow Tracks::at(size_t person, double time_s) {
   TrackNow now = at_knot(here);
   if (time_s <= here.time_s + kSame_s || here.next == Knot::Next::kJump) return now;
   if (here.next == Knot::Next::kAway)
-    return from + 1 < cursor.count ? before(knot(person, from + 1), time_s) : TrackNow{};
+    return from + 1 < cursor.count ? before_coming_in(knot(person, from + 1), time_s) : TrackNow{};
   const Knot& next = knot(person, from + 1);
   const Knot* before = nullptr;
   if (from > 0 && knot(person, from - 1).next == Knot::Next::kWay) before = &knot(person, from - 1);

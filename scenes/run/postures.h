@@ -18,10 +18,11 @@
 
 namespace throng {
 
-/// The state of all bodies that poses depend on, by body: avatars first, then obstacles.
+/// A velocity that nobody knows beforehand.
 inline const Eigen::Vector2f kNobodyKnows =
     Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
 
+/// The state of all bodies that poses depend on, by body: avatars first, then obstacles.
 struct BodyStates {
   std::vector<uint16_t> types;  ///< models first, then one type an obstacle
   std::vector<RootPose> roots;
