@@ -38,14 +38,19 @@ inline constexpr float kEasing_s = 0.25f;
 inline constexpr float kLeastEasing_mps2 = 0.2f;  // so that it comes to rest
 // The time in which the phase makes up for a foot that is left behind as the body slows down.
 inline constexpr float kCatchUp_s = 0.12f;
-inline constexpr float kMostCatchUp_hz = 1;
+inline constexpr float kMostCatchUp_hz = 0.35f;
 // Steps get quicker or slower by no more, cycles a second each second: hips and knees go along.
-inline constexpr float kCyclesChange_hz_ps = 20;
+inline constexpr float kCyclesChange_hz_ps = 14;
 // And nobody makes more, however fast something moves a body whose strides are still short.
-inline constexpr float kMostCycles_hz = 3;
-// A foot in the air that is to land elsewhere goes there no harder; shortly before it lands it is
-// too late. A leg of 0.9 m speeds up by 2500 degrees/s2 then, a hip that turns by 6900.
-inline constexpr float kFoot_mps2 = 40, kFootTurn_radps2 = 120;
+inline constexpr float kMostCycles_hz = 2.2f;
+// A foot in the air goes to where it is to land no faster and no harder, and is at rest when it
+// lands: what it cannot reach any more it does not reach. A leg of 0.9 m goes aside by 100
+// degrees/s then and speeds up by 2500 degrees/s2, a hip turns by 206 and 3400: half of what
+// `realism joints` allows, for the gait has its share.
+struct FootLimit {
+  float fastest_ps, hardest_ps2;
+};
+inline constexpr FootLimit kFootAhead = {10, 40}, kFootAside = {1.6f, 40}, kFootTurn = {3.6f, 60};
 // Going sideways, the trailing foot lands so far towards the leading one at most.
 inline constexpr float kMostClosing_m = 0.03f;
 // Nobody walks so far in a step.
@@ -217,29 +222,38 @@ struct Momentum {
   F cycles;
 };
 
+/// A swing that has begun.
+struct Swinging {
+  F left;    ///< of it, before this step
+  F left_s;  ///< that takes so long
+  F share;   ///< of that, in this step
+  float step_s;
+};
 /// One of the numbers of a swinging foot, which is to come to rest at `goal` when it lands. With
 /// one goal all along it takes a cubic's way: see smooth().
-struct Swinging {
-  F left;          ///< of the swing, before this step
-  F share;         ///< of that, in this step
-  F per_swing_s2;  ///< square of the swings a second
-};
-THRONG_LANES void swing_to(const Swinging& s, F goal, float most_ps2, F& number, F& speed) {
-  const F way = speed * s.left;
-  // What it would speed up by at once, of the square of what is left.
-  const F most = most_ps2 * (s.left * s.left) * inverse_of(max_of(s.per_swing_s2, 1e-3f));
-  const F pull = clamped(6.0f * (goal - number) - 4.0f * way, 0.0f - most, most);
-  const F to = (pull + 4.0f * way) * (1.0f / 6);
-  const F bend = 3.0f * to - 2.0f * way, end = way - 2.0f * to, u = s.share;
-  number = number + u * (way + u * (bend + u * end));
-  speed = (way + u * (2.0f * bend + u * (3.0f * end))) * inverse_of(max_of(s.left, 1e-6f));
+THRONG_LANES void swing_to(const Swinging& s, F goal, const FootLimit& limit, F& number, F& speed) {
+  // All in terms of the time that is left.
+  const F way = speed * s.left, u = s.share;
+  const F hardest = limit.hardest_ps2 * (s.left_s * s.left_s);
+  const F pull = clamped(6.0f * (goal - number) - 4.0f * way, 0.0f - hardest, hardest);
+  const F ends = way + pull;
+  const F wanted = way + u * (pull - u * ends);
+  // As fast as it can still come to rest.
+  const F until_s = s.left_s * (1.0f - u) + s.step_s;
+  const F fastest = min_of(F(limit.fastest_ps), limit.hardest_ps2 * until_s) * s.left_s;
+  const F gets = clamped(wanted, 0.0f - fastest, fastest);
+  const F began = clamped(way, 0.0f - fastest, fastest);
+  number = number + u * select(abs_of(wanted) > fastest, 0.5f * (began + gets),
+                               way + u * (0.5f * pull - u * (1.0f / 3) * ends));
+  speed = gets * inverse_of(max_of(s.left, 1e-6f));
 }
 
 /// What the foot's three numbers and their speeds come to; of one that stands the speeds are gone.
 THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F (&numbers)[3],
                              F* speeds) {
+  constexpr FootLimit kLimits[3] = {kFootAhead, kFootAside, kFootTurn};
   for (size_t n = 0; n < 3; ++n) {
-    swing_to(s, goals[n], n < 2 ? kFoot_mps2 : kFootTurn_radps2, numbers[n], speeds[n]);
+    swing_to(s, goals[n], kLimits[n], numbers[n], speeds[n]);
     speeds[n] = select(stands, 0.0f, speeds[n]);
   }
 }
@@ -249,7 +263,8 @@ THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F
 THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F v) {
   constexpr float kArm_m = 0.2f;  // half a foot turns by so much, nearly
   const F step_m = (length(off_x, off_y) + kArm_m * abs_of(off_turn)) * min_of(per_left, 100.0f);
-  return min_of(kLiftShare * step_m, kHighest_m) * 4.0f * v * (1.0f - v);
+  const F arch = 4.0f * v * (1.0f - v);
+  return min_of(kLiftShare * step_m, kHighest_m) * arch * arch;
 }
 
 /// Moves the feet on with the root and returns the next phase.
@@ -290,10 +305,10 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     const F v = (own_next - after.stance) * per_swing;
     const F left_before = 1.0f - smooth(min_of(u, 1.0f));
     const F per_left = inverse_of(max_of(left_before, 1e-6f));
-    const F left_share = 1.0f - min_of(u, 1.0f), swings_ps = rate * per_swing;
-    const Swinging swinging = {left_share,
+    const F left_share = 1.0f - min_of(u, 1.0f);
+    const Swinging swinging = {left_share, left_share * inverse_of(max_of(rate * per_swing, 1e-3f)),
                                clamped((v - u) * inverse_of(max_of(left_share, 1e-6f)), 0.0f, 1.0f),
-                               swings_ps * swings_ps};
+                               m.step_s};
     F in_air[3] = {x, y, turned};
     const M stands = own_next < after.stance;
     swing_foot(swinging, {goal.x[side], goal.y[side], goal.turn[side]}, stands, in_air,

@@ -93,7 +93,7 @@ THRONG_LANES F sink_of(const LegNumbers& leg, const Reach& r) {
 
 // The pelvis begins to sink before a leg is too short, by so much, so that it does not jerk; less
 // where a foot is hardly away from where the gait has it, for the gait alone asks for nothing.
-inline constexpr float kSinksBefore_m = 0.02f;
+inline constexpr float kSinksBefore_m = 0.04f;
 // And no faster: below what it does in plain walking (`realism joints`). A foot that lands
 // meanwhile comes down a little later.
 inline constexpr float kSinking_mps = 0.12f, kSinking_mps2 = 1.5f;
@@ -156,7 +156,32 @@ inline constexpr float kMostRaise_rad = 0.4f;
 // Some centimetres of reach for each radian; the secant that follows makes it exact, nearly.
 inline constexpr float kRaisePerMetre_rad = 6;
 
-/// Raises the heel of a foot that is too far behind, without sliding, until the leg is long enough.
+/// Pitches a foot down by so much, without sliding.
+THRONG_LANES Stand tipped(const LegNumbers& leg, F forward_x, F forward_y, const Stand& stand,
+                          const Rolled& before, F by) {
+  const Rolled after = rolled(leg, stand.pitch - by);
+  const F ahead = after.ahead - before.ahead;
+  return {{stand.ground.x + ahead * forward_x, stand.ground.y + ahead * forward_y, stand.ground.z},
+          stand.height + (after.height - before.height),
+          stand.pitch - by};
+}
+
+// A heel strikes ahead of the body. Nearer to it than this a foot comes down flatter, and behind it
+// flat: there toes in the air would only be in the way of a heel that has to rise.
+inline constexpr float kFlatter_m = 0.08f;
+
+/// Lowers the toes of a foot that is `moved_m` ahead of where the gait has it.
+THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F moved_m,
+                             Stand& stand, Reach& r) {
+  const F own = max_of(min_of(r.along - moved_m, kFlatter_m), 1e-3f);
+  const F share = max_of(min_of(r.along * inverse_of(own), 1.0f), 0.0f);
+  const F by = (1.0f - share) * max_of(stand.pitch, 0.0f);
+  if (!any(by > 1e-4f)) return;
+  stand = tipped(leg, forward_x, forward_y, stand, rolled(leg, stand.pitch), by);
+  reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
+}
+
+/// Raises the heel of a foot that is too far behind until the leg is long enough.
 THRONG_LANES void raise_heel(const LegNumbers& leg, F forward_x, F forward_y, Stand& stand,
                              Reach& r) {
   const auto too_long = [&leg](const Reach& reach) {
@@ -166,24 +191,14 @@ THRONG_LANES void raise_heel(const LegNumbers& leg, F forward_x, F forward_y, St
   const M behind = (lacks > 0.0f) & (r.along < 0.0f);
   if (!any(behind)) return;
   const Rolled before = rolled(leg, stand.pitch);
-  const auto raised = [&](F raise) {
-    const Rolled after = rolled(leg, stand.pitch - raise);
-    const F ahead = after.ahead - before.ahead;
-    Stand to = stand;
-    to.ground.x = stand.ground.x + ahead * forward_x;
-    to.ground.y = stand.ground.y + ahead * forward_y;
-    to.height = stand.height + (after.height - before.height);
-    to.pitch = stand.pitch - raise;
-    return to;
-  };
   const F first = select(behind, min_of(lacks * kRaisePerMetre_rad, kMostRaise_rad), 0.0f);
-  const Stand tried = raised(first);
+  const Stand tried = tipped(leg, forward_x, forward_y, stand, before, first);
   Reach reach = r;
   reach_for(leg, tried.ground, tried.height, forward_x, forward_y, reach);
   const F won = max_of(lacks - too_long(reach), 1e-4f);
   const F raise =
       select(behind, min_of(max_of(first * lacks * inverse_of(won), 0.0f), kMostRaise_rad), 0.0f);
-  stand = raised(raise);
+  stand = tipped(leg, forward_x, forward_y, stand, before, raise);
   reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
 }
 
@@ -388,6 +403,9 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
         foot[2],
         foot[4]};
     reach_for(leg, stands[side].ground, foot[2], forward_x[side], forward_y[side], reach[side]);
+    lower_toes(leg, forward_x[side], forward_y[side],
+               feet.x[side] * forward_x[side] + feet.y[side] * forward_y[side], stands[side],
+               reach[side]);
     raise_heel(leg, forward_x[side], forward_y[side], stands[side], reach[side]);
     drop = larger_of(drop, sink_of(leg, reach[side]),
                      min_of(displacement_of(feet, side, standing), kSinksBefore_m));

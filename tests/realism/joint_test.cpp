@@ -174,13 +174,8 @@ TEST(ArmSwing, IsTheStylesOwnForThoseWhoWalkAlone) {
   }
 }
 
-TEST(PlainWalking, KeepsTheLimits) {
-  JointSpeeds speeds;
-  std::unique_ptr<ArmSwing> swing;
-  run_subject(plain_walking(5), 2, false, [&](const Simulation& simulation) {
-    swing = std::make_unique<ArmSwing>(simulation);
-    return std::vector<Sink*>{&speeds, swing.get()};
-  });
+/// In 99.9 % of the frames.
+void expect_within_limits(const JointSpeeds& speeds) {
   const auto share = [&](uint64_t over) {
     return static_cast<double>(over) / static_cast<double>(speeds.frames());
   };
@@ -188,8 +183,31 @@ TEST(PlainWalking, KeepsTheLimits) {
     EXPECT_LE(share(speeds.frames_over_speed(half)), 0.001);
     EXPECT_LE(share(speeds.frames_over_acceleration(half)), 0.001);
   }
+}
+
+TEST(PlainWalking, KeepsTheLimits) {
+  JointSpeeds speeds;
+  std::unique_ptr<ArmSwing> swing;
+  run_subject(plain_walking(5), 2, false, [&](const Simulation& simulation) {
+    swing = std::make_unique<ArmSwing>(simulation);
+    return std::vector<Sink*>{&speeds, swing.get()};
+  });
+  expect_within_limits(speeds);
   const std::string report = joint_report("plain walking", speeds, *swing);
   EXPECT_NE(report.find("knee_flexion"), std::string::npos) << report;
+}
+
+// Legs are what a crowd asks most of: feet land behind bodies that are pushed back, and bodies turn
+// over them.
+TEST(CrowdedWalking, KeepsTheLimits) {
+  for (const char* scene : {"bottleneck", "crossing"}) {
+    JointSpeeds speeds;
+    run_subject(open_subject(scene, 12), 2, false,
+                [&](const Simulation&) { return std::vector<Sink*>{&speeds}; });
+    EXPECT_GT(speeds.frames(), 50000u);
+    SCOPED_TRACE(scene);
+    expect_within_limits(speeds);
+  }
 }
 
 }  // namespace
