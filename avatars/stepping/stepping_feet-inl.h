@@ -44,13 +44,12 @@ inline constexpr float kCyclesChange_hz_ps = 14;
 // And nobody makes more, however fast something moves a body whose strides are still short.
 inline constexpr float kMostCycles_hz = 2.2f;
 // A foot in the air goes to where it is to land no faster and no harder, and is at rest when it
-// lands: what it cannot reach any more it does not reach. A leg of 0.9 m goes aside by 100
-// degrees/s then and speeds up by 2500 degrees/s2, a hip turns by 206 and 3400: half of what
+// lands: what it cannot reach any more it does not reach. A leg of 0.9 m speeds up by 2500
+// degrees/s2 then, a hip turns by 206 degrees/s and 3400 degrees/s2: half and two thirds of what
 // `realism joints` allows, for the gait has its share.
-struct FootLimit {
-  float fastest_ps, hardest_ps2;
-};
-inline constexpr FootLimit kFootAhead = {10, 40}, kFootAside = {1.6f, 40}, kFootTurn = {3.6f, 60};
+inline constexpr float kFoot_mps2 = 40, kFootTurn_radps = 3.6f, kFootTurn_radps2 = 60;
+// It goes aside by 165 degrees/s, less while it turns, for that moves the knee aside, too.
+inline constexpr float kFootAside_mps = 2.6f, kAsidePerTurn_m = 0.28f;
 // Going sideways, the trailing foot lands so far towards the leading one at most.
 inline constexpr float kMostClosing_m = 0.03f;
 // Nobody walks so far in a step.
@@ -229,18 +228,20 @@ struct Swinging {
   F share;   ///< of that, in this step
   float step_s;
 };
+
 /// One of the numbers of a swinging foot, which is to come to rest at `goal` when it lands. With
 /// one goal all along it takes a cubic's way: see smooth().
-THRONG_LANES void swing_to(const Swinging& s, F goal, const FootLimit& limit, F& number, F& speed) {
+THRONG_LANES void swing_to(const Swinging& s, F goal, F fastest_ps, float hardest_ps2, F& number,
+                           F& speed) {
   // All in terms of the time that is left.
   const F way = speed * s.left, u = s.share;
-  const F hardest = limit.hardest_ps2 * (s.left_s * s.left_s);
+  const F hardest = hardest_ps2 * (s.left_s * s.left_s);
   const F pull = clamped(6.0f * (goal - number) - 4.0f * way, 0.0f - hardest, hardest);
   const F ends = way + pull;
   const F wanted = way + u * (pull - u * ends);
   // As fast as it can still come to rest.
   const F until_s = s.left_s * (1.0f - u) + s.step_s;
-  const F fastest = min_of(F(limit.fastest_ps), limit.hardest_ps2 * until_s) * s.left_s;
+  const F fastest = min_of(fastest_ps, hardest_ps2 * until_s) * s.left_s;
   const F gets = clamped(wanted, 0.0f - fastest, fastest);
   const F began = clamped(way, 0.0f - fastest, fastest);
   number = number + u * select(abs_of(wanted) > fastest, 0.5f * (began + gets),
@@ -251,11 +252,13 @@ THRONG_LANES void swing_to(const Swinging& s, F goal, const FootLimit& limit, F&
 /// What the foot's three numbers and their speeds come to; of one that stands the speeds are gone.
 THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F (&numbers)[3],
                              F* speeds) {
-  constexpr FootLimit kLimits[3] = {kFootAhead, kFootAside, kFootTurn};
-  for (size_t n = 0; n < 3; ++n) {
-    swing_to(s, goals[n], kLimits[n], numbers[n], speeds[n]);
-    speeds[n] = select(stands, 0.0f, speeds[n]);
-  }
+  constexpr float kAnySpeed_mps = 100;
+  swing_to(s, goals[0], kAnySpeed_mps, kFoot_mps2, numbers[0], speeds[0]);
+  swing_to(s, goals[2], kFootTurn_radps, kFootTurn_radps2, numbers[2], speeds[2]);
+  const F turn_radps = speeds[2] * s.left * inverse_of(max_of(s.left_s, 1e-6f));
+  const F aside_mps = kFootAside_mps - kAsidePerTurn_m * abs_of(turn_radps);
+  swing_to(s, goals[1], aside_mps, kFoot_mps2, numbers[1], speeds[1]);
+  for (size_t n = 0; n < 3; ++n) speeds[n] = select(stands, 0.0f, speeds[n]);
 }
 
 /// At the share v of a step of which 1 / per_left is left before `off` is gone: a longer step is

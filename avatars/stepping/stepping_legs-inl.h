@@ -175,8 +175,10 @@ THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F 
                              Stand& stand, Reach& r) {
   const F own = max_of(min_of(r.along - moved_m, kFlatter_m), 1e-3f);
   const F share = max_of(min_of(r.along * inverse_of(own), 1.0f), 0.0f);
-  const F by = (1.0f - share) * max_of(stand.pitch, 0.0f);
-  if (!any(by > 1e-4f)) return;
+  const F lowers = (1.0f - share) * max_of(stand.pitch, 0.0f);
+  const M is_lower = lowers > 1e-4f;
+  if (!any(is_lower)) return;
+  const F by = select(is_lower, lowers, 0.0f);
   stand = tipped(leg, forward_x, forward_y, stand, rolled(leg, stand.pitch), by);
   reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
 }

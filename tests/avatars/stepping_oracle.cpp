@@ -35,14 +35,23 @@ Vector2d at_most(const Vector2d& v, double length) {
 }
 
 /// Goes on along the cubic that begins here at this speed and rests at the goal when `left` is
-/// over, or as near to it as `most` lets it come, which is how hard it may begin; for `time`.
-void go_on(double goal, double left, double time, double most, double& at, double& speed) {
-  const double start = std::clamp((6 * (goal - at) / left - 4 * speed) / left, -most, most);
+/// over, or as near to it as it comes if it begins no harder than `hardest`; for `time`. But no
+/// faster than `fastest`: then it goes straight on.
+void go_on(double goal, double left, double time, double hardest, double fastest, double& at,
+           double& speed) {
+  const double start = std::clamp((6 * (goal - at) / left - 4 * speed) / left, -hardest, hardest);
   const double end = at + (start * left + 4 * speed) * left / 6;
   const double c2 = (3 * (end - at) / left - 2 * speed) / left;
   const double c3 = (speed - 2 * (end - at) / left) / (left * left);
-  at += time * (speed + time * (c2 + time * c3));
-  speed += time * (2 * c2 + time * 3 * c3);
+  const double gets = speed + time * (2 * c2 + time * 3 * c3);
+  if (std::abs(gets) <= fastest) {
+    at += time * (speed + time * (c2 + time * c3));
+    speed = gets;
+    return;
+  }
+  const double began = std::clamp(speed, -fastest, fastest);
+  speed = std::copysign(fastest, gets);
+  at += time * 0.5 * (began + speed);
 }
 
 /// How far above the lowest point of a flat foot what it stands on may lie.
@@ -127,7 +136,7 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
       way_need = std::max(way_need, foot.shift_m.norm() / (kComfortShare * leg_m_));
   }
   double rate = speed / stride_m;
-  if (speed > 0) rate += std::min(behind_m * m.scale / stride_m / 0.12, 1.0);
+  if (speed > 0) rate += std::min(behind_m * m.scale / stride_m / 0.12, 0.35);
   rate = std::max(rate, finishing);
   const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.87, 2.5);
   rate = std::max(rate, turning * std::min(speed / 0.2, 1.0));
@@ -183,24 +192,31 @@ OracleFoot SteppingOracle::stance_foot(const OracleState& s, const OracleMotion&
   return foot;
 }
 
-/// What it is off its landing place is gone when it lands, unless it would have to go too hard.
+/// What it is off its landing place is gone when it lands, unless it would have to go too fast or
+/// too hard; it can always come to rest by then.
 OracleFoot SteppingOracle::swing_foot(const OracleFoot& foot, const Landing& goal, double own,
-                                      double own_next, double rate, const Track& track) const {
+                                      double own_next, double rate, double step_s,
+                                      const Track& track) const {
   const auto share = [&](double phase) {
     return std::clamp((phase - track.stance) / (1 - track.stance), 0.0, 1.0);
   };
   const double u = share(own), v = share(own_next);
-  const double swings_ps = rate / (1 - track.stance);
-  const double per_square = 1 / std::max(swings_ps * swings_ps, 1e-3);
+  const double swings_ps = std::max(rate / (1 - track.stance), 1e-3);
+  const double until_s = (1 - v) / swings_ps + step_s;
   OracleFoot next = foot;
-  for (int axis = 0; axis < 2; ++axis)
-    go_on(goal.shift_m[axis], 1 - u, v - u, 40 * per_square, next.shift_m[axis], next.speed[axis]);
-  go_on(goal.turn_rad, 1 - u, v - u, 120 * per_square, next.turn_rad, next.speed[2]);
+  const auto go = [&](double to, double fastest_ps, double hardest_ps2, double& at, double& speed) {
+    go_on(to, 1 - u, v - u, hardest_ps2 / (swings_ps * swings_ps),
+          std::min(fastest_ps, hardest_ps2 * until_s) / swings_ps, at, speed);
+  };
+  go(goal.shift_m.x(), 100, 40, next.shift_m.x(), next.speed.x());
+  go(goal.turn_rad, 3.6, 60, next.turn_rad, next.speed.z());
+  go(goal.shift_m.y(), 2.6 - 0.28 * std::abs(next.speed.z()) * swings_ps, 40, next.shift_m.y(),
+     next.speed.y());
   const double step_m =
       ((foot.shift_m - goal.shift_m).norm() + 0.2 * std::abs(foot.turn_rad - goal.turn_rad)) /
       std::max(1 - smooth(u), 0.01);
-  next.lift_m =
-      std::min(0.4 * step_m, 0.04) * 4 * v * (1 - v) * std::max(1 - track.stride_m / leg_m_, 0.0);
+  next.lift_m = std::min(0.4 * step_m, 0.04) * std::pow(4 * v * (1 - v), 2) *
+                std::max(1 - track.stride_m / leg_m_, 0.0);
   return next;
 }
 
@@ -221,7 +237,7 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
   const int cell = cell_of(root);
   const Track after = track_at(root, cell);
   const Track before = track_at(root_speed(s.gait_mps, m.scale), cell);
-  const double wanted = std::min(cycles_per_s(s, m, before, after), 3.0), most = 20 * m.step_s;
+  const double wanted = std::min(cycles_per_s(s, m, before, after), 2.2), most = 14 * m.step_s;
   const double rate =
       s.cycles_ps < 0 ? wanted : std::clamp(wanted, s.cycles_ps - most, s.cycles_ps + most);
   next.cycles_ps = rate;
@@ -234,7 +250,7 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
     }
     Landing goal = landing(m, rate, after, side);
     goal.shift_m = at_most(at_most(goal.shift_m, 0.3 * leg_m_) + m.landing_m[side], 0.38 * leg_m_);
-    next.feet[side] = swing_foot(s.feet[side], goal, own, own_next, rate, after);
+    next.feet[side] = swing_foot(s.feet[side], goal, own, own_next, rate, m.step_s, after);
   }
   return next;
 }

@@ -95,7 +95,7 @@ class SteppingOracle {
   Landing landing(const OracleMotion& m, double cycles_per_s, const Track& track,
                   size_t side) const;
   OracleFoot swing_foot(const OracleFoot& foot, const Landing& goal, double own, double own_next,
-                        double rate, const Track& track) const;
+                        double rate, double step_s, const Track& track) const;
   OracleFoot stance_foot(const OracleState& s, const OracleMotion& m, const Track& before,
                          const Track& after, double own_next, size_t side) const;
 
