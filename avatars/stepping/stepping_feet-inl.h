@@ -42,7 +42,7 @@ inline constexpr float kMostCatchUp_hz = 0.35f;
 // Steps get quicker or slower by no more, cycles a second each second: hips and knees go along.
 inline constexpr float kCyclesChange_hz_ps = 14;
 // And nobody makes more, however fast something moves a body whose strides are still short.
-inline constexpr float kMostCycles_hz = 2.2f;
+inline constexpr float kMostCycles_hz = 1.9f;
 // A foot in the air goes to where it is to land no faster and no harder, and is at rest when it
 // lands: what it cannot reach any more it does not reach. A leg of 0.9 m speeds up by 2500
 // degrees/s2 then, a hip turns by 206 degrees/s and 3400 degrees/s2: half and two thirds of what

@@ -26,7 +26,7 @@ static_assert(kMomentsBefore[kLanding] == 0);
 constexpr float kFar_m = 0.95f;
 constexpr float kFarOff_m = 0.6f;
 // A foot gets a new place from so long before it lands.
-constexpr float kWindow_s = 0.9f;
+constexpr float kWindow_s = 0.5f;
 // The rhythm of steps is chosen so far ahead, for those whose roots come so near, and by the time
 // in which legs can meet.
 constexpr float kRhythmAhead_s = 2.4f, kRhythmReach_m = 0.8f, kLegsReach_m = 1.0f;
@@ -41,6 +41,9 @@ constexpr float kLeastLead_s = 0.5f;
 constexpr float kStretchStep = 0.07f;
 constexpr int kShortestStrides = -4, kLongestStrides = 2;
 constexpr size_t kStretches = kLongestStrides - kShortestStrides + 1;
+// Shorter strides are no quicker than this, unless the gait's own are: a pelvis that goes up and
+// down as for long ones would jerk.
+constexpr float kQuickestSteps_hz = 1.45f;
 // What a second with legs too near by a metre weighs, squared, against a stride of another length
 // squared.
 constexpr float kNearness = 300, kRhythmEffort = 0.3f, kRhythmChange = 0.2f;
@@ -155,10 +158,12 @@ class RhythmChoice {
   /// Every stretch, and after it the gait's own or the same on and on.
   void set_rhythms(std::array<float, kRhythms>& stretches) {
     static_assert(2 * kStretches <= kRhythms);
+    const float shortest = natural_ps_ / std::max(kQuickestSteps_hz, natural_ps_);
     for (size_t i = 0; i < kRhythms; ++i) {
       const size_t step = std::min(i / 2, kStretches - 1);  // the last ones again
       const float stretch =
-          1 + kStretchStep * static_cast<float>(kShortestStrides + static_cast<int>(step));
+          std::max(1 + kStretchStep * static_cast<float>(kShortestStrides + static_cast<int>(step)),
+                   shortest);
       const float later = i % 2 == 0 ? 1 : stretch;
       stretches[i] = stretch;
       rhythms_.soon_ps[i] = natural_ps_ / stretch;

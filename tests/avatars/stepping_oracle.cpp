@@ -237,7 +237,7 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
   const int cell = cell_of(root);
   const Track after = track_at(root, cell);
   const Track before = track_at(root_speed(s.gait_mps, m.scale), cell);
-  const double wanted = std::min(cycles_per_s(s, m, before, after), 2.2), most = 14 * m.step_s;
+  const double wanted = std::min(cycles_per_s(s, m, before, after), 1.9), most = 14 * m.step_s;
   const double rate =
       s.cycles_ps < 0 ? wanted : std::clamp(wanted, s.cycles_ps - most, s.cycles_ps + most);
   next.cycles_ps = rate;
