@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 
@@ -13,6 +14,14 @@ namespace throng {
 /// In radians.
 inline constexpr double kTurn = 2 * std::numbers::pi;
 inline constexpr double kDegree = std::numbers::pi / 180;
+
+/// Of so many cycles the share of the last one, in [0, 1), which rounding never makes 1; NaN stays
+/// NaN.
+inline float phase_of(double cycles) {
+  const auto phase = static_cast<float>(cycles - std::floor(cycles));
+  return phase >= 1 ? 0 : phase;
+}
+inline float phase_of(float cycles) { return phase_of(static_cast<double>(cycles)); }
 
 struct SinCos {
   double sin = 0;

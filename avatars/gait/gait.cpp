@@ -13,6 +13,7 @@
 #include "avatars/gait/gait_cycle.h"
 #include "avatars/gait/gait_table.h"
 #include "avatars/gait/row_blend.h"
+#include "base/elementary.h"
 #include "base/files/archive.h"
 #include "base/simd/bilinear.h"
 
@@ -387,10 +388,8 @@ void Gait::roll(WalkChunk& chunk, size_t i) const {
   if (fresh) return;
   const float w = chunk.w_before[i], z = chunk.z_before[i];
   const float forward_m = (w * w - z * z) * chunk.way_x_m[i] + 2 * (w * z) * chunk.way_y_m[i];
-  const float next =
-      chunk.phases[i] + forward_m / stride_length_m(chunk.gait_mps[i], chunk.scales[i]);
-  const float rest = next - std::floor(next);
-  chunk.phases[i] = rest < 1 ? rest : 0;
+  chunk.phases[i] =
+      phase_of(chunk.phases[i] + forward_m / stride_length_m(chunk.gait_mps[i], chunk.scales[i]));
 }
 
 }  // namespace throng

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
+
 namespace throng {
 namespace {
 
 using Eigen::Vector2f;
 
-float wrapped(float phase) { return phase - std::floor(phase); }
 float smooth(float u) { return u * u * (3 - 2 * u); }
 
 /// `v` along `ahead` and to the left of it.
@@ -32,7 +33,7 @@ LegNow::LegNow(const Steps& s, size_t side)
       off_m(s.shift_m[2 * side], s.shift_m[2 * side + 1]),
       landing_m(s.landing_m[2 * side], s.landing_m[2 * side + 1]),
       swing(*s.swing),
-      phase(wrapped(s.phase + 0.5f * static_cast<float>(side))),
+      phase(phase_of(s.phase + 0.5f * static_cast<float>(side))),
       cycles_ps(s.cycles_ps),
       stance(s.track.stance),
       lands_x_m(s.track.x_at(0)),

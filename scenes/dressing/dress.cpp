@@ -199,8 +199,7 @@ class Stretch {
     const std::vector<float> since_left = strides_since_left(sway);
     for (size_t i = 0; i < knots_.size(); ++i) {
       const float leftmost = wearer_.head->leftmost_phase(knots_[i].ahead_mps, wearer_.scale);
-      const float phase = since_left[i] + leftmost;  // NaN stays NaN
-      knots_[i].phase = phase < 1 ? phase : phase - 1;
+      knots_[i].phase = phase_of(since_left[i] + leftmost);  // NaN stays NaN
     }
     bridge_phases();
   }
@@ -217,15 +216,11 @@ class Stretch {
   /// change step all at once when one is seen.
   void bridge_phases() {
     const auto is_seen = [](const Knot& knot) { return !std::isnan(knot.phase); };
-    const auto wrapped = [](double phase) {
-      const auto rest = static_cast<float>(phase - std::floor(phase));
-      return rest < 1 ? rest : 0;
-    };
     const auto first = std::find_if(knots_.begin(), knots_.end(), is_seen);
     if (first == knots_.end()) return;
     auto seen = static_cast<size_t>(first - knots_.begin());
     for (size_t i = seen; i > 0; --i)
-      knots_[i - 1].phase = wrapped(static_cast<double>(knots_[i].phase) - strides_after(i - 1));
+      knots_[i - 1].phase = phase_of(static_cast<double>(knots_[i].phase) - strides_after(i - 1));
     while (true) {
       size_t next = seen + 1;
       double strides = 0;
@@ -239,7 +234,7 @@ class Stretch {
       double walked = 0;
       for (size_t i = seen + 1; i < next; ++i) {
         walked += strides_after(i - 1);
-        knots_[i].phase = wrapped(from + walked + (strides > 0 ? off * walked / strides : 0));
+        knots_[i].phase = phase_of(from + walked + (strides > 0 ? off * walked / strides : 0));
       }
       seen = next;
     }

@@ -46,12 +46,6 @@ inline constexpr double kSame_s = 1e-7;
 /// Nobody runs faster: what does has jumped.
 inline constexpr double kFastestRun_mps = 12;
 
-/// The same phase in [0, 1); NaN stays NaN.
-inline float wrapped_phase(float phase) {
-  const float rest = phase - std::floor(phase);
-  return rest >= 1 ? 0 : rest;
-}
-
 /// The knots of one person, one a sample. `track` in ascending order of time, at least one.
 std::vector<Knot> dressed(std::span<const Sample> track, const Wearer& wearer);
 

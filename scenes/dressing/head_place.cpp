@@ -88,10 +88,8 @@ Eigen::Vector2f HeadPlace::offset_m(float phase, float speed_mps, float scale) c
 float HeadPlace::leftmost_phase(float speed_mps, float scale) const {
   if (leftmost_.empty()) return 0;
   const auto [s, v] = cell_of(speed_mps / (scale * kSpeedCell_mps), kSpeeds - 1);
-  const float phase =
-      std::lerp(leftmost_[static_cast<size_t>(s)], leftmost_[static_cast<size_t>(s) + 1], v);
-  const float rest = phase - std::floor(phase);
-  return rest < 1 ? rest : 0;
+  return phase_of(
+      std::lerp(leftmost_[static_cast<size_t>(s)], leftmost_[static_cast<size_t>(s) + 1], v));
 }
 
 }  // namespace throng

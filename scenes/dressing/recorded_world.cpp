@@ -220,7 +220,7 @@ WalkNow RecordedWorld::walk_to(const TrackNow& now, uint32_t id, const Posing& p
   const float stride_m = posing.gait_of(id).stride_length_m(gait_mps, scale);
   const float nominal = ahead_mps * static_cast<float>(scene_.step_s) / stride_m;
   const float seen_phase =
-      wrapped_phase(now.phase - ahead_mps * static_cast<float>(now.comes_in_s) / stride_m);
+      phase_of(now.phase - ahead_mps * static_cast<float>(now.comes_in_s) / stride_m);
   if (!was_there && !std::isnan(seen_phase)) phase = seen_phase;
   float stretch = was_there ? stretch_to(seen_phase, phase, nominal, scene_.step_s) : 1;
   if (std::isnan(now.phase) && !bodies.yields.empty()) stretch = bodies.yields[id].stretch;

@@ -71,8 +71,7 @@ std::vector<float> strides_since_left(std::span<const SwaySample> track) {
     if (2 * std::abs(common) < kLeastSway_m * weight) continue;
     const double since_s = here.time_s - track.front().time_s;
     const double turns = arc_tan2(common.imag(), common.real()) / kTurn + kWaves_hz[wave] * since_s;
-    const auto phase = static_cast<float>(turns - std::floor(turns));
-    phases[i] = phase < 1 ? phase : 0;
+    phases[i] = phase_of(turns);
   }
   return phases;
 }

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/elementary.h"
+
 namespace throng {
 namespace {
 
@@ -14,7 +16,7 @@ float between(float from, float to, double u) {
 /// The shorter way round; NaN stays NaN.
 float phase_between(float from, float to, double u) {
   const float turn = std::remainder(to - from, 1.0f);
-  return wrapped_phase(between(from, from + turn, u));
+  return phase_of(between(from, from + turn, u));
 }
 
 TrackNow at_knot(const Knot& knot) {

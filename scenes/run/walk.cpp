@@ -101,10 +101,7 @@ void glide_on(const Posing& posing, float speed_mps, double walked_m, uint32_t i
   if (walked_m == 0) return;
   const double stride_m =
       static_cast<double>(posing.gait_of(id).stride_length_m(speed_mps, bodies.scales[id]));
-  const double phase = static_cast<double>(bodies.phases[id]) + walked_m / stride_m;
-  // Rounding to float must not turn 0.99999999 into 1.
-  const auto wrapped = static_cast<float>(phase - std::floor(phase));
-  bodies.phases[id] = wrapped < 1 ? wrapped : 0;
+  bodies.phases[id] = phase_of(static_cast<double>(bodies.phases[id]) + walked_m / stride_m);
 }
 
 }  // namespace throng

@@ -133,5 +133,15 @@ TEST(FloatArcTan2, IsTheAngleOfAPointToFourMillionths) {
   EXPECT_EQ(float_arc_tan2(0, 0), 0.0f);
 }
 
+TEST(PhaseOf, LiesInACycleWhateverIsRounded) {
+  EXPECT_EQ(phase_of(0.25f), 0.25f);
+  EXPECT_EQ(phase_of(3.75), 0.75f);
+  EXPECT_EQ(phase_of(-0.25f), 0.75f);
+  EXPECT_EQ(phase_of(1.0f), 0.0f);
+  for (const double hardly_less : {0.99999999, -1e-12, 7 - 1e-9})
+    EXPECT_EQ(phase_of(hardly_less), 0);
+  EXPECT_TRUE(std::isnan(phase_of(std::nan(""))));
+}
+
 }  // namespace
 }  // namespace throng
