@@ -138,12 +138,12 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
   double rate = speed / stride_m;
   if (speed > 0) rate += std::min(behind_m * m.scale / stride_m / 0.12, 0.35);
   rate = std::max(rate, finishing);
-  const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.87, 2.5);
+  const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.87, 1.6);
   rate = std::max(rate, turning * std::min(speed / 0.2, 1.0));
   const double aside_m = std::abs(way.y()) + std::max(-way.x(), 0.0);
   const double travel =
       std::max(std::abs(turn) / kComfort_rad, aside_m / m.scale / (kComfortShare * leg_m_));
-  const double stepping = std::clamp(0.5 * before.stance * travel / m.step_s, 1.2, 2.5);
+  const double stepping = std::clamp(0.5 * before.stance * travel / m.step_s, 1.2, 1.6);
   const double due = 2 * std::max(turn_need, way_need) - 1;
   const double urge = std::clamp(std::max(due, std::min(15 * due, 0.3)), 0.0, 1.0);
   return std::max(rate, std::max(1 - speed / 0.8, 0.0) * stepping * urge);
@@ -215,7 +215,7 @@ OracleFoot SteppingOracle::swing_foot(const OracleFoot& foot, const Landing& goa
   const double step_m =
       ((foot.shift_m - goal.shift_m).norm() + 0.2 * std::abs(foot.turn_rad - goal.turn_rad)) /
       std::max(1 - smooth(u), 0.01);
-  next.lift_m = std::min(0.4 * step_m, 0.04) * std::pow(4 * v * (1 - v), 2) *
+  next.lift_m = std::min({0.4 * step_m, 0.04, 0.16 / swings_ps}) * std::pow(4 * v * (1 - v), 2) *
                 std::max(1 - track.stride_m / leg_m_, 0.0);
   return next;
 }
