@@ -47,7 +47,7 @@ inline constexpr float kCyclesChange_hz_ps = 14;
 inline constexpr float kMostCycles_hz = 1.9f;
 // A foot in the air goes to where it is to land no faster and no harder, and is at rest when it
 // lands: what it cannot reach any more it does not reach. A leg of 0.9 m speeds up by 2500
-// degrees/s2 then, a hip turns by 206 degrees/s and 3400 degrees/s2: half and two thirds of what
+// degrees/s2 then, a hip turns by 206 degrees/s and 3400 degrees/s2: two thirds and a third of what
 // `realism joints` allows, for the gait has its share.
 inline constexpr float kFoot_mps2 = 40, kFootTurn_radps = 3.6f, kFootTurn_radps2 = 60;
 // It goes aside by 165 degrees/s, less while it turns, for that moves the knee aside, too.
