@@ -265,12 +265,11 @@ THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F
 
 /// At the share v of a step of which 1 / per_left is left before `off` is gone: a longer step is
 /// higher.
-THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F swings_ps, F v) {
+THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F swing_s, F v) {
   constexpr float kArm_m = 0.2f;  // half a foot turns by so much, nearly
   const F step_m = (length(off_x, off_y) + kArm_m * abs_of(off_turn)) * min_of(per_left, 100.0f);
   const F arch = 4.0f * v * (1.0f - v);
-  const F highest_m = min_of(kLift_mps * inverse_of(max_of(swings_ps, 1e-3f)), kHighest_m);
-  return min_of(kLiftShare * step_m, highest_m) * arch * arch;
+  return min_of(kLiftShare * step_m, min_of(kLift_mps * swing_s, kHighest_m)) * arch * arch;
 }
 
 /// Moves the feet on with the root and returns the next phase.
@@ -293,6 +292,7 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
   }
   const F forward = m.forward * m.per_scale, left = m.left * m.per_scale;
   const F per_swing = inverse_of(1.0f - after.stance);
+  const F swing_s = inverse_of(max_of(rate * per_swing, 1e-3f));
   const F lifting = max_of(1.0f - after.stride * t.per_leg_length, 0.0f);
   for (size_t side = 0; side < 2; ++side) {
     const F own = own_phase(phase, side), own_next = own_phase(next, side);
@@ -312,8 +312,7 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     const F left_before = 1.0f - smooth(min_of(u, 1.0f));
     const F per_left = inverse_of(max_of(left_before, 1e-6f));
     const F left_share = 1.0f - min_of(u, 1.0f);
-    const F swings_ps = rate * per_swing;
-    const Swinging swinging = {left_share, left_share * inverse_of(max_of(swings_ps, 1e-3f)),
+    const Swinging swinging = {left_share, left_share * swing_s,
                                clamped((v - u) * inverse_of(max_of(left_share, 1e-6f)), 0.0f, 1.0f),
                                m.step_s};
     F in_air[3] = {x, y, turned};
@@ -325,7 +324,7 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     feet.y[side] = select(stands, stance_y, in_air[1]);
     feet.turn[side] = select(stands, stance_turn, in_air[2]);
     feet.lift[side] =
-        select(stands, 0.0f, lift_of(off_x, off_y, off_turn, per_left, swings_ps, v) * lifting);
+        select(stands, 0.0f, lift_of(off_x, off_y, off_turn, per_left, swing_s, v) * lifting);
   }
   return next;
 }

@@ -173,8 +173,8 @@ inline constexpr float kFlatter_m = 0.08f;
 /// Lowers the toes of a foot that is `moved_m` ahead of where the gait has it.
 THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F moved_m,
                              Stand& stand, Reach& r) {
-  const F own = max_of(min_of(r.along - moved_m, kFlatter_m), 1e-3f);
-  const F share = max_of(min_of(r.along * inverse_of(own), 1.0f), 0.0f);
+  const F unmoved = max_of(min_of(r.along - moved_m, kFlatter_m), 1e-3f);
+  const F share = max_of(min_of(r.along * inverse_of(unmoved), 1.0f), 0.0f);
   const F lowers = (1.0f - share) * max_of(stand.pitch, 0.0f);
   const M is_lower = lowers > 1e-4f;
   if (!any(is_lower)) return;

@@ -1,7 +1,6 @@
 #include "avatars/yielding/footfall.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/elementary.h"
 

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
