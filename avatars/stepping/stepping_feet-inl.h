@@ -57,7 +57,6 @@ inline constexpr float kMostClosing_m = 0.03f;
 // Nobody walks so far in a step.
 inline constexpr float kJump_m = 1;
 
-THRONG_LANES F clamped(F x, F low, F high) { return min_of(max_of(x, low), high); }
 THRONG_LANES F smooth(F u) { return u * u * (3.0f - 2.0f * u); }
 THRONG_LANES F length(F x, F y) { return sqrt_of(x * x + y * y); }
 /// In [0, 1), for phases that have gone on by less than a cycle.

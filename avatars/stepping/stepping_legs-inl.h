@@ -12,10 +12,11 @@ struct Standing {
 };
 
 THRONG_LANES F inverse_sqrt_of(F a) { return 1.0f / sqrt_of(a); }
+THRONG_LANES F clamped(F x, F low, F high) { return min_of(max_of(x, low), high); }
 
 /// The direction with this sine, clamped to [-1, 1], and a cosine of at least 0.
 THRONG_LANES Way way_of_sine(F sine) {
-  const F s = max_of(min_of(sine, 1.0f), -1.0f);
+  const F s = clamped(sine, -1.0f, 1.0f);
   return {s, sqrt_of(max_of(1.0f - s * s, 0.0f))};
 }
 
@@ -70,7 +71,7 @@ THRONG_LANES void reach_for(const LegNumbers& leg, const Point& ground, F height
   const Point d = ground - r.hip;
   const F y = d.y * forward_x - d.x * forward_y;
   const F inverse = inverse_sqrt_of(max_of(y * y + d.z * d.z, 1e-6f));
-  const F cos = max_of(min_of(leg.ankle_side_m * inverse, 1.0f), -1.0f);
+  const F cos = clamped(leg.ankle_side_m * inverse, -1.0f, 1.0f);
   const F sin = sqrt_of(max_of(1.0f - cos * cos, 0.0f));
   const F tilt_cos = (y * cos - d.z * sin) * inverse;
   const F tilt_sin = (d.z * cos + y * sin) * inverse;
@@ -121,8 +122,7 @@ THRONG_LANES Sinking followed(const Sinking& before, F wanted, float step_s) {
   const F fastest =
       min_of(min_of(size * (1 / step_s), sqrt_of(1.4f * kSinking_mps2 * size)), kSinking_mps);
   const F change = select(left < 0.0f, 0.0f - fastest, fastest) - before.mps;
-  const F mps =
-      before.mps + max_of(min_of(change, kSinking_mps2 * step_s), -kSinking_mps2 * step_s);
+  const F mps = before.mps + clamped(change, -kSinking_mps2 * step_s, kSinking_mps2 * step_s);
   // It comes to rest, and whoever has just come in is there.
   const M is_there = (before.sunk < 0.0f) | ((size < 1e-5f) & (abs_of(before.mps) < 1e-2f));
   return {select(is_there, wanted, max_of(before.sunk + step_s * mps, 0.0f)),
@@ -173,8 +173,8 @@ inline constexpr float kFlatter_m = 0.08f;
 /// Lowers the toes of a foot that is `moved_m` ahead of where the gait has it.
 THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F moved_m,
                              Stand& stand, Reach& r) {
-  const F unmoved = max_of(min_of(r.along - moved_m, kFlatter_m), 1e-3f);
-  const F share = max_of(min_of(r.along * inverse_of(unmoved), 1.0f), 0.0f);
+  const F unmoved = clamped(r.along - moved_m, 1e-3f, kFlatter_m);
+  const F share = clamped(r.along * inverse_of(unmoved), 0.0f, 1.0f);
   const F lowers = (1.0f - share) * max_of(stand.pitch, 0.0f);
   const M is_lower = lowers > 1e-4f;
   if (!any(is_lower)) return;
@@ -199,7 +199,7 @@ THRONG_LANES void raise_heel(const LegNumbers& leg, F forward_x, F forward_y, St
   reach_for(leg, tried.ground, tried.height, forward_x, forward_y, reach);
   const F won = max_of(lacks - too_long(reach), 1e-4f);
   const F raise =
-      select(behind, min_of(max_of(first * lacks * inverse_of(won), 0.0f), kMostRaise_rad), 0.0f);
+      select(behind, clamped(first * lacks * inverse_of(won), 0.0f, kMostRaise_rad), 0.0f);
   stand = tipped(leg, forward_x, forward_y, stand, before, raise);
   reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
 }
@@ -252,7 +252,7 @@ THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const Reach&
                     const Turn& pelvis, F pitch, F* angles, Bounds& bounds) {
   // Law of cosines for links that need not be one line in the zero posture.
   const F wanted = (r.along * r.along + r.up * r.up - leg.square_sum_m2) * leg.per_twice_product;
-  const F bend_cos = max_of(min_of(wanted, leg.straightest_cos), leg.most_bent_cos);
+  const F bend_cos = clamped(wanted, leg.most_bent_cos, leg.straightest_cos);
   const F bend_sin = sqrt_of(max_of(1.0f - bend_cos * bend_cos, 0.0f));
   const F knee_sin = leg.straight_sin * bend_cos + leg.straight_cos * bend_sin;
   const F knee_cos = leg.straight_cos * bend_cos - leg.straight_sin * bend_sin;
@@ -280,7 +280,7 @@ THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const Reach&
   angles_of(ways, turns);
   const F knee = leg.straight_rad + turns[3], shank = turns[4] + knee;
   const F ankle =
-      max_of(min_of((0.0f - pitch - shank) * leg.ankle_sign, leg.upper_rad[4]), leg.lower_rad[4]);
+      clamped((0.0f - pitch - shank) * leg.ankle_sign, leg.lower_rad[4], leg.upper_rad[4]);
   for (size_t i = 0; i < 3; ++i) angles[i] = turns[i];
   angles[3] = knee * leg.knee_sign;
   angles[4] = ankle;
