@@ -3,15 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "avatars/mesh/primitives.h"
 #include "scenes/sinks/contacts/contact_sink.h"
 #include "tests/scenes/crowd_world.h"
 
@@ -283,6 +286,47 @@ TEST(LocalDensity, CountsTheWalkablePartOfTheCircle) {
   EXPECT_NEAR(density.around({10, 0}), 1 / circle_m2, 1e-9);
   EXPECT_NEAR(density.around({0.001, 0}), 2 / circle_m2, 0.04 * 2 / circle_m2)
       << "half of it is off the ground";
+}
+
+/// A corridor 1.8 m wide between walls of 0.2 m, in the middle of more ground.
+Scene thin_walled_corridor() {
+  Scene scene;
+  scene.ground = {{-10, -10}, {10, 10}};
+  for (const double side : {-1.0, 1.0}) {
+    Obstacle wall;
+    wall.size_m = {20, 0.2, 2};
+    wall.centre_m = {0, side, 1};
+    wall.mesh = box_mesh(wall.size_m);
+    scene.obstacles.push_back(wall);
+  }
+  return scene;
+}
+
+TEST(LocalDensity, GroundBehindAWallIsNoRoom) {
+  LocalDensity density(thin_walled_corridor());
+  const std::vector<Eigen::Vector2d> people = {{0, 0}, {1, 0.3}};
+  density.place(people, {});
+  // The part of a circle of 2 m that is within 0.9 m of a line through its middle.
+  const double seen_m2 = 2 * (0.9 * std::sqrt(4 - 0.81) + 4 * std::asin(0.45));
+  EXPECT_NEAR(density.around({0, 0}), 2 / seen_m2, 0.05 * 2 / seen_m2);
+}
+
+TEST(LocalDensity, NobodyBehindAWallCounts) {
+  LocalDensity density(thin_walled_corridor());
+  const std::vector<Eigen::Vector2d> people = {{0, 0.7}, {0, 1.3}};
+  density.place(people, {});
+  const double alone = density.around({0, 0.7});
+  density.place(std::span(people).first(1), {});
+  EXPECT_EQ(density.around({0, 0.7}), alone);
+}
+
+TEST(LocalDensity, WhoLeansOverAWallIsBesideIt) {
+  LocalDensity density(thin_walled_corridor());
+  const std::vector<Eigen::Vector2d> people = {{0, 0.93}, {0, 0.4}};
+  density.place(people, {});
+  const double beside = density.around({0, 0.899});
+  EXPECT_NEAR(density.around(people[0]), beside, 0.05 * beside);
+  EXPECT_GT(beside, 2 / (std::numbers::pi * 4)) << "both are counted, over less than the circle";
 }
 
 TEST(LocalDensity, LevelsBeginAboveTheirBounds) {

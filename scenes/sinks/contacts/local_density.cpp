@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 namespace throng {
@@ -9,7 +10,7 @@ namespace {
 
 /// Cells of a table of people; a larger ground gets larger cells.
 constexpr double kMaxCells = 1 << 20;
-/// Points of the circle that are asked whether they are walkable.
+/// Points of the circle that are asked whether they are seen from its middle.
 constexpr int kPoints = 64;
 
 /// Offsets from the middle, in metres: a sunflower's seeds, even in every direction (Vogel 1979).
@@ -59,7 +60,25 @@ void LocalDensity::place(std::span<const Eigen::Vector2d> positions_m,
     if (is_here(id)) ids_[next_[cell(id)]++] = id;
 }
 
-int LocalDensity::people_near(const Eigen::Vector2d& point) const {
+/// Where somebody stands who leans over a wall: beside it.
+Eigen::Vector2d LocalDensity::beside_walls(Eigen::Vector2d point) const {
+  constexpr double kBeside_m = 1e-3;
+  for (const uint32_t footprint : walkable_.near(point)) {
+    const Walkable::Nearest wall = walkable_.nearest(footprint, point);
+    if (wall.distance_m < 0) point += (kBeside_m - wall.distance_m) * wall.normal;
+  }
+  return point;
+}
+
+int LocalDensity::people_near(const Eigen::Vector2d& point, bool sees_all) const {
+  // A wall hides whom it hides up to the near side of the body.
+  constexpr double kNearSide_m = 0.15;
+  const auto is_seen = [&](const Eigen::Vector2d& to) {
+    const Eigen::Vector2d way = to - point;
+    const double far_m = way.norm();
+    if (sees_all || far_m <= kNearSide_m) return true;
+    return !walkable_.crosses(point, point + (1 - kNearSide_m / far_m) * way);
+  };
   const Eigen::Vector2d offset = point - ground_.min_m;
   const int first = cell_of(offset.x() - kRadius_m, columns_);
   const int last = cell_of(offset.x() + kRadius_m, columns_);
@@ -69,24 +88,26 @@ int LocalDensity::people_near(const Eigen::Vector2d& point) const {
     const auto line = static_cast<size_t>(row) * static_cast<size_t>(columns_);
     const uint32_t begin = starts_[line + static_cast<size_t>(first)];
     const uint32_t end = starts_[line + static_cast<size_t>(last) + 1];
-    for (uint32_t i = begin; i < end; ++i)
-      count += (positions_m_[ids_[i]] - point).squaredNorm() <= kRadius_m * kRadius_m;
+    for (uint32_t i = begin; i < end; ++i) {
+      const Eigen::Vector2d& other = positions_m_[ids_[i]];
+      count += (other - point).squaredNorm() <= kRadius_m * kRadius_m && is_seen(other);
+    }
   }
   return count;
 }
 
 double LocalDensity::around(const Eigen::Vector2d& point) const {
-  int walkable = 0;
-  for (const Eigen::Vector2d& offset : circle_points()) {
-    const Eigen::Vector2d at = point + offset;
-    if (!ground_.contains(at)) continue;
-    const std::span<const uint32_t> near = walkable_.near(at);
-    walkable += std::none_of(near.begin(), near.end(), [&](uint32_t footprint) {
-      return walkable_.nearest(footprint, at).distance_m < 0;
-    });
+  const Eigen::Vector2d from = beside_walls(point);
+  const bool sees_all = walkable_.clearance_m(from) >= kRadius_m;
+  double share = 1;
+  if (!sees_all) {
+    const auto seen = std::count_if(
+        circle_points().begin(), circle_points().end(), [&](const Eigen::Vector2d& offset) {
+          return ground_.contains(from + offset) && !walkable_.crosses(from, from + offset);
+        });
+    share = static_cast<double>(std::max<std::ptrdiff_t>(1, seen)) / kPoints;
   }
-  const double share = std::max(1, walkable) / static_cast<double>(circle_points().size());
-  return people_near(point) / (share * std::numbers::pi * kRadius_m * kRadius_m);
+  return people_near(from, sees_all) / (share * std::numbers::pi * kRadius_m * kRadius_m);
 }
 
 size_t DensityLevels::level_of(double density_per_m2) {

@@ -1,5 +1,7 @@
-// How dense it is around somebody: people in a circle over the walkable part of it.
-// One rule: a wall takes room away, so that a person beside one does not count as half alone.
+// How dense it is around somebody: people in a circle over the part of it that is seen from its
+// middle.
+// One rule: a wall takes room away, and so does what is behind it, so that neither a person beside
+// one nor a file in a narrow corridor counts as half alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,12 +25,14 @@ class LocalDensity {
   /// Takes a frame's people, those with present[id] != 0; empty: all. The spans must outlive the
   /// calls of around().
   void place(std::span<const Eigen::Vector2d> positions_m, std::span<const uint8_t> present);
-  /// People per m2 within kRadius_m of the point, somebody there included.
+  /// People per m2 within kRadius_m of the point, somebody there included, and nobody behind a
+  /// wall.
   double around(const Eigen::Vector2d& point) const;
 
  private:
   int cell_of(double offset_m, int cells) const;
-  int people_near(const Eigen::Vector2d& point) const;
+  Eigen::Vector2d beside_walls(Eigen::Vector2d point) const;
+  int people_near(const Eigen::Vector2d& point, bool sees_all) const;
 
   Walkable walkable_;
   Rectangle ground_;
