@@ -172,7 +172,7 @@ const char* const kRecordedContactsSource =
 
 const std::vector<RecordedContacts>& recorded_contacts() {
   static const std::vector<RecordedContacts> levels = {
-      {0, 0.43, 0.6}, {0.43, 1, 2.5}, {1, 2, 6.8}, {2, 3.57, 28.2}, {3.57, 5, 57.8}};
+      {0, 0.43, 0.6}, {0.43, 1, 2.2}, {1, 2, 5.4}, {2, 3.57, 16.4}, {3.57, 5, 51.2}};
   return levels;
 }
 

@@ -148,7 +148,9 @@ std::vector<SpeedAndSpacing::Spacing> recorded_spacing(const Scene& scene,
 
 std::vector<SpeedAndSpacing::Spacing> steered_spacing(const Plan& plan, double seconds,
                                                       Outcome& outcome) {
-  Trial trial(plan);
+  Plan posed = plan;
+  posed.scene.step_s = Scene().step_s;
+  Trial trial(posed, Trial::With::kBodies);
   SpacingMeter meter(plan.scene, trial.size());
   Every clock(kSample_s);
   do {

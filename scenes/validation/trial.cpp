@@ -6,9 +6,9 @@
 namespace throng::validation {
 namespace {
 
-SimulationOptions people_only() {
+SimulationOptions people_only(Trial::With with) {
   SimulationOptions options;
-  options.postures = false;
+  options.postures = with == Trial::With::kBodies;
   options.culling = false;
   return options;
 }
@@ -36,11 +36,12 @@ bool enters(const Rectangle& wall, const Eigen::Vector2d& from, const Eigen::Vec
 
 }  // namespace
 
-Trial::Trial(const Plan& plan)
-    : simulation_(plan.scene, people_only()),
+Trial::Trial(const Plan& plan, With with)
+    : simulation_(plan.scene, people_only(with)),
       walls_(plan.walls),
       ground_(plan.scene.ground),
       step_s_(plan.scene.step_s) {
+  if (with == With::kBodies) heads_.emplace(simulation_.info());
   take(simulation_.step());
   before_m_ = positions_m_;
   headings_before_ = headings_;
@@ -55,6 +56,10 @@ void Trial::take(const Frame& frame) {
     positions_m_[id] = root.position_m.head<2>();
     const Eigen::Vector3f ahead = root.world_from_root * Eigen::Vector3f::UnitX();
     headings_[id] = ahead.head<2>().cast<double>().normalized();
+  }
+  if (heads_) {
+    heads_m_.resize(frame.roots.size());
+    heads_->find(simulation_.info(), frame, heads_m_);
   }
   if (frame.present.empty())
     present_.assign(positions_m_.size(), 1);

@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "scenes/measures/heads.h"
 #include "scenes/run/simulation.h"
 #include "scenes/validation/plan.h"
 #include "scenes/validation/validation.h"
@@ -15,7 +17,9 @@ namespace throng::validation {
 
 class Trial {
  public:
-  explicit Trial(const Plan& plan);
+  /// With bodies, everybody has a head; without, which is faster, only a place.
+  enum class With { kPlaces, kBodies };
+  explicit Trial(const Plan& plan, With with = With::kPlaces);
 
   /// Advances by a step; false once the time is over or everybody has come and left.
   bool step(double until_s);
@@ -28,6 +32,10 @@ class Trial {
   int unplaced() const { return simulation_.unplaced(); }
   uint16_t group(size_t id) const { return simulation_.info().group_of_avatar[id]; }
   const Eigen::Vector2d& position_m(size_t id) const { return positions_m_[id]; }
+  /// Seen from above; without bodies the same as the place.
+  const Eigen::Vector2d& head_m(size_t id) const {
+    return heads_ ? heads_m_[id] : positions_m_[id];
+  }
   /// A step earlier.
   const Eigen::Vector2d& before_m(size_t id) const { return before_m_[id]; }
   /// Of the latest step.
@@ -52,7 +60,9 @@ class Trial {
   Rectangle ground_;
   double step_s_;
   double now_s_ = 0;
+  std::optional<Heads> heads_;
   std::vector<Eigen::Vector2d> positions_m_;
+  std::vector<Eigen::Vector2d> heads_m_;  ///< empty without bodies
   std::vector<Eigen::Vector2d> before_m_;
   std::vector<Eigen::Vector2d> headings_;
   std::vector<Eigen::Vector2d> headings_before_;

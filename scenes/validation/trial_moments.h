@@ -1,5 +1,5 @@
 // Moments of a trial at even times, for the measures that recordings are measured by.
-// One rule: people are where their roots are; heads are not simulated here.
+// One rule: heads are where bodies have them; in a trial without bodies, where the roots are.
 #pragma once
 
 #include "scenes/measures/recent_crowd.h"
@@ -28,7 +28,8 @@ class Every {
 inline void take(const Trial& trial, Moment& moment) {
   moment.time_s = trial.now_s();
   for (size_t id = 0; id < trial.size(); ++id) {
-    moment.heads_m[id] = moment.roots_m[id] = trial.position_m(id);
+    moment.roots_m[id] = trial.position_m(id);
+    moment.heads_m[id] = trial.head_m(id);
     moment.present[id] = trial.is_present(id);
   }
 }

@@ -74,11 +74,11 @@ TEST(ContactsByDensity, FailForTooManyAndTooFewAtAnyLevel) {
 
 TEST(ContactsByDensity, FailWhereTheyFallByMoreThanChance) {
   std::vector<LevelContacts> levels = recorded_levels();
-  // 40 a minute at 2 to 3.57 per m2 and 30 at 3.57 to 5: both as recorded, each for itself.
-  levels[3] = {static_cast<uint64_t>(30 * 40), 3600};
-  levels[4] = {static_cast<uint64_t>(30 * 30), 3600};
+  // 3.2 a minute at 0.43 to 1 per m2 and 2.8 at 1 to 2: both as recorded, each for itself.
+  levels[1] = {static_cast<uint64_t>(300 * 3.2), 36000};
+  levels[2] = {static_cast<uint64_t>(300 * 2.8), 36000};
   EXPECT_FALSE(judge_contacts(levels).passed);
-  levels[4] = {static_cast<uint64_t>(30 * 39), 3600};
+  levels[2] = {static_cast<uint64_t>(300 * 3.15), 36000};
   EXPECT_TRUE(judge_contacts(levels).passed) << "2 % is chance";
 }
 

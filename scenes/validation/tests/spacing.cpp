@@ -42,7 +42,7 @@ std::vector<Test> spacing_tests() {
       {{"spacing_corridor"},
        {"Spacing in a corridor with an exit of 1.2 m"},
        "A corridor of 8 m x 1.8 m with an exit of 1.2 m behind a room; 170 people enter when and "
-       "where those of the recording did. Places of centres beside recorded heads, ten times a "
+       "where those of the recording did. Places of heads, ten times a "
        "second.",
        fmt::format(fmt::runtime(kCriterion), "uo-180-180-120 (Hermes project)"),
        [](const Conditions& conditions) { return spacing("spacing_corridor", conditions); }},
