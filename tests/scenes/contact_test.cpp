@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "avatars/mesh/primitives.h"
 #include "scenes/sinks/contacts/contact_sink.h"
 #include "tests/scenes/crowd_world.h"
 
@@ -292,13 +291,7 @@ TEST(LocalDensity, CountsTheWalkablePartOfTheCircle) {
 Scene thin_walled_corridor() {
   Scene scene;
   scene.ground = {{-10, -10}, {10, 10}};
-  for (const double side : {-1.0, 1.0}) {
-    Obstacle wall;
-    wall.size_m = {20, 0.2, 2};
-    wall.centre_m = {0, side, 1};
-    wall.mesh = box_mesh(wall.size_m);
-    scene.obstacles.push_back(wall);
-  }
+  scene.obstacles = {box(0, -1, 20, 0.2), box(0, 1, 20, 0.2)};
   return scene;
 }
 
