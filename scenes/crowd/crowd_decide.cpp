@@ -84,16 +84,10 @@ void Crowd::change_people() {
 }
 
 void Crowd::look_around(Slots slots) {
-  // The fields are too large for the caches: fetched now, they are there after the search. Beside
-  // somebody they will be looked up about where they would have been by their latest way.
+  // The fields are too large for the caches: fetched now, they are there after the search.
   for (const uint32_t slot : slots) {
-    const uint32_t id = grid_.order()[slot];
-    const Eigen::Vector2d& position = walkers_.position_m[slot];
-    journeys_.prefetch(id, position);
-    const double to_left_m = slots_.own_side_m[slot] = own_side_m(slot);
-    const Eigen::Vector2d& way = walkers_.facing[slot];
-    if (to_left_m != 0)
-      journeys_.prefetch(id, position + to_left_m * Eigen::Vector2d(way.y(), -way.x()));
+    slots_.own_side_m[slot] = own_side_m(slot);
+    journeys_.prefetch(grid_.order()[slot], walkers_.position_m[slot], own_side(slot));
   }
   grid_.nearest(slots, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
                 slots_.neighbour_counts.data());

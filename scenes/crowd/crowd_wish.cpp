@@ -24,7 +24,7 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
       parties_.has(id) && journeys_.doing(id) != Doing::kQueuing;  // each has a place of their own
   Eigen::Vector2d direction =
       has_companions ? parties_.alone(id)
-                     : journeys_.direction(id, walkers_.position_m[slot], slots_.own_side_m[slot]);
+                     : journeys_.direction(id, walkers_.position_m[slot], own_side(slot));
   walkers_.facing[slot] = direction;
   const double room = doorkeeper_.has_doors() ? pace(slot, direction) : 1;
   if (has_companions) direction = parties_.way(id);

@@ -207,20 +207,36 @@ double Journeys::draw_wait_s(uint32_t id) const {
   return draw(stop(id).goal.wait_s, seed_, id, Purpose::kWaiting, visits_[id]);
 }
 
+namespace {
+
+/// The way from here, or from beside here. As long as it goes on as it went, one look-up will do:
+/// beside the latest way.
+Eigen::Vector2d way_along(const FlowField& field, const Eigen::Vector2d& position_m,
+                          const OwnSide& side) {
+  constexpr double kGoesOn = 0.7;  // cosine
+  if (side.to_left_m == 0) return field.direction(position_m);
+  if (!side.lately.isZero()) {
+    const Eigen::Vector2d beside_m = side.beside_m(position_m, side.lately);
+    const Eigen::Vector2d own = field.direction(beside_m);
+    if (own.dot(side.lately) > kGoesOn &&
+        std::abs(side.to_left_m) <= tuning::kOwnSideShare * field.distance_m(beside_m))
+      return own;
+  }
+  const Eigen::Vector2d way = field.direction(position_m);
+  const double most_m = tuning::kOwnSideShare * field.distance_m(position_m);
+  const OwnSide nearer{std::clamp(side.to_left_m, -most_m, most_m), way};
+  const Eigen::Vector2d own = field.direction(nearer.beside_m(position_m, way));
+  return own.dot(way) > 0 ? own : way;
+}
+
+}  // namespace
+
 Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position_m,
-                                    double to_left_m) const {
+                                    const OwnSide& side) const {
   if (doing_[id] == Doing::kQueuing || seeks_queue(id)) return guides_[id].way;
   if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
   if (!is_inside(id, position_m)) {
-    const FlowField& field = this->field(id);
-    const Eigen::Vector2d way = field.direction(position_m);
-    if (to_left_m != 0) {
-      const double most_m = tuning::kOwnSideShare * field.distance_m(position_m);
-      const Eigen::Vector2d right(way.y(), -way.x());
-      const Eigen::Vector2d beside_m = position_m + std::clamp(to_left_m, -most_m, most_m) * right;
-      const Eigen::Vector2d own = field.direction(beside_m);
-      if (own.dot(way) > 0) return bend(id, position_m, own);
-    }
+    const Eigen::Vector2d way = way_along(field(id), position_m, side);
     if (way.squaredNorm() > 0) return bend(id, position_m, way);
   }
   const Eigen::Vector2d way = targets_m_[id] - position_m;

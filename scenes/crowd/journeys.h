@@ -28,6 +28,17 @@ enum class Doing : uint8_t {
   kGone,
 };
 
+/// How somebody keeps off the shortest way.
+struct OwnSide {
+  double to_left_m = 0;                              ///< less than nothing: to the right
+  Eigen::Vector2d lately = Eigen::Vector2d::Zero();  ///< unit, the way they went; zero: not known
+
+  /// Where somebody walks whose shortest way is theirs.
+  Eigen::Vector2d beside_m(const Eigen::Vector2d& position_m, const Eigen::Vector2d& way) const {
+    return position_m + to_left_m * Eigen::Vector2d(way.y(), -way.x());
+  }
+};
+
 class Journeys {
  public:
   /// Keeps references to `ways` and `detours`. Those with an entrance are outside until enter();
@@ -58,17 +69,17 @@ class Journeys {
   void follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
 
   /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
-  /// Whoever keeps `to_left_m` off the shortest way walks as somebody does who is so far to their
+  /// Whoever keeps to the left of the shortest way walks as somebody does who is so far to their
   /// right.
   Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m,
-                            double to_left_m = 0) const;
+                            const OwnSide& side = {}) const;
 
   /// The way that somebody who waits will go from here. Zero for those who have none.
   Eigen::Vector2d facing(uint32_t id, const Eigen::Vector2d& position_m) const;
 
   /// direction() of the same is asked for soon.
-  void prefetch(uint32_t id, const Eigen::Vector2d& position_m) const {
-    if (doing_[id] == Doing::kWalking) field(id).prefetch(position_m);
+  void prefetch(uint32_t id, const Eigen::Vector2d& position_m, const OwnSide& side = {}) const {
+    if (doing_[id] == Doing::kWalking) field(id).prefetch(side.beside_m(position_m, side.lately));
   }
 
   Doing doing(uint32_t id) const { return doing_[id]; }

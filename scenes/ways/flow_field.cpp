@@ -358,8 +358,10 @@ CellPatch<double> FlowField::patch_at(const Eigen::Vector2d& point) const {
 
 void FlowField::prefetch(const Eigen::Vector2d& point) const {
   const CellPatch<double> patch = patch_at(point);
-  __builtin_prefetch(&cells_[patch.cell]);
-  __builtin_prefetch(&cells_[patch.cell + patch.above]);
+  for (const size_t row : {patch.cell, patch.cell + patch.above}) {
+    __builtin_prefetch(&cells_[row]);
+    __builtin_prefetch(&cells_[row + patch.right]);
+  }
 }
 
 Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {

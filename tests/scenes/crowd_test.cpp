@@ -191,10 +191,14 @@ TEST(Crowd, WhoeverKeepsToASideWalksAsSomebodyBesideThemDoes) {
     const Eigen::Vector2d at_m(random_uniform(key, 3, 30, 0), random_uniform(key, 3, 9, 1));
     const double to_left_m = random_uniform(key, -2, 2, 2);
     const Eigen::Vector2d way = journeys.direction(0, at_m);
-    EXPECT_EQ(journeys.direction(0, at_m, 0), way);
-    const Eigen::Vector2d right(way.y(), -way.x());
-    const Eigen::Vector2d own = journeys.direction(0, at_m, to_left_m);
-    EXPECT_EQ(own, journeys.direction(0, at_m + to_left_m * right));
+    OwnSide side;
+    side.to_left_m = to_left_m;
+    const Eigen::Vector2d own = journeys.direction(0, at_m, side);
+    EXPECT_EQ(own, journeys.direction(0, side.beside_m(at_m, way)));
+    // Beside the latest way as long as it goes on, and beside the shortest where it turned.
+    EXPECT_EQ(journeys.direction(0, at_m, {to_left_m, way}), own);
+    EXPECT_EQ(journeys.direction(0, at_m, {to_left_m, -way}), own);
+    EXPECT_EQ(journeys.direction(0, at_m, {0, -way}), way);
     turned += (own - way).norm() > 0.01;
   }
   EXPECT_GT(turned, 100);

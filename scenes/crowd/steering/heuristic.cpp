@@ -131,29 +131,33 @@ class Decision {
     return std::min(oncoming / kTuning.oncoming, 1.0f);
   }
 
-  /// How far one gets on each way before somebody is in it.
-  void keep_clear_of(const Other& o, const Values& x, const Values& y, Values& free_m) const {
+  /// How far one gets on each way before somebody is in it: `free` over `per`, which are compared
+  /// crosswise. By squares, and times as multiples of the relative speed's square, so that a way
+  /// costs one root: `nearing` over that square is when the other is nearest, `before` over it how
+  /// much earlier they block the way, `miss` over it how far off they pass, squared.
+  void keep_clear_of(const Other& o, const Values& x, const Values& y, Values& free,
+                     Values& per) const {
     const bool same_way = way_x_ * o.way_x + way_y_ * o.way_y > kSameWay;
     const float open = same_way ? 1.0f : openness_;
     const float size = (1 - kTuning.squeeze_room * o.urge) * o.size;
     const float blocked_m = (kTuning.blocked_m + open * kTuning.open_blocked_m) * size;
     const float clear_m = (kTuning.clear_m + open * kTuning.open_clear_m) * size;
-    const float per_m = 1 / (clear_m - blocked_m);
+    const float blocked_square = square(blocked_m), clear_square = square(clear_m);
+    const float per_m2 = 1 / (clear_square - blocked_square);
     for (size_t i = 0; i < kWays; ++i) {
       const float rx = wanted_mps_ * x[i] - o.ox_mps;
       const float ry = wanted_mps_ * y[i] - o.oy_mps;
       const float speed_square = std::max(rx * rx + ry * ry, 1e-6f);
       const float nearing = o.x_m * rx + o.y_m * ry;
-      if (nearing <= 0) continue;
-      const float time_s = nearing / speed_square;
-      const float miss_m = std::sqrt(std::max(o.square_m2 - nearing * time_s, 0.0f));
-      const float blocks = std::min((clear_m - miss_m) * per_m, 1.0f);
-      if (blocks <= 0) continue;
-      const float inside_m = std::min(miss_m, blocked_m);
-      const float before_s =
-          std::sqrt((blocked_m * blocked_m - inside_m * inside_m) / speed_square);
-      const float way_m = wanted_mps_ * std::max(time_s - before_s, 0.0f) / std::max(blocks, 1e-3f);
-      free_m[i] = std::min(free_m[i], way_m);
+      const float miss = std::max(o.square_m2 * speed_square - nearing * nearing, 0.0f);
+      const float lacks = clear_square * speed_square - miss;
+      if (nearing <= 0 || lacks <= 0) continue;
+      const float before = std::sqrt(std::max(blocked_square * speed_square - miss, 0.0f));
+      const float blocks = std::clamp(lacks * per_m2, kLeastBlocks * speed_square, speed_square);
+      const float way = wanted_mps_ * std::max(nearing - before, 0.0f);
+      if (!(way * per[i] < free[i] * blocks)) continue;
+      free[i] = way;
+      per[i] = blocks;
     }
   }
 
@@ -172,13 +176,15 @@ class Decision {
   }
 
   Eigen::Vector2f best_way() const {
-    Values x, y, free_m, worth;
+    Values x, y, free_m, per, worth;
     for (size_t i = 0; i < kWays; ++i) {
       x[i] = kTurns.cos[i] * way_x_ - kTurns.sin[i] * way_y_;
       y[i] = kTurns.cos[i] * way_y_ + kTurns.sin[i] * way_x_;
       free_m[i] = kFar_m;
+      per[i] = 1;
     }
-    for (size_t k = 0; k < count_; ++k) keep_clear_of(others_[k], x, y, free_m);
+    for (size_t k = 0; k < count_; ++k) keep_clear_of(others_[k], x, y, free_m, per);
+    for (size_t i = 0; i < kWays; ++i) free_m[i] /= per[i];
     for (uint32_t w = first_wall_; w < end_wall_; ++w) keep_off_wall(w, x, y, free_m);
     const float keep = kTuning.keep_on * std::min(1 / wanted_mps_, 1 / std::max(speed_mps_, 1e-3f));
     // Sides matter when somebody has to be passed.

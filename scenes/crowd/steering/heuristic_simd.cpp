@@ -22,6 +22,7 @@ using throng::heuristic::kAgainst;
 using throng::heuristic::kAlong;
 using throng::heuristic::kFar_m;
 using throng::heuristic::kFastest_mps;
+using throng::heuristic::kLeastBlocks;
 using throng::heuristic::kOncoming_mps;
 using throng::heuristic::kRadius_m;
 using throng::heuristic::kSameWay;
@@ -162,7 +163,7 @@ class Decisions {
 
   struct Ways {
     Vectors to[Turns::kCount];
-    V free_m[Turns::kCount];
+    V free_m[Turns::kCount], per[Turns::kCount];
   };
 
   HWY_INLINE void keep_clear_of(const Others& o, Ways& ways) const {
@@ -171,21 +172,22 @@ class Decisions {
     const V size = (all(1) - all(kTuning.squeeze_room) * o.urge) * o.size;
     const V blocked_m = (all(kTuning.blocked_m) + open * all(kTuning.open_blocked_m)) * size;
     const V clear_m = (all(kTuning.clear_m) + open * all(kTuning.open_clear_m)) * size;
-    const V per_m = all(1) / (clear_m - blocked_m);
-    const V blocked_square = square(blocked_m);
+    const V blocked_square = square(blocked_m), clear_square = square(clear_m);
+    const V per_m2 = all(1) / (clear_square - blocked_square);
     for (size_t i = 0; i < Turns::kCount; ++i) {
       const Vectors relative = wanted_mps_ * ways.to[i] - o.expected_mps;
       const V speed_square = hn::Max(dot(relative, relative), all(1e-6f));
       const V nearing = dot(o.offset_m, relative);
-      const V time_s = nearing / speed_square;
-      const V miss_m = hn::Sqrt(hn::Max(o.square_m2 - nearing * time_s, all(0)));
-      const V inside_m = hn::Min(miss_m, blocked_m);
-      const V before_s = hn::Sqrt((blocked_square - inside_m * inside_m) / speed_square);
-      const V blocks = hn::Min((clear_m - miss_m) * per_m, all(1));
-      const V way_m =
-          wanted_mps_ * hn::Max(time_s - before_s, all(0)) / hn::Max(blocks, all(1e-3f));
-      const M is_met = hn::And(o.is_there, hn::And(nearing > all(0), blocks > all(0)));
-      ways.free_m[i] = select(is_met, hn::Min(ways.free_m[i], way_m), ways.free_m[i]);
+      const V miss = hn::Max(o.square_m2 * speed_square - nearing * nearing, all(0));
+      const V lacks = clear_square * speed_square - miss;
+      const V before = hn::Sqrt(hn::Max(blocked_square * speed_square - miss, all(0)));
+      const V blocks =
+          hn::Min(hn::Max(lacks * per_m2, all(kLeastBlocks) * speed_square), speed_square);
+      const V way = wanted_mps_ * hn::Max(nearing - before, all(0));
+      const M is_met = hn::And(o.is_there, hn::And(nearing > all(0), lacks > all(0)));
+      const M is_less = hn::And(is_met, way * ways.per[i] < ways.free_m[i] * blocks);
+      ways.free_m[i] = select(is_less, way, ways.free_m[i]);
+      ways.per[i] = select(is_less, blocks, ways.per[i]);
     }
   }
 
@@ -210,8 +212,10 @@ class Decisions {
       const V cos = all(kTurns.cos[i]), sin = all(kTurns.sin[i]);
       ways.to[i] = {cos * way_.x - sin * way_.y, cos * way_.y + sin * way_.x};
       ways.free_m[i] = all(kFar_m);
+      ways.per[i] = all(1);
     }
     for (size_t k = 0; k < count_; ++k) keep_clear_of(others_[k], ways);
+    for (size_t i = 0; i < Turns::kCount; ++i) ways.free_m[i] = ways.free_m[i] / ways.per[i];
     for (size_t w = 0; w < walls_.count; ++w) keep_off_wall(w, ways);
     return best_of(ways);
   }

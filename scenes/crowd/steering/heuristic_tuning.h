@@ -52,7 +52,7 @@ struct Tuning {
   // And to the right, so fast where so many come towards them: each way has its own side then.
   float side_mps = 0.3f, oncoming = 3;
   /// Times to take up a velocity, and the most that it changes.
-  float speed_up_s = 0.19f, slow_down_s = 0.35f, most_mps2 = 3.5f;
+  float speed_up_s = 0.2f, slow_down_s = 0.35f, most_mps2 = 3.4f;
 };
 inline constexpr Tuning kTuning;
 
@@ -65,6 +65,9 @@ inline constexpr float kAgainst = -0.5f;
 inline constexpr float kSameWay = 0.3f, kAlong = 0.7f;
 /// At a wall a shoulder turned is nearer than the disc by this share of its radius.
 inline constexpr float kTurned = 0.2f;
+
+/// Whoever is all but far enough off blocks a way by so much: it is a thousand times as long.
+inline constexpr float kLeastBlocks = 1e-3f;
 
 /// Two who walk towards each other come no nearer than this in a second.
 inline constexpr float kFastest_mps = 3;

@@ -65,21 +65,19 @@ constexpr Described kSetUps[] = {
     {"uo", "Speed against density: open corridor, one way",
      "A corridor of 8 m x 3 m behind a room of 4 m; 200 people through an entrance of 0.8 to 3.0 "
      "m, "
-     "then 400 with an exit of 2.0 to 0.8 m; 3 m in its middle."},
+     "then 400 with an exit of 2.0 to 0.8 m, three times each; 3 m in its middle."},
     {"eo", "Speed against density: round a corner",
-     "A corridor 2.4 m wide, legs of 5 and 8 m; 200 people through an entrance of 0.5 to 2.4 m; "
-     "2.4 "
-     "m in the middle of both legs."},
+     "A corridor 2.4 m wide, legs of 5 and 8 m; 200 people through an entrance of 0.5 to 2.4 m, "
+     "three times each; 2.4 m in the middle of both legs."},
     {"ko", "Speed against density: two streams merge",
      "A T-junction, arms 2.4 m wide and 8 m long; 100 people in each of two arms through entrances "
-     "of 0.5 to 2.4 m; 2.4 m in the middle of all three."},
+     "of 0.5 to 2.4 m, three times each; 2.4 m in the middle of all three."},
     {"bot", "Speed against density: two-way corridor",
      "A corridor of 8 m x 3.6 m, at both ends a room of 4 m; 200 people each way through entrances "
-     "of 0.5 to 2.5 m; 3.6 m in its middle."},
+     "of 0.5 to 2.5 m, three times each; 3.6 m in its middle."},
     {"single_file", "Speed against density: single file",
-     "A corridor 0.8 m wide closes in an oval, 26 m round in its middle; 8 to 70 people, seconds "
-     "60 "
-     "to 180; 3 m in the middle of both straights, density along the way."}};
+     "A corridor 0.8 m wide closes in an oval, 26 m round in its middle; 8 to 70 people, three "
+     "times each, seconds 60 to 180; 3 m in the middle of both straights, density along the way."}};
 
 }  // namespace
 
