@@ -222,6 +222,13 @@ std::array<ptrdiff_t, 4> FlowGrid::ways_from(size_t cell) const {
           (ways & 4u) != 0 ? at - columns : -1, (ways & 8u) != 0 ? at + columns : -1};
 }
 
+bool FlowGrid::is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+  const int steps = static_cast<int>(std::ceil(10 * (to - from).norm() / cell_m_));
+  for (int i = 0; i <= steps; ++i)
+    if (!is_free(cell_at(from + (i + 0.5) / (steps + 1) * (to - from)))) return false;
+  return true;
+}
+
 double FlowGrid::margin_m(double cell_m) { return std::max(kBodyMargin_m, 0.71 * cell_m); }
 
 Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
@@ -326,7 +333,8 @@ void FlowField::lead_out_of_walls() {
 }
 
 /// Cells of 0.2 m tell the way to a gap of half a metre no better than to its corner: there people
-/// walk to the next cell's place.
+/// walk to the place of the next cell but one, or of the next if a corner lies between. The next
+/// alone may lie straight beside them: before a door of 0.7 m they swung to and fro between two.
 void FlowField::aim_through_gaps() {
   std::vector<size_t> cells;
   for (const auto& [cell, place] : grid_->narrow()) cells.push_back(cell);
@@ -337,15 +345,20 @@ void FlowField::aim_through_gaps() {
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   for (const size_t cell : cells) {
-    ptrdiff_t best = -1;
-    float least_m = cells_[cell].distance_m;
-    for (const ptrdiff_t next : grid_->ways_from(cell)) {
-      if (next < 0 || !(cells_[static_cast<size_t>(next)].distance_m < least_m)) continue;
-      best = next;
-      least_m = cells_[static_cast<size_t>(next)].distance_m;
-    }
-    if (best >= 0) aims_.emplace_back(cell, grid_->place_m(static_cast<size_t>(best)));
+    const size_t next = downhill_of(cell), second = downhill_of(next);
+    if (next == cell) continue;
+    const Eigen::Vector2d from = grid_->place_m(cell), to = grid_->place_m(second);
+    aims_.emplace_back(cell, grid_->is_free_between(from, to) ? to : grid_->place_m(next));
   }
+}
+
+/// The nearest to the goal of a cell and those that one can walk to from it.
+size_t FlowField::downhill_of(size_t cell) const {
+  size_t best = cell;
+  for (const ptrdiff_t next : grid_->ways_from(cell))
+    if (next >= 0 && cells_[static_cast<size_t>(next)].distance_m < cells_[best].distance_m)
+      best = static_cast<size_t>(next);
+  return best;
 }
 
 const Eigen::Vector2d* FlowField::aim_at(const Eigen::Vector2d& point) const {

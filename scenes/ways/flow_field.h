@@ -37,6 +37,8 @@ class FlowGrid {
   Eigen::Vector2d place_m(size_t cell) const;
   /// The cells left, right, below and above that one can walk to; -1 where none is.
   std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
+  /// True if the straight way between two points leads through free cells alone (to a tenth of one).
+  bool is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
   /// The cells in and before gaps that hold no cell's centre; ascending.
   const std::vector<std::pair<size_t, Eigen::Vector2d>>& narrow() const { return narrow_; }
   /// The straight ways from cell to cell through gaps that hold few centres of cells or none.
@@ -130,12 +132,13 @@ class FlowField {
   void point_downhill();
   void lead_out_of_walls();
   void aim_through_gaps();
+  size_t downhill_of(size_t cell) const;
   const Eigen::Vector2d* aim_at(const Eigen::Vector2d& point) const;
 
   const FlowGrid* grid_;
   std::vector<Cell> cells_;
   std::vector<uint8_t> is_closed_;  ///< the way of each cell, or empty: there is no closed door
-  /// In and before narrow gaps, the place to walk to next; ascending by cell.
+  /// In and before narrow gaps, the place to walk to; ascending by cell.
   std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
 };
 

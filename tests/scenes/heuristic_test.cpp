@@ -315,10 +315,11 @@ TEST(Heuristic, PeopleFromAllSidesGetPastEachOtherWithoutWalkingThroughBodies) {
 namespace validation {
 namespace {
 
-/// People whose wishes lagged behind their way swung to and fro before such a door for ever.
+/// People whose wishes lagged behind their way swung to and fro before such a door for ever; so did
+/// those of the last three seeds, whose field led them straight aside to its middle.
 TEST(HeuristicCrowd, SomebodyAloneGetsThroughANarrowDoor) {
   for (const double half_m : {0.3, 0.35})
-    for (uint64_t seed = 1; seed <= 10; ++seed) {
+    for (const uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 89, 140, 197}) {
       Plan plan =
           carved("door", {{{0, -3}, {4, 3}}, {{4, -half_m}, {6.8, half_m}}, {{6.8, -3}, {12, 3}}},
                  {SteeringKind::kHeuristic}, seed);
