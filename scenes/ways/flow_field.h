@@ -37,7 +37,8 @@ class FlowGrid {
   Eigen::Vector2d place_m(size_t cell) const;
   /// The cells left, right, below and above that one can walk to; -1 where none is.
   std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
-  /// True if the straight way between two points leads through free cells alone (to a tenth of one).
+  /// True if the straight way from point to point leads through free cells alone (to a tenth of
+  /// one).
   bool is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
   /// The cells in and before gaps that hold no cell's centre; ascending.
   const std::vector<std::pair<size_t, Eigen::Vector2d>>& narrow() const { return narrow_; }

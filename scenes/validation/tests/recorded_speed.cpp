@@ -64,8 +64,7 @@ constexpr Described kSetUps[] = {
      "160 people, seconds 60 to 180; 1.8 m in the middle of both straights."},
     {"uo", "Speed against density: open corridor, one way",
      "A corridor of 8 m x 3 m behind a room of 4 m; 200 people through an entrance of 0.8 to 3.0 "
-     "m, "
-     "then 400 with an exit of 2.0 to 0.8 m, three times each; 3 m in its middle."},
+     "m, then 400 with an exit of 2.0 to 0.8 m, three times each; 3 m in its middle."},
     {"eo", "Speed against density: round a corner",
      "A corridor 2.4 m wide, legs of 5 and 8 m; 200 people through an entrance of 0.5 to 2.4 m, "
      "three times each; 2.4 m in the middle of both legs."},
