@@ -187,13 +187,12 @@ std::vector<MetTwo> meet(uint64_t count, const Conditions& conditions) {
   return out;
 }
 
-std::vector<LevelContacts> contacts_of(const std::string& bundled, double seconds,
-                                       const Conditions& conditions) {
-  Plan plan = bundled_plan(bundled, conditions);
-  plan.scene.exact = true;
+std::vector<LevelContacts> contacts_of(const Plan& plan, double seconds) {
+  Scene scene = plan.scene;
+  scene.exact = true;
   SimulationOptions options;
   options.postures = false;
-  Simulation simulation(std::move(plan.scene), options);
+  Simulation simulation(std::move(scene), options);
   ContactMeasures measures(simulation.info());
   const auto frames = static_cast<int64_t>(std::llround(seconds / simulation.scene().step_s));
   for (int64_t frame = 0; frame < frames; ++frame) measures.frame(simulation.step());

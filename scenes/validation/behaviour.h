@@ -28,7 +28,6 @@ Standing stand_close(double per_m2, const Conditions& conditions, Outcome& outco
 /// Encounters, steered from where they begin, with bodies; so many of one seed.
 std::vector<MetTwo> meet(uint64_t count, const Conditions& conditions);
 /// By level of density, of bodies.
-std::vector<LevelContacts> contacts_of(const std::string& bundled, double seconds,
-                                       const Conditions& conditions);
+std::vector<LevelContacts> contacts_of(const Plan& plan, double seconds);
 
 }  // namespace throng::validation

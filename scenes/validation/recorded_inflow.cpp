@@ -1,5 +1,7 @@
 #include "scenes/validation/recorded_inflow.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -84,6 +86,18 @@ InflowSite inflow_site(const std::string& id, const Conditions& conditions) {
   if (id == "spacing_corridor") return corridor(conditions);
   if (id == "spacing_door") return door(conditions);
   throw std::out_of_range("no site " + id);
+}
+
+std::shared_ptr<const Recording> recording_of(const InflowSite& site, const Conditions& conditions,
+                                              Outcome& outcome) {
+  if (conditions.recordings.empty()) {
+    outcome.skipped = true;
+    outcome.measured = fmt::format("needs {}: --recordings FOLDER names where it lies", site.file);
+    return nullptr;
+  }
+  RecordingOptions reading = site.reading;
+  reading.file = conditions.recordings / site.file;
+  return read_recording(reading);
 }
 
 Plan with_inflow(const InflowSite& site, const Recording& recording) {

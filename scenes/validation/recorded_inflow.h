@@ -29,6 +29,10 @@ struct InflowSite {
 };
 /// `spacing_corridor` or `spacing_door`; throws std::out_of_range for others.
 InflowSite inflow_site(const std::string& id, const Conditions& conditions);
+/// What was recorded there. None, and the outcome is `skipped`, unless the conditions name the
+/// folder of the recordings.
+std::shared_ptr<const Recording> recording_of(const InflowSite& site, const Conditions& conditions,
+                                              Outcome& outcome);
 
 /// One of the plan's people for each of the recording: enters at its first instant and place, or as
 /// soon as there is room. Those of the very first instant, if there are several, stand anywhere in

@@ -148,8 +148,11 @@ TEST(Spacing, OfOnePercentMayBeFartherOff) {
   EXPECT_FALSE(judge_spacing(ours, cells(0)).passed);
 }
 
-TEST(Spacing, IsSkippedWithoutTheRecordings) {
-  for (const validation::Test& test : spacing_tests()) {
+TEST(WalkedAgain, IsSkippedWithoutTheRecordings) {
+  std::vector<validation::Test> tests = spacing_tests();
+  tests.push_back(contact_tests().back());
+  for (const validation::Test& test : tests) {
+    SCOPED_TRACE(test.ids[0]);
     const Outcome outcome = carry_out(test, {});
     EXPECT_EQ(outcome.verdict(), Verdict::kSkipped);
     EXPECT_THAT(outcome.measured, testing::HasSubstr("--recordings"));
@@ -157,13 +160,13 @@ TEST(Spacing, IsSkippedWithoutTheRecordings) {
 }
 
 /// With the recordings, where they are at hand.
-TEST(Spacing, EverybodyOfARecordingComesInWhenAndWhereTheyDid) {
+TEST(WalkedAgain, EverybodyOfARecordingComesInWhenAndWhereTheyDid) {
   const char* const folder = std::getenv("THRONG_RECORDINGS");
   if (folder == nullptr) GTEST_SKIP() << "THRONG_RECORDINGS names no folder of recordings";
   for (const char* id : {"spacing_corridor", "spacing_door"}) {
-    InflowSite site = inflow_site(id, {});
-    site.reading.file = std::filesystem::path(folder) / site.file;
-    const auto recording = read_recording(site.reading);
+    const InflowSite site = inflow_site(id, {});
+    Outcome outcome;
+    const auto recording = recording_of(site, {.recordings = folder}, outcome);
     const Plan plan = with_inflow(site, *recording);
     Trial trial(plan);
     ASSERT_EQ(trial.size(), recording->people().size()) << id;

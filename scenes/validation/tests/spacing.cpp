@@ -13,14 +13,9 @@ constexpr double kThroughWithin_s = 300;
 
 Outcome spacing(const std::string& id, const Conditions& conditions) {
   Outcome outcome;
-  InflowSite site = inflow_site(id, conditions);
-  if (conditions.recordings.empty()) {
-    outcome.skipped = true;
-    outcome.measured = fmt::format("needs {}: --recordings FOLDER names where it lies", site.file);
-    return outcome;
-  }
-  site.reading.file = conditions.recordings / site.file;
-  const auto recording = read_recording(site.reading);
+  const InflowSite site = inflow_site(id, conditions);
+  const auto recording = recording_of(site, conditions, outcome);
+  if (recording == nullptr) return outcome;
   const auto theirs = recorded_spacing(site.plan.scene, *recording);
   const auto ours = steered_spacing(with_inflow(site, *recording), kThroughWithin_s, outcome);
   return judged(std::move(outcome), judge_spacing(ours, theirs));
