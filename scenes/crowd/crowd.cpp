@@ -156,6 +156,7 @@ void Crowd::start_walking(size_t slot) {
       w.intent_mps[slot] = velocities_mps_[id];
   w.drift_mps[slot].setZero();
   w.facing[slot].setZero();
+  w.own_side_m[slot] = 0;
   w.turn_radps[slot] = 0;
   w.clearance_m[slot] = 0;
   w.look_to_rad[slot] = w.look_radps[slot] = looks_rad_[id] = 0;

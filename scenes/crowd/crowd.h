@@ -129,7 +129,7 @@ class Crowd {
   bool stands(size_t slot) const { return walkers_.way_x[slot] == 0 && walkers_.way_y[slot] == 0; }
   bool stands_among_standing(size_t slot) const;
   double own_side_m(size_t slot) const;
-  OwnSide own_side(size_t slot) const { return {slots_.own_side_m[slot], walkers_.facing[slot]}; }
+  OwnSide own_side(size_t slot) const { return {walkers_.own_side_m[slot], walkers_.facing[slot]}; }
   Eigen::Vector2d wanted_mps(size_t slot);
   void wish_for(size_t slot, const Eigen::Vector2f& wanted_mps);
   void show(size_t slot);

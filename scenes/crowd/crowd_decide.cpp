@@ -86,7 +86,7 @@ void Crowd::change_people() {
 void Crowd::look_around(Slots slots) {
   // The fields are too large for the caches: fetched now, they are there after the search.
   for (const uint32_t slot : slots) {
-    slots_.own_side_m[slot] = own_side_m(slot);
+    walkers_.own_side_m[slot] = own_side_m(slot);
     journeys_.prefetch(grid_.order()[slot], walkers_.position_m[slot], own_side(slot));
   }
   grid_.nearest(slots, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
@@ -137,15 +137,6 @@ double Crowd::strangers_per_m2(size_t slot) const {
   return sum * 3 / (std::numbers::pi * kReach_m * kReach_m);
 }
 
-namespace {
-
-/// 0 up to `from`, 1 from `to` on.
-float share_between(double from, double to, double x) {
-  return static_cast<float>(std::clamp((x - from) / (to - from), 0.0, 1.0));
-}
-
-}  // namespace
-
 /// Returns the longest stall.
 double Crowd::wish(Slots slots) {
   if (!parties_.any()) look_around(slots);
@@ -156,10 +147,12 @@ double Crowd::wish(Slots slots) {
     longest_s = std::max(longest_s, watch_progress(slot));
     wish_for(slot, wanted_mps(slot).cast<float>());
     const double stalled_s = stalled_s_of(slot);
-    w.urge[slot] = share_between(tuning::kUrgeFrom_s, tuning::kUrgeTo_s, stalled_s);
+    w.urge[slot] = static_cast<float>(
+        tuning::share_between(tuning::kUrgeFrom_s, tuning::kUrgeTo_s, stalled_s));
+    const auto eager = static_cast<float>(
+        tuning::share_between(tuning::kEagerFrom_s, tuning::kEagerTo_s, stalled_s));
     w.eagerness[slot] =
-        std::max(share_between(tuning::kEagerFrom_s, tuning::kEagerTo_s, stalled_s),
-                 w.eagerness[slot] - static_cast<float>(period_s_ / tuning::kEagerFor_s));
+        std::max(eager, w.eagerness[slot] - static_cast<float>(period_s_ / tuning::kEagerFor_s));
     stretch(slot);
     show(slot);
     find_facing(slot);

@@ -35,6 +35,7 @@ enum class Saved : uint8_t {
 //   look_to_rad   where the head turns
 //   look_radps    how fast it does
 //   facing        what somebody who stands turns to: a unit vector, or zero
+//   own_side_m    how far to the left of the shortest way somebody walks
 //   turn_radps    of the heading, to the left; 0: whoever stands does not turn
 //   anchor_m      where progress was last made, and the step of it
 //   queued_steps  since the anchor
@@ -60,6 +61,7 @@ enum class Saved : uint8_t {
   FIELD(float, look_to_rad, kAsLook)               \
   FIELD(float, look_radps, kAsLookSpeed)           \
   FIELD(Eigen::Vector2d, facing, kAsSpeed)         \
+  FIELD(double, own_side_m, kPlainly)              \
   FIELD(double, turn_radps, kAsTurn)               \
   FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \
   FIELD(int64_t, anchor_step, kPlainly)            \
@@ -77,7 +79,6 @@ enum class Saved : uint8_t {
 // FIELD(type, name), one value a slot: what follows from a walker, and what a decision works out.
 //   phase            the step of a period in which somebody decides
 //   vx_mps, vy_mps   the velocity that others see; and the radius
-//   own_side_m       how far to the left of the shortest way somebody walks
 //   next_held        what `held` of a walker becomes
 //   close_counts     of the neighbours, who may overlap; they come first
 //   crowded          of a block, from its first place on: slots with some
@@ -89,7 +90,6 @@ enum class Saved : uint8_t {
   FIELD(float, vx_mps)                \
   FIELD(float, vy_mps)                \
   FIELD(float, radius_m)              \
-  FIELD(double, own_side_m)           \
   FIELD(float, max_speed_mps)         \
   FIELD(float, horizon_s)             \
   FIELD(float, next_x_mps)            \

@@ -2,7 +2,14 @@
 // One rule: a number that shapes how people walk stands here, nowhere else.
 #pragma once
 
+#include <algorithm>
+
 namespace throng::tuning {
+
+/// What grows between two of these numbers: 0 up to `from`, 1 from `to` on.
+inline double share_between(double from, double to, double x) {
+  return std::clamp((x - from) / (to - from), 0.0, 1.0);
+}
 
 /// Decisions ten times a second: people do not react faster, and between them motion is smooth.
 inline constexpr double kPeriod_s = 0.1;
@@ -99,9 +106,13 @@ inline constexpr double kPatience_s = 3.0;
 
 /// The shortest way is the same for all, and round a corner all would walk in one file along its
 /// inner edge. Each keeps to a side of their own, as far off the shortest way as the next wall is
-/// farther away than the first, and than the second's share of the way left.
-inline constexpr double kOwnSideFrom_m = 1.0;
+/// farther away than the first, and than the second's share of the way left. Not so in a queue,
+/// where it would lead into a door's frame: all of it from the fourth's share of the free speed
+/// on, nothing below the third's. So fast they go over to it: feet can follow.
+inline constexpr double kOwnSideFrom_m = 0.45;
 inline constexpr double kOwnSideShare = 0.2;
+inline constexpr double kOwnSideSlow = 0.2, kOwnSideFast = 0.5;
+inline constexpr double kOwnSideRate_mps = 0.2;
 
 /// Ways bend round where a crowd is slow: where it is denser than the first, and all the more up to
 /// the second, a metre counts longer by the share of the free speed at which people get on along

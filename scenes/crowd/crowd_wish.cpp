@@ -10,12 +10,16 @@
 namespace throng {
 
 /// How far to the left of the shortest way somebody walks, less than nothing to the right: to a
-/// side of their own, and as far as walls leave room.
+/// side of their own, as far as walls leave room and their pace does, and not all at once.
 double Crowd::own_side_m(size_t slot) const {
-  const double room_m = walkers_.clearance_m[slot] - tuning::kOwnSideFrom_m;
-  if (!traits_.keeps_sides || room_m <= 0) return 0;
+  if (!traits_.keeps_sides) return 0;
+  const double room_m = std::max(walkers_.clearance_m[slot] - tuning::kOwnSideFrom_m, 0.0);
+  const double pace = walkers_.velocity_mps[slot].norm() / walkers_.free_speed_mps[slot];
+  const double share = tuning::share_between(tuning::kOwnSideSlow, tuning::kOwnSideFast, pace);
   const RandomKey key{options_.seed, grid_.order()[slot], 0, Purpose::kOwnSide};
-  return random_uniform(key, -room_m, room_m);
+  const double side_m = share * random_uniform(key, -room_m, room_m);
+  const double most_m = tuning::kOwnSideRate_mps * period_s_, now_m = walkers_.own_side_m[slot];
+  return std::clamp(side_m, now_m - most_m, now_m + most_m);
 }
 
 Eigen::Vector2d Crowd::wanted_mps(size_t slot) {

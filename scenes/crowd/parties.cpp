@@ -44,8 +44,9 @@ constexpr double kSight_m = 6;
 constexpr double kBody_m = 0.2;
 constexpr int kSightSamples = 8;
 
-// Taking a place: the most that a way is bent for it (the tangent) and from how far off; the
-// distance along the way for which somebody hurries by all of it, and the bounds of that.
+// Taking a place: the most that a way is bent for it (the tangent) and from how far off, sooner
+// where there is less room; the distance along the way for which somebody hurries by all of it, and
+// the bounds of that.
 constexpr double kMostAside = 0.5, kAside_m = 0.8;
 /// Who is so far beside its place falls back by up to so much.
 constexpr double kAstray_m = 0.35, kFarAstray_m = 0.8, kFallBack_m = 0.9;
@@ -322,7 +323,8 @@ double Parties::keep_place(const Row& row, const Member& self, Wish& wish) const
   double along_m = wanted.ahead_m - now.ahead_m;
   // Nobody walks through those who are in between: but for the first, they come from behind.
   if (ahead > 0) along_m -= kFallBack_m * smooth_step(kAstray_m, kFarAstray_m, std::abs(aside_m));
-  const double aside = std::clamp(aside_m / kAside_m, -1.0, 1.0);
+  const double wholly_m = std::clamp(row.room_m, kFile_m, kAside_m);
+  const double aside = std::clamp(aside_m / wholly_m, -1.0, 1.0);
   // Not into a wall.
   const double clearance_m =
       ways_.walkable().clearance_m(self.at_m + std::copysign(kShoulder_m, aside) * left);

@@ -14,6 +14,8 @@ namespace {
 
 constexpr size_t kWays = Turns::kCount;
 using Values = std::array<float, kWays>;
+/// Whoever has a sixth neighbour is in a crowd, and how far off that is tells how dense it is.
+constexpr size_t kSixth = 5;
 
 float square(float x) { return x * x; }
 
@@ -98,7 +100,6 @@ class Decision {
       o.size = 0.5f * (size_ + p_.radius_m[other] / kRadius_m);
       o.urge = std::max(p_.urge[slot_], p_.urge[other]);
     }
-    constexpr size_t kSixth = 5;
     if (count_ > kSixth)
       openness_ = std::clamp((std::sqrt(others_[kSixth].square_m2) - kTuning.dense_m) /
                                  (kTuning.open_m - kTuning.dense_m),
@@ -107,12 +108,15 @@ class Decision {
 
   Eigen::Vector2f drift() const {
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+    const float walking_apart_m =
+        kTuning.apart_m + openness_ * (kTuning.open_apart_m - kTuning.apart_m);
+    const float apart_m = wants() ? walking_apart_m : kTuning.waits_apart_m;
+    const float drift_mps = wants() ? kTuning.drift_mps : kTuning.waits_drift_mps;
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
       const float distance_m = std::sqrt(o.square_m2);
-      const float lack =
-          std::clamp((kTuning.apart_m * o.size - distance_m) / kTuning.drift_m, 0.0f, 2.0f);
-      sum -= kTuning.drift_mps * lack / distance_m * Eigen::Vector2f(o.x_m, o.y_m);
+      const float lack = std::clamp((apart_m * o.size - distance_m) / kTuning.drift_m, 0.0f, 2.0f);
+      sum -= drift_mps * lack / distance_m * Eigen::Vector2f(o.x_m, o.y_m);
     }
     for (uint32_t w = first_wall_; w < end_wall_; ++w) {
       const float gap_m = p_.wall_clearance_m[w] + p_.radius_m[slot_] - kTuning.wall_m;
@@ -131,12 +135,22 @@ class Decision {
     return std::min(oncoming / kTuning.oncoming, 1.0f);
   }
 
+  /// How much of somebody is made way for. Whoever comes from behind in a crowd keeps clear by
+  /// themselves.
+  float share_seen(const Other& o) const {
+    if (count_ <= kSixth) return 1;
+    const float cosine = (way_x_ * o.x_m + way_y_ * o.y_m) / std::sqrt(o.square_m2);
+    return std::clamp((cosine - kSeenFrom) / (kSeenWholly - kSeenFrom), 0.0f, 1.0f);
+  }
+
   /// How far one gets on each way before somebody is in it: `free` over `per`, which are compared
   /// crosswise. By squares, and times as multiples of the relative speed's square, so that a way
   /// costs one root: `nearing` over that square is when the other is nearest, `before` over it how
   /// much earlier they block the way, `miss` over it how far off they pass, squared.
   void keep_clear_of(const Other& o, const Values& x, const Values& y, Values& free,
                      Values& per) const {
+    const float seen = share_seen(o);
+    if (seen <= 0) return;
     const bool same_way = way_x_ * o.way_x + way_y_ * o.way_y > kSameWay;
     const float open = same_way ? 1.0f : openness_;
     const float size = (1 - kTuning.squeeze_room * o.urge) * o.size;
@@ -153,7 +167,8 @@ class Decision {
       const float lacks = clear_square * speed_square - miss;
       if (nearing <= 0 || lacks <= 0) continue;
       const float before = std::sqrt(std::max(blocked_square * speed_square - miss, 0.0f));
-      const float blocks = std::clamp(lacks * per_m2, kLeastBlocks * speed_square, speed_square);
+      const float blocks =
+          seen * std::clamp(lacks * per_m2, kLeastBlocks * speed_square, speed_square);
       const float way = wanted_mps_ * std::max(nearing - before, 0.0f);
       if (!(way * per[i] < free[i] * blocks)) continue;
       free[i] = way;
@@ -250,12 +265,15 @@ class Decision {
     return wanted_mps_ * saturated(std::max(gap_m, 0.0f) / kTuning.room_m);
   }
 
-  /// What of a wish can be taken up until the next decision.
+  /// What of a wish can be taken up until the next decision: across the way wanted little at once,
+  /// as feet have to follow.
   Eigen::Vector2f towards(const Eigen::Vector2f& wish) const {
     const Eigen::Vector2f now(vx_mps_, vy_mps_);
     const bool slows = wish.squaredNorm() < now.squaredNorm();
     const float share = p_.period_s / (slows ? kTuning.slow_down_s : kTuning.speed_up_s);
-    return now + std::min(share, 1.0f) * (wish - now);
+    const Eigen::Vector2f change = std::min(share, 1.0f) * (wish - now), right(way_y_, -way_x_);
+    const float most_mps = kTuning.across_mps2 * p_.period_s, to_right_mps = change.dot(right);
+    return now + change - (to_right_mps - std::clamp(to_right_mps, -most_mps, most_mps)) * right;
   }
 
   /// Nobody changes velocity faster, but for walls.

@@ -26,6 +26,8 @@ using throng::heuristic::kLeastBlocks;
 using throng::heuristic::kOncoming_mps;
 using throng::heuristic::kRadius_m;
 using throng::heuristic::kSameWay;
+using throng::heuristic::kSeenFrom;
+using throng::heuristic::kSeenWholly;
 using throng::heuristic::kTuning;
 using throng::heuristic::kTurned;
 using throng::heuristic::kTurns;
@@ -119,20 +121,25 @@ class Decisions {
     }
     constexpr size_t kSixth = 5;
     openness_ = all(1);
+    in_crowd_ = hn::FirstN(D(), 0);
     if (count_ <= kSixth) return;
+    in_crowd_ = others_[kSixth].is_there;
     const V sixth_m = hn::Sqrt(others_[kSixth].square_m2);
     const V open = (sixth_m - all(kTuning.dense_m)) / all(kTuning.open_m - kTuning.dense_m);
-    openness_ = select(others_[kSixth].is_there, clamp(open, 0, 1), openness_);
+    openness_ = select(in_crowd_, clamp(open, 0, 1), openness_);
   }
 
   HWY_INLINE Vectors drift() const {
     Vectors sum{all(0), all(0)};
+    const V walking_apart_m =
+        all(kTuning.apart_m) + openness_ * all(kTuning.open_apart_m - kTuning.apart_m);
+    const V apart_m = select(wants_, walking_apart_m, all(kTuning.waits_apart_m));
+    const V drift_mps = select(wants_, all(kTuning.drift_mps), all(kTuning.waits_drift_mps));
     for (size_t k = 0; k < count_; ++k) {
       const Others& o = others_[k];
       const V distance_m = hn::Sqrt(o.square_m2);
-      const V lack =
-          clamp((all(kTuning.apart_m) * o.size - distance_m) / all(kTuning.drift_m), 0, 2);
-      const Vectors off = all(kTuning.drift_mps) * lack / distance_m * o.offset_m;
+      const V lack = clamp((apart_m * o.size - distance_m) / all(kTuning.drift_m), 0, 2);
+      const Vectors off = drift_mps * lack / distance_m * o.offset_m;
       sum = select(o.is_there, sum - off, sum);
     }
     for (size_t w = 0; w < walls_.count; ++w) {
@@ -140,9 +147,10 @@ class Decisions {
       const V lack = clamp(all(1) - gap_m / all(kTuning.wall_drift_m), 0, 2);
       sum = sum + all(kTuning.wall_drift_mps) * lack * wall(w);
     }
-    const V side_mps = all(kTuning.side_mps) * counterflow();
-    return sum + side_mps * Vectors{way_.y, hn::Neg(way_.x)};
+    return sum + all(kTuning.side_mps) * counterflow() * right();
   }
+
+  HWY_INLINE Vectors right() const { return {way_.y, hn::Neg(way_.x)}; }
 
   HWY_INLINE V counterflow() const {
     V oncoming = all(0);
@@ -166,7 +174,16 @@ class Decisions {
     V free_m[Turns::kCount], per[Turns::kCount];
   };
 
+  HWY_INLINE V share_seen(const Others& o) const {
+    const V cosine = dot(way_, o.offset_m) / hn::Sqrt(o.square_m2);
+    const V seen = clamp((cosine - all(kSeenFrom)) / all(kSeenWholly - kSeenFrom), 0, 1);
+    return select(in_crowd_, seen, all(1));
+  }
+
   HWY_INLINE void keep_clear_of(const Others& o, Ways& ways) const {
+    const V seen = share_seen(o);
+    const M counts = hn::And(o.is_there, seen > all(0));
+    if (hn::AllFalse(D(), counts)) return;
     const M same_way = dot(way_, o.way) > all(kSameWay);
     const V open = select(same_way, all(1), openness_);
     const V size = (all(1) - all(kTuning.squeeze_room) * o.urge) * o.size;
@@ -182,9 +199,9 @@ class Decisions {
       const V lacks = clear_square * speed_square - miss;
       const V before = hn::Sqrt(hn::Max(blocked_square * speed_square - miss, all(0)));
       const V blocks =
-          hn::Min(hn::Max(lacks * per_m2, all(kLeastBlocks) * speed_square), speed_square);
+          seen * hn::Min(hn::Max(lacks * per_m2, all(kLeastBlocks) * speed_square), speed_square);
       const V way = wanted_mps_ * hn::Max(nearing - before, all(0));
-      const M is_met = hn::And(o.is_there, hn::And(nearing > all(0), lacks > all(0)));
+      const M is_met = hn::And(counts, hn::And(nearing > all(0), lacks > all(0)));
       const M is_less = hn::And(is_met, way * ways.per[i] < ways.free_m[i] * blocks);
       ways.free_m[i] = select(is_less, way, ways.free_m[i]);
       ways.per[i] = select(is_less, blocks, ways.per[i]);
@@ -304,7 +321,11 @@ class Decisions {
     const M slows = dot(wish, wish) < dot(velocity_mps_, velocity_mps_);
     const V share = select(slows, all(p_.period_s / kTuning.slow_down_s),
                            all(p_.period_s / kTuning.speed_up_s));
-    return velocity_mps_ + hn::Min(all(1), share) * (wish - velocity_mps_);
+    const Vectors change = hn::Min(all(1), share) * (wish - velocity_mps_);
+    const float most_mps = kTuning.across_mps2 * p_.period_s;
+    const V to_right_mps = dot(change, right());
+    return velocity_mps_ + change -
+           (to_right_mps - clamp(to_right_mps, -most_mps, most_mps)) * right();
   }
 
   HWY_INLINE V square_of_ahead(const Others& o) const {
@@ -373,7 +394,7 @@ class Decisions {
   Vectors way_, velocity_mps_;
   V radius_m_, size_, max_speed_mps_, eagerness_;
   V wanted_mps_, speed_mps_, openness_;
-  M wants_;
+  M wants_, in_crowd_;
 };
 
 }  // namespace

@@ -14,45 +14,48 @@ inline constexpr float kRadius_m = 0.22f;
 struct Tuning {
   // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
   // way; at stand_m people stand, from about room_m more on they walk freely.
-  float stand_m = 0.65f;
+  float stand_m = 0.643f;
   float shoulders_m = 0.30f;
-  float room_m = 0.85f;
+  float room_m = 0.79f;
   /// Oncoming people pass each other with a shoulder turned.
-  float passing_m = 0.27f;
+  float passing_m = 0.26f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
   float ahead_s = 3;
   // Those who are eager count on more, by how much faster the other is and by its square, so that
   // what comes and goes in a queue counts little: nothing if bodies are all but at touching_m, all
   // of it from follows_m on.
-  float eager_s = 5, eager_s2pm = 70, touching_m = 0.3f, follows_m = 0.5f;
+  float eager_s = 4, eager_s2pm = 70, touching_m = 0.3f, follows_m = 0.5f;
   // Nearer than blocked_m to somebody a way is blocked, farther off than clear_m it is free. In the
   // open, and by those who go the same way, people are passed so much farther off; it is open where
   // the sixth nearest is at open_m, and dense where it is at dense_m.
   float blocked_m = 0.28f, clear_m = 0.41f;
-  float open_blocked_m = 0.10f, open_clear_m = 0.20f;
+  float open_blocked_m = 0.085f, open_clear_m = 0.18f;
   float dense_m = 0.9f, open_m = 1.8f;
   /// From walls.
-  float wall_m = 0.24f;
+  float wall_m = 0.23f;
   // Nobody comes nearer than bodies do, within so long: both give way by half (see avoid()). They
   // are wider than deep. Where it is dense shoulders turn: bodies are narrower by this share.
-  float wide_m = 0.445f, deep_m = 0.31f, body_s = 0.48f, turned = 0.15f;
+  float wide_m = 0.46f, deep_m = 0.31f, body_s = 0.55f, turned = 0.12f;
   // Of those who get nowhere, and of those whom they meet, bodies become narrower by up to the
   // first share, and the room that they are passed with by up to the second.
-  float squeeze = 0.45f, squeeze_room = 0.24f;
+  float squeeze = 0.44f, squeeze_room = 0.24f;
   /// A way that is free for so long is worth half of one that is free for ever.
   float horizon_m = 2;
   /// What turning off costs, and what passing on the left does.
-  float keep_on = 0.17f;
+  float keep_on = 0.24f;
   float keep_right = 0.12f;
   /// Others are expected to go by so much as they want to, the rest as they do.
   float intent = 0.7f;
-  // People drift away from those nearer than apart_m, the nearer the faster, and from walls.
-  float drift_mps = 0.1f, apart_m = 0.63f, drift_m = 0.24f;
+  // People drift away from those nearer than apart_m, in the open only from those nearer than
+  // open_apart_m, the nearer the faster, and from walls; those who wait keep their place sooner.
+  float drift_mps = 0.12f, apart_m = 0.76f, open_apart_m = 0.42f, drift_m = 0.24f;
+  float waits_drift_mps = 0.10f, waits_apart_m = 0.50f;
   float wall_drift_mps = 0.25f, wall_drift_m = 0.2f;
   // And to the right, so fast where so many come towards them: each way has its own side then.
-  float side_mps = 0.3f, oncoming = 3;
-  /// Times to take up a velocity, and the most that it changes.
-  float speed_up_s = 0.2f, slow_down_s = 0.35f, most_mps2 = 3.4f;
+  float side_mps = 0.40f, oncoming = 2.5f;
+  /// Times to take up a velocity, the most that a wish changes it across the way wanted, and the
+  /// most that it changes at all.
+  float speed_up_s = 0.19f, slow_down_s = 0.35f, across_mps2 = 2.0f, most_mps2 = 3.5f;
 };
 inline constexpr Tuning kTuning;
 
@@ -63,6 +66,8 @@ inline constexpr float kOncoming_mps = -0.1f, kWants_mps = 0.015f;
 inline constexpr float kAgainst = -0.5f;
 /// Cosines of ways that count as the same, and that do so wholly.
 inline constexpr float kSameWay = 0.3f, kAlong = 0.7f;
+/// Cosines of the angle to the way from which on somebody in a crowd is seen, and wholly.
+inline constexpr float kSeenFrom = -0.15f, kSeenWholly = 0.25f;
 /// At a wall a shoulder turned is nearer than the disc by this share of its radius.
 inline constexpr float kTurned = 0.2f;
 
