@@ -10,6 +10,7 @@
 #include <numeric>
 #include <vector>
 
+#include "scenes/crowd/steering/heuristic_tuning.h"
 #include "scenes/validation/recorded_situations.h"
 #include "scenes/validation/trial.h"
 #include "tests/scenes/steering_draws.h"
@@ -162,6 +163,48 @@ TEST(Heuristic, NoVelocityIsTooFastTooSuddenOrInAWall) {
       EXPECT_GE(v.dot(wall.away),
                 -std::max(0.0f, wall.clearance_m + 0.2f * 0.22f) / defaults.wall_horizon_s - 1e-4f);
   }
+}
+
+TEST(Heuristic, NobodyTurnsIntoAWayFasterThanFeetFollow) {
+  constexpr float kMost_mps = heuristic::kTuning.across_mps2 * kPeriod_s;
+  float most_mps = 0;
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    const Eigen::Vector2f way = polar(1, uniform(seed, 0, -3.14, 3.14)), right(way.y(), -way.x());
+    const Eigen::Vector2f now = polar(uniform(seed, 1, 0, 1.5), uniform(seed, 2, -3.14, 3.14));
+    const Moment moment{{{{0, 0}, now, kFree_mps * way}}, {}};
+    const float across_mps = std::abs((moment.decide().front() - now).dot(right));
+    EXPECT_LE(across_mps, kMost_mps + 1e-5f) << "seed " << seed;
+    most_mps = std::max(most_mps, across_mps);
+  }
+  EXPECT_GT(most_mps, 0.99f * kMost_mps);
+}
+
+/// Somebody walks slowly, and somebody fast comes up a metre behind, a little to the right.
+Eigen::Vector2f overtaken(bool is_in_crowd, bool comes_somebody) {
+  const Eigen::Vector2f slowly(0.7f, 0);
+  Moment moment{{{{0, 0}, slowly, slowly}}, {}};
+  if (comes_somebody) moment.people.push_back({{-1, -0.05f}, {kFree_mps, 0}, {kFree_mps, 0}});
+  // Six to both sides, all of them so far off that they are in nobody's way.
+  for (int i = 0; i < 6 && is_in_crowd; ++i)
+    moment.people.push_back(
+        {polar(3, (i % 2 == 0 ? 1 : -1) * (1.4f + 0.1f * static_cast<float>(i / 2))), slowly,
+         slowly});
+  return moment.decide().front();
+}
+
+TEST(Heuristic, InACrowdNobodyMakesWayForWhoComesFromBehind) {
+  EXPECT_EQ(overtaken(true, true), overtaken(true, false));
+  EXPECT_GT(overtaken(false, true).y(), overtaken(false, false).y() + 0.01f)
+      << "where there is room, people do";
+}
+
+TEST(Heuristic, WhoWaitsKeepsItsPlaceUntilOthersAreVeryNear) {
+  const auto pushed_mps = [](float apart_m) {
+    const Moment moment{{{{0, 0}, {0, 0}, {0, 0}}, {{apart_m, 0}, {0, 0}, {0, 0}}}, {}};
+    return -moment.decide().front().x();
+  };
+  EXPECT_EQ(pushed_mps(0.6f), 0);
+  EXPECT_GT(pushed_mps(0.45f), 0);
 }
 
 TEST(Heuristic, AChoiceDoesNotDependOnWhoElseIsInTheBlock) {

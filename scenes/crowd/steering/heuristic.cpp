@@ -14,8 +14,6 @@ namespace {
 
 constexpr size_t kWays = Turns::kCount;
 using Values = std::array<float, kWays>;
-/// Whoever has a sixth neighbour is in a crowd, and how far off that is tells how dense it is.
-constexpr size_t kSixth = 5;
 
 float square(float x) { return x * x; }
 

@@ -28,6 +28,7 @@ using throng::heuristic::kRadius_m;
 using throng::heuristic::kSameWay;
 using throng::heuristic::kSeenFrom;
 using throng::heuristic::kSeenWholly;
+using throng::heuristic::kSixth;
 using throng::heuristic::kTuning;
 using throng::heuristic::kTurned;
 using throng::heuristic::kTurns;
@@ -119,7 +120,6 @@ class Decisions {
       o.size = all(0.5f) * (size_ + near.of(k, p_.radius_m) / all(kRadius_m));
       o.urge = hn::Max(near.of(k, p_.urge), urge);
     }
-    constexpr size_t kSixth = 5;
     openness_ = all(1);
     in_crowd_ = hn::FirstN(D(), 0);
     if (count_ <= kSixth) return;

@@ -66,6 +66,8 @@ inline constexpr float kOncoming_mps = -0.1f, kWants_mps = 0.015f;
 inline constexpr float kAgainst = -0.5f;
 /// Cosines of ways that count as the same, and that do so wholly.
 inline constexpr float kSameWay = 0.3f, kAlong = 0.7f;
+/// Whoever has a sixth neighbour is in a crowd, and how far off that is tells how dense it is.
+inline constexpr size_t kSixth = 5;
 /// Cosines of the angle to the way from which on somebody in a crowd is seen, and wholly.
 inline constexpr float kSeenFrom = -0.15f, kSeenWholly = 0.25f;
 /// At a wall a shoulder turned is nearer than the disc by this share of its radius.
