@@ -184,11 +184,9 @@ Eigen::Vector2f overtaken(bool is_in_crowd, bool comes_somebody) {
   const Eigen::Vector2f slowly(0.7f, 0);
   Moment moment{{{{0, 0}, slowly, slowly}}, {}};
   if (comes_somebody) moment.people.push_back({{-1, -0.05f}, {kFree_mps, 0}, {kFree_mps, 0}});
-  // Six to both sides, all of them so far off that they are in nobody's way.
-  for (int i = 0; i < 6 && is_in_crowd; ++i)
-    moment.people.push_back(
-        {polar(3, (i % 2 == 0 ? 1 : -1) * (1.4f + 0.1f * static_cast<float>(i / 2))), slowly,
-         slowly});
+  // Three to each side, so far off that they are in nobody's way.
+  for (const float angle_rad : {1.4f, 1.5f, 1.6f, -1.4f, -1.5f, -1.6f})
+    if (is_in_crowd) moment.people.push_back({polar(3, angle_rad), slowly, slowly});
   return moment.decide().front();
 }
 
