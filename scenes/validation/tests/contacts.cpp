@@ -40,15 +40,15 @@ Outcome contacts(const Conditions& conditions) {
 Outcome contacts_walked_again(const Conditions& conditions) {
   Outcome outcome;
   std::vector<LevelContacts> levels;
-  for (const char* id : {"spacing_corridor", "spacing_door"})
+  for (const char* id : {"spacing_corridor", "spacing_door"}) {
+    const auto recording = recording_of(inflow_site(id, conditions), conditions, outcome);
+    if (recording == nullptr) return outcome;
     for (uint64_t crowd = 0; crowd < kCrowds; ++crowd) {
       Conditions others = conditions;
       others.seed = conditions.seed_of_run(crowd, kCrowds);
-      const InflowSite site = inflow_site(id, others);
-      const auto recording = recording_of(site, others, outcome);
-      if (recording == nullptr) return outcome;
-      add(contacts_of(with_inflow(site, *recording), kWalkedAgain_s), levels);
+      add(contacts_of(with_inflow(inflow_site(id, others), *recording), kWalkedAgain_s), levels);
     }
+  }
   return judged(std::move(outcome), judge_contacts(levels));
 }
 
