@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/crowd/crowd_tuning.h"
+
 namespace throng {
 namespace {
 
@@ -70,7 +72,7 @@ constexpr double kInTheWay = 0.6;
 constexpr double kStepAside_m = 0.9, kInLine_m = 0.15;
 
 double smooth_step(double from, double to, double x) {
-  const double share = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  const double share = tuning::share_between(from, to, x);
   return share * share * (3 - 2 * share);
 }
 
