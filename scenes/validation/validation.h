@@ -64,6 +64,11 @@ struct Conditions {
 
   /// Of a test that makes several runs: none of its seeds is another seed's.
   uint64_t seed_of_run(uint64_t run, uint64_t runs) const { return (seed - 1) * runs + run + 1; }
+  Conditions of_run(uint64_t run, uint64_t runs) const {
+    Conditions one = *this;
+    one.seed = seed_of_run(run, runs);
+    return one;
+  }
 };
 
 /// One experiment; standards that share it share its outcome.

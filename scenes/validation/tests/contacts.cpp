@@ -14,7 +14,7 @@ constexpr double kScene_s = 20;
 /// Through the corridor and the door people are within a minute and a half. So many crowds spend
 /// half an hour at all levels but the lowest.
 constexpr double kWalkedAgain_s = 90;
-constexpr uint64_t kCrowds = 6;
+constexpr uint64_t kContactCrowds = 6;
 
 Outcome encounters(const Conditions& conditions) {
   return judged({}, judge_encounters(meet(kEncounters, conditions)));
@@ -43,10 +43,9 @@ Outcome contacts_walked_again(const Conditions& conditions) {
   for (const char* id : {"spacing_corridor", "spacing_door"}) {
     const auto recording = recording_of(inflow_site(id, conditions), conditions, outcome);
     if (recording == nullptr) return outcome;
-    for (uint64_t crowd = 0; crowd < kCrowds; ++crowd) {
-      Conditions others = conditions;
-      others.seed = conditions.seed_of_run(crowd, kCrowds);
-      add(contacts_of(with_inflow(inflow_site(id, others), *recording), kWalkedAgain_s), levels);
+    for (uint64_t crowd = 0; crowd < kContactCrowds; ++crowd) {
+      const InflowSite site = inflow_site(id, conditions.of_run(crowd, kContactCrowds));
+      add(contacts_of(with_inflow(site, *recording), kWalkedAgain_s), levels);
     }
   }
   return judged(std::move(outcome), judge_contacts(levels));
