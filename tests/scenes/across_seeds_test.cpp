@@ -87,5 +87,14 @@ TEST(Conditions, SeedsOfSeveralRunsNeverMeet) {
   EXPECT_EQ(second.seed_of_run(0, 3), 4u);
 }
 
+TEST(Conditions, OfARunAreTheSameButForTheSeed) {
+  Conditions conditions;
+  conditions.seed = 2;
+  conditions.recordings = "recordings";
+  const Conditions third = conditions.of_run(2, 3);
+  EXPECT_EQ(third.seed, conditions.seed_of_run(2, 3));
+  EXPECT_EQ(third.recordings, conditions.recordings);
+}
+
 }  // namespace
 }  // namespace throng::validation

@@ -1,7 +1,6 @@
 // How near people walk, in experiments walked again with the recording's own inflow.
 #include <fmt/format.h>
 
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -12,7 +11,7 @@ namespace throng::validation {
 namespace {
 
 constexpr double kThroughWithin_s = 300;
-/// One crowd's distances differ from another's by some hundredths of a metre.
+/// One crowd's distances differ from another's by one or two hundredths of a metre.
 constexpr uint64_t kSpacingCrowds = 3;
 
 using Spacings = std::vector<SpeedAndSpacing::Spacing>;
@@ -22,7 +21,7 @@ Spacings mean_of(const std::vector<Spacings>& crowds) {
   Spacings mean = crowds.front();
   for (size_t cell = 0; cell < mean.size(); ++cell) {
     uint64_t pairs = 0;
-    std::array<double, 3> sums{};
+    decltype(mean[cell].quantiles_m) sums{};
     for (const Spacings& crowd : crowds) {
       pairs += crowd[cell].pairs;
       for (size_t k = 0; k < sums.size(); ++k)
@@ -52,8 +51,7 @@ Outcome spacing(const std::string& id, const Conditions& conditions) {
 constexpr const char* kCriterion =
     "of the distances to others within 1.2 m, by density and side, 5 and 25 % within 0.08 m of the "
     "recording and 1 % within 0.12 m, in cells with 500 pairs, half of the recording's reached, "
-    "as the mean of three crowds; "
-    "source: {} of the Pedestrian Dynamics Data Archive";
+    "as the mean of three crowds; source: {} of the Pedestrian Dynamics Data Archive";
 
 }  // namespace
 
