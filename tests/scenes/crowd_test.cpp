@@ -366,10 +366,11 @@ double expect_plaza_keeps_moving(const Plaza& plaza) {
 
 TEST(Crowd, APlazaKeepsMovingForFiveMinutes) { EXPECT_LT(expect_plaza_keeps_moving({1, 300}), 5); }
 
-/// A knot of ten people may take some seconds to come undone, but it is rare and it does.
+/// A knot of ten people may take some seconds to come undone, but it is rare and it does. The
+/// median of nine seeds differs by 0.3 s from that of nine others.
 TEST(Crowd, APlazaKeepsMovingWhateverTheSeed) {
   std::vector<double> stalls_s;
-  for (uint64_t seed = 2; seed <= 10; ++seed)
+  for (uint64_t seed = 2; seed <= 28; ++seed)
     stalls_s.push_back(expect_plaza_keeps_moving({seed, 60}));
   std::sort(stalls_s.begin(), stalls_s.end());
   EXPECT_LT(stalls_s[stalls_s.size() / 2], 3.5);
