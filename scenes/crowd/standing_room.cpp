@@ -199,7 +199,9 @@ class Spreading {
         place += (apart_m - distance_m) / distance_m * way;
     }
     place = where_.area.nearest_m(place);
-    place = where_.walkable.slide(place, place, where_.wall_gap_m);
+    // On the face of a wall, rounding tells on which side: nobody comes out of it from there.
+    const Eigen::Vector2d within = place + kClear_m * (where_.area.middle_m() - place).normalized();
+    place = where_.walkable.slide(within, place, where_.wall_gap_m);
     place = where_.area.nearest_m(place);
   }
 

@@ -57,9 +57,9 @@ struct Overtaking {
 /// 95 % pass and lose at most 10 %.
 Judgement judge_overtaking(std::span<const Overtaking> starts);
 
-/// Flow both ways together, people per m and s, minute by minute: at least 1.0 on average and never
-/// below a tenth of that.
-Judgement judge_two_way(std::span<const double> flows_per_m_s);
+/// Flow both ways together, people per m and s, of crowds of their own, minute by minute: at least
+/// 1.0 on average and in none of them ever below a tenth of that.
+Judgement judge_two_way(std::span<const std::vector<double>> crowds_per_m_s);
 
 /// Of so many people, those by the far exit: at least a third, and nobody left behind.
 Judgement judge_far_exit(int near, int far, int people);

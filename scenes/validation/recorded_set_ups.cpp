@@ -24,8 +24,6 @@ constexpr double kEntrances_m[] = {0.5, 0.8, 1.0, 1.5, 2.0, 2.4};
 constexpr double kTwoWayEntrances_m[] = {0.5, 0.8, 1.2, 1.6, 2.0, 2.5};
 constexpr double kEmptying_s = 300;  ///< the longest that people who come through are watched
 constexpr double kFirst_s = 10;      ///< after the first one got there
-/// Where few people pass in seconds, as they happen to meet, one run of a width says little.
-constexpr int kTimes = 3;
 constexpr int kPeople = 200;
 constexpr int kJammed = 400;  ///< where an exit dams people up, who have to last
 
@@ -158,17 +156,23 @@ int cases_of(const std::string& id) {
   throw std::out_of_range("no set-up " + id);
 }
 
+/// How often each is run. Through the oval of `ug` hundreds pass for two minutes; elsewhere few
+/// pass in seconds, as they happen to meet, and where two streams do, one crowd's lanes are not
+/// another's.
+int times_of(const std::string& id) {
+  if (id == "ug") return 1;
+  return id == "bot" ? 6 : 3;
+}
+
 }  // namespace
 
-/// Through the oval of `ug` hundreds pass for two minutes: once is enough.
-int recorded_runs(const std::string& id) { return (id == "ug" ? 1 : kTimes) * cases_of(id); }
+int recorded_runs(const std::string& id) { return times_of(id) * cases_of(id); }
 
-RecordedRun recorded_run(const std::string& id, int run, SteeringKind model, uint64_t first_seed) {
-  const SteeringRule steering{model};
+RecordedRun recorded_run(const std::string& id, int run, const Conditions& conditions) {
+  const SteeringRule steering{conditions.model};
   const int index = run % cases_of(id);
-  // Apart from the seeds that somebody counts from.
-  constexpr uint64_t kSeedsApart = 1'000'003;
-  const uint64_t seed = first_seed + kSeedsApart * static_cast<uint64_t>(run / cases_of(id));
+  const uint64_t seed = conditions.seed_of_run(static_cast<uint64_t>(run / cases_of(id)),
+                                               static_cast<uint64_t>(times_of(id)));
   if (id == "single_file") return round_run(id, kSingleFile, kFileCounts[index], steering, seed);
   if (id == "ug") return round_run(id, kCorridor, kCorridorCounts[index], steering, seed);
   if (id == "uo") return one_way_run(kThrough_m[index][0], kThrough_m[index][1], steering, seed);

@@ -23,7 +23,7 @@ struct RecordedRun {
 /// Runs of `single_file`, `ug`, `uo`, `eo`, `ko` or `bot`, from the emptiest to the fullest or so,
 /// and where one says little all of them again with other people.
 int recorded_runs(const std::string& id);
-RecordedRun recorded_run(const std::string& id, int run, SteeringKind model, uint64_t first_seed);
+RecordedRun recorded_run(const std::string& id, int run, const Conditions& conditions);
 
 /// What the run's areas are like, twice a second, once people have spread.
 std::vector<DensitySpeed> speeds_of(const RecordedRun& run, const std::string& id,

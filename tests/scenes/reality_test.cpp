@@ -135,9 +135,11 @@ TEST(Overtaking, FailsForOneStartInTwentyTooMany) {
 }
 
 TEST(TwoWay, FailsForLittleFlowAndForAMinuteOfGridlock) {
-  EXPECT_TRUE(judge_two_way(std::vector<double>{1.2, 0.8, 1.0}).passed);
-  EXPECT_FALSE(judge_two_way(std::vector<double>{1.2, 0.7, 1.0}).passed);
-  EXPECT_FALSE(judge_two_way(std::vector<double>{1.5, 2.0, 0.05}).passed);
+  using Crowds = std::vector<std::vector<double>>;
+  EXPECT_TRUE(judge_two_way(Crowds{{1.2, 0.8, 1.0}}).passed);
+  EXPECT_FALSE(judge_two_way(Crowds{{1.2, 0.7, 1.0}}).passed);
+  EXPECT_TRUE(judge_two_way(Crowds{{1.2, 0.7, 1.0}, {1.0, 1.1, 1.0}}).passed);
+  EXPECT_FALSE(judge_two_way(Crowds{{1.2, 1.2, 1.2}, {1.5, 2.0, 0.05}}).passed) << "gridlock";
   EXPECT_FALSE(judge_two_way({}).passed);
 }
 
@@ -168,11 +170,20 @@ TEST(SetUps, OfSpeedAgainstDensityPlaceEverybody) {
       const bool is_last = index + 1 == recorded_runs(id);
       if (index > 0 && !is_last && id != std::string("ug") && id != std::string("single_file"))
         continue;
-      const RecordedRun run = recorded_run(id, index, kModel, 1);
+      const RecordedRun run = recorded_run(id, index, {kModel});
       const Trial trial(run.plan);
       EXPECT_EQ(trial.unplaced(), 0) << id << ", run " << index;
       EXPECT_EQ(trial.size(), trial.present());
       EXPECT_EQ(run.oval ? run.oval->strays(trial) : 0, 0) << id;
+    }
+}
+
+/// Who is pushed on to the face of a wall while people are spread has to come off it again.
+TEST(SetUps, OfTwoWaysPlaceEverybodyWhateverTheSeed) {
+  for (uint64_t seed = 1; seed <= 5; ++seed)
+    for (int index = 3; index < recorded_runs("bot"); index += 6) {
+      const Trial trial(recorded_run("bot", index, {kModel, seed}).plan);
+      EXPECT_EQ(trial.unplaced(), 0) << "seed " << seed << ", run " << index;
     }
 }
 

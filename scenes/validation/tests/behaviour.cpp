@@ -18,8 +18,7 @@ Outcome accelerations(const Conditions& conditions) {
   for (const char* name : {"plaza", "corridor", "crossing", "rush_hour"})
     all.push_back(accelerations_of(name, bundled_plan(name, conditions), kSeconds, outcome));
   for (const char* id : {"ug", "uo", "eo", "ko", "bot", "single_file"}) {
-    const RecordedRun run =
-        recorded_run(id, recorded_runs(id) - 1, conditions.model, conditions.seed);
+    const RecordedRun run = recorded_run(id, recorded_runs(id) - 1, conditions);
     all.push_back(accelerations_of(id, run.plan, kSetUpSeconds, outcome));
   }
   return judged(std::move(outcome), judge_accelerations(all));

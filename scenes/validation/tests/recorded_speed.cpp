@@ -44,7 +44,7 @@ Outcome speed_against_density(const std::string& id, const std::string& title,
   std::vector<DensitySpeed> samples;
   for (int index = 0; index < recorded_runs(id); ++index) {
     const std::vector<DensitySpeed> more =
-        speeds_of(recorded_run(id, index, conditions.model, conditions.seed), id, outcome);
+        speeds_of(recorded_run(id, index, conditions), id, outcome);
     samples.insert(samples.end(), more.begin(), more.end());
   }
   const RecordedCurve& curve = recorded_curve(id);
@@ -73,7 +73,7 @@ constexpr Described kSetUps[] = {
      "of 0.5 to 2.4 m, three times each; 2.4 m in the middle of all three."},
     {"bot", "Speed against density: two-way corridor",
      "A corridor of 8 m x 3.6 m, at both ends a room of 4 m; 200 people each way through entrances "
-     "of 0.5 to 2.5 m, three times each; 3.6 m in its middle."},
+     "of 0.5 to 2.5 m, six times each; 3.6 m in its middle."},
     {"single_file", "Speed against density: single file",
      "A corridor 0.8 m wide closes in an oval, 26 m round in its middle; 8 to 70 people, three "
      "times each, seconds 60 to 180; 3 m in the middle of both straights, density along the way."}};
