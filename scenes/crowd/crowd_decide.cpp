@@ -375,8 +375,8 @@ double Crowd::stalled_s_of(size_t slot) const {
 double Crowd::watch_progress(size_t slot) {
   Walkers& w = walkers_;
   const uint32_t id = grid_.order()[slot];
-  const bool stands =
-      journeys_.doing(id) != Doing::kWalking || w.held[slot] != 0 || parties_.waits(id);
+  const bool goes = journeys_.doing(id) == Doing::kWalking || queues_.is_awaited(id);
+  const bool stands = !goes || w.held[slot] != 0 || parties_.waits(id);
   if (stands || (w.position_m[slot] - w.anchor_m[slot]).squaredNorm() >= kStall_m * kStall_m) {
     w.anchor_m[slot] = w.position_m[slot];
     w.anchor_step[slot] = steps_;

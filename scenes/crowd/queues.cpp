@@ -183,7 +183,7 @@ void Queues::add(const Comer& comer, const Eigen::Vector2d& position_m, Journeys
   if (spots_[id] != kNoSpot) q.is_taken[spots_[id]] = 1;
   along_m_[id] =
       plan.line.nearest_m(position_m, place_m - 0.5 * plan.spacing_m, place_m + kJoins_m);
-  steps_[id] = 1;
+  steps_[id] = kSteps;
   q.waiting.push_back(id);
 }
 
@@ -205,6 +205,7 @@ void Queues::let_in(uint32_t queue, std::span<const Eigen::Vector2d> positions_m
     const auto area = static_cast<uint32_t>(nearest);
     journeys.let_in(id, area, positions_m[id]);
     facings_[id].setZero();
+    steps_[id] = kStands;
     if (spots_[id] != kNoSpot) q.is_taken[spots_[id]] = 0;
     spots_[id] = kNoSpot;
     ++q.guest_counts[area];
@@ -234,7 +235,7 @@ void Queues::line_up(uint32_t queue, std::span<const Eigen::Vector2d> positions_
     }
     const Errand to = errand(queue, place, at_m);
     // Where the way is not straight, others have pushed them round a corner.
-    const size_t corner = ways.plan.line.corner_near(along_m_[id]);
+    const size_t corner = ways.plan.line.corner_near(to.along_m);
     const double pace = std::min(1.0, to.left_m / tuning::kBrakes_m);
     Eigen::Vector2d way = Eigen::Vector2d::Zero();
     if (pace > tuning::kCreeps)
@@ -250,6 +251,7 @@ Queues::Errand Queues::errand(uint32_t queue, size_t place, const Eigen::Vector2
   const uint32_t id = queues_[queue].waiting[place];
   const double step_m = kStepFrom * plan.spacing_m;
   Errand errand;
+  errand.along_m = plan.line.length_m();
   if (place >= plan.places) {
     const bool has_spot = spots_[id] != kNoSpot;
     errand.to_m = has_spot ? plan.spots_m[spots_[id]] : plan.line.corners_m().back();
@@ -266,14 +268,16 @@ Queues::Errand Queues::errand(uint32_t queue, size_t place, const Eigen::Vector2
           std::max(to_m, along_m_[queues_[queue].waiting[place - 1]] + kNearest * plan.spacing_m);
     // The one before has to move on first.
     if (to_m > along_m && along_m >= own_m) to_m = along_m;
-    errand.to_m = plan.line.at(std::max(to_m, along_m - kAhead_m));
+    errand.along_m = std::max(to_m, along_m - kAhead_m);
+    errand.to_m = plan.line.at(errand.along_m);
     errand.left_m = std::max(along_m - to_m, (errand.to_m - position_m).norm());
   }
   // Nobody moves for a few centimetres.
   uint8_t& steps = steps_[id];
-  if (steps != 0 && errand.left_m < tuning::kCreeps * tuning::kBrakes_m) steps = 0;
-  if (steps == 0 && errand.left_m > step_m) steps = 1;
-  if (steps == 0) errand.left_m = 0;
+  if (errand.left_m < tuning::kCreeps * tuning::kBrakes_m) steps = kStands;
+  if (steps != kStands || errand.left_m > step_m) steps = kSteps;
+  if (steps == kStands) errand.left_m = 0;
+  if (place < plan.places && errand.left_m > plan.spacing_m) steps = kAwaited;
   return errand;
 }
 

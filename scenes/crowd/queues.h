@@ -37,6 +37,10 @@ class Queues {
   /// Where somebody looks who stands in a queue, or is served: a unit vector. Zero for others.
   const Eigen::Vector2d& facing(uint32_t id) const { return facings_[id]; }
 
+  /// True of somebody in a queue whose place in the line has come free ahead of others, and who is
+  /// not there yet.
+  bool is_awaited(uint32_t id) const { return any() && steps_[id] == kAwaited; }
+
   /// Where somebody ends who would step from one place to another: not inside a goal for which they
   /// have to wait. Any thread may ask.
   Eigen::Vector2d keep_out(uint32_t id, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,
@@ -49,6 +53,8 @@ class Queues {
 
  private:
   static constexpr uint32_t kNoSpot = UINT32_MAX;
+  /// kAwaited: steps forward, and is farther than a place from where to stand.
+  enum : uint8_t { kStands, kSteps, kAwaited };
 
   /// Somebody who has been let in, until out again.
   struct Guest {
@@ -73,7 +79,8 @@ class Queues {
   /// What somebody wants who stands in a queue: to be there, and to go that way for it.
   struct Errand {
     Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
-    double left_m = 0;  ///< to go in all; 0: stays
+    double along_m = 0;  ///< the line, where that is; off it, its end
+    double left_m = 0;   ///< to go in all; 0: stays
   };
 
   void see_out(uint32_t queue, std::span<const uint8_t> present,
@@ -99,7 +106,7 @@ class Queues {
   std::vector<Comer> comers_;
   // By person; empty: there are no queues.
   std::vector<double> along_m_;  ///< how far back on the line they are
-  std::vector<uint8_t> steps_;   ///< 1: is about to step forward
+  std::vector<uint8_t> steps_;   ///< kStands, kSteps or kAwaited
   std::vector<uint32_t> spots_;  ///< off the line, for which it is too short
   std::vector<Eigen::Vector2d> facings_;
 };

@@ -1,4 +1,5 @@
 // The bundled scenes keep what every scene promises.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -91,8 +92,9 @@ TEST(BundledScenes, OfTheMetroAllGetOffThenOnAndTheLateStayOutside) {
 }
 
 TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMoreThanFour) {
-  for (const SteeringKind model : {SteeringKind::kOrca, SteeringKind::kHeuristic})
-    for (uint64_t seed = 1; seed <= 3; ++seed) {
+  for (const SteeringKind model : {SteeringKind::kOrca, SteeringKind::kHeuristic}) {
+    int in_line = 0, in_place = 0;
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
       SCOPED_TRACE(testing::Message() << name_of(model) << ", seed " << seed);
       Scene scene = load_scene("ticket_office");
       scene.seed = seed;
@@ -101,12 +103,19 @@ TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMore
       const Crowd& crowd = world.crowd;
       const QueuePlan& plan = world.ways.queues()[0].plan;
       const Rectangle& bakery = world.ways.queues()[1].plan.areas[0];
-      int in_line = 0, in_place = 0, most_inside = 0;
+      int most_inside = 0;
+      std::vector<uint8_t> was_in(crowd.size(), 0), was_out(crowd.size(), 0);
       for (int step = 0; step < 300 * 60; ++step) {
         world.crowd.step();
         int inside = 0;
-        for (uint32_t id = 0; id < crowd.size(); ++id)
-          inside += crowd.journeys().is_present(id) && bakery.contains(crowd.positions_m()[id]);
+        for (uint32_t id = 0; id < crowd.size(); ++id) {
+          const bool is_in =
+              crowd.journeys().is_present(id) && bakery.contains(crowd.positions_m()[id]);
+          // Who was out again may be pushed back over the sill for a moment.
+          was_out[id] |= was_in[id] != 0 && !is_in;
+          was_in[id] |= is_in;
+          inside += is_in && was_out[id] == 0;
+        }
         most_inside = std::max(most_inside, inside);
         const std::span<const uint32_t> line = crowd.queues().waiting(0);
         for (size_t place = 0; place < line.size(); ++place) {
@@ -116,15 +125,13 @@ TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMore
         }
       }
       EXPECT_EQ(most_inside, 4);
-      EXPECT_GT(in_line, 100 * 60) << "nobody queues";
-      std::printf("ticket_office: %.1f %% of %.0f s in line within two places of theirs\n",
-                  100.0 * in_place / in_line, in_line / 60.0);
-      // orca's discs do not always pass each other between the barriers.
-      if (model == SteeringKind::kHeuristic) {
-        EXPECT_GT(in_place, 0.9 * in_line);
-      }
       EXPECT_EQ(crowd.traffic().counters().left, crowd.size()) << "not everybody has been served";
     }
+    EXPECT_GT(in_line, 12 * 100 * 60) << "nobody queues";
+    fmt::print("ticket_office {}: {:.0f} % of {:.0f} s in line within two places of theirs\n",
+               name_of(model), 100.0 * in_place / in_line, in_line / 60.0);
+    EXPECT_GT(in_place, 0.9 * in_line);
+  }
 }
 
 TEST(BundledScenes, OfTheConcert95PercentFaceTheStageWithin20DegreesThenAllLeave) {

@@ -14,6 +14,10 @@ constexpr float kStrength = 5;
 constexpr float kRange_m = 0.1f;
 constexpr float kTimeGap_s = 1;
 
+/// Whoever is stuck is pushed away by nobody, and others within the gap walk out of the way so fast
+/// (ours: whoever stands has no speed in the paper, and a crowd that waits would let nobody out).
+constexpr float kMakesWay_mps = 0.5f, kMakesWayWithin_m = 0.3f;
+
 /// Density is looked up within this, less where it is so dense that neighbours end sooner.
 constexpr float kDensityReach_m = 1.5f;
 
@@ -23,10 +27,11 @@ struct Direction {
 
 Direction turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction wish) {
   Direction sum = wish;
-  const auto push = [&](float away_x, float away_y, float gap_m) {
+  const auto push = [&](float away_x, float away_y, float gap_m, float share) {
     // Deeper than a disc's radius the exponential would drown everything else.
-    const float strength = gap_m > 0 ? kStrength * decaying_exp(gap_m / kRange_m)
-                                     : kStrength * (1 + std::min(-gap_m / kRange_m, 3.0f));
+    const float strength =
+        share * kStrength *
+        (gap_m > 0 ? decaying_exp(gap_m / kRange_m) : 1 + std::min(-gap_m / kRange_m, 3.0f));
     sum.x += strength * away_x;
     sum.y += strength * away_y;
   };
@@ -36,16 +41,29 @@ Direction turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction 
     const float dy = p.y_m[slot] - p.y_m[other];
     const float distance_m = std::sqrt(dx * dx + dy * dy);
     const float gap_m = distance_m - (p.radius_m[slot] + p.radius_m[other]);
+    const float share = 2 * share_of(p.urge[slot], p.urge[other]);
     if (distance_m > 0)
-      push(dx / distance_m, dy / distance_m, gap_m);
+      push(dx / distance_m, dy / distance_m, gap_m, share);
     else
-      push(slot < other ? -1.0f : 1.0f, 0, gap_m);
+      push(slot < other ? -1.0f : 1.0f, 0, gap_m, share);
   }
   for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
-    push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w]);
+    push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w], 1);
   const float length = std::sqrt(sum.x * sum.x + sum.y * sum.y);
   if (!(length > kTiny_mps)) return wish;
   return {sum.x / length, sum.y / length};
+}
+
+/// How fast somebody makes way for those nearby who are stuck.
+float making_way_mps(const SteeringView& p, size_t slot) {
+  float most = 0;
+  for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
+    const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
+    const float dx = p.x_m[slot] - p.x_m[other], dy = p.y_m[slot] - p.y_m[other];
+    const float near_m = p.radius_m[slot] + p.radius_m[other] + kMakesWayWithin_m;
+    if (dx * dx + dy * dy < near_m * near_m) most = std::max(most, p.urge[other] - p.urge[slot]);
+  }
+  return most * kMakesWay_mps;
 }
 
 /// Between the discs of a person and of the nearest in the way along `direction`.
@@ -140,7 +158,8 @@ void decide_collision_free_speed(const SteeringView& p, std::span<const uint32_t
     Direction wish{0, 0};
     if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
     const Direction way = turned_away(p, i, slot, wish);
-    const float speed = std::min(wanted, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
+    const float most_mps = std::max(wanted, making_way_mps(p, slot));
+    const float speed = std::min(most_mps, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
     const size_t walls = add_walls(p, i, 0, planes.data());
     const Eigen::Vector2f v =
         choose_velocity({planes.data(), walls}, static_cast<int>(walls),
