@@ -248,7 +248,17 @@ void Crowd::check_read(Archive& a) {
   });
 }
 
+/// What a step writes by person lies anywhere: fetched some slots ahead.
+void Crowd::prefetch(uint32_t id) const {
+  __builtin_prefetch(&positions_m_[id], 1);
+  __builtin_prefetch(&velocities_mps_[id], 1);
+  __builtin_prefetch(&headings_[id], 1);
+  __builtin_prefetch(&looks_rad_[id], 1);
+  __builtin_prefetch(&walked_m_[id], 1);
+}
+
 void Crowd::step() {
+  constexpr size_t kAhead = 8;
   if (size() == 0) return;
   const auto phase = static_cast<int>(steps_ % steps_a_period_);
   if (phase == 0) begin_period();
@@ -256,6 +266,7 @@ void Crowd::step() {
   for_slots([this](size_t begin, size_t end, int) {
     double turned_rad = 0, farthest_m = 0;
     for (size_t slot = begin; slot < end; ++slot) {
+      if (slot + kAhead < end) prefetch(grid_.order()[slot + kAhead]);
       farthest_m = std::max(farthest_m, move(slot));
       turned_rad += turn(slot);
       look(slot);

@@ -108,6 +108,7 @@ class Crowd {
   void set_drift(Slots slots);
 
   void begin_period();
+  void update_detours();
   void decide(int phase);
   Slots deciders() const {
     return {deciders_.data() + first_deciders_[phase_],
@@ -149,6 +150,7 @@ class Crowd {
   Eigen::Vector2f expected_m(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
+  void prefetch(uint32_t id) const;
   double move(size_t slot);
   double turn(size_t slot);  ///< by how much, in radians
   double turn_into_way(size_t slot, const Eigen::Vector2d& to);

@@ -19,6 +19,9 @@ void Crowd::decide() {
 void Crowd::begin_period() {
   change_people();
   seat_people();
+}
+
+void Crowd::update_detours() {
   detours_.update(
       static_cast<uint64_t>(steps_ / steps_a_period_), grid_.order().size(),
       [this](size_t slot) {
@@ -33,6 +36,8 @@ void Crowd::begin_period() {
 /// Those of a phase look around, wish, choose and are kept out of each other.
 void Crowd::decide(int phase) {
   phase_ = static_cast<size_t>(phase);
+  // Not in the frame that begins a period: that takes the most time as it is.
+  if (phase == steps_a_period_ / 2) update_detours();
   if (parties_.any()) {
     for_deciders([this](Slots slots, size_t, int) { look_around(slots); });
     parties_.gather(static_cast<uint32_t>(phase), static_cast<uint32_t>(steps_a_period_), journeys_,
@@ -57,9 +62,12 @@ void Crowd::decide(int phase) {
 /// Goals are reached, and people come and go, before anybody looks around.
 void Crowd::change_people() {
   const double now_s = options_.step_s * static_cast<double>(steps_);
-  for_slots([&](size_t begin, size_t end, int) {
-    for (size_t slot = begin; slot < end; ++slot)
-      journeys_.follow(grid_.order()[slot], walkers_.position_m[slot], now_s);
+  // By id, as what journeys know is.
+  workers_.for_blocks(block_count(size()), [&](int block, int) {
+    const size_t begin = static_cast<size_t>(block) * kPeopleABlock;
+    const size_t end = std::min(begin + kPeopleABlock, size());
+    for (size_t id = begin; id < end; ++id)
+      journeys_.follow(static_cast<uint32_t>(id), positions_m_[id], now_s);
   });
   if (!ways_.occasions().empty()) {
     occasions_.watch(journeys_, now_s);

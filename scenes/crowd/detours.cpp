@@ -38,6 +38,7 @@ Detours::Detours(const Ways& ways, Workers& workers)
   columns_ = merged(grid.columns());
   rows_ = merged(grid.rows());
   cell_m_ = merged_ * grid.cell_m();
+  cells_per_m_ = 1 / cell_m_;
   const auto cells = static_cast<size_t>(columns_) * static_cast<size_t>(rows_);
   room_m2_.resize(cells);
   for (size_t cell = 0; cell < grid.cell_count(); ++cell)
@@ -85,13 +86,13 @@ void Detours::clear_counts() {
   std::fill(counted_paces_.begin(), counted_paces_.end(), Eigen::Vector2f::Zero());
 }
 
-CellPatch<float> Detours::patch_at(const Eigen::Vector2d& place_m) const {
-  return {(place_m - all_.grid().origin_m()) / cell_m_, columns_, rows_};
+CellPatch Detours::patch_at(const Eigen::Vector2d& place_m) const {
+  return {cells_per_m_ * (place_m - all_.grid().origin_m()), columns_, rows_};
 }
 
 /// Shared out among the four cells around, of which those with room take part.
 void Detours::count(const Walker& walker) {
-  const CellPatch<float> p = patch_at(walker.place_m);
+  const CellPatch p = patch_at(walker.place_m);
   const size_t cells[] = {p.cell, p.cell + p.right, p.cell + p.above, p.cell + p.above + p.right};
   float shares[] = {(1 - p.fx) * (1 - p.fy), p.fx * (1 - p.fy), (1 - p.fx) * p.fy, p.fx * p.fy};
   float sum = 0;

@@ -67,7 +67,7 @@ class Detours {
 
   size_t cell_count() const { return room_m2_.size(); }
   size_t coarse_of(size_t cell) const;
-  CellPatch<float> patch_at(const Eigen::Vector2d& place_m) const;
+  CellPatch patch_at(const Eigen::Vector2d& place_m) const;
   void clear_counts();
   void count(const Walker& walker);
   void take_counts();
@@ -85,7 +85,7 @@ class Detours {
   const Ways& all_;
   int merged_ = 1;  ///< cells of the flow fields along a side of one of ours
   int columns_ = 0, rows_ = 0;
-  double cell_m_ = 1;
+  double cell_m_ = 1, cells_per_m_ = 1;
   uint64_t revision_ = 0;       ///< of the ways, when cells were found
   std::vector<float> room_m2_;  ///< by cell, where people can be
   std::vector<BentWay> ways_;

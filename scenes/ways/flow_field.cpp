@@ -92,6 +92,7 @@ double eikonal(double x, double y, double step_m) {
 FlowGrid::FlowGrid(const Walkable& walkable) : origin_m_(walkable.ground().min_m) {
   const Eigen::Vector2d size = walkable.ground().size_m();
   cell_m_ = std::max(kFinestCell_m, std::sqrt(size.prod() / kMaxCells));
+  cells_per_m_ = 1 / cell_m_;
   columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
   const double margin = margin_m(cell_m_);
@@ -365,16 +366,15 @@ const Eigen::Vector2d* FlowField::aim_at(const Eigen::Vector2d& point) const {
   return aims_.empty() ? nullptr : find_cell(aims_, grid_->cell_at(point));
 }
 
-CellPatch<double> FlowField::patch_at(const Eigen::Vector2d& point) const {
-  return {(point - grid_->origin_m()) / grid_->cell_m(), grid_->columns(), grid_->rows()};
+CellPatch FlowField::patch_at(const Eigen::Vector2d& point) const {
+  return {grid_->in_cells(point), grid_->columns(), grid_->rows()};
 }
 
 void FlowField::prefetch(const Eigen::Vector2d& point) const {
-  const CellPatch<double> patch = patch_at(point);
-  for (const size_t row : {patch.cell, patch.cell + patch.above}) {
-    __builtin_prefetch(&cells_[row]);
-    __builtin_prefetch(&cells_[row + patch.right]);
-  }
+  // Mostly a cell and the one to its right lie in one line of the cache.
+  const CellPatch patch = patch_at(point);
+  __builtin_prefetch(&cells_[patch.cell]);
+  __builtin_prefetch(&cells_[patch.cell + patch.above]);
 }
 
 Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
@@ -383,14 +383,13 @@ Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
     const double length = way.norm();
     if (length > 1e-3) return way / length;
   }
-  const auto at = [&](size_t index) -> Eigen::Vector2d {
-    return cells_[index].direction.cast<double>();
-  };
-  const Eigen::Vector2d blend = patch_at(point).blend(at);
+  const auto at = [&](size_t cell) -> const Eigen::Vector2f& { return cells_[cell].direction; };
+  Eigen::Vector2f blend = patch_at(point).blend(at);
   // Where ways part, directions cancel: take the cell's own then.
-  const Eigen::Vector2d chosen = blend.squaredNorm() > 0.01 ? blend : at(grid_->cell_at(point));
-  const double length = chosen.norm();
-  return length > 0 ? Eigen::Vector2d(chosen / length) : Eigen::Vector2d::Zero();
+  if (!(blend.squaredNorm() > 0.01f)) blend = at(grid_->cell_at(point));
+  const Eigen::Vector2d way = blend.cast<double>();
+  const double square = way.squaredNorm();
+  return square > 0 ? Eigen::Vector2d(way / std::sqrt(square)) : Eigen::Vector2d::Zero();
 }
 
 double FlowField::distance_m(const Eigen::Vector2d& point) const {

@@ -48,11 +48,15 @@ class FlowGrid {
   const std::vector<Passage>& closures() const { return closures_; }
   /// Points beyond the ground count as at its rim.
   size_t cell_at(const Eigen::Vector2d& point) const {
-    const Eigen::Vector2d in_cells = (point - origin_m_) / cell_m_;
+    const Eigen::Vector2d in_cells = this->in_cells(point);
     const auto at = [](double cells, int count) {
-      return static_cast<size_t>(std::clamp(cells, 0.0, count - 0.5));
+      return static_cast<size_t>(static_cast<int>(std::clamp(cells, 0.0, count - 0.5)));
     };
     return at(in_cells.y(), rows_) * static_cast<size_t>(columns_) + at(in_cells.x(), columns_);
+  }
+  /// From the grid's corner.
+  Eigen::Vector2d in_cells(const Eigen::Vector2d& point) const {
+    return cells_per_m_ * (point - origin_m_);
   }
   const Eigen::Vector2d& origin_m() const { return origin_m_; }
 
@@ -70,7 +74,7 @@ class FlowGrid {
   bool is_narrow(size_t cell) const;
 
   Eigen::Vector2d origin_m_;
-  double cell_m_ = 0;
+  double cell_m_ = 0, cells_per_m_ = 0;
   int columns_ = 0;
   int rows_ = 0;
   std::vector<float> slowness_;
@@ -127,7 +131,7 @@ class FlowField {
     float distance_m = std::numeric_limits<float>::infinity();
   };
 
-  CellPatch<double> patch_at(const Eigen::Vector2d& point) const;
+  CellPatch patch_at(const Eigen::Vector2d& point) const;
   void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
              std::span<const KeepOff> keep_off);
   void point_downhill();

@@ -205,6 +205,17 @@ TEST(Heuristic, WhoWaitsKeepsItsPlaceUntilOthersAreVeryNear) {
   EXPECT_GT(pushed_mps(0.45f), 0);
 }
 
+TEST(Heuristic, WhoeverIsStuckGoesRoundOnTheLeftIfNoWayLeadsRoundOnTheRight) {
+  const auto to_left_mps = [](float urge) {
+    const Moment moment{{{{0, 0}, {0, 0}, {kFree_mps, 0}, urge},
+                         {{0.45f, 0.02f}, {0, 0}, {0, 0}},
+                         {{0.25f, -0.4f}, {0, 0}, {0, 0}}},
+                        {}};
+    return moment.decide().front().y();
+  };
+  EXPECT_GT(to_left_mps(1), to_left_mps(0) + 0.05f);
+}
+
 TEST(Heuristic, AChoiceDoesNotDependOnWhoElseIsInTheBlock) {
   for (uint64_t seed = 1; seed <= 200; ++seed) {
     Moment moment = random_moment(seed);
@@ -253,7 +264,7 @@ TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
 float sets_out_mps(float ahead_m, float eagerness) {
   const Eigen::Vector2f wanted(kFree_mps, 0);
   // Walls to both sides leave no way past.
-  const Moment moment{{{{0, 0}, {0, 0}, wanted, 0, eagerness}, {{ahead_m, 0}, {0.1f, 0}, wanted}},
+  const Moment moment{{{{0, 0}, {0, 0}, wanted, 0, eagerness}, {{ahead_m, 0}, {0.06f, 0}, wanted}},
                       {{{0, 1}, 0.03f}, {{0, -1}, 0.03f}}};
   return moment.decide().front().x();
 }

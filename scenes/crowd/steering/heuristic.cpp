@@ -109,7 +109,9 @@ class Decision {
     const float walking_apart_m =
         kTuning.apart_m + openness_ * (kTuning.open_apart_m - kTuning.apart_m);
     const float apart_m = wants() ? walking_apart_m : kTuning.waits_apart_m;
-    const float drift_mps = wants() ? kTuning.drift_mps : kTuning.waits_drift_mps;
+    // Whoever gets nowhere closes up.
+    const float drift_mps =
+        wants() ? (1 - p_.urge[slot_]) * kTuning.drift_mps : kTuning.waits_drift_mps;
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
       const float distance_m = std::sqrt(o.square_m2);
@@ -142,11 +144,11 @@ class Decision {
   }
 
   /// How far one gets on each way before somebody is in it: `free` over `per`, which are compared
-  /// crosswise. By squares, and times as multiples of the relative speed's square, so that a way
-  /// costs one root: `nearing` over that square is when the other is nearest, `before` over it how
-  /// much earlier they block the way, `miss` over it how far off they pass, squared.
-  void keep_clear_of(const Other& o, const Values& x, const Values& y, Values& free,
-                     Values& per) const {
+  /// crosswise. With the velocity relative to the other, `nearing` is its product with the offset,
+  /// `passing` its cross product, and both squares together are that velocity's square times the
+  /// offset's. So all is in multiples of such products, and a way costs one root: `before` is how
+  /// much sooner than when they are nearest the other blocks the way.
+  void keep_clear_of(const Other& o, Values& free, Values& per) const {
     const float seen = share_seen(o);
     if (seen <= 0) return;
     const bool same_way = way_x_ * o.way_x + way_y_ * o.way_y > kSameWay;
@@ -154,20 +156,24 @@ class Decision {
     const float size = (1 - kTuning.squeeze_room * o.urge) * o.size;
     const float blocked_m = (kTuning.blocked_m + open * kTuning.open_blocked_m) * size;
     const float clear_m = (kTuning.clear_m + open * kTuning.open_clear_m) * size;
-    const float blocked_square = square(blocked_m), clear_square = square(clear_m);
-    const float per_m2 = 1 / (clear_square - blocked_square);
+    const float per_m2 = 1 / o.square_m2;
+    const float blocked = square(blocked_m) * per_m2, clear = square(clear_m) * per_m2;
+    const float most = seen * per_m2 / wanted_mps_, partly = most / (clear - blocked);
+    const float least = kLeastBlocks * most;
+    const float ahead = wanted_mps_ * (o.x_m * way_x_ + o.y_m * way_y_);
+    const float to_left = wanted_mps_ * (way_x_ * o.y_m - way_y_ * o.x_m);
+    const float its_nearing = o.x_m * o.ox_mps + o.y_m * o.oy_mps;
+    const float its_passing = o.x_m * o.oy_mps - o.y_m * o.ox_mps;
     for (size_t i = 0; i < kWays; ++i) {
-      const float rx = wanted_mps_ * x[i] - o.ox_mps;
-      const float ry = wanted_mps_ * y[i] - o.oy_mps;
-      const float speed_square = std::max(rx * rx + ry * ry, 1e-6f);
-      const float nearing = o.x_m * rx + o.y_m * ry;
-      const float miss = std::max(o.square_m2 * speed_square - nearing * nearing, 0.0f);
-      const float lacks = clear_square * speed_square - miss;
+      const float cos = kTurns.cos[i], sin = kTurns.sin[i];
+      const float nearing = cos * ahead - its_nearing + sin * to_left;
+      const float passing = sin * ahead - (cos * to_left + its_passing);
+      const float miss = passing * passing, both = nearing * nearing + miss;
+      const float lacks = clear * both - miss;
       if (nearing <= 0 || lacks <= 0) continue;
-      const float before = std::sqrt(std::max(blocked_square * speed_square - miss, 0.0f));
-      const float blocks =
-          seen * std::clamp(lacks * per_m2, kLeastBlocks * speed_square, speed_square);
-      const float way = wanted_mps_ * std::max(nearing - before, 0.0f);
+      const float before = std::sqrt(std::max(blocked * both - miss, 0.0f));
+      const float blocks = std::min(std::max(lacks * partly, least * both), most * both);
+      const float way = std::max(nearing - before, 0.0f);
       if (!(way * per[i] < free[i] * blocks)) continue;
       free[i] = way;
       per[i] = blocks;
@@ -196,14 +202,15 @@ class Decision {
       free_m[i] = kFar_m;
       per[i] = 1;
     }
-    for (size_t k = 0; k < count_; ++k) keep_clear_of(others_[k], x, y, free_m, per);
+    for (size_t k = 0; k < count_; ++k) keep_clear_of(others_[k], free_m, per);
     for (size_t i = 0; i < kWays; ++i) free_m[i] /= per[i];
     for (uint32_t w = first_wall_; w < end_wall_; ++w) keep_off_wall(w, x, y, free_m);
     const float keep = kTuning.keep_on * std::min(1 / wanted_mps_, 1 / std::max(speed_mps_, 1e-3f));
-    // Sides matter when somebody has to be passed.
-    const float keep_right = free_m[Turns::kStraight] < kFar_m
-                                 ? kTuning.keep_right * kTuning.horizon_m /
-                                       (free_m[Turns::kStraight] + kTuning.horizon_m)
+    // Sides matter when somebody has to be passed, and not to who gets nowhere.
+    const float straight_m = free_m[Turns::kStraight];
+    const float keep_right = straight_m < kFar_m
+                                 ? (1 - p_.urge[slot_]) * (kTuning.keep_right * kTuning.horizon_m) /
+                                       (straight_m + kTuning.horizon_m)
                                  : 0;
     for (size_t i = 0; i < kWays; ++i)
       worth[i] = kTurns.cos[i] * free_m[i] / (free_m[i] + kTuning.horizon_m) +

@@ -51,6 +51,7 @@ HWY_INLINE Vectors select(M mask, Vectors yes, Vectors no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y)};
 }
 HWY_INLINE V dot(Vectors a, Vectors b) { return a.x * b.x + a.y * b.y; }
+HWY_INLINE V cross(Vectors a, Vectors b) { return a.x * b.y - a.y * b.x; }
 HWY_INLINE V length(Vectors a) { return hn::Sqrt(dot(a, a)); }
 
 HWY_INLINE V saturated(V x) {
@@ -73,6 +74,7 @@ class Decisions {
     radius_m_ = own.of(p_.radius_m);
     size_ = radius_m_ / all(kRadius_m);
     max_speed_mps_ = own.of(p_.max_speed_mps);
+    urge_ = own.of(p_.urge);
     eagerness_ = own.of(p_.eagerness);
     const Vectors wanted{own.of(p_.wanted_x_mps), own.of(p_.wanted_y_mps)};
     wanted_mps_ = length(wanted);
@@ -103,7 +105,6 @@ class Decisions {
     const LanesOfNeighbours near(p_, own_);
     count_ = near.most;
     const Vectors place{own_.of(p_.x_m), own_.of(p_.y_m)};
-    const V urge = own_.of(p_.urge);
     for (size_t k = 0; k < count_; ++k) {
       Others& o = others_[k];
       o.is_there = near.has(k);
@@ -118,7 +119,7 @@ class Decisions {
       o.expected_mps = o.velocity_mps + all(kTuning.intent) * (wanted - o.velocity_mps);
       o.way = {near.of(k, p_.way_x), near.of(k, p_.way_y)};
       o.size = all(0.5f) * (size_ + near.of(k, p_.radius_m) / all(kRadius_m));
-      o.urge = hn::Max(near.of(k, p_.urge), urge);
+      o.urge = hn::Max(near.of(k, p_.urge), urge_);
     }
     openness_ = all(1);
     in_crowd_ = hn::FirstN(D(), 0);
@@ -134,7 +135,8 @@ class Decisions {
     const V walking_apart_m =
         all(kTuning.apart_m) + openness_ * all(kTuning.open_apart_m - kTuning.apart_m);
     const V apart_m = select(wants_, walking_apart_m, all(kTuning.waits_apart_m));
-    const V drift_mps = select(wants_, all(kTuning.drift_mps), all(kTuning.waits_drift_mps));
+    const V drift_mps =
+        select(wants_, (all(1) - urge_) * all(kTuning.drift_mps), all(kTuning.waits_drift_mps));
     for (size_t k = 0; k < count_; ++k) {
       const Others& o = others_[k];
       const V distance_m = hn::Sqrt(o.square_m2);
@@ -189,18 +191,23 @@ class Decisions {
     const V size = (all(1) - all(kTuning.squeeze_room) * o.urge) * o.size;
     const V blocked_m = (all(kTuning.blocked_m) + open * all(kTuning.open_blocked_m)) * size;
     const V clear_m = (all(kTuning.clear_m) + open * all(kTuning.open_clear_m)) * size;
-    const V blocked_square = square(blocked_m), clear_square = square(clear_m);
-    const V per_m2 = all(1) / (clear_square - blocked_square);
+    const V per_m2 = all(1) / o.square_m2;
+    const V blocked = square(blocked_m) * per_m2, clear = square(clear_m) * per_m2;
+    const V most = seen * per_m2 / wanted_mps_, partly = most / (clear - blocked);
+    const V least = all(kLeastBlocks) * most;
+    const V ahead = wanted_mps_ * dot(o.offset_m, way_);
+    const V to_left = wanted_mps_ * cross(way_, o.offset_m);
+    const V its_nearing = dot(o.offset_m, o.expected_mps);
+    const V its_passing = cross(o.offset_m, o.expected_mps);
     for (size_t i = 0; i < Turns::kCount; ++i) {
-      const Vectors relative = wanted_mps_ * ways.to[i] - o.expected_mps;
-      const V speed_square = hn::Max(dot(relative, relative), all(1e-6f));
-      const V nearing = dot(o.offset_m, relative);
-      const V miss = hn::Max(o.square_m2 * speed_square - nearing * nearing, all(0));
-      const V lacks = clear_square * speed_square - miss;
-      const V before = hn::Sqrt(hn::Max(blocked_square * speed_square - miss, all(0)));
-      const V blocks =
-          seen * hn::Min(hn::Max(lacks * per_m2, all(kLeastBlocks) * speed_square), speed_square);
-      const V way = wanted_mps_ * hn::Max(nearing - before, all(0));
+      const V cos = all(kTurns.cos[i]), sin = all(kTurns.sin[i]);
+      const V nearing = cos * ahead - its_nearing + sin * to_left;
+      const V passing = sin * ahead - (cos * to_left + its_passing);
+      const V miss = passing * passing, both = nearing * nearing + miss;
+      const V lacks = clear * both - miss;
+      const V before = hn::Sqrt(hn::Max(blocked * both - miss, all(0)));
+      const V blocks = hn::Min(hn::Max(lacks * partly, least * both), most * both);
+      const V way = hn::Max(nearing - before, all(0));
       const M is_met = hn::And(counts, hn::And(nearing > all(0), lacks > all(0)));
       const M is_less = hn::And(is_met, way * ways.per[i] < ways.free_m[i] * blocks);
       ways.free_m[i] = select(is_less, way, ways.free_m[i]);
@@ -242,10 +249,10 @@ class Decisions {
     const V keep = all(kTuning.keep_on) *
                    hn::Min(all(1) / hn::Max(speed_mps_, all(1e-3f)), all(1) / wanted_mps_);
     const V straight_m = ways.free_m[kStraight];
-    const V keep_right =
-        select(straight_m < all(kFar_m),
-               all(kTuning.keep_right * kTuning.horizon_m) / (straight_m + all(kTuning.horizon_m)),
-               all(0));
+    const V keep_right = select(straight_m < all(kFar_m),
+                                (all(1) - urge_) * all(kTuning.keep_right * kTuning.horizon_m) /
+                                    (straight_m + all(kTuning.horizon_m)),
+                                all(0));
     V worth[Turns::kCount];
     for (size_t i = 0; i < Turns::kCount; ++i) {
       const float to_left = kTurns.sin[i] > 0 ? kTurns.sin[i] : 0;
@@ -392,7 +399,7 @@ class Decisions {
   Others others_[NeighbourGrid::kMost];
   size_t count_ = 0;
   Vectors way_, velocity_mps_;
-  V radius_m_, size_, max_speed_mps_, eagerness_;
+  V radius_m_, size_, max_speed_mps_, eagerness_, urge_;
   V wanted_mps_, speed_mps_, openness_;
   M wants_, in_crowd_;
 };

@@ -14,13 +14,13 @@ inline constexpr float kRadius_m = 0.22f;
 struct Tuning {
   // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
   // way; at stand_m people stand, from about room_m more on they walk freely.
-  float stand_m = 0.643f;
-  float shoulders_m = 0.30f;
+  float stand_m = 0.657f;
+  float shoulders_m = 0.304f;
   float room_m = 0.79f;
   /// Oncoming people pass each other with a shoulder turned.
   float passing_m = 0.26f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
-  float ahead_s = 3;
+  float ahead_s = 3.8f;
   // Those who are eager count on more, by how much faster the other is and by its square, so that
   // what comes and goes in a queue counts little: nothing if bodies are all but at touching_m, all
   // of it from follows_m on.
@@ -35,10 +35,10 @@ struct Tuning {
   float wall_m = 0.23f;
   // Nobody comes nearer than bodies do, within so long: both give way by half (see avoid()). They
   // are wider than deep. Where it is dense shoulders turn: bodies are narrower by this share.
-  float wide_m = 0.46f, deep_m = 0.31f, body_s = 0.55f, turned = 0.12f;
+  float wide_m = 0.46f, deep_m = 0.31f, body_s = 0.55f, turned = 0.11f;
   // Of those who get nowhere, and of those whom they meet, bodies become narrower by up to the
   // first share, and the room that they are passed with by up to the second.
-  float squeeze = 0.44f, squeeze_room = 0.24f;
+  float squeeze = 0.465f, squeeze_room = 0.24f;
   /// A way that is free for so long is worth half of one that is free for ever.
   float horizon_m = 2;
   /// What turning off costs, and what passing on the left does.
@@ -47,7 +47,8 @@ struct Tuning {
   /// Others are expected to go by so much as they want to, the rest as they do.
   float intent = 0.7f;
   // People drift away from those nearer than apart_m, in the open only from those nearer than
-  // open_apart_m, the nearer the faster, and from walls; those who wait keep their place sooner.
+  // open_apart_m, the nearer the faster, and from walls; who gets nowhere closes up, and who waits
+  // keeps its place sooner.
   float drift_mps = 0.12f, apart_m = 0.76f, open_apart_m = 0.42f, drift_m = 0.24f;
   float waits_drift_mps = 0.10f, waits_apart_m = 0.50f;
   float wall_drift_mps = 0.25f, wall_drift_m = 0.2f;
