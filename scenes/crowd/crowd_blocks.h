@@ -17,24 +17,27 @@ inline int block_count(size_t people) {
   return static_cast<int>((people + kPeopleABlock - 1) / kPeopleABlock);
 }
 
+/// Calls body(begin, end, worker) for the blocks of so many people.
+template <typename Body>
+void for_people(Workers& workers, size_t people, const Body& body) {
+  workers.for_blocks(block_count(people), [&](int block, int worker) {
+    const size_t begin = static_cast<size_t>(block) * kPeopleABlock;
+    body(begin, std::min(begin + kPeopleABlock, people), worker);
+  });
+}
+
 /// Everybody who is there, neighbours in space together.
 template <typename Body>
 void Crowd::for_slots(const Body& body) {
-  const size_t slots = grid_.order().size();
-  workers_.for_blocks(block_count(slots), [&](int block, int worker) {
-    const size_t begin = static_cast<size_t>(block) * kPeopleABlock;
-    body(begin, std::min(begin + kPeopleABlock, slots), worker);
-  });
+  for_people(workers_, grid_.order().size(), body);
 }
 
 /// Those who decide now, neighbours in space together.
 template <typename Body>
 void Crowd::for_deciders(const Body& body) {
   const Slots all = deciders();
-  workers_.for_blocks(block_count(all.size()), [&](int index, int worker) {
-    const auto block = static_cast<size_t>(index);
-    const size_t begin = block * kPeopleABlock;
-    body(all.subspan(begin, std::min(kPeopleABlock, all.size() - begin)), block, worker);
+  for_people(workers_, all.size(), [&](size_t begin, size_t end, int worker) {
+    body(all.subspan(begin, end - begin), begin / kPeopleABlock, worker);
   });
 }
 

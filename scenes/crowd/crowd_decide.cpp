@@ -63,9 +63,7 @@ void Crowd::decide(int phase) {
 void Crowd::change_people() {
   const double now_s = options_.step_s * static_cast<double>(steps_);
   // By id, as what journeys know is.
-  workers_.for_blocks(block_count(size()), [&](int block, int) {
-    const size_t begin = static_cast<size_t>(block) * kPeopleABlock;
-    const size_t end = std::min(begin + kPeopleABlock, size());
+  for_people(workers_, size(), [&](size_t begin, size_t end, int) {
     for (size_t id = begin; id < end; ++id)
       journeys_.follow(static_cast<uint32_t>(id), positions_m_[id], now_s);
   });

@@ -25,8 +25,15 @@ struct Direction {
   float x, y;
 };
 
-Direction turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction wish) {
+/// What others make of a wish.
+struct TurnedAway {
+  Direction way;
+  float makes_way_mps;  ///< for those nearby who are stuck
+};
+
+TurnedAway turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction wish) {
   Direction sum = wish;
+  float most_urge = 0;
   const auto push = [&](float away_x, float away_y, float gap_m, float share) {
     // Deeper than a disc's radius the exponential would drown everything else.
     const float strength =
@@ -42,6 +49,7 @@ Direction turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction 
     const float distance_m = std::sqrt(dx * dx + dy * dy);
     const float gap_m = distance_m - (p.radius_m[slot] + p.radius_m[other]);
     const float share = 2 * share_of(p.urge[slot], p.urge[other]);
+    if (gap_m < kMakesWayWithin_m) most_urge = std::max(most_urge, p.urge[other] - p.urge[slot]);
     if (distance_m > 0)
       push(dx / distance_m, dy / distance_m, gap_m, share);
     else
@@ -50,20 +58,8 @@ Direction turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction 
   for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
     push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w], 1);
   const float length = std::sqrt(sum.x * sum.x + sum.y * sum.y);
-  if (!(length > kTiny_mps)) return wish;
-  return {sum.x / length, sum.y / length};
-}
-
-/// How fast somebody makes way for those nearby who are stuck.
-float making_way_mps(const SteeringView& p, size_t slot) {
-  float most = 0;
-  for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
-    const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
-    const float dx = p.x_m[slot] - p.x_m[other], dy = p.y_m[slot] - p.y_m[other];
-    const float near_m = p.radius_m[slot] + p.radius_m[other] + kMakesWayWithin_m;
-    if (dx * dx + dy * dy < near_m * near_m) most = std::max(most, p.urge[other] - p.urge[slot]);
-  }
-  return most * kMakesWay_mps;
+  if (length > kTiny_mps) wish = {sum.x / length, sum.y / length};
+  return {wish, most_urge * kMakesWay_mps};
 }
 
 /// Between the discs of a person and of the nearest in the way along `direction`.
@@ -157,8 +153,8 @@ void decide_collision_free_speed(const SteeringView& p, std::span<const uint32_t
     const float wanted = std::sqrt(wx * wx + wy * wy);
     Direction wish{0, 0};
     if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
-    const Direction way = turned_away(p, i, slot, wish);
-    const float most_mps = std::max(wanted, making_way_mps(p, slot));
+    const auto [way, makes_way_mps] = turned_away(p, i, slot, wish);
+    const float most_mps = std::max(wanted, makes_way_mps);
     const float speed = std::min(most_mps, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
     const size_t walls = add_walls(p, i, 0, planes.data());
     const Eigen::Vector2f v =

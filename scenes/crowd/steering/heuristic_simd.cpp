@@ -305,7 +305,7 @@ class Decisions {
       const Vectors sum = way + same * o.way;
       const Vectors along = sum / length(sum);
       const V ahead_m = dot(o.offset_m, along);
-      const V aside_m = hn::Abs(o.offset_m.x * along.y - o.offset_m.y * along.x);
+      const V aside_m = hn::Abs(cross(o.offset_m, along));
       const V other_mps = dot(o.velocity_mps, way);
       const M is_met = hn::Or(other_mps < all(kOncoming_mps), is_against(o));
       const V shoulders_m =
