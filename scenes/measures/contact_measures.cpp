@@ -4,26 +4,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace throng {
 namespace {
 
 constexpr double kDepthBin_m = 0.0005;
 constexpr size_t kDepthBins = 1200;
+constexpr double kAbsent = std::numeric_limits<double>::infinity();
 
 Histogram depth_histogram() { return {0, kDepthBin_m, kDepthBins}; }
 
 }  // namespace
 
-ContactMeasures::ContactMeasures(const RunInfo& run, double gap_s)
+ContactMeasures::ContactMeasures(const RunInfo& run, double gap_s, double settles_s)
     : step_s_(run.step_s),
       gap_s_(gap_s),
+      settles_s_(settles_s),
       sample_every_(std::max<int64_t>(1, std::llround(1 / run.step_s))),
       people_(run.model_of_avatar.size()),
       groups_(run),
       density_(*run.scene),
       positions_m_(people_),
       densities_(people_, -1),
+      came_s_(people_, kAbsent),
       open_(gap_s),
       open_groups_(gap_s),
       depths_(depth_histogram()),
@@ -62,11 +66,18 @@ void ContactMeasures::add_deepest(const Deepest& deepest) {
   if (deepest.of_people_m >= 0) deepest_.add(deepest.of_people_m);
 }
 
+void ContactMeasures::note_newcomers(const Frame& frame) {
+  for (uint32_t id = 0; id < people_; ++id) {
+    const bool is_there = frame.present.empty() || frame.present[id] != 0;
+    came_s_[id] = is_there ? std::min(came_s_[id], now_s_) : kAbsent;
+  }
+}
+
 /// Each frame stands for the step that follows it.
 void ContactMeasures::spend_time(const Frame& frame) {
   const bool is_sampled = frame.number % sample_every_ == 0;
   for (uint32_t id = 0; id < people_; ++id) {
-    if (!frame.present.empty() && frame.present[id] == 0) continue;
+    if (!is_settled(id)) continue;
     person_s_ += step_s_;
     if (is_sampled) person_s_at_[level_of(id, id)] += static_cast<double>(sample_every_) * step_s_;
   }
@@ -76,14 +87,16 @@ void ContactMeasures::frame(const Frame& frame) {
   now_s_ = static_cast<double>(frame.number) * step_s_;
   frame_ = &frame;
   is_placed_ = false;
+  note_newcomers(frame);
   open_.forget_ended(now_s_, [&](const Deepest& deepest) { add_deepest(deepest); });
   open_groups_.forget_ended(now_s_, [](const Nothing&) {});
   for (const PairEvent& event : frame.events) {
     if (event.kind != EventKind::kBegin || event.pair.b() >= people_) continue;
-    if (open_.begin(people_key(event.pair), now_s_))
+    const bool counts = is_settled(event.pair.a()) && is_settled(event.pair.b());
+    if (open_.begin(people_key(event.pair), now_s_) && counts)
       ++contacts_[level_of(event.pair.a(), event.pair.b())];
-    if (const uint64_t key = group_key(event.pair); open_groups_.begin(key, now_s_))
-      ++group_contacts_[key & 0xff];
+    const uint64_t key = group_key(event.pair);
+    if (open_groups_.begin(key, now_s_) && counts) ++group_contacts_[key & 0xff];
   }
   for (const PairEvent& event : frame.events) {
     if (event.kind != EventKind::kEnd || event.pair.b() >= people_) continue;

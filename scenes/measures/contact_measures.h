@@ -24,8 +24,9 @@ class ContactMeasures {
   static constexpr std::array<double, 5> kBounds_per_m2 = {0.43, 1, 2, 3.57, 5};
   static constexpr size_t kLevels = kBounds_per_m2.size() + 1;
 
-  /// Who parts for less than gap_s has not parted.
-  explicit ContactMeasures(const RunInfo& run, double gap_s = kGap_s);
+  /// Who parts for less than gap_s has not parted. Whoever came in less than settles_s ago does not
+  /// count: a body that appears beside another had no time to give way.
+  explicit ContactMeasures(const RunInfo& run, double gap_s = kGap_s, double settles_s = 0);
 
   void frame(const Frame& frame);
   void end();
@@ -50,6 +51,8 @@ class ContactMeasures {
   struct Nothing {};
 
   void place(const Frame& frame);
+  void note_newcomers(const Frame& frame);
+  bool is_settled(uint32_t person) const { return now_s_ - came_s_[person] >= settles_s_ - 1e-9; }
   double density_at(uint32_t person);
   void add_deepest(const Deepest& deepest);
   void spend_time(const Frame& frame);
@@ -58,12 +61,14 @@ class ContactMeasures {
 
   double step_s_;
   double gap_s_;
+  double settles_s_;
   int64_t sample_every_;
   size_t people_;
   PartGroups groups_;
   LocalDensity density_;
   std::vector<Eigen::Vector2d> positions_m_;
   std::vector<double> densities_;  ///< by person, of this frame; below 0: not asked for yet
+  std::vector<double> came_s_;     ///< by person; infinite: is not there
   bool is_placed_ = false;
   const Frame* frame_ = nullptr;
   double now_s_ = 0;

@@ -227,36 +227,82 @@ Judgement judge_companions(std::span<const Together> places, const PartyExits& e
   return out;
 }
 
-double LevelContacts::per_person_min() const {
+double CountedContacts::per_person_min() const {
   // Both people have it.
   return person_s > 0 ? 2 * 60 * static_cast<double>(contacts) / person_s : kNone;
 }
 
+double CountedContacts::error_per_person_min() const {
+  const double error = std::sqrt(std::max<double>(1, static_cast<double>(contacts)));
+  return person_s > 0 ? 2 * 60 * error / person_s : kNone;
+}
+
+void PlaceContacts::add(const std::vector<CountedContacts>& more) {
+  levels.resize(std::max(levels.size(), more.size()));
+  for (size_t i = 0; i < more.size(); ++i) {
+    levels[i].contacts += more[i].contacts;
+    levels[i].person_s += more[i].person_s;
+  }
+}
+
 namespace {
 
-/// How many standard errors a level has fewer than the one below it: counts are Poisson's.
-double fall_in_errors(const LevelContacts& below, const LevelContacts& level) {
-  const double fall = below.per_person_min() - level.per_person_min();
-  const auto error = [](const LevelContacts& each) {
-    return each.per_person_min() /
-           std::sqrt(std::max<double>(1, static_cast<double>(each.contacts)));
-  };
-  const double both = std::hypot(error(below), error(level));
-  return both > 0 ? fall / both : 0;
+/// What the places where people spent enough time at a level have there on average.
+struct MeanContacts {
+  double per_person_min = kNone;
+  double error = kNone;
+  size_t places = 0;
+};
+
+CountedContacts at_level(const PlaceContacts& place, size_t level) {
+  return level < place.levels.size() ? place.levels[level] : CountedContacts{};
+}
+
+MeanContacts mean_contacts(std::span<const PlaceContacts> places, size_t level) {
+  double sum = 0, square_sum = 0;
+  size_t count = 0;
+  for (const PlaceContacts& place : places) {
+    const CountedContacts counted = at_level(place, level);
+    if (counted.person_s < 60 * kLeastPersonMinutes) continue;
+    sum += counted.per_person_min();
+    square_sum += std::pow(counted.error_per_person_min(), 2);
+    ++count;
+  }
+  if (count == 0) return {};
+  const auto n = static_cast<double>(count);
+  return {sum / n, std::sqrt(square_sum) / n, count};
+}
+
+/// How many standard errors a level has fewer than the one below it.
+double fall_in_errors(const MeanContacts& below, const MeanContacts& level) {
+  if (below.places == 0) return 0;
+  return (below.per_person_min - level.per_person_min) / std::hypot(below.error, level.error);
+}
+
+void list_places(std::span<const PlaceContacts> places, size_t level, const std::string& at,
+                 Judgement& out) {
+  for (const PlaceContacts& place : places) {
+    const CountedContacts counted = at_level(place, level);
+    if (counted.person_s <= 0) continue;
+    out.readings.push_back({at, fmt::format("contacts, {}", place.name), "a person and minute",
+                            counted.per_person_min()});
+    out.readings.push_back({at, fmt::format("watched, {}", place.name), "person min",
+                            counted.person_s / 60, kNone, kLeastPersonMinutes});
+  }
 }
 
 }  // namespace
 
-Judgement judge_contacts(std::span<const LevelContacts> levels) {
+Judgement judge_contacts(std::span<const PlaceContacts> places) {
   constexpr double kMostAlone = 1, kLow = 0.5, kHigh = 1.5, kWithin = 0.5;
   constexpr double kChance = 1.645;  // one-sided, 95 %
   constexpr size_t kLeastLevels = 3;
   Judgement out;
   size_t reached = 0, as_recorded = 0;
-  const LevelContacts* below = nullptr;
+  MeanContacts below;
   bool falls = false;
   std::string list;
-  for (size_t i = 0; i < levels.size() && i < recorded_contacts().size(); ++i) {
+  for (size_t i = 0; i < recorded_contacts().size(); ++i) {
     const RecordedContacts& theirs = recorded_contacts()[i];
     const double low =
         i == 0 ? 0 : std::min(kLow * theirs.per_person_min, theirs.per_person_min - kWithin);
@@ -264,28 +310,23 @@ Judgement judge_contacts(std::span<const LevelContacts> levels) {
         i == 0 ? kMostAlone
                : std::max(kHigh * theirs.per_person_min, theirs.per_person_min + kWithin);
     const std::string at = fmt::format("{:g} to {:g} per m2", theirs.from_per_m2, theirs.to_per_m2);
-    const double ours = levels[i].per_person_min();
-    Reading reading{at,   "contacts", "a person and minute", ours, theirs.per_person_min, low,
-                    high, {}};
-    if (levels[i].person_s >= 60 * kLeastPersonMinutes) {
-      const double fall = below == nullptr ? 0 : fall_in_errors(*below, levels[i]);
-      falls = falls || fall > kChance;
-      reading.met = ours >= low && ours <= high && fall <= kChance;
+    const MeanContacts ours = mean_contacts(places, i);
+    Reading reading{
+        at,   "contacts", "a person and minute", ours.per_person_min, theirs.per_person_min, low,
+        high, {}};
+    if (ours.places > 0) {
+      const bool is_fewer = fall_in_errors(below, ours) > kChance;
+      const bool is_recorded = ours.per_person_min >= low && ours.per_person_min <= high;
+      falls = falls || is_fewer;
+      reading.met = is_recorded && !is_fewer;
       reading.headline = true;
-      as_recorded += ours >= low && ours <= high;
-      below = &levels[i];
+      as_recorded += is_recorded;
+      below = ours;
       ++reached;
-      list += fmt::format("{}{:.2f}", list.empty() ? "" : ", ", ours);
+      list += fmt::format("{}{:.2f}", list.empty() ? "" : ", ", ours.per_person_min);
     }
     out.readings.push_back(reading);
-    out.readings.push_back({at,
-                            "watched",
-                            "person min",
-                            levels[i].person_s / 60,
-                            kNone,
-                            kLeastPersonMinutes,
-                            kNone,
-                            {}});
+    list_places(places, i, at, out);
   }
   out.passed = reached >= kLeastLevels && as_recorded == reached && !falls;
   out.summary = fmt::format(

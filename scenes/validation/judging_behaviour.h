@@ -82,19 +82,29 @@ struct PartyExits {
 /// everybody leaves.
 Judgement judge_companions(std::span<const Together> places, const PartyExits& exits);
 
-/// Contacts of two people at a level of density.
-struct LevelContacts {
+/// Contacts of two people at a level of density, as counted.
+struct CountedContacts {
   uint64_t contacts = 0;
   double person_s = 0;
 
   double per_person_min() const;
+  /// Standard error of that: counts are Poisson's.
+  double error_per_person_min() const;
+};
+/// By level, as in recorded_contacts().
+struct PlaceContacts {
+  std::string name;
+  std::vector<CountedContacts> levels;
+
+  void add(const std::vector<CountedContacts>& more);
 };
 /// Fewer person-minutes say nothing about a level.
 inline constexpr double kLeastPersonMinutes = 30;
 /// At the lowest level at most 1 a person and minute; at the others 0.5 to 1.5 times as many as
 /// recorded people have or within 0.5 of them; and no fewer than at the level below, but for
-/// chance (5 % of the time if they were equal). Levels as in recorded_contacts(). Three of them at
-/// least must have been reached.
-Judgement judge_contacts(std::span<const LevelContacts> levels);
+/// chance (5 % of the time if they were equal). Ours are at each level the mean of the places where
+/// people spent so many person-minutes at it, each counting the same, or the place with the most
+/// people would be all that is judged. Three levels at least must have been reached.
+Judgement judge_contacts(std::span<const PlaceContacts> places);
 
 }  // namespace throng::validation

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 
@@ -128,6 +130,39 @@ const RecordedCurve& recorded_curve(const std::string& id) {
   for (const RecordedCurve& curve : curves())
     if (curve.id == id) return curve;
   throw std::out_of_range("no recorded curve " + id);
+}
+
+const std::vector<RecordedBand>& recorded_one_way() {
+  static const std::vector<RecordedBand> bands = [] {
+    std::map<double, RecordedBand> by_density;
+    for (const char* id : {"ug", "uo", "eo"})
+      for (const RecordedBin& bin : recorded_curve(id).bins) {
+        const double at_per_m2 = bin.from + 0.5 * kRecordedBin;
+        RecordedBand& band =
+            by_density.try_emplace(at_per_m2, RecordedBand{at_per_m2, bin.low_mps, bin.high_mps})
+                .first->second;
+        band.low_mps = std::min(band.low_mps, bin.low_mps);
+        band.high_mps = std::max(band.high_mps, bin.high_mps);
+      }
+    std::vector<RecordedBand> out;
+    for (const auto& [at_per_m2, band] : by_density) out.push_back(band);
+    return out;
+  }();
+  return bands;
+}
+
+std::optional<RecordedBand> recorded_one_way_at(double per_m2) {
+  const std::vector<RecordedBand>& bands = recorded_one_way();
+  const auto above = std::find_if(bands.begin(), bands.end(), [&](const RecordedBand& band) {
+    return band.at_per_m2 >= per_m2;
+  });
+  if (above == bands.end()) return std::nullopt;
+  if (above->at_per_m2 == per_m2) return *above;
+  if (above == bands.begin()) return std::nullopt;
+  const RecordedBand& below = *std::prev(above);
+  const double part = (per_m2 - below.at_per_m2) / (above->at_per_m2 - below.at_per_m2);
+  return RecordedBand{per_m2, std::lerp(below.low_mps, above->low_mps, part),
+                      std::lerp(below.high_mps, above->high_mps, part)};
 }
 
 double RecordedDoor::mean_per_s() const {

@@ -3,6 +3,7 @@
 // in it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,18 @@ inline constexpr double kRecordedBin = 0.25;
 
 /// `single_file`, `ug`, `uo`, `eo`, `ko`, `bot`; throws std::out_of_range for others.
 const RecordedCurve& recorded_curve(const std::string& id);
+
+/// Speeds where people walk one way: from the slowest tenth of the slowest to the fastest tenth of
+/// the fastest of `ug`, `uo` and `eo`.
+struct RecordedBand {
+  double at_per_m2 = 0;
+  double low_mps = 0;
+  double high_mps = 0;
+};
+/// By density, each at the middle of the bin that it was seen in.
+const std::vector<RecordedBand>& recorded_one_way();
+/// Between two of them; none where nobody was recorded.
+std::optional<RecordedBand> recorded_one_way_at(double per_m2);
 
 struct RecordedDoor {
   double width_m = 0;

@@ -20,20 +20,22 @@ namespace {
 constexpr double kSample_s = 0.1;
 constexpr double kSlack_s = 1e-9;
 
-/// A room of 3.8 m, a corridor of 8 m x 1.8 m, an exit of 1.2 m. People walk towards -y.
-InflowSite corridor(const Conditions& conditions) {
+/// A room of 3.8 m, a corridor of 8 m x 1.8 m, an exit in its middle. People walk towards -y.
+InflowSite corridor(const std::string& id, const std::string& file, double exit_m,
+                    const Conditions& conditions) {
+  const double middle = 0.9;
   Plan plan = carved("corridor",
                      {{{-1, 4}, {2.8, 8.5}},
                       {{0, -4}, {1.8, 4}},
-                      {{0.3, -4 - Plan::kWall_m}, {1.5, -4}},
+                      {{middle - 0.5 * exit_m, -4 - Plan::kWall_m}, {middle + 0.5 * exit_m, -4}},
                       {{-1, -7}, {2.8, -4 - Plan::kWall_m}}},
                      {conditions.model}, conditions.seed);
   RecordingOptions reading;
   reading.fps = 16;
   reading.unit_m = 0.01;
   const RecordedCurve& curve = recorded_curve("uo");
-  return {"spacing_corridor",
-          "uo-180-180-120.txt",
+  return {id,
+          file,
           reading,
           std::move(plan),
           {{-1, -7}, {2.8, -6}},
@@ -83,9 +85,16 @@ class SpacingMeter {
 }  // namespace
 
 InflowSite inflow_site(const std::string& id, const Conditions& conditions) {
-  if (id == "spacing_corridor") return corridor(conditions);
+  if (id == "spacing_corridor") return corridor(id, "uo-180-180-120.txt", 1.2, conditions);
+  if (id == "free_corridor") return corridor(id, "uo-050-180-180.txt", 1.8, conditions);
   if (id == "spacing_door") return door(conditions);
   throw std::out_of_range("no site " + id);
+}
+
+std::vector<std::string> recording_files() {
+  std::vector<std::string> files;
+  for (const char* id : kInflowSites) files.push_back(inflow_site(id, {}).file);
+  return files;
 }
 
 std::shared_ptr<const Recording> recording_of(const InflowSite& site, const Conditions& conditions,

@@ -4,6 +4,7 @@
 // gets.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -27,7 +28,9 @@ struct InflowSite {
   std::optional<Distribution> speed_mps;
   double least_y = -1e9;  ///< nobody stands nearer to the barrier at first
 };
-/// `spacing_corridor` or `spacing_door`; throws std::out_of_range for others.
+inline constexpr std::array<const char*, 3> kInflowSites = {"spacing_corridor", "spacing_door",
+                                                            "free_corridor"};
+/// One of these; throws std::out_of_range for others.
 InflowSite inflow_site(const std::string& id, const Conditions& conditions);
 /// What was recorded there. None, and the outcome is `skipped`, unless the conditions name the
 /// folder of the recordings.

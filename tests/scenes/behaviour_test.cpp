@@ -50,42 +50,61 @@ TEST(Encounters, FailForASingleTouch) {
 }
 
 /// As recorded people have them, with an hour at each level.
-std::vector<LevelContacts> recorded_levels() {
-  std::vector<LevelContacts> levels;
+PlaceContacts recorded_place() {
+  PlaceContacts place{"as recorded", {}};
   for (const RecordedContacts& theirs : recorded_contacts())
-    levels.push_back({static_cast<uint64_t>(30 * theirs.per_person_min), 3600});
-  return levels;
+    place.levels.push_back({static_cast<uint64_t>(30 * theirs.per_person_min), 3600});
+  return place;
 }
 
+bool pass(const std::vector<PlaceContacts>& places) { return judge_contacts(places).passed; }
+
 TEST(ContactsByDensity, PassForThoseOfRecordedPeople) {
-  const Judgement judgement = judge_contacts(recorded_levels());
-  EXPECT_TRUE(judgement.passed) << judgement.summary;
+  EXPECT_TRUE(pass({recorded_place()})) << judge_contacts(std::vector{recorded_place()}).summary;
 }
 
 TEST(ContactsByDensity, FailForTooManyAndTooFewAtAnyLevel) {
-  for (size_t i = 0; i < recorded_levels().size(); ++i)
+  for (size_t i = 0; i < recorded_contacts().size(); ++i)
     for (const double factor : {0.3, i == 0 ? 2.0 : 1.7}) {
       if (i == 0 && factor < 1) continue;  // nobody has to touch where there is room
-      std::vector<LevelContacts> levels = recorded_levels();
-      levels[i].contacts = static_cast<uint64_t>(factor * static_cast<double>(levels[i].contacts));
-      EXPECT_FALSE(judge_contacts(levels).passed) << "level " << i << ", " << factor;
+      PlaceContacts place = recorded_place();
+      uint64_t& contacts = place.levels[i].contacts;
+      contacts = static_cast<uint64_t>(factor * static_cast<double>(contacts));
+      EXPECT_FALSE(pass({place})) << "level " << i << ", " << factor;
     }
 }
 
 TEST(ContactsByDensity, FailWhereTheyFallByMoreThanChance) {
-  std::vector<LevelContacts> levels = recorded_levels();
+  PlaceContacts place = recorded_place();
   // 3.2 a minute at 0.43 to 1 per m2 and 2.8 at 1 to 2: both as recorded, each for itself.
-  levels[1] = {static_cast<uint64_t>(300 * 3.2), 36000};
-  levels[2] = {static_cast<uint64_t>(300 * 2.8), 36000};
-  EXPECT_FALSE(judge_contacts(levels).passed);
-  levels[2] = {static_cast<uint64_t>(300 * 3.15), 36000};
-  EXPECT_TRUE(judge_contacts(levels).passed) << "2 % is chance";
+  place.levels[1] = {static_cast<uint64_t>(300 * 3.2), 36000};
+  place.levels[2] = {static_cast<uint64_t>(300 * 2.8), 36000};
+  EXPECT_FALSE(pass({place}));
+  place.levels[2] = {static_cast<uint64_t>(300 * 3.15), 36000};
+  EXPECT_TRUE(pass({place})) << "2 % is chance";
 }
 
 TEST(ContactsByDensity, FailForACrowdThatIsNeverDense) {
-  std::vector<LevelContacts> levels = recorded_levels();
-  levels.resize(2);
-  EXPECT_FALSE(judge_contacts(levels).passed);
+  PlaceContacts place = recorded_place();
+  place.levels.resize(2);
+  EXPECT_FALSE(pass({place}));
+}
+
+TEST(ContactsByDensity, AreTheMeanOfPlacesThatCountTheSameHoweverManyPeopleTheyHave) {
+  PlaceContacts none = recorded_place(), twice = recorded_place();
+  none.levels[1] = {0, 1000000};
+  twice.levels[1] = {2 * recorded_place().levels[1].contacts, 3600};
+  EXPECT_FALSE(pass({none}));
+  EXPECT_FALSE(pass({twice}));
+  EXPECT_TRUE(pass({none, twice}));
+  EXPECT_FALSE(pass({none, none, none, none, twice})) << "0.4 of the recorded";
+}
+
+TEST(ContactsByDensity, LeaveOutAPlaceWhereALevelWasWatchedForLessThanHalfAnHour) {
+  PlaceContacts place = recorded_place(), brief{"brief", {}};
+  for (size_t i = 0; i < place.levels.size(); ++i) brief.levels.push_back({1000000, 1799});
+  EXPECT_TRUE(pass({place, brief}));
+  EXPECT_FALSE(pass({brief}));
 }
 
 TEST(CompanionsTogether, FailForPartiesThatScatterAndForThoseThatPart) {
@@ -163,7 +182,7 @@ TEST(WalkedAgain, IsSkippedWithoutTheRecordings) {
 TEST(WalkedAgain, EverybodyOfARecordingComesInWhenAndWhereTheyDid) {
   const char* const folder = std::getenv("THRONG_RECORDINGS");
   if (folder == nullptr) GTEST_SKIP() << "THRONG_RECORDINGS names no folder of recordings";
-  for (const char* id : {"spacing_corridor", "spacing_door"}) {
+  for (const char* id : kInflowSites) {
     const InflowSite site = inflow_site(id, {});
     Outcome outcome;
     const auto recording = recording_of(site, {.recordings = folder}, outcome);

@@ -114,6 +114,28 @@ TEST(SpeedAgainstDensity, BinsWithFewSamplesAreNotJudged) {
   EXPECT_FALSE(judge_speeds(curve, samples).readings.front().met);
 }
 
+TEST(SpeedsOfOneWay, AreThoseOfABinInItsMiddleAndGoOverIntoTheNext) {
+  // `ug` is the slowest, `uo` the fastest: 0.48 to 1.07 m/s at 1.75 to 2 per m2, 0.3 to 0.9 above.
+  const auto low = recorded_one_way_at(1.875), high = recorded_one_way_at(2.125);
+  ASSERT_TRUE(low && high);
+  EXPECT_EQ(low->low_mps, 0.48);
+  EXPECT_EQ(low->high_mps, 1.07);
+  EXPECT_EQ(high->low_mps, 0.3);
+  EXPECT_EQ(high->high_mps, 0.9);
+  const auto edge = recorded_one_way_at(2), next = recorded_one_way_at(std::nextafter(2.0, 3.0));
+  ASSERT_TRUE(edge && next);
+  EXPECT_NEAR(edge->low_mps, 0.39, 1e-12);
+  EXPECT_NEAR(edge->high_mps, 0.985, 1e-12);
+  EXPECT_NEAR(next->low_mps, edge->low_mps, 1e-12) << "an edge of bins decides nothing";
+}
+
+TEST(SpeedsOfOneWay, AreUnknownWhereNobodyWasRecorded) {
+  EXPECT_FALSE(recorded_one_way_at(0.1));
+  EXPECT_TRUE(recorded_one_way_at(0.125));
+  EXPECT_TRUE(recorded_one_way_at(4.125));
+  EXPECT_FALSE(recorded_one_way_at(4.2));
+}
+
 TEST(Lanes, OneWithMoreThanItsShareFails) {
   EXPECT_TRUE(judge_fullest_lane(std::vector<double>{10, 30, 35, 25}, 0.35).passed);
   EXPECT_FALSE(judge_fullest_lane(std::vector<double>{10, 29, 36, 25}, 0.35).passed);

@@ -14,7 +14,7 @@ inline constexpr float kRadius_m = 0.22f;
 struct Tuning {
   // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
   // way; at stand_m people stand, from about room_m more on they walk freely.
-  float stand_m = 0.657f;
+  float stand_m = 0.667f;
   float shoulders_m = 0.304f;
   float room_m = 0.79f;
   /// Oncoming people pass each other with a shoulder turned.

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <map>
 
 #include "scenes/crowd/spawn.h"
 #include "scenes/validation/reality_tables.h"
@@ -93,47 +91,24 @@ std::string curve() {
   return text;
 }
 
-/// Speeds that were seen where people walk one way, by density: the slowest tenth of the slowest
-/// and the fastest tenth of the fastest of the recorded set-ups.
-struct Band {
-  double from_per_m2 = 0;
-  double low_mps = 1e9;
-  double high_mps = 0;
-};
-
-std::vector<Band> recorded_bands() {
-  std::map<double, Band> bands;
-  for (const char* id : {"ug", "uo", "eo"})
-    for (const RecordedBin& bin : recorded_curve(id).bins) {
-      Band& band = bands.try_emplace(bin.from, Band{bin.from}).first->second;
-      band.low_mps = std::min(band.low_mps, bin.low_mps);
-      band.high_mps = std::max(band.high_mps, bin.high_mps);
-    }
-  std::vector<Band> out;
-  for (const auto& [from, band] : bands) out.push_back(band);
-  return out;
+/// The densities asked for are edges of recorded bins, and a hundredth of a person decides on which
+/// side of an edge the measured one lies: so the band is what lies between the middles of two bins.
+bool is_recorded(const Point& point) {
+  const auto band = recorded_one_way_at(point.density_per_m2);
+  return band && point.speed_mps >= band->low_mps && point.speed_mps <= band->high_mps;
 }
 
-bool is_recorded(const std::vector<Band>& bands, const Point& point) {
-  return std::any_of(bands.begin(), bands.end(), [&](const Band& band) {
-    const double above_per_m2 = point.density_per_m2 - band.from_per_m2;
-    return above_per_m2 >= 0 && above_per_m2 < kRecordedBin && point.speed_mps >= band.low_mps &&
-           point.speed_mps <= band.high_mps;
-  });
-}
-
-std::string rows_of(const std::vector<Band>& bands) {
+std::string recorded_rows() {
   std::string text;
-  for (const Band& band : bands)
-    for (const double at : {band.from_per_m2, band.from_per_m2 + kRecordedBin})
-      text += fmt::format("{:.2f} {:.4f} {:.4f} {:.4f} {:.4f}\n", at, band.low_mps, band.high_mps,
-                          at * band.low_mps, at * band.high_mps);
+  for (const auto& [at_per_m2, low_mps, high_mps] : recorded_one_way())
+    text += fmt::format("{:.3f} {:.4f} {:.4f} {:.4f} {:.4f}\n", at_per_m2, low_mps, high_mps,
+                        at_per_m2 * low_mps, at_per_m2 * high_mps);
   return text;
 }
 
-std::vector<Figure> diagrams(const std::vector<Point>& points, const std::vector<Band>& bands) {
+std::vector<Figure> diagrams(const std::vector<Point>& points) {
   const std::string data = "$weidmann << EOD\n" + curve() + "EOD\n$recorded << EOD\n" +
-                           rows_of(bands) + "EOD\n$crowd << EOD\n" + rows_of(points) +
+                           recorded_rows() + "EOD\n$crowd << EOD\n" + rows_of(points) +
                            "EOD\nset grid\nset xrange [0:5.5]\nset yrange [0:*]\nset key top "
                            "right\nset xlabel 'people per m^2'\n";
   const auto plot = [&](int column, int low) {
@@ -152,7 +127,6 @@ std::vector<Figure> diagrams(const std::vector<Point>& points, const std::vector
 
 Outcome fundamental_diagram(const Conditions& conditions) {
   Outcome outcome;
-  const std::vector<Band> bands = recorded_bands();
   std::vector<Point> points;
   for (const double density : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0})
     points.push_back(measure(density, conditions, outcome));
@@ -161,14 +135,14 @@ Outcome fundamental_diagram(const Conditions& conditions) {
   for (const Point& point : points) {
     if (point.asked_per_m2 > 3.0) continue;
     ++judged;
-    inside += is_recorded(bands, point);
+    inside += is_recorded(point);
     list += fmt::format("{}{:.2f} per m2: {:.2f} m/s ({:+.0f} %)", list.empty() ? "" : ", ",
                         point.density_per_m2, point.speed_mps, 100 * point.deviation());
   }
   outcome.passed = inside == judged && outcome.unplaced == 0;
   outcome.measured =
       fmt::format("{}, percentages from Weidmann; {} of {} as recorded", list, inside, judged);
-  outcome.figures = diagrams(points, bands);
+  outcome.figures = diagrams(points);
   return outcome;
 }
 

@@ -55,10 +55,6 @@ constexpr const char* kCriterion =
 
 }  // namespace
 
-std::vector<std::string> recording_files() {
-  return {inflow_site("spacing_corridor", {}).file, inflow_site("spacing_door", {}).file};
-}
-
 std::vector<Test> spacing_tests() {
   return {
       {{"spacing_corridor"},

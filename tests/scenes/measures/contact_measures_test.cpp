@@ -89,6 +89,32 @@ TEST(ContactMeasures, ThoseWhoPartForLessThanHalfASecondHaveNotParted) {
   EXPECT_EQ(contacts_of(".......", 0.5), 0u);
 }
 
+/// Somebody comes in beside the others in the second frame of 0.1 s, and hands touch from a frame
+/// on.
+ContactMeasures newcomer_touches(size_t from_frame, double settles_s) {
+  const ThreePeople people;
+  ContactMeasures measures(people.run, ContactMeasures::kGap_s, settles_s);
+  const std::vector<PairEvent> begins = {
+      {PairKey(0, 1, part("leftHand"), part("RightHand")), EventKind::kBegin}};
+  const std::vector<uint8_t> before = {1, 0, 1}, since = {1, 1, 1};
+  for (size_t i = 0; i < 12; ++i) {
+    Frame frame = people.frame(static_cast<int64_t>(i));
+    frame.present = i == 0 ? before : since;
+    if (i == from_frame) frame.events = begins;
+    measures.frame(frame);
+  }
+  measures.end();
+  return measures;
+}
+
+TEST(ContactMeasures, WhoeverHasJustComeInDoesNotCountBeforeTheyHaveSettled) {
+  EXPECT_EQ(newcomer_touches(1, 0).contacts(), 1u);
+  EXPECT_EQ(newcomer_touches(5, 0.5).contacts(), 0u) << "0.4 s after they came in";
+  EXPECT_EQ(newcomer_touches(6, 0.5).contacts(), 1u) << "0.5 s after";
+  EXPECT_NEAR(newcomer_touches(1, 0).person_s(), 3.5, 1e-9);
+  EXPECT_NEAR(newcomer_touches(1, 0.5).person_s(), 2 * 0.7 + 0.6, 1e-9);
+}
+
 TEST(ContactMeasures, PartsThatTakeTurnsAreOneContactOfPeopleAndOneOfEachPair) {
   const ThreePeople people;
   ContactMeasures measures(people.run);
