@@ -7,6 +7,7 @@
 
 #include "base/elementary.h"
 #include "scenes/crowd/standing_room.h"
+#include "scenes/dressing/tracks.h"
 #include "scenes/file/density.h"
 #include "scenes/measures/accelerations.h"
 #include "scenes/measures/contact_measures.h"
@@ -188,9 +189,9 @@ std::vector<MetTwo> meet(uint64_t count, const Conditions& conditions) {
 }
 
 std::vector<CountedContacts> contacts_of(const Plan& plan, double seconds) {
-  // Recorded bodies know who will come in beside them, simulated ones do not: with them a quarter
-  // of all contacts in a corridor were those of people who had just appeared.
-  constexpr double kSettles_s = 1;
+  // Recorded bodies know for so long who will come in beside them, simulated ones do not: a quarter
+  // of the contacts in a corridor at 1 to 2 per m2 were those of people who had just appeared.
+  constexpr double kSettles_s = kExpected_s;
   Scene scene = plan.scene;
   scene.exact = true;
   scene.step_s = std::min(scene.step_s, Scene().step_s);
