@@ -12,6 +12,21 @@ namespace {
 
 constexpr double kWalkedWithin_s = 300;
 constexpr double kNear_m = 3;
+/// Fifteen parties are few: one crowd's share at the door differs from another's by two in a
+/// hundred.
+constexpr uint64_t kDoorCrowds = 3;
+
+Together stay_together_at_a_door(const Conditions& conditions, Outcome& outcome) {
+  Together all{"door of 1 m", 0, 0};
+  for (uint64_t crowd = 0; crowd < kDoorCrowds; ++crowd) {
+    const uint64_t seed = conditions.seed_of_run(crowd, kDoorCrowds);
+    const Together one = stay_together(all.where, parties_at_a_door_plan(conditions.model, seed),
+                                       kWalkedWithin_s, outcome);
+    all.moments += one.moments;
+    all.near += one.near;
+  }
+  return all;
+}
 
 Outcome companions(const Conditions& conditions) {
   const SteeringKind model = conditions.model;
@@ -19,7 +34,7 @@ Outcome companions(const Conditions& conditions) {
   Outcome outcome;
   const std::vector<Together> places = {
       stay_together("crossing", crossing_parties_plan(model, seed), kWalkedWithin_s, outcome),
-      stay_together("door of 1 m", parties_at_a_door_plan(model, seed), kWalkedWithin_s, outcome)};
+      stay_together_at_a_door(conditions, outcome)};
   const PartyExits exits =
       leave_together(parties_with_two_exits_plan(model, seed), 2 * kWalkedWithin_s, outcome);
   return judged(std::move(outcome), judge_companions(places, exits));
@@ -103,7 +118,8 @@ std::vector<Test> companion_tests() {
   return {{{"companions"},
            {"Companions stay together"},
            "Parties of two, three and four, every person in one: 54 in two streams that cross at "
-           "right angles, 15 through a door of 1 m and 20 m on, 60 out of a hall of 30 m x 20 m "
+           "right angles, 15 through a door of 1 m and 20 m on in three crowds, 60 out of a hall "
+           "of 30 m x 20 m "
            "with two exits of 1 m, all in the half with one of them.",
            "within 3 m of a companion 95 % of the time, 95 % of the parties leave by one exit, and "
            "everybody leaves (source: ours; who walks together keeps 0.75 to 0.8 m apart: Moussaid "
