@@ -27,8 +27,7 @@ Standing stand_close(double per_m2, const Conditions& conditions, Outcome& outco
 
 /// Encounters, steered from where they begin, with bodies; so many of one seed.
 std::vector<MetTwo> meet(uint64_t count, const Conditions& conditions);
-/// By level of density, of bodies; not of those who came in so lately that
-/// recorded bodies would still expect them.
+/// By level of density, of bodies; not of those who have been there for less than kExpected_s.
 std::vector<CountedContacts> contacts_of(const Plan& plan, double seconds);
 
 }  // namespace throng::validation

@@ -210,12 +210,12 @@ Outcome neck_flow(const Conditions& conditions) {
   outcome.passed =
       grows && all_through && middle.before_neck.is_jam() && !middle.before_exit.is_jam();
   outcome.measured = fmt::format(
-      "{}{}; with 1 m more than 4 people per m2 before the neck for {:.0f} % of the time, {:.2f} "
-      "at "
-      "most, and before the exit of the second room for {:.0f} %, {:.2f} at most",
-      list, all_through ? "" : ", not everybody came through", 100 * middle.before_neck.jammed,
-      middle.before_neck.most_per_m2, 100 * middle.before_exit.jammed,
-      middle.before_exit.most_per_m2);
+      "{}{}; with 1 m more than {:g} people per m2 before the neck for {:.0f} % of the time, "
+      "{:.2f} "
+      "at most, and before the exit of the second room for {:.0f} %, {:.2f} at most",
+      list, all_through ? "" : ", not everybody came through", kJam_per_m2,
+      100 * middle.before_neck.jammed, middle.before_neck.most_per_m2,
+      100 * middle.before_exit.jammed, middle.before_exit.most_per_m2);
   outcome.figures.push_back(
       {"rimea_12_flow", "RiMEA 12: people into the neck, by its width", "",
        script +
@@ -255,10 +255,12 @@ std::vector<Test> door_tests() {
        {"RiMEA 12: effect of bottlenecks"},
        "150 people in the first of two rooms of 10 m x 10 m, a neck of 5 m between them 0.8, 1.0 "
        "and 1.2 m wide, an exit of 1 m out of the second.",
-       "the flow grows with the width; with 1 m people jam before the neck but not before the "
-       "exit: "
-       "more than 4 per m2 over 10 s for more than 10 % of the time (means of three seeds; source "
-       "of these numbers: IMO MSC.1/Circ.1533, annex 3, 3.1 and 3.2)",
+       fmt::format(
+           "the flow grows with the width; with 1 m people jam before the neck but not "
+           "before the exit: more than {:g} per m2 over {:g} s for more than {:g} % of the "
+           "time (means of three seeds; source of these numbers: IMO MSC.1/Circ.1533, annex "
+           "3, 3.1 and 3.2)",
+           kJam_per_m2, kWindow_s, 100 * kJamLasts),
        neck_flow}};
 }
 
