@@ -402,7 +402,7 @@ bool Crowd::is_queuing(size_t slot) const {
   if (walkers_.velocity_mps[slot].squaredNorm() > slow_mps * slow_mps) return false;
   const Eigen::Vector2d& position = walkers_.position_m[slot];
   const FlowField* field = &journeys_.field(id);
-  const Eigen::Vector2d way = journeys_.direction(id, position);
+  std::optional<Eigen::Vector2d> way;  // found when somebody near has the same
   for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
     const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
     const Eigen::Vector2d offset = walkers_.position_m[other] - position;
@@ -410,9 +410,10 @@ bool Crowd::is_queuing(size_t slot) const {
     if (offset.squaredNorm() > reach_m * reach_m) return false;
     // Ahead within 60 degrees, and with the same way to go.
     const uint32_t other_id = grid_.order()[other];
-    if (journeys_.doing(other_id) == Doing::kWalking && &journeys_.field(other_id) == field &&
-        way.dot(offset) > 0.5 * offset.norm())
-      return true;
+    if (journeys_.doing(other_id) != Doing::kWalking || &journeys_.field(other_id) != field)
+      continue;
+    if (!way) way = journeys_.direction(id, position);
+    if (way->dot(offset) > 0.5 * offset.norm()) return true;
   }
   return false;
 }

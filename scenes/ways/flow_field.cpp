@@ -371,10 +371,12 @@ CellPatch FlowField::patch_at(const Eigen::Vector2d& point) const {
 }
 
 void FlowField::prefetch(const Eigen::Vector2d& point) const {
-  // Mostly a cell and the one to its right lie in one line of the cache.
+  // A cell and the one to its right may lie in two lines of the cache.
   const CellPatch patch = patch_at(point);
-  __builtin_prefetch(&cells_[patch.cell]);
-  __builtin_prefetch(&cells_[patch.cell + patch.above]);
+  for (const size_t cell : {patch.cell, patch.cell + patch.above}) {
+    __builtin_prefetch(&cells_[cell]);
+    __builtin_prefetch(&cells_[cell + patch.right].distance_m);
+  }
 }
 
 Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
