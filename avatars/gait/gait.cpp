@@ -293,17 +293,15 @@ void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_m
                   std::span<const float> scales, std::span<RootBox> boxes) const {
   assert(speeds_mps.size() == phases.size() && scales.size() == phases.size());
   assert(boxes.size() == phases.size());
-  const Table& table = *table_;
-  for (size_t avatar = 0; avatar < phases.size(); ++avatar) {
-    const GaitPlace at = table.place(phases[avatar], speeds_mps[avatar], scales[avatar]);
-    const RootBox& box =
-        table.boxes[static_cast<size_t>(at.speed) * static_cast<size_t>(table.phases) +
-                    static_cast<size_t>(at.phase)];
-    for (int axis = 0; axis < 3; ++axis) {
-      boxes[avatar].min_m[axis] = scales[avatar] * box.min_m[axis];
-      boxes[avatar].max_m[axis] = scales[avatar] * box.max_m[axis];
-    }
-  }
+  for (size_t avatar = 0; avatar < phases.size(); ++avatar)
+    boxes[avatar] =
+        scaled(box_at(phases[avatar], speeds_mps[avatar], scales[avatar]), scales[avatar]);
+}
+
+const RootBox& Gait::box_at(float phase01, float speed_mps, float scale) const {
+  const GaitPlace at = table_->place(phase01, speed_mps, scale);
+  return table_->boxes[static_cast<size_t>(at.speed) * static_cast<size_t>(table_->phases) +
+                       static_cast<size_t>(at.phase)];
 }
 
 bool Gait::has_legs() const { return table_->stepping.has_value(); }

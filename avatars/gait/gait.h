@@ -17,6 +17,16 @@ namespace throng {
 
 class Archive;
 
+/// The box of a body of so many times the size.
+inline RootBox scaled(const RootBox& box, float scale) {
+  RootBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.min_m[axis] = scale * box.min_m[axis];
+    out.max_m[axis] = scale * box.max_m[axis];
+  }
+  return out;
+}
+
 class Gait {
  public:
   /// Tabulates one style of a model's gait over phase and speed. Joints are found by the adult's
@@ -66,6 +76,8 @@ class Gait {
   /// phase, speed and scale; looked up, not computed. No allocation.
   void bounds(std::span<const float> phases, std::span<const float> speeds_mps,
               std::span<const float> scales, std::span<RootBox> boxes) const;
+  /// The one of these that bounds() scales.
+  const RootBox& box_at(float phase01, float speed_mps, float scale) const;
 
   /// Walks avatars on by a step, each by its own of chunk.gaits, all of one model: see
   /// Stepping::walk(). A body without human legs rolls on by the way walked. No allocation.

@@ -64,8 +64,11 @@ void PairSearcher::fill_rows(std::span<const PlacedBody> bodies, Workers& worker
     std::fill(to[c] + slot_count_, to[c] + padded, 0.0f);
   }
   workers.for_blocks(blocks_of(slot_count_, kTaskBodies), [&](int block, int) {
+    constexpr size_t kAhead = 8;  // bodies lie anywhere
     const size_t first = static_cast<size_t>(block) * kTaskBodies;
-    for (size_t slot = first; slot < std::min(slot_count_, first + kTaskBodies); ++slot) {
+    const size_t end = std::min(slot_count_, first + kTaskBodies);
+    for (size_t slot = first; slot < end; ++slot) {
+      if (slot + kAhead < end) __builtin_prefetch(&bodies[body_[slot + kAhead]]);
       const PlacedBody& p = bodies[body_[slot]];
       to[0][slot] = p.x, to[1][slot] = p.y, to[2][slot] = p.z;
       to[3][slot] = p.radius, to[4][slot] = p.upright;

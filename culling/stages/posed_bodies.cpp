@@ -37,7 +37,11 @@ size_t PosedBodies::plan_rows(const Frame& frame) {
   by_type_.resize(fresh);
   type_start_.resize(types + 2);
   batches_.resize(fresh / kBatch + types);
-  for (size_t i = posed_; i < count_; ++i) bodies_[i].slot = frame.slots[slots_[i]];
+  constexpr size_t kAhead = 16;  // slots come in the order of pairs, which is none in memory
+  for (size_t i = posed_; i < count_; ++i) {
+    if (i + kAhead < count_) frame.slots.fetch(slots_[i + kAhead]);
+    bodies_[i].slot = frame.slots[slots_[i]];
+  }
   counting_sort(
       fresh, types, type_start_.data(), [&](size_t i) { return bodies_[posed_ + i].slot.type; },
       [&](size_t i, uint32_t at) { by_type_[at] = static_cast<uint32_t>(posed_ + i); });

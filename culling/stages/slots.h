@@ -36,6 +36,13 @@ class Slots {
 
   uint32_t body(size_t slot) const { return body_[slot]; }
   uint32_t id(size_t slot) const { return bodies_.ids[body_[slot]]; }
+  /// operator[] of the same is asked for soon: ids lie anywhere.
+  void fetch(size_t slot) const {
+    const uint32_t body = body_[slot];
+    __builtin_prefetch(&bodies_.types[body]);
+    __builtin_prefetch(&bodies_.scales[body]);
+    __builtin_prefetch(&bodies_.roots[body].position_m);
+  }
   SlotBody operator[](size_t slot) const {
     const uint32_t body = body_[slot];
     const uint16_t type = bodies_.types[body];

@@ -129,15 +129,29 @@ void Crowd::list_deciders() {
 
 /// What others see of somebody.
 void Crowd::show(size_t slot) {
-  const Walkers& w = walkers_;
-  Eigen::Vector2f velocity = w.velocity_mps[slot].cast<float>();
+  const Walker& w = walkers_[slot];
+  Seen& seen = walkers_.seen[slot];
+  Eigen::Vector2f velocity = w.velocity_mps.cast<float>();
   // People who are stuck show where to, so that others can make way.
   if (traits_.is_nudged)
-    velocity += static_cast<float>(tuning::kShownIntent) * w.urge[slot] *
-                (Eigen::Vector2f(w.wanted_x_mps[slot], w.wanted_y_mps[slot]) - velocity);
-  slots_.vx_mps[slot] = velocity.x();
-  slots_.vy_mps[slot] = velocity.y();
-  slots_.radius_m[slot] = static_cast<float>(w.radius_m[slot]) * w.squeeze[slot];
+    velocity += static_cast<float>(tuning::kShownIntent) * seen.urge *
+                (Eigen::Vector2f(seen.wanted_x_mps, seen.wanted_y_mps) - velocity);
+  seen.vx_mps = velocity.x();
+  seen.vy_mps = velocity.y();
+  seen.radius_m = static_cast<float>(w.radius_m) * w.squeeze;
+  seen.x_m = grid_.x()[slot];
+  seen.y_m = grid_.y()[slot];
+  look_ahead(slot);
+}
+
+/// Where somebody will stand after a period of going on like this.
+void Crowd::look_ahead(size_t slot) {
+  const Walker& w = walkers_[slot];
+  Seen& seen = walkers_.seen[slot];
+  const auto period_s = static_cast<float>(period_s_);
+  const Eigen::Vector2f velocity = (w.velocity_mps + w.drift_mps).cast<float>();
+  seen.ahead_x_m = seen.x_m + period_s * velocity.x();
+  seen.ahead_y_m = seen.y_m + period_s * velocity.y();
 }
 
 /// Whoever is on the way already walks at the free speed, but for those who stand too close
@@ -145,39 +159,40 @@ void Crowd::show(size_t slot) {
 void Crowd::start_walking(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   const bool walks = journeys_.doing(id) == Doing::kWalking && squeezes_[id] == 1;
-  Walkers& w = walkers_;
-  w.radius_m[slot] = radii_m_[id];
-  w.free_speed_mps[slot] = free_speeds_mps_[id];
-  w.position_m[slot] = w.anchor_m[slot] = positions_m_[id];
-  w.heading[slot] = headings_[id];
+  Walker& w = walkers_[slot];
+  w.radius_m = radii_m_[id];
+  w.free_speed_mps = free_speeds_mps_[id];
+  w.position_m = w.anchor_m = positions_m_[id];
+  w.heading = headings_[id];
   velocities_mps_[id] =
       walks ? Eigen::Vector2d(free_speeds_mps_[id] * headings_[id]) : Eigen::Vector2d::Zero();
-  w.velocity_mps[slot] = w.smooth_mps[slot] = w.old_mps[slot] = w.next_mps[slot] =
-      w.intent_mps[slot] = velocities_mps_[id];
-  w.drift_mps[slot].setZero();
-  w.facing[slot].setZero();
-  w.own_side_m[slot] = 0;
-  w.turn_radps[slot] = 0;
-  w.clearance_m[slot] = 0;
-  w.look_to_rad[slot] = w.look_radps[slot] = looks_rad_[id] = 0;
-  w.anchor_step[slot] = steps_;
-  w.queued_steps[slot] = 0;
-  w.queuing[slot] = 0;
-  w.held[slot] = 0;
-  w.squeeze[slot] = squeezes_[id];
-  w.urge[slot] = w.eagerness[slot] = 0;
+  w.velocity_mps = w.smooth_mps = w.old_mps = w.next_mps = w.intent_mps = velocities_mps_[id];
+  w.drift_mps.setZero();
+  w.facing.setZero();
+  w.own_side_m = 0;
+  w.turn_radps = 0;
+  w.clearance_m = 0;
+  w.look_to_rad = w.look_radps = looks_rad_[id] = 0;
+  w.anchor_step = steps_;
+  w.queued_steps = 0;
+  walkers_.queuing[slot] = 0;
+  w.held = 0;
+  w.squeeze = squeezes_[id];
+  walkers_.seen[slot].urge = walkers_.seen[slot].eagerness = 0;
   wish_for(slot, velocities_mps_[id].cast<float>());
 }
 
-template <typename Value>
-void Crowd::archive_by_id(Archive& a, std::vector<Value>& by_slot) {
+/// at(slot) is the value.
+template <typename At>
+void Crowd::archive_by_id(Archive& a, const At& at) {
+  using Value = std::remove_reference_t<decltype(at(size_t{0}))>;
   std::vector<Value> by_id(size(), zero_of<Value>());
   const std::span<const uint32_t> ids = grid_.order();
   if (!a.is_reading())
-    for (size_t slot = 0; slot < ids.size(); ++slot) by_id[ids[slot]] = by_slot[slot];
+    for (size_t slot = 0; slot < ids.size(); ++slot) by_id[ids[slot]] = at(slot);
   a(by_id);
   if (a.is_reading())
-    for (size_t slot = 0; slot < ids.size(); ++slot) by_slot[slot] = by_id[ids[slot]];
+    for (size_t slot = 0; slot < ids.size(); ++slot) at(slot) = by_id[ids[slot]];
 }
 
 void Crowd::archive(Archive& a) {
@@ -194,12 +209,16 @@ void Crowd::archive(Archive& a) {
     take_slots();
   }
   a(velocities_mps_, looks_rad_);
-  walkers_.for_each_field([&](auto& values, Saved saved) {
-    if (saved != Saved::kElsewhere) archive_by_id(a, values);
+  walkers_.for_each_field([&](auto& values, auto field, Saved saved) {
+    if (saved == Saved::kElsewhere) return;
+    archive_by_id(
+        a, [&](size_t slot) -> auto& { return values[slot].*field; });
   });
+  archive_by_id(
+      a, [&](size_t slot) -> auto& { return walkers_.queuing[slot]; });
   if (!a.is_reading()) return;
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
-    walkers_.velocity_mps[slot] = velocities_mps_[grid_.order()[slot]];
+    walkers_[slot].velocity_mps = velocities_mps_[grid_.order()[slot]];
   check_read(a);
   for (size_t slot = 0; slot < grid_.order().size(); ++slot) show(slot);
 }
@@ -216,34 +235,26 @@ void Crowd::check_read(Archive& a) {
   for (const float look_rad : looks_rad_) check_look(look_rad);
   for (const auto* speeds : {&velocities_mps_, &headings_})
     for (const Eigen::Vector2d& speed : *speeds) check_speed(speed);
-  walkers_.for_each_field([&](const auto& values, Saved saved) {
-    using Value = typename std::remove_cvref_t<decltype(values)>::value_type;
-    if constexpr (std::is_same_v<Value, double>) {
-      if (saved != Saved::kAsTurn) return;
-      for (const double turn_radps : values)
-        if (!(std::abs(turn_radps) <= 1.001 * tuning::kMaxTurn_radps))
+  constexpr float kFastestLook_radps = 2 * Gait::kMostLook_rad / tuning::kLook_s;
+  walkers_.for_each_field([&](const auto& values, auto field, Saved saved) {
+    for (size_t slot = 0; slot < grid_.order().size(); ++slot) {
+      const auto& value = values[slot].*field;
+      using Value = std::remove_cvref_t<decltype(value)>;
+      if constexpr (std::is_same_v<Value, double>) {
+        if (saved == Saved::kAsTurn && !(std::abs(value) <= 1.001 * tuning::kMaxTurn_radps))
           a.refuse("a turn as fast as people turn", "another");
-    } else if constexpr (std::is_same_v<Value, float>) {
-      if (saved == Saved::kAsLook)
-        for (const float look_rad : values) check_look(look_rad);
-      constexpr float kFastestLook_radps = 2 * Gait::kMostLook_rad / tuning::kLook_s;
-      if (saved == Saved::kAsLookSpeed)
-        for (const float look_radps : values)
-          if (!(std::abs(look_radps) <= kFastestLook_radps))
-            a.refuse("a head that turns as fast as heads do", "another");
-      if (saved == Saved::kAsShare)
-        for (size_t slot = 0; slot < grid_.order().size(); ++slot)
-          if (!(values[slot] > 0 && values[slot] <= 1)) a.refuse("a share of a disc", "another");
-      for (size_t slot = 0; slot < grid_.order().size(); ++slot) {
-        if (saved == Saved::kAsPart && !(values[slot] >= 0 && values[slot] <= 1))
-          a.refuse("a share", "another");
-        if (saved == Saved::kAsPace &&
-            !(std::abs(values[slot]) <= static_cast<float>(kLargest_mps)))
+      } else if constexpr (std::is_same_v<Value, float>) {
+        if (saved == Saved::kAsLook) check_look(value);
+        if (saved == Saved::kAsLookSpeed && !(std::abs(value) <= kFastestLook_radps))
+          a.refuse("a head that turns as fast as heads do", "another");
+        if (saved == Saved::kAsShare && !(value > 0 && value <= 1))
+          a.refuse("a share of a disc", "another");
+        if (saved == Saved::kAsPart && !(value >= 0 && value <= 1)) a.refuse("a share", "another");
+        if (saved == Saved::kAsPace && !(std::abs(value) <= static_cast<float>(kLargest_mps)))
           a.refuse("the speed of a person", "another");
+      } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
+        if (saved == Saved::kAsSpeed) check_speed(value);
       }
-    } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
-      if (saved != Saved::kAsSpeed) return;
-      for (const Eigen::Vector2d& speed : values) check_speed(speed);
     }
   });
 }
@@ -291,19 +302,19 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   velocities_mps_[id] = velocity_mps;
   const uint32_t slot = slot_of_[id];
   if (slot == kNowhere) return;
-  Walkers& w = walkers_;
-  w.position_m[slot] = position_m;
-  w.heading[slot] = heading;
-  w.velocity_mps[slot] = w.smooth_mps[slot] = w.intent_mps[slot] = velocity_mps;
-  w.old_mps[slot] = w.next_mps[slot] = velocity_mps;
-  w.drift_mps[slot].setZero();
-  w.turn_radps[slot] = 0;
+  Walker& w = walkers_[slot];
+  w.position_m = position_m;
+  w.heading = heading;
+  w.velocity_mps = w.smooth_mps = w.intent_mps = velocity_mps;
+  w.old_mps = w.next_mps = velocity_mps;
+  w.drift_mps.setZero();
+  w.turn_radps = 0;
   grid_.move(slot, position_m);
   grid_.add_slack_m(way_m);
   show(slot);
   // A driven avatar is not stuck, however long it stands.
-  w.anchor_m[slot] = position_m;
-  w.anchor_step[slot] = steps_;
+  w.anchor_m = position_m;
+  w.anchor_step = steps_;
 }
 
 void Crowd::lead(uint32_t id, bool is_there) {
@@ -313,25 +324,24 @@ void Crowd::lead(uint32_t id, bool is_there) {
 
 /// Returns how far. The velocity goes over to the one chosen within a period of one's own.
 double Crowd::move(size_t slot) {
-  Walkers& w = walkers_;
+  Walker& w = walkers_[slot];
   const size_t steps = static_cast<size_t>(steps_a_period_);
   const auto part = static_cast<double>((phase_ + steps - slots_.phase[slot]) % steps);
-  const Eigen::Vector2d change = w.next_mps[slot] - w.old_mps[slot];
-  const Eigen::Vector2d midway =
-      w.old_mps[slot] + (part + 0.5) / steps_a_period_ * change + w.drift_mps[slot];
-  w.velocity_mps[slot] = w.old_mps[slot] + (part + 1) / steps_a_period_ * change;
-  const Eigen::Vector2d from = w.position_m[slot];
+  const Eigen::Vector2d change = w.next_mps - w.old_mps;
+  const Eigen::Vector2d midway = w.old_mps + (part + 0.5) / steps_a_period_ * change + w.drift_mps;
+  w.velocity_mps = w.old_mps + (part + 1) / steps_a_period_ * change;
+  const Eigen::Vector2d from = w.position_m;
   Eigen::Vector2d to = from + options_.step_s * midway;
   // Far from any wall at the decision, nobody reaches one before the next.
   const double reach_m =
-      period_s_ * (2 * tuning::kHaste * w.free_speed_mps[slot] + tuning::kMaxDrift_mps);
-  if (w.clearance_m[slot] < reach_m + tuning::kWallGap_m)
+      period_s_ * (2 * tuning::kHaste * w.free_speed_mps + tuning::kMaxDrift_mps);
+  if (w.clearance_m < reach_m + tuning::kWallGap_m)
     to = ways_.walkable().slide(from, to, tuning::kWallGap_m);
   const uint32_t id = grid_.order()[slot];
   if (queues_.any()) to = queues_.keep_out(id, from, to, journeys_);
-  w.position_m[slot] = to;
+  w.position_m = to;
   positions_m_[id] = to;
-  velocities_mps_[id] = w.velocity_mps[slot];
+  velocities_mps_[id] = w.velocity_mps;
   grid_.move(slot, to);
   show(slot);
   const double way_m = (to - from).norm();
@@ -342,23 +352,23 @@ double Crowd::move(size_t slot) {
 void Crowd::look(size_t slot) {
   const auto step_s = static_cast<float>(options_.step_s);
   float& look_rad = looks_rad_[grid_.order()[slot]];
-  float& look_radps = walkers_.look_radps[slot];
-  const float wanted_radps = (walkers_.look_to_rad[slot] - look_rad) / (tuning::kLook_s + step_s);
+  float& look_radps = walkers_[slot].look_radps;
+  const float wanted_radps = (walkers_[slot].look_to_rad - look_rad) / (tuning::kLook_s + step_s);
   const float most_radps = tuning::kLook_radps2 * step_s;
   look_radps += std::clamp(wanted_radps - look_radps, -most_radps, most_radps);
   look_rad = std::clamp(look_rad + step_s * look_radps, -Gait::kMostLook_rad, Gait::kMostLook_rad);
 }
 
 double Crowd::turn(size_t slot) {
-  Eigen::Vector2d& smooth = walkers_.smooth_mps[slot];
+  Eigen::Vector2d& smooth = walkers_[slot].smooth_mps;
   smooth += options_.step_s / (tuning::kTurnSmoothing_s + options_.step_s) *
-            (walkers_.velocity_mps[slot] - smooth);
-  const double speed = smooth.norm(), now_square = walkers_.velocity_mps[slot].squaredNorm();
+            (walkers_[slot].velocity_mps - smooth);
+  const double speed = smooth.norm(), now_square = walkers_[slot].velocity_mps.squaredNorm();
   if (speed >= tuning::kWalks_mps && now_square >= tuning::kWalks_mps * tuning::kWalks_mps)
     return turn_into_way(slot, smooth / speed);
   const double slower = std::min(speed, std::sqrt(now_square));
   const double walks = (slower - tuning::kStands_mps) / (tuning::kWalks_mps - tuning::kStands_mps);
-  const Eigen::Vector2d& facing = walkers_.facing[slot];
+  const Eigen::Vector2d& facing = walkers_[slot].facing;
   Eigen::Vector2d to = facing;
   if (walks > 0) to = facing.isZero() ? smooth : (1 - walks) * facing + (walks / speed) * smooth;
   return turn_on_spot(slot, std::max(walks, 0.0), to);
@@ -366,8 +376,8 @@ double Crowd::turn(size_t slot) {
 
 /// Somebody who walks faces where it goes.
 double Crowd::turn_into_way(size_t slot, const Eigen::Vector2d& to) {
-  const Eigen::Vector2d& from = walkers_.heading[slot];
-  double& rate = walkers_.turn_radps[slot];
+  const Eigen::Vector2d& from = walkers_[slot].heading;
+  double& rate = walkers_[slot].turn_radps;
   const double left = from.x() * to.y() - from.y() * to.x(), ahead = from.dot(to);
   constexpr double kHardly = 0.99;  // a cosine: the sine is the angle, nearly
   const double off = ahead > kHardly ? left : arc_tan2(left, ahead);
@@ -377,15 +387,15 @@ double Crowd::turn_into_way(size_t slot, const Eigen::Vector2d& to) {
   if (wanted != at_once || std::abs(wanted - rate) > tuning::kTurnIntoWay_radps2 * options_.step_s)
     return turn_on(slot, wanted, tuning::kTurnIntoWay_radps2);
   rate = wanted;
-  headings_[grid_.order()[slot]] = walkers_.heading[slot] = to;
+  headings_[grid_.order()[slot]] = walkers_[slot].heading = to;
   return std::abs(off);
 }
 
 /// Somebody who stands turns when it is worth it, and then all the way. In between, `walks` from 0
 /// to 1, it does more and more as those who walk.
 double Crowd::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to) {
-  const double rate = walkers_.turn_radps[slot];
-  const Eigen::Vector2d& from = walkers_.heading[slot];
+  const double rate = walkers_[slot].turn_radps;
+  const Eigen::Vector2d& from = walkers_[slot].heading;
   const double most =
       tuning::kTurnOnSpot_radps + walks * (tuning::kMaxTurn_radps - tuning::kTurnOnSpot_radps);
   const double gently =
@@ -401,13 +411,13 @@ double Crowd::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to)
 
 /// Turns on, at a rate that comes as near to the one wanted as it may.
 double Crowd::turn_on(size_t slot, double wanted_radps, double most_radps2) {
-  double& rate = walkers_.turn_radps[slot];
+  double& rate = walkers_[slot].turn_radps;
   const double change = most_radps2 * options_.step_s;
   rate += std::clamp(wanted_radps - rate, -change, change);
   if (rate == 0) return 0;
-  const Eigen::Vector2d from = walkers_.heading[slot];
+  const Eigen::Vector2d from = walkers_[slot].heading;
   const SinCos turned = sin_cos(rate * options_.step_s);
-  headings_[grid_.order()[slot]] = walkers_.heading[slot] =
+  headings_[grid_.order()[slot]] = walkers_[slot].heading =
       Eigen::Vector2d(turned.cos * from.x() - turned.sin * from.y(),
                       turned.sin * from.x() + turned.cos * from.y())
           .normalized();

@@ -119,21 +119,24 @@ class Crowd {
   void take_slots();
   void list_deciders();
   void start_walking(size_t slot);
-  template <typename Value>
-  void archive_by_id(Archive& a, std::vector<Value>& by_slot);
+  template <typename At>
+  void archive_by_id(Archive& a, const At& at);
   void check_read(Archive& a);
   bool is_queuing(size_t slot) const;
   double strangers_per_m2(size_t slot) const;
   void overlook_companions(size_t slot);
   double pace(size_t slot, const Eigen::Vector2d& way);
   void stretch(size_t slot);
-  bool stands(size_t slot) const { return walkers_.way_x[slot] == 0 && walkers_.way_y[slot] == 0; }
+  bool stands(size_t slot) const {
+    return walkers_.seen[slot].way_x == 0 && walkers_.seen[slot].way_y == 0;
+  }
   bool stands_among_standing(size_t slot) const;
   double own_side_m(size_t slot) const;
-  OwnSide own_side(size_t slot) const { return {walkers_.own_side_m[slot], walkers_.facing[slot]}; }
+  OwnSide own_side(size_t slot) const { return {walkers_[slot].own_side_m, walkers_[slot].facing}; }
   Eigen::Vector2d wanted_mps(size_t slot);
   void wish_for(size_t slot, const Eigen::Vector2f& wanted_mps);
   void show(size_t slot);
+  void look_ahead(size_t slot);
   void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;
   SteeringView view_with_walls(Slots slots, Walls& walls);
@@ -145,12 +148,14 @@ class Crowd {
   bool is_settled(size_t slot) const;
   /// Discs whose centres are nearer are pushed apart.
   float apart_m(size_t slot, size_t other) const {
-    return traits_.core * (slots_.radius_m[slot] + slots_.radius_m[other]);
+    return traits_.core * (walkers_.seen[slot].radius_m + walkers_.seen[other].radius_m);
   }
   Eigen::Vector2f expected_m(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
   void prefetch(uint32_t id) const;
+  void prefetch_decider(Slots slots, size_t i) const;
+  void prefetch_neighbours(uint32_t slot) const;
   double move(size_t slot);
   double turn(size_t slot);  ///< by how much, in radians
   double turn_into_way(size_t slot, const Eigen::Vector2d& to);

@@ -27,8 +27,8 @@ void Crowd::update_detours() {
       [this](size_t slot) {
         constexpr double kLeast_mps = 0.1;  // of those who are led
         return Detours::Walker{
-            walkers_.position_m[slot],
-            walkers_.velocity_mps[slot] / std::max(walkers_.free_speed_mps[slot], kLeast_mps)};
+            walkers_[slot].position_m,
+            walkers_[slot].velocity_mps / std::max(walkers_[slot].free_speed_mps, kLeast_mps)};
       },
       workers_);
 }
@@ -89,11 +89,30 @@ void Crowd::change_people() {
   }
 }
 
+/// Whoever decides some places after the i-th: they lie too irregularly to be foreseen.
+void Crowd::prefetch_decider(Slots slots, size_t i) const {
+  constexpr size_t kAhead = 8;
+  if (i + kAhead >= slots.size()) return;
+  const uint32_t slot = slots[i + kAhead];
+  journeys_.prefetch(grid_.order()[slot]);
+  const auto* walker = reinterpret_cast<const std::byte*>(&walkers_[slot]);
+  for (size_t at = 0; at < sizeof(Walker); at += kCacheLine) __builtin_prefetch(walker + at, 1);
+  __builtin_prefetch(&walkers_.seen[slot], 1);
+}
+
+void Crowd::prefetch_neighbours(uint32_t slot) const {
+  const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+  for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k)
+    __builtin_prefetch(&walkers_.seen[near[k]]);
+}
+
 void Crowd::look_around(Slots slots) {
   // The fields are too large for the caches: fetched now, they are there after the search.
-  for (const uint32_t slot : slots) {
-    walkers_.own_side_m[slot] = own_side_m(slot);
-    journeys_.prefetch(grid_.order()[slot], walkers_.position_m[slot], own_side(slot));
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const uint32_t slot = slots[i];
+    prefetch_decider(slots, i);
+    walkers_[slot].own_side_m = own_side_m(slot);
+    journeys_.prefetch(grid_.order()[slot], walkers_[slot].position_m, own_side(slot));
   }
   grid_.nearest(slots, static_cast<float>(tuning::kReach_m), slots_.neighbours.data(),
                 slots_.neighbour_counts.data());
@@ -112,10 +131,10 @@ void Crowd::overlook_companions(size_t slot) {
   constexpr double kGap_m = 0.14, kWalks_mps = 0.3;
   const auto walks_beside = [&](uint32_t other) {
     if (!parties_.are_companions(grid_.order()[slot], grid_.order()[other])) return false;
-    const Eigen::Vector2d offset = walkers_.position_m[other] - walkers_.position_m[slot];
-    const Eigen::Vector2d both_mps = walkers_.velocity_mps[slot] + walkers_.velocity_mps[other];
+    const Eigen::Vector2d offset = walkers_[other].position_m - walkers_[slot].position_m;
+    const Eigen::Vector2d both_mps = walkers_[slot].velocity_mps + walkers_[other].velocity_mps;
     const double along = std::abs(offset.dot(both_mps)), square_m2 = offset.squaredNorm();
-    const double gap_m = walkers_.radius_m[slot] + walkers_.radius_m[other] + kGap_m;
+    const double gap_m = walkers_[slot].radius_m + walkers_[other].radius_m + kGap_m;
     return both_mps.squaredNorm() > kWalks_mps * kWalks_mps && square_m2 > gap_m * gap_m &&
            2 * along * along < square_m2 * both_mps.squaredNorm();
   };
@@ -127,13 +146,13 @@ void Crowd::overlook_companions(size_t slot) {
 /// Within two metres beside the way; those farther off, ahead and behind count less.
 double Crowd::strangers_per_m2(size_t slot) const {
   constexpr double kReach_m = 2;
-  const Eigen::Vector2d& intent = walkers_.intent_mps[slot];
+  const Eigen::Vector2d& intent = walkers_[slot].intent_mps;
   const double speed = intent.norm();
   double sum = 0;
   for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
     const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
     if (parties_.are_companions(grid_.order()[slot], grid_.order()[other])) continue;
-    const Eigen::Vector2d offset = walkers_.position_m[other] - walkers_.position_m[slot];
+    const Eigen::Vector2d offset = walkers_[other].position_m - walkers_[slot].position_m;
     const double away_m = offset.norm();
     const double ahead_m = speed > 0 ? offset.dot(intent) / speed : 0;
     const double aside = away_m > 0 ? 1 - ahead_m * ahead_m / (away_m * away_m) : 1;
@@ -148,52 +167,42 @@ double Crowd::wish(Slots slots) {
   if (!parties_.any()) look_around(slots);
   double longest_s = 0;
   for (const uint32_t slot : slots) {
-    Walkers& w = walkers_;
-    w.old_mps[slot] = w.velocity_mps[slot];
+    Walker& w = walkers_[slot];
+    Seen& seen = walkers_.seen[slot];
+    w.old_mps = w.velocity_mps;
     longest_s = std::max(longest_s, watch_progress(slot));
     wish_for(slot, wanted_mps(slot).cast<float>());
     const double stalled_s = stalled_s_of(slot);
-    w.urge[slot] = static_cast<float>(
+    seen.urge = static_cast<float>(
         tuning::share_between(tuning::kUrgeFrom_s, tuning::kUrgeTo_s, stalled_s));
     const auto eager = static_cast<float>(
         tuning::share_between(tuning::kEagerFrom_s, tuning::kEagerTo_s, stalled_s));
-    w.eagerness[slot] =
-        std::max(eager, w.eagerness[slot] - static_cast<float>(period_s_ / tuning::kEagerFor_s));
+    seen.eagerness =
+        std::max(eager, seen.eagerness - static_cast<float>(period_s_ / tuning::kEagerFor_s));
     stretch(slot);
     show(slot);
     find_facing(slot);
-    w.look_to_rad[slot] = look_to_rad(slot);
-    slots_.max_speed_mps[slot] = static_cast<float>(tuning::kHaste * w.free_speed_mps[slot]);
-    slots_.horizon_s[slot] = static_cast<float>(
-        stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s : tuning::kHorizon_s);
+    w.look_to_rad = look_to_rad(slot);
+    seen.max_speed_mps = static_cast<float>(tuning::kHaste * w.free_speed_mps);
+    seen.horizon_s = static_cast<float>(stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s
+                                                                     : tuning::kHorizon_s);
   }
   return longest_s;
 }
 
 void Crowd::wish_for(size_t slot, const Eigen::Vector2f& wanted_mps) {
-  walkers_.wanted_x_mps[slot] = wanted_mps.x();
-  walkers_.wanted_y_mps[slot] = wanted_mps.y();
+  Seen& seen = walkers_.seen[slot];
+  seen.wanted_x_mps = wanted_mps.x();
+  seen.wanted_y_mps = wanted_mps.y();
   const float length = std::sqrt(wanted_mps.x() * wanted_mps.x() + wanted_mps.y() * wanted_mps.y());
   const bool walks = length >= static_cast<float>(tuning::kWish_mps);
-  walkers_.way_x[slot] = walks ? wanted_mps.x() / length : 0.0f;
-  walkers_.way_y[slot] = walks ? wanted_mps.y() / length : 0.0f;
+  seen.way_x = walks ? wanted_mps.x() / length : 0.0f;
+  seen.way_y = walks ? wanted_mps.y() / length : 0.0f;
 }
 
 SteeringView Crowd::view() const {
   SteeringView view;
-  view.x_m = grid_.x().data();
-  view.y_m = grid_.y().data();
-  view.vx_mps = slots_.vx_mps.data();
-  view.vy_mps = slots_.vy_mps.data();
-  view.radius_m = slots_.radius_m.data();
-  view.wanted_x_mps = walkers_.wanted_x_mps.data();
-  view.wanted_y_mps = walkers_.wanted_y_mps.data();
-  view.way_x = walkers_.way_x.data();
-  view.way_y = walkers_.way_y.data();
-  view.max_speed_mps = slots_.max_speed_mps.data();
-  view.horizon_s = slots_.horizon_s.data();
-  view.urge = walkers_.urge.data();
-  view.eagerness = walkers_.eagerness.data();
+  view.seen = walkers_.seen.data();
   view.neighbours = slots_.neighbours.data();
   view.neighbour_counts = slots_.neighbour_counts.data();
   view.period_s = static_cast<float>(period_s_);
@@ -206,7 +215,10 @@ SteeringView Crowd::view_with_walls(Slots slots, Walls& walls) {
   walls.y.clear();
   walls.clearance_m.clear();
   walls.starts.assign(1, 0);
-  for (const uint32_t slot : slots) {
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const uint32_t slot = slots[i];
+    prefetch_decider(slots, i);
+    prefetch_neighbours(slot);
     find_walls(slot, walls);
     walls.starts.push_back(static_cast<uint32_t>(walls.x.size()));
   }
@@ -225,17 +237,17 @@ void Crowd::choose(Slots slots, Walls& walls) {
   const float half_period_s = 0.5f * people.period_s;
   for (const uint32_t slot : slots) {
     if (limits) limit_forward(slot);
-    if (has_doors) walkers_.held[slot] = slots_.next_held[slot];
+    if (has_doors) walkers_[slot].held = slots_.next_held[slot];
     if (stands_among_standing(slot)) slots_.next_x_mps[slot] = slots_.next_y_mps[slot] = 0;
     const float x = slots_.next_x_mps[slot], y = slots_.next_y_mps[slot];
-    walkers_.next_mps[slot] = {static_cast<double>(x), static_cast<double>(y)};
+    walkers_[slot].next_mps = {static_cast<double>(x), static_cast<double>(y)};
     // By the velocity that people have, not by the one they show: they would be pushed apart in
     // places where they never are.
-    const Eigen::Vector2f old = walkers_.old_mps[slot].cast<float>();
+    const Eigen::Vector2f old = walkers_[slot].old_mps.cast<float>();
     slots_.expected_x_m[slot] = slots_.chosen_x_m[slot] =
-        people.x_m[slot] + half_period_s * (old.x() + x);
+        people.seen[slot].x_m + half_period_s * (old.x() + x);
     slots_.expected_y_m[slot] = slots_.chosen_y_m[slot] =
-        people.y_m[slot] + half_period_s * (old.y() + y);
+        people.seen[slot].y_m + half_period_s * (old.y() + y);
   }
 }
 
@@ -243,7 +255,7 @@ void Crowd::choose(Slots slots, Walls& walls) {
 /// it. When somebody goes by, its people make way like others.
 bool Crowd::stands_among_standing(size_t slot) const {
   constexpr double kStill_mps = 0.2;
-  if (!stands(slot) || walkers_.old_mps[slot].squaredNorm() > kStill_mps * kStill_mps) return false;
+  if (!stands(slot) || walkers_[slot].old_mps.squaredNorm() > kStill_mps * kStill_mps) return false;
   const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
   return std::all_of(near, near + slots_.neighbour_counts[slot],
                      [this](uint32_t each) { return stands(each); });
@@ -265,29 +277,29 @@ void Crowd::limit_wishes(Slots slots, Walls& walls) {
 /// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.
 /// Of two who are ahead of one another, the one that has the other more ahead keeps it.
 void Crowd::limit_to_gap(size_t slot) {
-  float& wanted_x = walkers_.wanted_x_mps[slot];
-  float& wanted_y = walkers_.wanted_y_mps[slot];
-  const float way_x = walkers_.way_x[slot], way_y = walkers_.way_y[slot];
+  const std::span<Seen> seen = walkers_.seen;
+  float& wanted_x = seen[slot].wanted_x_mps;
+  float& wanted_y = seen[slot].wanted_y_mps;
+  const float way_x = seen[slot].way_x, way_y = seen[slot].way_y;
   const float wanted = wanted_x * way_x + wanted_y * way_y;
   const auto gap_s = static_cast<float>(tuning::kTimeGap_s);
-  const float* x = grid_.x().data();
-  const float* y = grid_.y().data();
   const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
   const size_t count = slots_.neighbour_counts[slot];
   const auto same_way = [&](uint32_t other) {
-    return way_x * walkers_.way_x[other] + way_y * walkers_.way_y[other];
+    return way_x * seen[other].way_x + way_y * seen[other].way_y;
   };
-  const float reach_m = slots_.radius_m[slot] + widest_m_ + wanted * gap_s;
+  const float reach_m = seen[slot].radius_m + widest_m_ + wanted * gap_s;
   float speed = wanted;
   for (size_t k = 0; k < count; ++k) {
     const uint32_t other = near[k];
-    const float dx = x[other] - x[slot], dy = y[other] - y[slot];
+    const float dx = seen[other].x_m - seen[slot].x_m;
+    const float dy = seen[other].y_m - seen[slot].y_m;
     const float square = dx * dx + dy * dy;
     if (square > reach_m * reach_m) break;  // they come nearest first
     const float ahead = dx * way_x + dy * way_y;
     const float aside = dx * way_y - dy * way_x;
-    const float radius_m = slots_.radius_m[slot] + slots_.radius_m[other];
-    const float ahead_of_other = -(dx * walkers_.way_x[other] + dy * walkers_.way_y[other]);
+    const float radius_m = seen[slot].radius_m + seen[other].radius_m;
+    const float ahead_of_other = -(dx * seen[other].way_x + dy * seen[other].way_y);
     if (ahead <= 0 || ahead <= ahead_of_other || aside * aside >= radius_m * radius_m ||
         same_way(other) < static_cast<float>(tuning::kSameWay))
       continue;
@@ -296,7 +308,9 @@ void Crowd::limit_to_gap(size_t slot) {
   if (!(speed < wanted)) return;
   for (size_t k = 0; k < count; ++k)
     if (same_way(near[k]) < -static_cast<float>(tuning::kSameWay) &&
-        (x[near[k]] - x[slot]) * way_x + (y[near[k]] - y[slot]) * way_y > 0)
+        (seen[near[k]].x_m - seen[slot].x_m) * way_x +
+                (seen[near[k]].y_m - seen[slot].y_m) * way_y >
+            0)
       return;
   // As with density, the wish keeps its direction.
   speed = std::max(speed, static_cast<float>(2 * tuning::kWish_mps));
@@ -306,11 +320,11 @@ void Crowd::limit_to_gap(size_t slot) {
 
 /// Slows the wish; never so far that it has no direction.
 void Crowd::limit_to_density(const SteeringView& people, size_t i, uint32_t slot) {
-  float& x = walkers_.wanted_x_mps[slot];
-  float& y = walkers_.wanted_y_mps[slot];
+  float& x = walkers_.seen[slot].wanted_x_mps;
+  float& y = walkers_.seen[slot].wanted_y_mps;
   const float wanted = std::sqrt(x * x + y * y);
   if (!(wanted > 0)) return;
-  const double free_mps = walkers_.free_speed_mps[slot];
+  const double free_mps = walkers_[slot].free_speed_mps;
   const float density = density_ahead(people, i, slot, x / wanted, y / wanted);
   const float limit = std::max(static_cast<float>(2 * tuning::kWish_mps),
                                static_cast<float>(free_mps) * weidmann_share(density));
@@ -322,9 +336,10 @@ void Crowd::limit_to_density(const SteeringView& people, size_t i, uint32_t slot
 /// Making way for those behind is no reason to walk faster than the people ahead allow, and a
 /// little to pass.
 void Crowd::limit_forward(size_t slot) {
-  const float way_x = walkers_.way_x[slot], way_y = walkers_.way_y[slot];
+  const Seen& seen = walkers_.seen[slot];
+  const float way_x = seen.way_x, way_y = seen.way_y;
   if (way_x == 0 && way_y == 0) return;
-  const float wanted = walkers_.wanted_x_mps[slot] * way_x + walkers_.wanted_y_mps[slot] * way_y;
+  const float wanted = seen.wanted_x_mps * way_x + seen.wanted_y_mps * way_y;
   const float excess = slots_.next_x_mps[slot] * way_x + slots_.next_y_mps[slot] * way_y -
                        static_cast<float>(tuning::kHaste) * wanted;
   if (excess <= 0) return;
@@ -334,10 +349,10 @@ void Crowd::limit_forward(size_t slot) {
 
 void Crowd::find_walls(size_t slot, Walls& walls) {
   const Walkable& walkable = ways_.walkable();
-  const Eigen::Vector2d& position = walkers_.position_m[slot];
-  const double radius_m = walkers_.radius_m[slot];
+  const Eigen::Vector2d& position = walkers_[slot].position_m;
+  const double radius_m = walkers_[slot].radius_m;
   const double reach_m =
-      radius_m + tuning::kHaste * walkers_.free_speed_mps[slot] * tuning::kWallHorizon_s;
+      radius_m + tuning::kHaste * walkers_[slot].free_speed_mps * tuning::kWallHorizon_s;
   const size_t first = walls.x.size();
   double clearance_m = Walkable::kReach_m;
   const auto add = [&](const Eigen::Vector2d& normal, double distance_m) {
@@ -370,43 +385,43 @@ void Crowd::find_walls(size_t slot, Walls& walls) {
     const Walkable::Nearest wall = walkable.nearest(footprint, position);
     add(wall.normal, wall.distance_m);
   }
-  walkers_.clearance_m[slot] = clearance_m;
+  walkers_[slot].clearance_m = clearance_m;
 }
 
 double Crowd::stalled_s_of(size_t slot) const {
-  return options_.step_s * static_cast<double>(steps_ - walkers_.anchor_step[slot]);
+  return options_.step_s * static_cast<double>(steps_ - walkers_[slot].anchor_step);
 }
 
 /// How long somebody has been stuck, the time of queuing taken off.
 double Crowd::watch_progress(size_t slot) {
-  Walkers& w = walkers_;
+  Walker& w = walkers_[slot];
   const uint32_t id = grid_.order()[slot];
   const bool goes = journeys_.doing(id) == Doing::kWalking || queues_.is_awaited(id);
-  const bool stands = !goes || w.held[slot] != 0 || parties_.waits(id);
-  if (stands || (w.position_m[slot] - w.anchor_m[slot]).squaredNorm() >= kStall_m * kStall_m) {
-    w.anchor_m[slot] = w.position_m[slot];
-    w.anchor_step[slot] = steps_;
-    w.queued_steps[slot] = 0;
+  const bool stands = !goes || w.held != 0 || parties_.waits(id);
+  if (stands || (w.position_m - w.anchor_m).squaredNorm() >= kStall_m * kStall_m) {
+    w.anchor_m = w.position_m;
+    w.anchor_step = steps_;
+    w.queued_steps = 0;
   }
-  w.queuing[slot] = is_queuing(slot);
-  if (w.queuing[slot] != 0) w.queued_steps[slot] += steps_a_period_;
-  return std::max(0.0, options_.step_s * static_cast<double>(steps_ - w.anchor_step[slot] -
-                                                             w.queued_steps[slot]));
+  walkers_.queuing[slot] = is_queuing(slot);
+  if (walkers_.queuing[slot] != 0) w.queued_steps += steps_a_period_;
+  return std::max(0.0,
+                  options_.step_s * static_cast<double>(steps_ - w.anchor_step - w.queued_steps));
 }
 
 bool Crowd::is_queuing(size_t slot) const {
   const uint32_t id = grid_.order()[slot];
   if (journeys_.doing(id) == Doing::kQueuing) return true;
   if (journeys_.doing(id) != Doing::kWalking) return false;
-  const double slow_mps = tuning::kQueueSpeed * walkers_.free_speed_mps[slot];
-  if (walkers_.velocity_mps[slot].squaredNorm() > slow_mps * slow_mps) return false;
-  const Eigen::Vector2d& position = walkers_.position_m[slot];
+  const double slow_mps = tuning::kQueueSpeed * walkers_[slot].free_speed_mps;
+  if (walkers_[slot].velocity_mps.squaredNorm() > slow_mps * slow_mps) return false;
+  const Eigen::Vector2d& position = walkers_[slot].position_m;
   const FlowField* field = &journeys_.field(id);
   std::optional<Eigen::Vector2d> way;  // found when somebody near has the same
   for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
     const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
-    const Eigen::Vector2d offset = walkers_.position_m[other] - position;
-    const double reach_m = walkers_.radius_m[slot] + walkers_.radius_m[other] + tuning::kQueueGap_m;
+    const Eigen::Vector2d offset = walkers_[other].position_m - position;
+    const double reach_m = walkers_[slot].radius_m + walkers_[other].radius_m + tuning::kQueueGap_m;
     if (offset.squaredNorm() > reach_m * reach_m) return false;
     // Ahead within 60 degrees, and with the same way to go.
     const uint32_t other_id = grid_.order()[other];

@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "scenes/crowd/steering/steering.h"
+
 namespace throng {
 
 /// How a field of a walker comes back from a checkpoint.
@@ -26,59 +28,56 @@ enum class Saved : uint8_t {
 };
 
 // FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
-// kCheckpointVersion.
-//   smooth_mps    the velocity that the heading follows
+// kCheckpointVersion. First what each step needs, then what decisions do.
 //   old_mps       the velocity goes from this ...
 //   next_mps      ... to this within the period of a decision
 //   drift_mps     what disc relaxation adds
-//   intent_mps    the wanted velocity, smoothed
+//   smooth_mps    the velocity that the heading follows
+//   turn_radps    of the heading, to the left; 0: whoever stands does not turn
 //   look_to_rad   where the head turns
 //   look_radps    how fast it does
+//   squeeze       of the disc's radius: what is left of it where bodies stand closer than discs do
+//   held          1: stands before a closed door, or behind somebody who does
 //   facing        what somebody who stands turns to: a unit vector, or zero
 //   own_side_m    how far to the left of the shortest way somebody walks
-//   turn_radps    of the heading, to the left; 0: whoever stands does not turn
-//   anchor_m      where progress was last made, and the step of it
 //   queued_steps  since the anchor
-//   held          1: stands before a closed door, or behind somebody who does
-//   squeeze       of the disc's radius: what is left of it where bodies stand closer than discs do
-// And what others see of the latest decision:
-//   wanted_x_mps, wanted_y_mps
-//   way_x, way_y  where to: a unit vector, or zero
-//   urge          0 to 1: how much others make way
-//   eagerness     0 to 1: how far somebody who was held up closes up to who walks off ahead
+//   intent_mps    the wanted velocity, smoothed
+//   anchor_m      where progress was last made, and the step of it
 #define THRONG_WALKER_FIELDS(FIELD)                \
   FIELD(Eigen::Vector2d, position_m, kElsewhere)   \
   FIELD(Eigen::Vector2d, velocity_mps, kElsewhere) \
-  FIELD(Eigen::Vector2d, heading, kElsewhere)      \
-  FIELD(double, radius_m, kElsewhere)              \
-  FIELD(double, free_speed_mps, kElsewhere)        \
-  FIELD(Eigen::Vector2d, smooth_mps, kAsSpeed)     \
   FIELD(Eigen::Vector2d, old_mps, kAsSpeed)        \
   FIELD(Eigen::Vector2d, next_mps, kAsSpeed)       \
   FIELD(Eigen::Vector2d, drift_mps, kAsSpeed)      \
-  FIELD(Eigen::Vector2d, intent_mps, kAsSpeed)     \
+  FIELD(Eigen::Vector2d, smooth_mps, kAsSpeed)     \
+  FIELD(Eigen::Vector2d, heading, kElsewhere)      \
+  FIELD(double, turn_radps, kAsTurn)               \
   FIELD(double, clearance_m, kPlainly)             \
+  FIELD(double, free_speed_mps, kElsewhere)        \
+  FIELD(double, radius_m, kElsewhere)              \
   FIELD(float, look_to_rad, kAsLook)               \
   FIELD(float, look_radps, kAsLookSpeed)           \
+  FIELD(float, squeeze, kAsShare)                  \
+  FIELD(uint8_t, held, kPlainly)                   \
   FIELD(Eigen::Vector2d, facing, kAsSpeed)         \
   FIELD(double, own_side_m, kPlainly)              \
-  FIELD(double, turn_radps, kAsTurn)               \
-  FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \
-  FIELD(int64_t, anchor_step, kPlainly)            \
   FIELD(int64_t, queued_steps, kPlainly)           \
-  FIELD(uint8_t, queuing, kPlainly)                \
-  FIELD(uint8_t, held, kPlainly)                   \
-  FIELD(float, squeeze, kAsShare)                  \
-  FIELD(float, wanted_x_mps, kAsPace)              \
-  FIELD(float, wanted_y_mps, kAsPace)              \
-  FIELD(float, way_x, kAsPace)                     \
-  FIELD(float, way_y, kAsPace)                     \
-  FIELD(float, urge, kAsPart)                      \
-  FIELD(float, eagerness, kAsPart)
+  FIELD(Eigen::Vector2d, intent_mps, kAsSpeed)     \
+  FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \
+  FIELD(int64_t, anchor_step, kPlainly)
+
+// FIELD(name, saved): what others see of somebody's latest decision (see Seen); the rest of it
+// follows from the walker.
+#define THRONG_SHOWN_FIELDS(FIELD) \
+  FIELD(wanted_x_mps, kAsPace)     \
+  FIELD(wanted_y_mps, kAsPace)     \
+  FIELD(way_x, kAsPace)            \
+  FIELD(way_y, kAsPace)            \
+  FIELD(urge, kAsPart)             \
+  FIELD(eagerness, kAsPart)
 
 // FIELD(type, name), one value a slot: what follows from a walker, and what a decision works out.
 //   phase            the step of a period in which somebody decides
-//   vx_mps, vy_mps   the velocity that others see; and the radius
 //   next_held        what `held` of a walker becomes
 //   close_counts     of the neighbours, who may overlap; they come first
 //   crowded          of a block, from its first place on: slots with some
@@ -87,11 +86,6 @@ enum class Saved : uint8_t {
 //   swept_x_m...     what a sweep makes of it
 #define THRONG_DECISION_FIELDS(FIELD) \
   FIELD(uint8_t, phase)               \
-  FIELD(float, vx_mps)                \
-  FIELD(float, vy_mps)                \
-  FIELD(float, radius_m)              \
-  FIELD(float, max_speed_mps)         \
-  FIELD(float, horizon_s)             \
   FIELD(float, next_x_mps)            \
   FIELD(float, next_y_mps)            \
   FIELD(uint8_t, next_held)           \
@@ -116,36 +110,47 @@ Value zero_of() {
     return Value::Zero();
 }
 
-/// What moves, by slot.
-struct Walkers {
-#define THRONG_MEMBER(type, name, saved) std::vector<type> name;
+/// Who moves. A step reads and writes nearly all of it, a decision that of one in so many slots:
+/// each in a few lines of the cache of their own.
+struct alignas(kCacheLine) Walker {
+#define THRONG_MEMBER(type, name, saved) type name = zero_of<type>();
   THRONG_WALKER_FIELDS(THRONG_MEMBER)
 #undef THRONG_MEMBER
+};
 
-  /// Calls visit(field, saved) for each field.
+/// By slot.
+struct Walkers {
+  std::vector<Walker> all;
+  std::vector<Seen> seen;
+  std::vector<uint8_t> queuing;  ///< 1: held up by others ahead who go the same way
+
+  const Walker& operator[](size_t slot) const { return all[slot]; }
+  Walker& operator[](size_t slot) { return all[slot]; }
+
+  /// Calls visit(values, field, saved) for each field.
   template <typename Visit>
   void for_each_field(const Visit& visit) {
-#define THRONG_VISIT(type, name, saved) visit(name, Saved::saved);
+#define THRONG_VISIT(type, name, saved) visit(all, &Walker::name, Saved::saved);
     THRONG_WALKER_FIELDS(THRONG_VISIT)
+#undef THRONG_VISIT
+#define THRONG_VISIT(name, saved) visit(seen, &Seen::name, Saved::saved);
+    THRONG_SHOWN_FIELDS(THRONG_VISIT)
 #undef THRONG_VISIT
   }
 
   void resize(size_t count) {
-    for_each_field([count](auto& values, Saved) {
-      using Value = typename std::remove_reference_t<decltype(values)>::value_type;
-      values.assign(count, zero_of<Value>());
-    });
+    all.assign(count, {});
+    seen.assign(count, {});
+    queuing.assign(count, 0);
   }
 
-  /// The slots from `first` on take over all that is known of who had these slots before, one field
-  /// after the other: all at once they would be fifty streams from and to the memory.
+  /// The slots from `first` on take over all that is known of who had these slots before.
   void carry(const Walkers& from, std::span<const uint32_t> from_slots, size_t first) {
-    const auto take = [&](auto& to, const auto& before) {
-      for (size_t i = 0; i < from_slots.size(); ++i) to[first + i] = before[from_slots[i]];
-    };
-#define THRONG_CARRY(type, name, saved) take(name, from.name);
-    THRONG_WALKER_FIELDS(THRONG_CARRY)
-#undef THRONG_CARRY
+    for (size_t i = 0; i < from_slots.size(); ++i) {
+      all[first + i] = from.all[from_slots[i]];
+      seen[first + i] = from.seen[from_slots[i]];
+      queuing[first + i] = from.queuing[from_slots[i]];
+    }
   }
 };
 

@@ -36,30 +36,30 @@ void Crowd::relax_discs() {
 /// Where somebody will stand after a period, as far as is known by now.
 Eigen::Vector2f Crowd::expected_m(size_t slot) const {
   if (slots_.phase[slot] == phase_) return {slots_.expected_x_m[slot], slots_.expected_y_m[slot]};
-  const auto period_s = static_cast<float>(period_s_);
-  const Eigen::Vector2f velocity =
-      (walkers_.velocity_mps[slot] + walkers_.drift_mps[slot]).cast<float>();
-  return {grid_.x()[slot] + period_s * velocity.x(), grid_.y()[slot] + period_s * velocity.y()};
+  return {walkers_.seen[slot].ahead_x_m, walkers_.seen[slot].ahead_y_m};
 }
 
 /// Brings those neighbours to the front who may overlap at the end of the period. Returns the
 /// deepest overlap of those who stand now.
 double Crowd::find_close(Slots slots, size_t block) {
+  constexpr size_t kAhead = 4;
   float deepest_m = 0;
-  const float* x = grid_.x().data();
-  const float* y = grid_.y().data();
   const auto moved_m = static_cast<float>(2 * period_s_ * tuning::kHaste * fastest_mps_);
   uint32_t crowded = 0;
   const uint32_t first = static_cast<uint32_t>(slots.data() - deciders().data());
-  for (const uint32_t slot : slots) {
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const uint32_t slot = slots[i];
+    if (i + kAhead < slots.size()) prefetch_neighbours(slots[i + kAhead]);
     uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
-    const float reach_m = slots_.radius_m[slot] + widest_m_ + margin_m + moved_m;
+    const Seen& own = walkers_.seen[slot];
+    const float reach_m = own.radius_m + widest_m_ + margin_m + moved_m;
     const Eigen::Vector2f expected = expected_m(slot);
     size_t close = 0;
     for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
       const uint32_t other = near[k];
-      const float dx = x[other] - x[slot], dy = y[other] - y[slot];
+      const float dx = walkers_.seen[other].x_m - own.x_m;
+      const float dy = walkers_.seen[other].y_m - own.y_m;
       const float square = dx * dx + dy * dy;
       if (square > reach_m * reach_m) break;  // they come nearest first
       const Eigen::Vector2f to = expected_m(other) - expected;
@@ -106,7 +106,7 @@ bool Crowd::is_settled(size_t slot) const {
 /// Those behind push nobody forward, beyond where one's own step would have led: a person who is
 /// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
 void Crowd::hold_back(size_t slot, float& to_x, float& to_y) const {
-  const float ahead_x = walkers_.way_x[slot], ahead_y = walkers_.way_y[slot];
+  const float ahead_x = walkers_.seen[slot].way_x, ahead_y = walkers_.seen[slot].way_y;
   if (ahead_x == 0 && ahead_y == 0) return;
   const float x = grid_.x()[slot], y = grid_.y()[slot];
   const float planned_x = slots_.chosen_x_m[slot] - x, planned_y = slots_.chosen_y_m[slot] - y;
@@ -140,10 +140,10 @@ double Crowd::relax_disc(size_t slot) {
   }
   float to_x = x + push_x, to_y = y + push_y;
   if (deepest_m > 0) hold_back(slot, to_x, to_y);
-  if (deepest_m > 0 && walkers_.clearance_m[slot] < 2 * walkers_.radius_m[slot] + 1) {
+  if (deepest_m > 0 && walkers_[slot].clearance_m < 2 * walkers_[slot].radius_m + 1) {
     const Eigen::Vector2d to = Eigen::Vector2f(to_x, to_y).cast<double>() + grid_.middle_m();
     const Eigen::Vector2f slid =
-        (ways_.walkable().slide(walkers_.position_m[slot], to, tuning::kWallGap_m) -
+        (ways_.walkable().slide(walkers_[slot].position_m, to, tuning::kWallGap_m) -
          grid_.middle_m())
             .cast<float>();
     to_x = slid.x();
@@ -159,15 +159,19 @@ double Crowd::relax_disc(size_t slot) {
 
 /// The correction is spread over the period, so that nobody jumps.
 void Crowd::set_drift(Slots slots) {
-  for (const uint32_t slot : slots) {
-    Eigen::Vector2d& drift = walkers_.drift_mps[slot];
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const uint32_t slot = slots[i];
+    prefetch_decider(slots, i);
+    Eigen::Vector2d& drift = walkers_[slot].drift_mps;
     drift.setZero();
-    if (slots_.close_counts[slot] == 0) continue;
-    drift = {static_cast<double>(slots_.expected_x_m[slot] - slots_.chosen_x_m[slot]),
-             static_cast<double>(slots_.expected_y_m[slot] - slots_.chosen_y_m[slot])};
-    drift /= period_s_;
-    const double length = drift.norm();
-    if (length > tuning::kMaxDrift_mps) drift *= tuning::kMaxDrift_mps / length;
+    if (slots_.close_counts[slot] != 0) {
+      drift = {static_cast<double>(slots_.expected_x_m[slot] - slots_.chosen_x_m[slot]),
+               static_cast<double>(slots_.expected_y_m[slot] - slots_.chosen_y_m[slot])};
+      drift /= period_s_;
+      const double length = drift.norm();
+      if (length > tuning::kMaxDrift_mps) drift *= tuning::kMaxDrift_mps / length;
+    }
+    look_ahead(slot);
   }
 }
 

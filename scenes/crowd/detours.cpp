@@ -299,6 +299,13 @@ Eigen::Vector2f Detours::slope(const BentWay& way, std::span<const float> height
   return {along(0, 1), along(2, static_cast<size_t>(columns_))};
 }
 
+void Detours::prefetch(size_t way, const Eigen::Vector2d& place_m) const {
+  const CellPatch patch = patch_at(place_m);
+  const std::vector<Eigen::Vector2f>& slopes = ways_[way].slopes;
+  __builtin_prefetch(&slopes[patch.cell]);
+  __builtin_prefetch(&slopes[patch.cell + patch.above]);
+}
+
 Eigen::Vector2d Detours::bend(size_t way, const Eigen::Vector2d& place_m,
                               const Eigen::Vector2d& along, double minds) const {
   if (!is_bent(way)) return along;

@@ -46,6 +46,8 @@ class Detours {
   /// delays so much: 1 for whoever minds a second here as much as a second there.
   Eigen::Vector2d bend(size_t way, const Eigen::Vector2d& place_m, const Eigen::Vector2d& along,
                        double minds) const;
+  /// bend() of the same is asked for soon.
+  void prefetch(size_t way, const Eigen::Vector2d& place_m) const;
   /// False where a way is as in an empty scene.
   bool is_bent(size_t way) const { return ways_[way].is_bent; }
 

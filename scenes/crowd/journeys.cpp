@@ -32,7 +32,7 @@ Journeys::Journeys(const Ways& ways, const Detours& detours, std::span<const Per
                    uint64_t seed)
     : ways_(ways), detours_(detours), seed_(seed) {
   for (const Person& person : people) {
-    groups_.push_back(person.group);
+    trips_.push_back({.group = static_cast<uint32_t>(person.group)});
     delays_s_.push_back(person.delay_s);
     const auto id = static_cast<uint32_t>(firsts_.size());
     const bool follows =
@@ -40,11 +40,7 @@ Journeys::Journeys(const Ways& ways, const Detours& detours, std::span<const Per
     firsts_.push_back(follows ? firsts_.back() : id);
     targets_m_.push_back(person.position_m);
   }
-  doing_.assign(people.size(), Doing::kOutside);
-  next_.assign(people.size(), Doing::kWalking);
   until_s_.assign(people.size(), kNever);
-  stops_.assign(people.size(), 0);
-  exits_.assign(people.size(), kNoExit);
   visits_.assign(people.size(), 0);
   if (!ways.queues().empty()) {
     areas_.assign(people.size(), kNoArea);
@@ -62,23 +58,23 @@ Journeys::Journeys(const Ways& ways, const Detours& detours, std::span<const Per
 }
 
 void Journeys::archive(Archive& a) {
-  a(doing_, next_, until_s_, stops_, exits_, visits_, targets_m_, areas_, guides_, sets_out_s_);
+  a(trips_, until_s_, visits_, targets_m_, areas_, guides_, sets_out_s_);
   if (!a.is_reading()) return;
   for (const double time_s : sets_out_s_)
     if (!(time_s >= 0)) a.refuse("a time from the start on", "another");
-  for (uint32_t id = 0; id < doing_.size(); ++id) {
-    if (doing_[id] > Doing::kGone || next_[id] > Doing::kGone)
+  for (uint32_t id = 0; id < trips_.size(); ++id) {
+    if (trips_[id].doing > Doing::kGone || trips_[id].next > Doing::kGone)
       a.refuse("something that people do", "something else");
     // Those who are led have no route.
-    if (stops_[id] >= std::max<size_t>(1, ways_.route(groups_[id]).size()))
+    if (trips_[id].stop >= std::max<size_t>(1, ways_.route(trips_[id].group).size()))
       a.refuse("a stop of the route", "another");
-    if (exits_[id] != kNoExit && (doing_[id] != Doing::kWalking || stop(id).exits == 0))
+    if (trips_[id].exit != kNoExit && (trips_[id].doing != Doing::kWalking || stop(id).exits == 0))
       a.refuse("nobody with an exit who does not walk to one", "somebody");
-    if (exits_[id] < kOpen && exits_[id] - stop(id).first_exit >= stop(id).exits)
+    if (trips_[id].exit < kOpen && trips_[id].exit - stop(id).first_exit >= stop(id).exits)
       a.refuse("an exit of the goal", "another");
-    if (doing_[id] == Doing::kQueuing && (areas_.empty() || !stop(id).queue))
+    if (trips_[id].doing == Doing::kQueuing && (areas_.empty() || !stop(id).queue))
       a.refuse("somebody in a queue where there is one", "somebody elsewhere");
-    if (is_let_in(id) && (doing_[id] != Doing::kWalking || !stop(id).queue ||
+    if (is_let_in(id) && (trips_[id].doing != Doing::kWalking || !stop(id).queue ||
                           areas_[id] >= stop(id).goal.areas.size()))
       a.refuse("an area of a goal with a queue", "another");
     // Written so that NaN is refused, too.
@@ -94,23 +90,23 @@ void Journeys::archive(Archive& a) {
 
 void Journeys::enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
   set_out(id, position_m);
-  const double from_s = std::max(now_s, sets_out_s_[groups_[id]]);
-  if (doing_[id] != Doing::kWalking || (delays_s_[id] == 0 && from_s == now_s)) return;
-  doing_[id] = Doing::kWaiting;
-  exits_[id] = kNoExit;
-  next_[id] = Doing::kWalking;
+  const double from_s = std::max(now_s, sets_out_s_[trips_[id].group]);
+  if (trips_[id].doing != Doing::kWalking || (delays_s_[id] == 0 && from_s == now_s)) return;
+  trips_[id].doing = Doing::kWaiting;
+  trips_[id].exit = kNoExit;
+  trips_[id].next = Doing::kWalking;
   until_s_[id] = from_s + delays_s_[id];
 }
 
 void Journeys::set_out(uint32_t id, const Eigen::Vector2d& position_m) {
   until_s_[id] = kNever;
-  doing_[id] = ways_.leads(stop(id), position_m) ? Doing::kWalking : Doing::kStranded;
-  exits_[id] = doing_[id] == Doing::kWalking && stop(id).exits > 0 ? kOpen : kNoExit;
+  trips_[id].doing = ways_.leads(stop(id), position_m) ? Doing::kWalking : Doing::kStranded;
+  trips_[id].exit = trips_[id].doing == Doing::kWalking && stop(id).exits > 0 ? kOpen : kNoExit;
   choose_target(id, position_m);
 }
 
 void Journeys::let_in(uint32_t id, uint32_t area, const Eigen::Vector2d& position_m) {
-  doing_[id] = Doing::kWalking;
+  trips_[id].doing = Doing::kWalking;
   areas_[id] = area;
   choose_target(id, position_m);
 }
@@ -156,18 +152,18 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
 
 void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
   // Of those who wait, only the ones whose group has not been let go do not know how long.
-  if (doing_[id] == Doing::kWaiting && until_s_[id] == kNever)
-    until_s_[id] = std::max(now_s, sets_out_s_[groups_[id]]) + delays_s_[id];
-  if (doing_[id] == Doing::kWaiting && now_s >= until_s_[id]) {
-    doing_[id] = next_[id];
+  if (trips_[id].doing == Doing::kWaiting && until_s_[id] == kNever)
+    until_s_[id] = std::max(now_s, sets_out_s_[trips_[id].group]) + delays_s_[id];
+  if (trips_[id].doing == Doing::kWaiting && now_s >= until_s_[id]) {
+    trips_[id].doing = trips_[id].next;
     until_s_[id] = kNever;
-    if (doing_[id] == Doing::kWalking) set_out(id, position_m);
+    if (trips_[id].doing == Doing::kWalking) set_out(id, position_m);
   }
-  if (doing_[id] != Doing::kWalking) return;
+  if (trips_[id].doing != Doing::kWalking) return;
   const Stop& to = stop(id);
   if (!is_inside(id, position_m)) return;
-  const bool is_last = stops_[id] + 1 == ways_.route(groups_[id]).size();
-  const OnArrival after = ways_.on_arrival(groups_[id]);
+  const bool is_last = trips_[id].stop + 1 == ways_.route(trips_[id].group).size();
+  const OnArrival after = ways_.on_arrival(trips_[id].group);
   const bool leaves = is_last && after == OnArrival::kLeave;
   if (until_s_[id] == kNever) {
     // Inside for the first time: with several areas, the place lies in the one that was reached.
@@ -182,24 +178,25 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
 }
 
 void Journeys::arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
-  const size_t stops = ways_.route(groups_[id]).size();
-  const bool is_last = stops_[id] + 1 == stops;
+  const size_t stops = ways_.route(trips_[id].group).size();
+  const bool is_last = trips_[id].stop + 1 == stops;
   const double wait_s = draw_wait_s(id);
   ++visits_[id];
-  exits_[id] = kNoExit;
+  trips_[id].exit = kNoExit;
   if (!areas_.empty()) areas_[id] = kNoArea;
   Doing next = Doing::kWalking;
-  if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kStay) next = Doing::kStaying;
-  if (is_last && ways_.on_arrival(groups_[id]) == OnArrival::kLeave) next = Doing::kLeaving;
-  if (next == Doing::kWalking) stops_[id] = static_cast<uint32_t>((stops_[id] + 1) % stops);
+  if (is_last && ways_.on_arrival(trips_[id].group) == OnArrival::kStay) next = Doing::kStaying;
+  if (is_last && ways_.on_arrival(trips_[id].group) == OnArrival::kLeave) next = Doing::kLeaving;
+  if (next == Doing::kWalking)
+    trips_[id].stop = static_cast<uint32_t>((trips_[id].stop + 1) % stops);
   if (wait_s > 0) {
-    doing_[id] = Doing::kWaiting;
-    next_[id] = next;
+    trips_[id].doing = Doing::kWaiting;
+    trips_[id].next = next;
     until_s_[id] = now_s + wait_s;
   } else if (next == Doing::kWalking) {
     set_out(id, position_m);
   } else {
-    doing_[id] = next;
+    trips_[id].doing = next;
   }
 }
 
@@ -233,8 +230,8 @@ Eigen::Vector2d way_along(const FlowField& field, const Eigen::Vector2d& positio
 
 Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position_m,
                                     const OwnSide& side) const {
-  if (doing_[id] == Doing::kQueuing || seeks_queue(id)) return guides_[id].way;
-  if (doing_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
+  if (trips_[id].doing == Doing::kQueuing || seeks_queue(id)) return guides_[id].way;
+  if (trips_[id].doing != Doing::kWalking) return Eigen::Vector2d::Zero();
   if (!is_inside(id, position_m)) {
     const Eigen::Vector2d way = way_along(field(id), position_m, side);
     if (way.squaredNorm() > 0) return bend(id, position_m, way);
@@ -244,34 +241,54 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
   return length_m > 0 ? Eigen::Vector2d(way / length_m) : Eigen::Vector2d::Zero();
 }
 
+/// The way to the goal, or to the exit that was chosen, if crowds bend it.
+std::optional<size_t> Journeys::bent_way(uint32_t id) const {
+  const Stop& to = stop(id);
+  if (to.queue) return std::nullopt;
+  const uint32_t exit = trips_[id].exit;
+  const size_t way = exit < kOpen ? ways_.exits()[exit].way : to.way;
+  return detours_.is_bent(way) ? std::optional(way) : std::nullopt;
+}
+
 /// Round where a crowd is slow, each as much as they mind.
 Eigen::Vector2d Journeys::bend(uint32_t id, const Eigen::Vector2d& position_m,
                                const Eigen::Vector2d& along) const {
-  const Stop& to = stop(id);
-  if (to.queue) return along;
-  const size_t way = exits_[id] < kOpen ? ways_.exits()[exits_[id]].way : to.way;
-  if (!detours_.is_bent(way)) return along;
+  const std::optional<size_t> way = bent_way(id);
+  if (!way) return along;
   const RandomKey key{seed_, id, 0, Purpose::kDetour};
-  return detours_.bend(way, position_m, along,
+  return detours_.bend(*way, position_m, along,
                        random_uniform(key, tuning::kLeastMinded, tuning::kMostMinded));
 }
 
+void Journeys::prefetch(uint32_t id, const Eigen::Vector2d& position_m, const OwnSide& side) const {
+  if (trips_[id].doing != Doing::kWalking) return;
+  const FlowField& field = this->field(id);
+  field.prefetch(side.beside_m(position_m, side.lately));
+  const std::optional<size_t> way = bent_way(id);
+  if (!way) return;
+  detours_.prefetch(*way, position_m);
+  // A bent way often does not go on as the field here does: then way_along() asks for that, too.
+  field.prefetch(position_m);
+}
+
 Eigen::Vector2d Journeys::facing(uint32_t id, const Eigen::Vector2d& position_m) const {
-  if (doing_[id] != Doing::kWaiting || next_[id] != Doing::kWalking) return Eigen::Vector2d::Zero();
+  if (trips_[id].doing != Doing::kWaiting || trips_[id].next != Doing::kWalking)
+    return Eigen::Vector2d::Zero();
   return stop(id).field->direction(position_m);
 }
 
 std::vector<Stranding> Journeys::strandings(std::span<const Eigen::Vector2d> positions_m) const {
   std::vector<Stranding> all;
-  for (uint32_t id = 0; id < doing_.size(); ++id) {
-    if (doing_[id] != Doing::kStranded) continue;
+  for (uint32_t id = 0; id < trips_.size(); ++id) {
+    if (trips_[id].doing != Doing::kStranded) continue;
     auto known = all.begin();
-    while (known != all.end() && (known->group != groups_[id] || known->stop != stops_[id]))
+    while (known != all.end() &&
+           (known->group != trips_[id].group || known->stop != trips_[id].stop))
       ++known;
     if (known == all.end()) {
       const Path path = ways_.nav_mesh().path(positions_m[id], stop(id).goal.areas);
       const Eigen::Vector2d end = path.corners_m.empty() ? positions_m[id] : path.corners_m.back();
-      known = all.insert(all.end(), {groups_[id], stops_[id], 0, positions_m[id], end});
+      known = all.insert(all.end(), {trips_[id].group, trips_[id].stop, 0, positions_m[id], end});
     }
     ++known->people;
   }

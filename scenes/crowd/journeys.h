@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,17 +53,17 @@ class Journeys {
   void enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
   /// Somebody who is led is there, or is not.
   void lead(uint32_t id, bool is_there) {
-    doing_[id] = is_there ? Doing::kStaying : Doing::kOutside;
+    trips_[id].doing = is_there ? Doing::kStaying : Doing::kOutside;
   }
   /// Somebody who is leaving has left.
-  void leave(uint32_t id) { doing_[id] = Doing::kGone; }
+  void leave(uint32_t id) { trips_[id].doing = Doing::kGone; }
 
   /// The members of a group may set out from then on; those of a group that waits for a moment
   /// (Ways::after()) stand until then.
   void let_go(size_t group, double time_s) { sets_out_s_[group] = time_s; }
   /// True if somebody has been at so many goals, and of those who cannot get on.
   bool has_been_at(uint32_t id, uint32_t goals) const {
-    return visits_[id] >= goals || doing_[id] == Doing::kStranded;
+    return visits_[id] >= goals || trips_[id].doing == Doing::kStranded;
   }
 
   /// Once a decision: arrives, waits, goes on. Touches nobody else's state.
@@ -77,39 +78,40 @@ class Journeys {
   /// The way that somebody who waits will go from here. Zero for those who have none.
   Eigen::Vector2d facing(uint32_t id, const Eigen::Vector2d& position_m) const;
 
+  /// The other prefetch() of the same is asked for soon, or anything else of them.
+  void prefetch(uint32_t id) const { __builtin_prefetch(&trips_[id]); }
   /// direction() of the same is asked for soon.
-  void prefetch(uint32_t id, const Eigen::Vector2d& position_m, const OwnSide& side = {}) const {
-    if (doing_[id] == Doing::kWalking) field(id).prefetch(side.beside_m(position_m, side.lately));
-  }
+  void prefetch(uint32_t id, const Eigen::Vector2d& position_m, const OwnSide& side = {}) const;
 
-  Doing doing(uint32_t id) const { return doing_[id]; }
+  Doing doing(uint32_t id) const { return trips_[id].doing; }
   /// The least id of the party; of somebody without companions, the own.
   uint32_t first_of_party(uint32_t id) const { return firsts_[id]; }
   /// How many goals somebody has been at.
   uint32_t visits(uint32_t id) const { return visits_[id]; }
   bool is_present(uint32_t id) const {
-    return doing_[id] != Doing::kOutside && doing_[id] != Doing::kGone;
+    return trips_[id].doing != Doing::kOutside && trips_[id].doing != Doing::kGone;
   }
   /// The goal, being walked to or stood at.
-  const Stop& stop(uint32_t id) const { return ways_.route(groups_[id])[stops_[id]]; }
+  const Stop& stop(uint32_t id) const { return ways_.route(trips_[id].group)[trips_[id].stop]; }
 
   /// Of people who walk to a goal of several exits: which of Ways::exits(), or kOpen while that is
   /// open. Of others kNoExit.
-  uint32_t exit(uint32_t id) const { return exits_[id]; }
+  uint32_t exit(uint32_t id) const { return trips_[id].exit; }
   static constexpr uint32_t kNoExit = UINT32_MAX;
   static constexpr uint32_t kOpen = UINT32_MAX - 1;
   /// From now on somebody who has to choose, or has chosen, walks to that one.
-  void take_exit(uint32_t id, uint32_t exit) { exits_[id] = exit; }
+  void take_exit(uint32_t id, uint32_t exit) { trips_[id].exit = exit; }
   /// True of somebody who walks to a goal with a queue and has no place in it yet.
   bool seeks_queue(uint32_t id) const {
-    return doing_[id] == Doing::kWalking && !areas_.empty() && !is_let_in(id) && stop(id).queue;
+    return trips_[id].doing == Doing::kWalking && !areas_.empty() && !is_let_in(id) &&
+           stop(id).queue;
   }
   /// True of somebody who may go into a goal with a queue, until they have been there; and into
   /// which area.
   bool is_let_in(uint32_t id) const { return !areas_.empty() && areas_[id] != kNoArea; }
   uint32_t area(uint32_t id) const { return areas_[id]; }
   /// Of somebody who seeks a queue: from now on they have a place in it.
-  void join_queue(uint32_t id) { doing_[id] = Doing::kQueuing; }
+  void join_queue(uint32_t id) { trips_[id].doing = Doing::kQueuing; }
   /// From now on somebody in a queue walks to that area of the goal.
   void let_in(uint32_t id, uint32_t area, const Eigen::Vector2d& position_m);
   static constexpr uint32_t kNoCorner = UINT32_MAX;
@@ -121,7 +123,7 @@ class Journeys {
 
   /// The way that somebody follows. As long as the exit is open, the one to the nearest.
   const FlowField& field(uint32_t id) const {
-    if (exits_[id] < kOpen) return *ways_.exits()[exits_[id]].field;
+    if (trips_[id].exit < kOpen) return *ways_.exits()[trips_[id].exit].field;
     if (!areas_.empty() && stop(id).queue) return queue_field(id);
     return *stop(id).field;
   }
@@ -135,6 +137,7 @@ class Journeys {
   bool is_inside(uint32_t id, const Eigen::Vector2d& position_m) const;
   double draw_wait_s(uint32_t id) const;
   const FlowField& queue_field(uint32_t id) const;
+  std::optional<size_t> bent_way(uint32_t id) const;
   Eigen::Vector2d bend(uint32_t id, const Eigen::Vector2d& position_m,
                        const Eigen::Vector2d& along) const;
   void choose_target(uint32_t id, const Eigen::Vector2d& position_m);
@@ -142,16 +145,21 @@ class Journeys {
   const Ways& ways_;
   const Detours& detours_;
   uint64_t seed_;
+  /// What directions follow from: a quarter of a line of the cache.
+  struct Trip {
+    uint32_t group = 0;       ///< for good
+    uint32_t stop = 0;        ///< index into the route
+    uint32_t exit = kNoExit;  ///< see exit()
+    Doing doing = Doing::kOutside;
+    Doing next = Doing::kWalking;  ///< after waiting
+    void archive(Archive& a) { a(stop, exit, doing, next); }
+  };
   // By person.
-  std::vector<uint32_t> groups_;
+  std::vector<Trip> trips_;
   std::vector<double> delays_s_;
   std::vector<uint32_t> firsts_;  ///< of the party, beside whose places theirs are; or themselves
-  std::vector<Doing> doing_;
-  std::vector<Doing> next_;  ///< after waiting
   std::vector<double>
       until_s_;  ///< end of waiting; of walking inside a goal: when to take any place
-  std::vector<uint32_t> stops_;   ///< index into the route
-  std::vector<uint32_t> exits_;   ///< see exit()
   std::vector<uint32_t> visits_;  ///< goals reached so far: what choosing a place draws by
   std::vector<Eigen::Vector2d> targets_m_;  ///< the place inside the goal
   static constexpr uint32_t kNoArea = UINT32_MAX;

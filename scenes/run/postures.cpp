@@ -34,9 +34,12 @@ class WalkingPostures : public PostureProvider {
     assert(bodies.size() <= PoseSource::kMaxBatch);
     const auto columns = static_cast<size_t>(gaits_.plain().column_count());
     std::array<const Gait*, PoseSource::kMaxBatch> own{};
+    for (const uint32_t body : bodies) {
+      if (!states_.styles.empty()) __builtin_prefetch(&states_.styles[body]);
+      fetch(body);
+    }
     for (size_t i = 0; i < bodies.size(); ++i) {
       own[i] = &gait_of(bodies[i]);
-      fetch(bodies[i]);
       rows[i] = room.data() + i * columns;
     }
     write({own.data(), bodies.size()}, bodies, room.first(bodies.size() * columns));
@@ -51,7 +54,7 @@ class WalkingPostures : public PostureProvider {
   const Gait& gait_of(uint32_t body) const { return gaits_.of(states_, body); }
   const BodyStates& states() const { return states_; }
   /// Bodies are in the order of the search: far apart. Asks for what write() will read.
-  virtual void fetch(uint32_t /*body*/) const {}
+  virtual void fetch(uint32_t body) const = 0;
   virtual void write(std::span<const Gait* const> gaits, std::span<const uint32_t> bodies,
                      std::span<float> rows) const = 0;
 
@@ -85,15 +88,27 @@ class TablePostures final : public WalkingPostures {
  public:
   using WalkingPostures::WalkingPostures;
 
+  /// Boxes of all styles are more than a core's own cache holds: all are asked for at once.
   void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override {
+    assert(bodies.size() <= PoseSource::kMaxBatch);
+    std::array<const RootBox*, PoseSource::kMaxBatch> boxes;
     for (size_t i = 0; i < bodies.size(); ++i) {
       const uint32_t body = bodies[i];
-      gait_of(body).bounds({&states().phases[body], 1}, {&states().gait_mps[body], 1},
-                           {&states().scales[body], 1}, {&out[i], 1});
+      boxes[i] = &gait_of(body).box_at(states().phases[body], states().gait_mps[body],
+                                       states().scales[body]);
+      __builtin_prefetch(boxes[i]);
+      __builtin_prefetch(&boxes[i]->max_m[2]);
     }
+    for (size_t i = 0; i < bodies.size(); ++i)
+      out[i] = scaled(*boxes[i], states().scales[bodies[i]]);
   }
 
  private:
+  void fetch(uint32_t body) const override {
+    __builtin_prefetch(&states().phases[body]);
+    __builtin_prefetch(&states().gait_mps[body]);
+    __builtin_prefetch(&states().scales[body]);
+  }
   void write(std::span<const Gait* const> gaits, std::span<const uint32_t> bodies,
              std::span<float> rows) const override {
     std::array<float, PoseSource::kMaxBatch> phases;

@@ -10,16 +10,6 @@
 
 namespace throng {
 
-Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
-  const double cosine = std::clamp(heading.x(), -1.0, 1.0);
-  // The larger of the two from the root, the smaller from the larger, which has lost no digits.
-  const double larger = std::sqrt(0.5 * (1 + std::abs(cosine)));
-  const double smaller = 0.5 * std::abs(heading.y()) / larger;
-  const double w = cosine > 0 ? larger : smaller;
-  const double z = std::copysign(cosine > 0 ? smaller : larger, heading.y());
-  return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
-}
-
 Eigen::Quaternionf turned_by(float angle_rad) {
   const FloatSinCos half = float_sin_cos(0.5f * angle_rad);
   return Eigen::Quaternionf(half.cos, 0, 0, half.sin);

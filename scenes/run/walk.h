@@ -2,6 +2,8 @@
 // One rule: it depends on the way of each root alone, never on whether anybody poses it.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -12,7 +14,15 @@ namespace throng {
 
 /// Rotation about z of a heading given as unit vector, by half-angle formulas: exact to rounding
 /// and the same on every machine.
-Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading);
+inline Eigen::Quaternionf turned_to(const Eigen::Vector2d& heading) {
+  const double cosine = std::clamp(heading.x(), -1.0, 1.0);
+  // The larger of the two from the root, the smaller from the larger, which has lost no digits.
+  const double larger = std::sqrt(0.5 * (1 + std::abs(cosine)));
+  const double smaller = 0.5 * std::abs(heading.y()) / larger;
+  const double w = cosine > 0 ? larger : smaller;
+  const double z = std::copysign(cosine > 0 ? smaller : larger, heading.y());
+  return Eigen::Quaternionf(static_cast<float>(w), 0, 0, static_cast<float>(z));
+}
 
 /// About z by an angle of less than half a turn to either side.
 Eigen::Quaternionf turned_by(float angle_rad);

@@ -38,21 +38,23 @@ struct Moment {
   std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1,
                                       SteeringFunction model = decide_heuristic_scalar) const {
     const size_t count = people.size();
-    std::vector<float> x, y, vx, vy, wx, wy, way_x, way_y, urge, eagerness;
+    std::vector<Seen> seen;
     for (const Someone& each : people) {
-      x.push_back(each.at_m.x());
-      y.push_back(each.at_m.y());
-      vx.push_back(each.velocity_mps.x());
-      vy.push_back(each.velocity_mps.y());
-      wx.push_back(each.wanted_mps.x());
-      wy.push_back(each.wanted_mps.y());
-      urge.push_back(each.urge);
-      eagerness.push_back(each.eagerness);
       const float length = each.wanted_mps.norm();
-      way_x.push_back(length > 0 ? each.wanted_mps.x() / length : 0);
-      way_y.push_back(length > 0 ? each.wanted_mps.y() / length : 0);
+      seen.push_back({.x_m = each.at_m.x(),
+                      .y_m = each.at_m.y(),
+                      .vx_mps = each.velocity_mps.x(),
+                      .vy_mps = each.velocity_mps.y(),
+                      .wanted_x_mps = each.wanted_mps.x(),
+                      .wanted_y_mps = each.wanted_mps.y(),
+                      .way_x = length > 0 ? each.wanted_mps.x() / length : 0,
+                      .way_y = length > 0 ? each.wanted_mps.y() / length : 0,
+                      .radius_m = 0.22f,
+                      .urge = each.urge,
+                      .eagerness = each.eagerness,
+                      .max_speed_mps = 1.2f * kFree_mps,
+                      .horizon_s = 2});
     }
-    const std::vector<float> radii(count, 0.22f), most(count, 1.2f * kFree_mps), horizons(count, 2);
     std::vector<uint32_t> near(NeighbourGrid::kMost * count), starts(count + 1);
     std::vector<uint8_t> counts(count);
     for (uint32_t i = 0; i < count; ++i) {
@@ -75,19 +77,7 @@ struct Moment {
       clearances.push_back(wall.clearance_m);
     }
     SteeringView view;
-    view.x_m = x.data();
-    view.y_m = y.data();
-    view.vx_mps = vx.data();
-    view.vy_mps = vy.data();
-    view.radius_m = radii.data();
-    view.wanted_x_mps = wx.data();
-    view.wanted_y_mps = wy.data();
-    view.way_x = way_x.data();
-    view.way_y = way_y.data();
-    view.max_speed_mps = most.data();
-    view.horizon_s = horizons.data();
-    view.urge = urge.data();
-    view.eagerness = eagerness.data();
+    view.seen = seen.data();
     view.neighbours = near.data();
     view.neighbour_counts = counts.data();
     view.wall_x = wall_x.data();

@@ -42,14 +42,16 @@ TurnedAway turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction
     sum.x += strength * away_x;
     sum.y += strength * away_y;
   };
+  const Seen& own = p.seen[slot];
   for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
     const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
-    const float dx = p.x_m[slot] - p.x_m[other];
-    const float dy = p.y_m[slot] - p.y_m[other];
+    const Seen& seen = p.seen[other];
+    const float dx = own.x_m - seen.x_m;
+    const float dy = own.y_m - seen.y_m;
     const float distance_m = std::sqrt(dx * dx + dy * dy);
-    const float gap_m = distance_m - (p.radius_m[slot] + p.radius_m[other]);
-    const float share = 2 * share_of(p.urge[slot], p.urge[other]);
-    if (gap_m < kMakesWayWithin_m) most_urge = std::max(most_urge, p.urge[other] - p.urge[slot]);
+    const float gap_m = distance_m - (own.radius_m + seen.radius_m);
+    const float share = 2 * share_of(own.urge, seen.urge);
+    if (gap_m < kMakesWayWithin_m) most_urge = std::max(most_urge, seen.urge - own.urge);
     if (distance_m > 0)
       push(dx / distance_m, dy / distance_m, gap_m, share);
     else
@@ -64,12 +66,13 @@ TurnedAway turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction
 
 /// Between the discs of a person and of the nearest in the way along `direction`.
 float gap_ahead_m(const SteeringView& p, size_t slot, Direction direction) {
+  const Seen& own = p.seen[slot];
   float gap_m = 1e9f;
   for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
-    const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
-    const float dx = p.x_m[other] - p.x_m[slot];
-    const float dy = p.y_m[other] - p.y_m[slot];
-    const float radius_m = p.radius_m[slot] + p.radius_m[other];
+    const Seen& other = p.seen[p.neighbours[NeighbourGrid::kMost * slot + k]];
+    const float dx = other.x_m - own.x_m;
+    const float dy = other.y_m - own.y_m;
+    const float radius_m = own.radius_m + other.radius_m;
     const float ahead = dx * direction.x + dy * direction.y;
     const float aside = dx * direction.y - dy * direction.x;
     if (ahead < 0 || std::abs(aside) > radius_m) continue;
@@ -97,19 +100,20 @@ float weidmann_share(float people_per_m2) {
 
 float density_ahead(const SteeringView& p, size_t i, uint32_t slot, float direction_x,
                     float direction_y) {
+  const Seen& own = p.seen[slot];
   const size_t count = p.neighbour_counts[slot];
   const uint32_t* near = p.neighbours + NeighbourGrid::kMost * slot;
   const auto square = [&](uint32_t other) {
-    const float dx = p.x_m[other] - p.x_m[slot];
-    const float dy = p.y_m[other] - p.y_m[slot];
+    const float dx = p.seen[other].x_m - own.x_m;
+    const float dy = p.seen[other].y_m - own.y_m;
     return dx * dx + dy * dy;
   };
   float reach_square = kDensityReach_m * kDensityReach_m;
   if (count == NeighbourGrid::kMost) reach_square = std::min(reach_square, square(near[count - 1]));
   float people = 0.5f;  // a person ahead of whom half of the person stands
   for (size_t k = 0; k < count; ++k) {
-    const float dx = p.x_m[near[k]] - p.x_m[slot];
-    const float dy = p.y_m[near[k]] - p.y_m[slot];
+    const float dx = p.seen[near[k]].x_m - own.x_m;
+    const float dy = p.seen[near[k]].y_m - own.y_m;
     if (dx * direction_x + dy * direction_y <= 0) continue;
     const float at = square(near[k]);
     // Of the farthest, whose distance is the reach, half lies within.
@@ -136,7 +140,7 @@ float density_ahead(const SteeringView& p, size_t i, uint32_t slot, float direct
     bool behind = false;
     for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
       behind =
-          behind || p.wall_x[w] * x + p.wall_y[w] * y < -(p.wall_clearance_m[w] + p.radius_m[slot]);
+          behind || p.wall_x[w] * x + p.wall_y[w] * y < -(p.wall_clearance_m[w] + own.radius_m);
     open += behind ? 0 : 1;
   }
   const float area_m2 =
@@ -149,7 +153,8 @@ void decide_collision_free_speed(const SteeringView& p, std::span<const uint32_t
   std::array<HalfPlane, kMostWalls> planes;
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    const float wx = p.wanted_x_mps[slot], wy = p.wanted_y_mps[slot];
+    const Seen& own = p.seen[slot];
+    const float wx = own.wanted_x_mps, wy = own.wanted_y_mps;
     const float wanted = std::sqrt(wx * wx + wy * wy);
     Direction wish{0, 0};
     if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
@@ -157,9 +162,8 @@ void decide_collision_free_speed(const SteeringView& p, std::span<const uint32_t
     const float most_mps = std::max(wanted, makes_way_mps);
     const float speed = std::min(most_mps, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
     const size_t walls = add_walls(p, i, 0, planes.data());
-    const Eigen::Vector2f v =
-        choose_velocity({planes.data(), walls}, static_cast<int>(walls),
-                        {speed * way.x, speed * way.y}, p.max_speed_mps[slot]);
+    const Eigen::Vector2f v = choose_velocity({planes.data(), walls}, static_cast<int>(walls),
+                                              {speed * way.x, speed * way.y}, own.max_speed_mps);
     next_x_mps[slot] = v.x();
     next_y_mps[slot] = v.y();
   }

@@ -152,6 +152,35 @@ void relax(const Planes& planes, size_t hard, size_t failed, float max_speed, Po
   }
 }
 
+/// Seen, of a person a lane.
+struct LanesOfSeen {
+  V x_m, y_m, vx_mps, vy_mps, wanted_x_mps, wanted_y_mps, way_x, way_y, radius_m, urge, eagerness,
+      max_speed_mps, horizon_s;
+
+  /// `slots`: one a lane.
+  HWY_INLINE LanesOfSeen(const SteeringView& p, const int32_t* slots) {
+    const auto load = [&](size_t first, V(&fields)[4]) HWY_ATTR {
+      load_rows(
+          [&](size_t lane)
+              HWY_ATTR { return reinterpret_cast<const float*>(p.seen + slots[lane]) + first; },
+          fields);
+    };
+    V fields[4];
+    load(0, fields);
+    x_m = fields[0], y_m = fields[1], vx_mps = fields[2], vy_mps = fields[3];
+    load(4, fields);
+    wanted_x_mps = fields[0], wanted_y_mps = fields[1], way_x = fields[2], way_y = fields[3];
+    load(8, fields);
+    radius_m = fields[0], urge = fields[1], eagerness = fields[2], max_speed_mps = fields[3];
+    load(12, fields);
+    horizon_s = fields[0];
+  }
+  static_assert(offsetof(Seen, wanted_x_mps) == 4 * sizeof(float) &&
+                offsetof(Seen, radius_m) == 8 * sizeof(float) &&
+                offsetof(Seen, horizon_s) == 12 * sizeof(float) &&
+                sizeof(Seen) == 16 * sizeof(float));
+};
+
 /// As many people as there are lanes: their slots, the first again in lanes beyond.
 struct LanesOfPeople {
   HWY_ALIGN int32_t slots[kLanes];
@@ -162,9 +191,6 @@ struct LanesOfPeople {
       : first(from), count(std::min(kLanes, all.size() - from)) {
     for (size_t i = 0; i < kLanes; ++i)
       slots[i] = static_cast<int32_t>(all[from + (i < count ? i : 0)]);
-  }
-  HWY_INLINE V of(const float* values) const {
-    return hn::GatherIndex(D(), values, hn::Load(DI(), slots));
   }
   HWY_INLINE void store(V values, float* by_slot) const {
     HWY_ALIGN float lanes[kLanes];
@@ -196,9 +222,7 @@ struct LanesOfNeighbours {
     return hn::RebindMask(D(),
                           hn::Gt(hn::Load(DU(), counts), hn::Set(DU(), static_cast<uint32_t>(k))));
   }
-  HWY_INLINE V of(size_t k, const float* values) const {
-    return hn::GatherIndex(D(), values, hn::Load(DI(), slots + k * kLanes));
-  }
+  HWY_INLINE const int32_t* of(size_t k) const { return slots + k * kLanes; }
   /// The lanes whose own slot comes before the k-th's.
   HWY_INLINE M is_before(size_t k, const LanesOfPeople& people) const {
     return hn::RebindMask(D(),

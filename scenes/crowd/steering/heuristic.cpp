@@ -43,16 +43,17 @@ struct Other {
 class Decision {
  public:
   /// Of the i-th of those who decide.
-  Decision(const SteeringView& people, size_t i, uint32_t slot) : p_(people), i_(i), slot_(slot) {
-    size_ = p_.radius_m[slot] / kRadius_m;
-    const float wx = p_.wanted_x_mps[slot], wy = p_.wanted_y_mps[slot];
+  Decision(const SteeringView& people, size_t i, uint32_t slot)
+      : p_(people), own_(people.seen[slot]), i_(i), slot_(slot) {
+    size_ = own_.radius_m / kRadius_m;
+    const float wx = own_.wanted_x_mps, wy = own_.wanted_y_mps;
     wanted_mps_ = std::sqrt(wx * wx + wy * wy);
     if (wants()) {
       way_x_ = wx / wanted_mps_;
       way_y_ = wy / wanted_mps_;
     }
-    vx_mps_ = p_.vx_mps[slot];
-    vy_mps_ = p_.vy_mps[slot];
+    vx_mps_ = own_.vx_mps;
+    vy_mps_ = own_.vy_mps;
     speed_mps_ = std::sqrt(vx_mps_ * vx_mps_ + vy_mps_ * vy_mps_);
     first_wall_ = p_.wall_starts[i];
     end_wall_ = p_.wall_starts[i + 1];
@@ -80,23 +81,24 @@ class Decision {
     count_ = p_.neighbour_counts[slot_];
     for (size_t k = 0; k < count_; ++k) {
       const uint32_t other = near[k];
+      const Seen& seen = p_.seen[other];
       Other& o = others_[k];
-      o.x_m = p_.x_m[other] - p_.x_m[slot_];
-      o.y_m = p_.y_m[other] - p_.y_m[slot_];
+      o.x_m = seen.x_m - own_.x_m;
+      o.y_m = seen.y_m - own_.y_m;
       o.square_m2 = o.x_m * o.x_m + o.y_m * o.y_m;
       // Two in one place part along x, each to its own side.
       if (o.square_m2 == 0) {
         o.x_m = slot_ < other ? 1e-3f : -1e-3f;
         o.square_m2 = o.x_m * o.x_m;
       }
-      o.vx_mps = p_.vx_mps[other];
-      o.vy_mps = p_.vy_mps[other];
-      o.ox_mps = o.vx_mps + kTuning.intent * (p_.wanted_x_mps[other] - o.vx_mps);
-      o.oy_mps = o.vy_mps + kTuning.intent * (p_.wanted_y_mps[other] - o.vy_mps);
-      o.way_x = p_.way_x[other];
-      o.way_y = p_.way_y[other];
-      o.size = 0.5f * (size_ + p_.radius_m[other] / kRadius_m);
-      o.urge = std::max(p_.urge[slot_], p_.urge[other]);
+      o.vx_mps = seen.vx_mps;
+      o.vy_mps = seen.vy_mps;
+      o.ox_mps = o.vx_mps + kTuning.intent * (seen.wanted_x_mps - o.vx_mps);
+      o.oy_mps = o.vy_mps + kTuning.intent * (seen.wanted_y_mps - o.vy_mps);
+      o.way_x = seen.way_x;
+      o.way_y = seen.way_y;
+      o.size = 0.5f * (size_ + seen.radius_m / kRadius_m);
+      o.urge = std::max(own_.urge, seen.urge);
     }
     if (count_ > kSixth)
       openness_ = std::clamp((std::sqrt(others_[kSixth].square_m2) - kTuning.dense_m) /
@@ -110,8 +112,7 @@ class Decision {
         kTuning.apart_m + openness_ * (kTuning.open_apart_m - kTuning.apart_m);
     const float apart_m = wants() ? walking_apart_m : kTuning.waits_apart_m;
     // Whoever gets nowhere closes up.
-    const float drift_mps =
-        wants() ? (1 - p_.urge[slot_]) * kTuning.drift_mps : kTuning.waits_drift_mps;
+    const float drift_mps = wants() ? (1 - own_.urge) * kTuning.drift_mps : kTuning.waits_drift_mps;
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
       const float distance_m = std::sqrt(o.square_m2);
@@ -119,7 +120,7 @@ class Decision {
       sum -= drift_mps * lack / distance_m * Eigen::Vector2f(o.x_m, o.y_m);
     }
     for (uint32_t w = first_wall_; w < end_wall_; ++w) {
-      const float gap_m = p_.wall_clearance_m[w] + p_.radius_m[slot_] - kTuning.wall_m;
+      const float gap_m = p_.wall_clearance_m[w] + own_.radius_m - kTuning.wall_m;
       const float lack = std::clamp(1 - gap_m / kTuning.wall_drift_m, 0.0f, 2.0f);
       sum += kTuning.wall_drift_mps * lack * Eigen::Vector2f(p_.wall_x[w], p_.wall_y[w]);
     }
@@ -182,7 +183,7 @@ class Decision {
 
   /// The way wanted leads past walls: in the way is one that others lead more into.
   void keep_off_wall(uint32_t w, const Values& x, const Values& y, Values& free_m) const {
-    const float distance_m = p_.wall_clearance_m[w] + p_.radius_m[slot_];
+    const float distance_m = p_.wall_clearance_m[w] + own_.radius_m;
     const float clear_m = std::min(kTuning.wall_m * size_, 0.95f * distance_m);
     const float least = std::max(-(p_.wall_x[w] * way_x_ + p_.wall_y[w] * way_y_), 0.0f) + 1e-3f;
     for (size_t i = 0; i < kWays; ++i) {
@@ -209,7 +210,7 @@ class Decision {
     // Sides matter when somebody has to be passed, and not to who gets nowhere.
     const float straight_m = free_m[Turns::kStraight];
     const float keep_right = straight_m < kFar_m
-                                 ? (1 - p_.urge[slot_]) * (kTuning.keep_right * kTuning.horizon_m) /
+                                 ? (1 - own_.urge) * (kTuning.keep_right * kTuning.horizon_m) /
                                        (straight_m + kTuning.horizon_m)
                                  : 0;
     for (size_t i = 0; i < kWays; ++i)
@@ -242,7 +243,7 @@ class Decision {
     const float follows = std::clamp(
         (ahead_m - kTuning.touching_m) / (kTuning.follows_m - kTuning.touching_m), 0.0f, 1.0f);
     const float eager_s = kTuning.eager_s + kTuning.eager_s2pm * faster_mps;
-    return (kTuning.ahead_s + p_.eagerness[slot_] * follows * eager_s) * faster_mps;
+    return (kTuning.ahead_s + own_.eagerness * follows * eager_s) * faster_mps;
   }
 
   /// Whoever goes the same way is ahead or aside as seen along the mean of both ways: two who come
@@ -288,9 +289,9 @@ class Decision {
     const float length = change.norm(), most = kTuning.most_mps2 * p_.period_s;
     if (length <= most) return velocity;
     std::array<HalfPlane, kMostWalls> walls;
-    const size_t count = add_walls(p_, i_, kTurned * p_.radius_m[slot_], walls.data());
+    const size_t count = add_walls(p_, i_, kTurned * own_.radius_m, walls.data());
     return choose_velocity({walls.data(), count}, static_cast<int>(count),
-                           now + most / length * change, p_.max_speed_mps[slot_]);
+                           now + most / length * change, own_.max_speed_mps);
   }
 
   /// Where another will be when it is nearest: squared cosine of the angle to the ways of both, 1
@@ -311,7 +312,7 @@ class Decision {
   /// those behind push nobody forward.
   Eigen::Vector2f between_bodies(const Eigen::Vector2f& wish) const {
     std::array<HalfPlane, kMostPlanes> planes;
-    size_t count = add_walls(p_, i_, kTurned * p_.radius_m[slot_], planes.data());
+    size_t count = add_walls(p_, i_, kTurned * own_.radius_m, planes.data());
     if (wants()) {
       const Eigen::Vector2f way(way_x_, way_y_);
       planes[count++] = {-way, -std::max(way.dot(wish), 0.0f)};
@@ -332,10 +333,11 @@ class Decision {
       e.other_velocity_mps = {o.vx_mps, o.vy_mps};
       planes[count++] = avoid(e);
     }
-    return choose_velocity({planes.data(), count}, hard, wish, p_.max_speed_mps[slot_]);
+    return choose_velocity({planes.data(), count}, hard, wish, own_.max_speed_mps);
   }
 
   const SteeringView& p_;
+  const Seen& own_;
   size_t i_, slot_;
   float size_ = 1;
   float wanted_mps_ = 0, way_x_ = 0, way_y_ = 0;

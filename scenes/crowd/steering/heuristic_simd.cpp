@@ -70,19 +70,20 @@ class Decisions {
  public:
   HWY_INLINE Decisions(const SteeringView& people, const LanesOfPeople& own)
       : p_(people), own_(own), walls_(people, own) {
+    const LanesOfSeen self(people, own.slots);
     const M in = hn::FirstN(D(), own.count);
-    radius_m_ = own.of(p_.radius_m);
+    radius_m_ = self.radius_m;
     size_ = radius_m_ / all(kRadius_m);
-    max_speed_mps_ = own.of(p_.max_speed_mps);
-    urge_ = own.of(p_.urge);
-    eagerness_ = own.of(p_.eagerness);
-    const Vectors wanted{own.of(p_.wanted_x_mps), own.of(p_.wanted_y_mps)};
+    max_speed_mps_ = self.max_speed_mps;
+    urge_ = self.urge;
+    eagerness_ = self.eagerness;
+    const Vectors wanted{self.wanted_x_mps, self.wanted_y_mps};
     wanted_mps_ = length(wanted);
     wants_ = hn::And(in, wanted_mps_ > all(kWants_mps));
     way_ = select(wants_, wanted / wanted_mps_, {all(0), all(0)});
-    velocity_mps_ = {own.of(p_.vx_mps), own.of(p_.vy_mps)};
+    velocity_mps_ = {self.vx_mps, self.vy_mps};
     speed_mps_ = length(velocity_mps_);
-    see_others();
+    see_others({self.x_m, self.y_m});
   }
 
   HWY_INLINE void decide(float* next_x_mps, float* next_y_mps) const {
@@ -101,25 +102,25 @@ class Decisions {
  private:
   HWY_INLINE M is_against(const Others& o) const { return dot(way_, o.way) < all(kAgainst); }
 
-  HWY_INLINE void see_others() {
+  HWY_INLINE void see_others(Vectors place) {
     const LanesOfNeighbours near(p_, own_);
     count_ = near.most;
-    const Vectors place{own_.of(p_.x_m), own_.of(p_.y_m)};
     for (size_t k = 0; k < count_; ++k) {
+      const LanesOfSeen other(p_, near.of(k));
       Others& o = others_[k];
       o.is_there = near.has(k);
-      o.offset_m = Vectors{near.of(k, p_.x_m), near.of(k, p_.y_m)} - place;
+      o.offset_m = Vectors{other.x_m, other.y_m} - place;
       o.square_m2 = dot(o.offset_m, o.offset_m);
       const M same = o.square_m2 == all(0);
       const V apart = select(near.is_before(k, own_), all(1e-3f), all(-1e-3f));
       o.offset_m.x = select(same, apart, o.offset_m.x);
       o.square_m2 = select(same, square(apart), o.square_m2);
-      o.velocity_mps = {near.of(k, p_.vx_mps), near.of(k, p_.vy_mps)};
-      const Vectors wanted{near.of(k, p_.wanted_x_mps), near.of(k, p_.wanted_y_mps)};
+      o.velocity_mps = {other.vx_mps, other.vy_mps};
+      const Vectors wanted{other.wanted_x_mps, other.wanted_y_mps};
       o.expected_mps = o.velocity_mps + all(kTuning.intent) * (wanted - o.velocity_mps);
-      o.way = {near.of(k, p_.way_x), near.of(k, p_.way_y)};
-      o.size = all(0.5f) * (size_ + near.of(k, p_.radius_m) / all(kRadius_m));
-      o.urge = hn::Max(near.of(k, p_.urge), urge_);
+      o.way = {other.way_x, other.way_y};
+      o.size = all(0.5f) * (size_ + other.radius_m / all(kRadius_m));
+      o.urge = hn::Max(other.urge, urge_);
     }
     openness_ = all(1);
     in_crowd_ = hn::FirstN(D(), 0);

@@ -158,26 +158,27 @@ void decide_orca_scalar(const SteeringView& p, std::span<const uint32_t> slots, 
   std::array<HalfPlane, kMostPlanes> planes;
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
+    const Seen& own = p.seen[slot];
     const size_t walls = add_walls(p, i, 0, planes.data());
     size_t count = walls;
     Encounter e;
-    e.own_velocity_mps = {p.vx_mps[slot], p.vy_mps[slot]};
-    e.horizon_s = p.horizon_s[slot];
+    e.own_velocity_mps = {own.vx_mps, own.vy_mps};
+    e.horizon_s = own.horizon_s;
     e.step_s = p.period_s;
     for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
       const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
-      e.offset_m = {p.x_m[other] - p.x_m[slot], p.y_m[other] - p.y_m[slot]};
+      const Seen& seen = p.seen[other];
+      e.offset_m = {seen.x_m - own.x_m, seen.y_m - own.y_m};
       // Two in one place part along x, each to its own side.
       if (e.offset_m.x() == 0 && e.offset_m.y() == 0)
         e.offset_m.x() = slot < other ? 1e-6f : -1e-6f;
-      e.other_velocity_mps = {p.vx_mps[other], p.vy_mps[other]};
-      e.radius_m = p.radius_m[slot] + p.radius_m[other];
-      e.share = share_of(p.urge[slot], p.urge[other]);
+      e.other_velocity_mps = {seen.vx_mps, seen.vy_mps};
+      e.radius_m = own.radius_m + seen.radius_m;
+      e.share = share_of(own.urge, seen.urge);
       planes[count++] = avoid(e);
     }
-    const Vector2f v =
-        choose_velocity({planes.data(), count}, static_cast<int>(walls),
-                        {p.wanted_x_mps[slot], p.wanted_y_mps[slot]}, p.max_speed_mps[slot]);
+    const Vector2f v = choose_velocity({planes.data(), count}, static_cast<int>(walls),
+                                       {own.wanted_x_mps, own.wanted_y_mps}, own.max_speed_mps);
     next_x_mps[slot] = v.x();
     next_y_mps[slot] = v.y();
   }

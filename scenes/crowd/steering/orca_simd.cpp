@@ -18,27 +18,26 @@ namespace {
 
 /// avoid() of the neighbours of people, behind the walls.
 HWY_INLINE void add_people(const SteeringView& p, const LanesOfPeople& people,
-                           LanesOfPlanes& planes) {
+                           const LanesOfSeen& own, LanesOfPlanes& planes) {
   const D d;
   const LanesOfNeighbours near(p, people);
-  const V x = people.of(p.x_m), y = people.of(p.y_m);
-  const V own_radius = people.of(p.radius_m), own_urge = people.of(p.urge);
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5f), side = hn::Set(d, 1e-6f);
   Encounters e;
-  e.own_x = people.of(p.vx_mps);
-  e.own_y = people.of(p.vy_mps);
+  e.own_x = own.vx_mps;
+  e.own_y = own.vy_mps;
   e.step_rate = hn::Set(d, 1 / p.period_s);
-  e.horizon_rate = hn::Set(d, 1) / people.of(p.horizon_s);
+  e.horizon_rate = hn::Set(d, 1) / own.horizon_s;
   for (size_t k = 0; k < near.most; ++k) {
-    e.offset_x = near.of(k, p.x_m) - x;
-    e.offset_y = near.of(k, p.y_m) - y;
+    const LanesOfSeen other(p, near.of(k));
+    e.offset_x = other.x_m - own.x_m;
+    e.offset_y = other.y_m - own.y_m;
     const M same = hn::And(e.offset_x == zero, e.offset_y == zero);
     const V apart = hn::IfThenElse(near.is_before(k, people), side, hn::Neg(side));
     e.offset_x = hn::IfThenElse(same, apart, e.offset_x);
-    e.other_x = near.of(k, p.vx_mps);
-    e.other_y = near.of(k, p.vy_mps);
-    e.radius_m = own_radius + near.of(k, p.radius_m);
-    e.share = half + half * (near.of(k, p.urge) - own_urge);
+    e.other_x = other.vx_mps;
+    e.other_y = other.vy_mps;
+    e.radius_m = own.radius_m + other.radius_m;
+    e.share = half + half * (other.urge - own.urge);
     add_avoiding(e, near.has(k), planes);
   }
 }
@@ -50,12 +49,13 @@ void decide_all(const SteeringView& p, std::span<const uint32_t> slots, float* n
   const D d;
   for (size_t first = 0; first < slots.size(); first += kLanes) {
     const LanesOfPeople people(slots, first);
+    const LanesOfSeen own(p, people.slots);
     LanesOfPlanes planes;
     add_walls(LanesOfWalls(p, people), hn::Zero(d), p.wall_horizon_s, planes);
-    add_people(p, people, planes);
+    add_people(p, people, own, planes);
     V x, y;
-    choose_velocities(planes, hn::FirstN(d, people.count), people.of(p.wanted_x_mps),
-                      people.of(p.wanted_y_mps), people.of(p.max_speed_mps), x, y);
+    choose_velocities(planes, hn::FirstN(d, people.count), own.wanted_x_mps, own.wanted_y_mps,
+                      own.max_speed_mps, x, y);
     people.store(x, next_x_mps);
     people.store(y, next_y_mps);
   }

@@ -14,22 +14,28 @@
 
 namespace throng {
 
+/// In bytes, of the processors that there are.
+inline constexpr size_t kCacheLine = 64;
+
+/// What others see of somebody: one line of the cache, as whoever looks at a neighbour reads nearly
+/// all of it, in groups of four that fast paths load as one. Places count from the middle of the
+/// ground.
+struct alignas(kCacheLine) Seen {
+  float x_m = 0, y_m = 0, vx_mps = 0, vy_mps = 0;
+  float wanted_x_mps = 0, wanted_y_mps = 0;
+  float way_x = 0, way_y = 0;  ///< where to: a unit vector, or zero
+  float radius_m = 0;
+  float urge = 0;       ///< 0 to 1: others make way for who has more of it
+  float eagerness = 0;  ///< 0 to 1: how much one hurries after who walks off ahead
+  float max_speed_mps = 0;
+  float horizon_s = 0;                 ///< no collision for so long
+  float ahead_x_m = 0, ahead_y_m = 0;  ///< the place after a period of going on like this
+};
+
 /// The people of a decision, those included who do not decide now. Arrays are by slot (see
 /// NeighbourGrid) unless they say otherwise.
 struct SteeringView {
-  const float* x_m = nullptr;
-  const float* y_m = nullptr;
-  const float* vx_mps = nullptr;
-  const float* vy_mps = nullptr;
-  const float* radius_m = nullptr;
-  const float* wanted_x_mps = nullptr;
-  const float* wanted_y_mps = nullptr;
-  const float* way_x = nullptr;  ///< where to: a unit vector, or zero
-  const float* way_y = nullptr;
-  const float* max_speed_mps = nullptr;
-  const float* horizon_s = nullptr;      ///< no collision for so long
-  const float* urge = nullptr;           ///< 0 to 1: others make way for who has more of it
-  const float* eagerness = nullptr;      ///< 0 to 1: how much one hurries after who walks off ahead
+  const Seen* seen = nullptr;
   const uint32_t* neighbours = nullptr;  ///< NeighbourGrid::kMost a slot, nearest first
   const uint8_t* neighbour_counts = nullptr;
 
