@@ -39,7 +39,7 @@ size_t PosedBodies::plan_rows(const Frame& frame) {
   batches_.resize(fresh / kBatch + types);
   constexpr size_t kAhead = 16;  // slots come in the order of pairs, which is none in memory
   for (size_t i = posed_; i < count_; ++i) {
-    if (i + kAhead < count_) frame.slots.fetch(slots_[i + kAhead]);
+    if (i + kAhead < count_) frame.slots.prefetch(slots_[i + kAhead]);
     bodies_[i].slot = frame.slots[slots_[i]];
   }
   counting_sort(

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/grow_buffer.h"
+#include "base/prefetch.h"
 #include "culling/bodies.h"
 #include "culling/body_type.h"
 
@@ -37,7 +38,7 @@ class Slots {
   uint32_t body(size_t slot) const { return body_[slot]; }
   uint32_t id(size_t slot) const { return bodies_.ids[body_[slot]]; }
   /// operator[] of the same is asked for soon: ids lie anywhere.
-  void fetch(size_t slot) const {
+  THRONG_PREFETCH void prefetch(size_t slot) const {
     const uint32_t body = body_[slot];
     __builtin_prefetch(&bodies_.types[body]);
     __builtin_prefetch(&bodies_.scales[body]);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "base/files/archive.h"
+#include "base/prefetch.h"
 #include "base/workers.h"
 #include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/crowd_fields.h"
@@ -99,6 +101,12 @@ class Crowd {
 
   // Each for a block of those who decide now.
   using Slots = std::span<const uint32_t>;
+  /// Somebody after the i-th, to be fetched into the caches: they lie too irregularly to be
+  /// foreseen.
+  static uint32_t later_decider(Slots slots, size_t i) {
+    constexpr size_t kAhead = 8;
+    return slots[std::min(i + kAhead, slots.size() - 1)];
+  }
   void look_around(Slots slots);
   double wish(Slots slots);
   void limit_wishes(Slots slots, Walls& walls);
@@ -153,9 +161,12 @@ class Crowd {
   Eigen::Vector2f expected_m(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
-  void prefetch(uint32_t id) const;
-  void prefetch_decider(Slots slots, size_t i) const;
-  void prefetch_neighbours(uint32_t slot) const;
+  THRONG_PREFETCH void prefetch(uint32_t id) const;
+  THRONG_PREFETCH void prefetch_neighbours(uint32_t slot) const {
+    const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
+    for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k)
+      __builtin_prefetch(&walkers_.seen[near[k]]);
+  }
   double move(size_t slot);
   double turn(size_t slot);  ///< by how much, in radians
   double turn_into_way(size_t slot, const Eigen::Vector2d& to);

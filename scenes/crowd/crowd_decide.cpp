@@ -89,28 +89,13 @@ void Crowd::change_people() {
   }
 }
 
-/// Whoever decides some places after the i-th: they lie too irregularly to be foreseen.
-void Crowd::prefetch_decider(Slots slots, size_t i) const {
-  constexpr size_t kAhead = 8;
-  if (i + kAhead >= slots.size()) return;
-  const uint32_t slot = slots[i + kAhead];
-  journeys_.prefetch(grid_.order()[slot]);
-  const auto* walker = reinterpret_cast<const std::byte*>(&walkers_[slot]);
-  for (size_t at = 0; at < sizeof(Walker); at += kCacheLine) __builtin_prefetch(walker + at, 1);
-  __builtin_prefetch(&walkers_.seen[slot], 1);
-}
-
-void Crowd::prefetch_neighbours(uint32_t slot) const {
-  const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
-  for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k)
-    __builtin_prefetch(&walkers_.seen[near[k]]);
-}
-
 void Crowd::look_around(Slots slots) {
   // The fields are too large for the caches: fetched now, they are there after the search.
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    prefetch_decider(slots, i);
+    const uint32_t later = later_decider(slots, i);
+    walkers_.prefetch(later, sizeof(Walker));
+    journeys_.prefetch(grid_.order()[later]);
     walkers_[slot].own_side_m = own_side_m(slot);
     journeys_.prefetch(grid_.order()[slot], walkers_[slot].position_m, own_side(slot));
   }
@@ -217,7 +202,7 @@ SteeringView Crowd::view_with_walls(Slots slots, Walls& walls) {
   walls.starts.assign(1, 0);
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    prefetch_decider(slots, i);
+    walkers_.prefetch(later_decider(slots, i), offsetof(Walker, facing));
     prefetch_neighbours(slot);
     find_walls(slot, walls);
     walls.starts.push_back(static_cast<uint32_t>(walls.x.size()));

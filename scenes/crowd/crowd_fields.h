@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/prefetch.h"
 #include "scenes/crowd/steering/steering.h"
 
 namespace throng {
@@ -123,6 +124,13 @@ struct Walkers {
   std::vector<Walker> all;
   std::vector<Seen> seen;
   std::vector<uint8_t> queuing;  ///< 1: held up by others ahead who go the same way
+
+  /// Asks for what lies before `until` in a Walker, and for what others see of them.
+  THRONG_PREFETCH void prefetch(size_t slot, size_t until) const {
+    const auto* walker = reinterpret_cast<const std::byte*>(&all[slot]);
+    for (size_t at = 0; at < until; at += kCacheLine) __builtin_prefetch(walker + at, 1);
+    __builtin_prefetch(&seen[slot], 1);
+  }
 
   const Walker& operator[](size_t slot) const { return all[slot]; }
   Walker& operator[](size_t slot) { return all[slot]; }

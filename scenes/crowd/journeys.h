@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/files/archive.h"
+#include "base/prefetch.h"
 #include "scenes/crowd/crowd_counters.h"
 #include "scenes/crowd/detours.h"
 #include "scenes/crowd/spawn.h"
@@ -79,7 +80,7 @@ class Journeys {
   Eigen::Vector2d facing(uint32_t id, const Eigen::Vector2d& position_m) const;
 
   /// The other prefetch() of the same is asked for soon, or anything else of them.
-  void prefetch(uint32_t id) const { __builtin_prefetch(&trips_[id]); }
+  THRONG_PREFETCH void prefetch(uint32_t id) const { __builtin_prefetch(&trips_[id]); }
   /// direction() of the same is asked for soon.
   void prefetch(uint32_t id, const Eigen::Vector2d& position_m, const OwnSide& side = {}) const;
 

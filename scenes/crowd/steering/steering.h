@@ -8,14 +8,12 @@
 #include <memory>
 #include <span>
 
+#include "base/prefetch.h"
 #include "base/simd.h"
 #include "scenes/crowd/neighbours/neighbour_grid.h"
 #include "scenes/file/steering_rule.h"
 
 namespace throng {
-
-/// In bytes, of the processors that there are.
-inline constexpr size_t kCacheLine = 64;
 
 /// What others see of somebody: one line of the cache, as whoever looks at a neighbour reads nearly
 /// all of it, in groups of four that fast paths load as one. Places count from the middle of the
