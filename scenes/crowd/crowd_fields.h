@@ -123,7 +123,8 @@ struct alignas(kCacheLine) Walker {
 struct Walkers {
   std::vector<Walker> all;
   std::vector<Seen> seen;
-  std::vector<uint8_t> queuing;  ///< 1: held up by others ahead who go the same way
+  /// 1: held up by others ahead who go the same way. Apart, as it is counted at every step.
+  std::vector<uint8_t> queuing;
 
   /// Asks for what lies before `until` in a Walker, and for what others see of them.
   THRONG_PREFETCH void prefetch(size_t slot, size_t until) const {
