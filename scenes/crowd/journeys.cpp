@@ -214,7 +214,7 @@ Eigen::Vector2d way_along(const FlowField& field, const Eigen::Vector2d& positio
   if (side.to_left_m == 0) return field.direction(position_m);
   if (!side.lately.isZero()) {
     const Eigen::Vector2d beside_m = side.beside_m(position_m, side.lately);
-    const Eigen::Vector2d own = field.direction(beside_m);
+    Eigen::Vector2d own = field.direction(beside_m);
     if (own.dot(side.lately) > kGoesOn &&
         std::abs(side.to_left_m) <= tuning::kOwnSideShare * field.distance_m(beside_m))
       return own;
