@@ -259,15 +259,6 @@ void Crowd::check_read(Archive& a) {
   });
 }
 
-/// What a step writes by person lies anywhere: fetched some slots ahead.
-void Crowd::prefetch(uint32_t id) const {
-  __builtin_prefetch(&positions_m_[id], 1);
-  __builtin_prefetch(&velocities_mps_[id], 1);
-  __builtin_prefetch(&headings_[id], 1);
-  __builtin_prefetch(&looks_rad_[id], 1);
-  __builtin_prefetch(&walked_m_[id], 1);
-}
-
 void Crowd::step() {
   constexpr size_t kAhead = 8;
   if (size() == 0) return;

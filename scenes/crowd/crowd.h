@@ -161,7 +161,14 @@ class Crowd {
   Eigen::Vector2f expected_m(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
-  THRONG_PREFETCH void prefetch(uint32_t id) const;
+  /// What a step writes by person lies anywhere.
+  THRONG_PREFETCH void prefetch(uint32_t id) const {
+    __builtin_prefetch(&positions_m_[id], 1);
+    __builtin_prefetch(&velocities_mps_[id], 1);
+    __builtin_prefetch(&headings_[id], 1);
+    __builtin_prefetch(&looks_rad_[id], 1);
+    __builtin_prefetch(&walked_m_[id], 1);
+  }
   THRONG_PREFETCH void prefetch_neighbours(uint32_t slot) const {
     const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
     for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k)

@@ -42,14 +42,13 @@ Eigen::Vector2f Crowd::expected_m(size_t slot) const {
 /// Brings those neighbours to the front who may overlap at the end of the period. Returns the
 /// deepest overlap of those who stand now.
 double Crowd::find_close(Slots slots, size_t block) {
-  constexpr size_t kAhead = 4;
   float deepest_m = 0;
   const auto moved_m = static_cast<float>(2 * period_s_ * tuning::kHaste * fastest_mps_);
   uint32_t crowded = 0;
   const uint32_t first = static_cast<uint32_t>(slots.data() - deciders().data());
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    if (i + kAhead < slots.size()) prefetch_neighbours(slots[i + kAhead]);
+    prefetch_neighbours(later_decider(slots, i));
     uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
     const Seen& own = walkers_.seen[slot];
