@@ -92,12 +92,27 @@ function(throng_precompile target precompiled)
       $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess> $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
     target_precompile_headers(${target} REUSE_FROM ${precompiled})
     # Behind a precompiled header g++ 12 takes __OPTIMIZE__ for defined, without optimisation too, and the
-    # compiler's headers of SIMD instructions then rest on inlining that does not happen.
-    if(NOT CMAKE_BUILD_TYPE STREQUAL Release)
-      throng_sources_for_several(${target} alone)
-      set_source_files_properties(${alone} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
-    endif()
+    # compiler's headers of SIMD instructions then rest on inlining that does not happen. And a precompiled
+    # header is for the options that it was compiled with, see throng_copy_by_vectors.
+    throng_sources_for_several(${target} alone)
+    set_source_files_properties(${alone} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   endif()
+endfunction()
+
+# throng_copy_by_vectors(TARGET): sources for several SIMD targets copy and clear with vector instructions.
+# g++ 12 prefers `rep movs` for some hundred bytes, which takes longer than the kernel around it;
+# tests/structure/simd_copies_test.sh reads the objects, whose paths are collected here.
+function(throng_copy_by_vectors target)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL GNU OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    return()
+  endif()
+  throng_sources_for_several(${target} sources)
+  foreach(source IN LISTS sources)
+    set_property(SOURCE ${source} APPEND PROPERTY COMPILE_OPTIONS
+      -mmemcpy-strategy=vector_loop:-1:noalign -mmemset-strategy=vector_loop:-1:noalign)
+    set_property(GLOBAL APPEND PROPERTY THRONG_SIMD_OBJECTS
+      ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/${source}.o)
+  endforeach()
 endfunction()
 
 # throng_library(NAME SOURCES FILE... [PUBLIC TARGET...] [PRIVATE TARGET...]): throng::NAME.
@@ -107,6 +122,7 @@ function(throng_library name)
   add_library(throng::${name} ALIAS throng_${name})
   target_link_libraries(throng_${name} PUBLIC ${L_PUBLIC} PRIVATE $<BUILD_INTERFACE:throng_warnings> ${L_PRIVATE})
   throng_precompile(throng_${name} throng_precompiled)
+  throng_copy_by_vectors(throng_${name})
   throng_unite(throng_${name})
 endfunction()
 

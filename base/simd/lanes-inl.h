@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -35,6 +36,72 @@ HWY_INLINE U counting_from(uint32_t first) {
   const LaneBits d;
   return hn::Add(hn::Set(d, first), hn::Load(d, kCount));
 }
+
+/// The lanes of a mask as bits of an integer.
+HWY_INLINE uint32_t bits_of(M mask) {
+  const Lanes d;
+  static_assert(std::endian::native == std::endian::little);
+  uint32_t bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
+  return bits;
+}
+
+/// Byte order[mask] of the lanes of each mask: those in the mask first, in order, then lane 0.
+/// kBytes per lane: 1 for indices of lanes, 4 for indices of bytes.
+template <size_t kLaneCount, size_t kBytes>
+struct PackingOrders {
+  constexpr PackingOrders() {
+    for (size_t mask = 0; mask < size_t{1} << kLaneCount; ++mask) {
+      size_t packed = 0;
+      for (size_t lane = 0; lane < kLaneCount; ++lane) {
+        if (((mask >> lane) & 1) == 0) continue;
+        for (size_t byte = 0; byte < kBytes; ++byte)
+          order[mask][packed++] = static_cast<uint8_t>(lane * kBytes + byte);
+      }
+    }
+  }
+  alignas(16) uint8_t order[size_t{1} << kLaneCount][kLaneCount * kBytes] = {};
+};
+
+/// Moves the lanes of a mask to the front of registers, in order; the other lanes are unspecified.
+/// hn::Compress is for AVX-512 only: elsewhere g++ 12 copies the table of Highway 1.0.3 to the
+/// stack at every call, which costs more than the kernel around it.
+class Packing {
+ public:
+#if HWY_TARGET <= HWY_AVX3
+  HWY_INLINE explicit Packing(M mask) : mask_(mask) {}
+  template <class W>
+  HWY_INLINE W operator()(W v) const {
+    return hn::Compress(v, hn::RebindMask(hn::DFromV<W>(), mask_));
+  }
+
+ private:
+  M mask_;
+#elif HWY_TARGET == HWY_AVX2
+  HWY_INLINE explicit Packing(M mask)
+      : order_(hn::PromoteTo(
+            LaneBits(), hn::Load(hn::Rebind<uint8_t, Lanes>(), kOrders.order[bits_of(mask)]))) {}
+  template <class W>
+  HWY_INLINE W operator()(W v) const {
+    return hn::TableLookupLanes(v, hn::IndicesFromVec(hn::DFromV<W>(), order_));
+  }
+
+ private:
+  static constexpr PackingOrders<kLanes, 1> kOrders = {};
+  U order_;
+#else
+  HWY_INLINE explicit Packing(M mask) : order_(hn::Load(Bytes(), kOrders.order[bits_of(mask)])) {}
+  template <class W>
+  HWY_INLINE W operator()(W v) const {
+    return hn::BitCast(hn::DFromV<W>(), hn::TableLookupBytes(hn::BitCast(Bytes(), v), order_));
+  }
+
+ private:
+  using Bytes = hn::Repartition<uint8_t, Lanes>;
+  static constexpr PackingOrders<kLanes, 4> kOrders = {};
+  hn::Vec<Bytes> order_;
+#endif
+};
 
 /// Transposes the 4 x 4 matrices in each group of four lanes.
 template <class W>

@@ -205,7 +205,7 @@ class CandidateWriter {
     const auto parts = hn::Or(hn::Set(d, part_a), hn::ShiftLeft<8>(part_b));
     const auto upper_half = hn::Or3(parts, hn::ShiftLeft<16>(bucket), hn::ShiftLeft<16>(turn));
     const auto hit = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&hits));
-    const auto packed = hn::Compress(upper_half, hit);
+    const auto packed = Packing(hn::RebindMask(Lanes(), hit))(upper_half);
     const auto with_index = [&](auto half) {
       return hn::Or(hn::ShiftLeft<32>(hn::PromoteTo(wide, half)), hn::Set(wide, uint64_t{index_}));
     };

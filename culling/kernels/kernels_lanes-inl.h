@@ -7,8 +7,6 @@
 #define THRONG_CULLING_KERNELS_LANES_INL_H_
 #endif
 
-#include <bit>
-
 #include "base/simd/lanes-inl.h"
 #include "culling/kernels/kernels.h"
 
@@ -26,15 +24,6 @@ HWY_INLINE V3 operator+(const V3& a, const V3& b) {
 }
 HWY_INLINE V3 operator-(const V3& a, const V3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-
-/// The lanes of a mask as bits of an integer.
-HWY_INLINE uint32_t bits_of(M mask) {
-  const Lanes d;
-  static_assert(std::endian::native == std::endian::little);
-  uint32_t bits = 0;
-  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
-  return bits;
 }
 
 /// (a.x * b.x + a.y * b.y) + a.z * b.z, never fused: the same bits on every target.

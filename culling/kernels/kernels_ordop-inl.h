@@ -274,11 +274,10 @@ struct Undecided {
     const Lanes d;
     const LaneBits bits;
     const size_t end = count;  // a register's: the stores might be to `count`
+    const Packing packed(left);
     // Whole registers: a masked store costs several times as much.
-    kept.each_row([&](size_t row, V v)
-                      HWY_ATTR { hn::StoreU(hn::Compress(v, left), d, rows[row] + end); });
-    const auto indices = hn::Compress(hn::LoadU(bits, order), hn::RebindMask(bits, left));
-    hn::StoreU(indices, bits, index + end);
+    kept.each_row([&](size_t row, V v) HWY_ATTR { hn::StoreU(packed(v), d, rows[row] + end); });
+    hn::StoreU(packed(hn::LoadU(bits, order)), bits, index + end);
     count = end + hn::CountTrue(d, left);
   }
   HWY_INLINE Kept at(size_t first) const {

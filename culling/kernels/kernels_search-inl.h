@@ -89,8 +89,7 @@ HWY_INLINE M first_lanes(uint32_t count) {
 HWY_INLINE size_t append(uint32_t i, U others, M hits, SlotPair* out) {
   const LaneBits d;
   if constexpr (kLanes == 16) {  // whole registers: nothing branches on how many hit
-    const U packed = hn::Compress(others, hn::RebindMask(d, hits));
-    hn::StoreInterleaved2(hn::Set(d, i), packed, d, &out->a);
+    hn::StoreInterleaved2(hn::Set(d, i), Packing(hits)(others), d, &out->a);
     return hn::CountTrue(Lanes(), hits);
   }
   HWY_ALIGN uint32_t slots[kLanes];

@@ -33,8 +33,9 @@ class Candidates {
   HWY_INLINE void add(hn::Vec<D> squares, hn::Vec<DU> slots, hn::Mask<D> mask) {
     const D d;
     const DU du;
-    hn::StoreU(hn::Compress(squares, mask), d, squares_ + count_);
-    hn::StoreU(hn::Compress(slots, hn::RebindMask(du, mask)), du, slots_ + count_);
+    const Packing packed(mask);
+    hn::StoreU(packed(squares), d, squares_ + count_);
+    hn::StoreU(packed(slots), du, slots_ + count_);
     count_ += hn::CountTrue(d, mask);
   }
 
