@@ -24,6 +24,14 @@ struct StandingJoints;
 struct SteppingTables;
 struct WalkerPose;
 
+/// Limits of a landing point, shared by stepping and by those who predict it.
+struct LandingLimits {
+  /// A landing point is predicted this far ahead at most.
+  static constexpr float kMaxAhead_s = 0.9f;
+  /// Going sideways, the trailing foot lands this far towards the leading one at most.
+  static constexpr float kMaxClosing_m = 0.03f;
+};
+
 /// Where a walking body is in its gait, and its legs: all that posing reads, a cache line.
 struct alignas(64) WalkPosture {
   /// Of the right leg the angles of the hip's three axes, the knee and the ankle, then of the left

@@ -28,8 +28,6 @@ inline constexpr float kContactWay_m = 0.25f;
 // nothing is cut off then; what the way alone makes of it leaves room for giving way.
 inline constexpr float kMostShiftShare = 0.4f;
 inline constexpr float kMostLandingShare = 0.38f, kMostWantedShare = 0.3f;
-// Nobody looks farther ahead for a landing place.
-inline constexpr float kLongestLook_s = 0.9f;
 // How high a foot is lifted on the spot, of the way it goes and at most; less in a quick step: the
 // knee of a straight leg bends by 33 degrees for 4 cm.
 inline constexpr float kLiftShare = 0.4f;
@@ -52,8 +50,6 @@ inline constexpr float kMostCycles_hz = 1.9f;
 inline constexpr float kFoot_mps2 = 40, kFootTurn_radps = 3.6f, kFootTurn_radps2 = 60;
 // It goes aside by 165 degrees/s, less while it turns, for that moves the knee aside, too.
 inline constexpr float kFootAside_mps = 2.6f, kAsidePerTurn_m = 0.28f;
-// Going sideways, the trailing foot lands so far towards the leading one at most.
-inline constexpr float kMostClosing_m = 0.03f;
 // Nobody walks so far in a step.
 inline constexpr float kJump_m = 1;
 
@@ -167,7 +163,8 @@ struct Landing {
   F x[2], y[2], turn[2];
 };
 THRONG_LANES Landing landing_of(const Motion& m, F rate, const Track& track) {
-  const F ahead_s = min_of(0.5f * track.stance * inverse_of(max_of(rate, 1e-3f)), kLongestLook_s);
+  const F ahead_s =
+      min_of(0.5f * track.stance * inverse_of(max_of(rate, 1e-3f)), LandingLimits::kMaxAhead_s);
   const float per_s = 1 / m.step_s;
   const F turn = clamped(m.turn * per_s * ahead_s, -kMostTurn_rad, kMostTurn_rad);
   F sin, cos;
@@ -179,7 +176,8 @@ THRONG_LANES Landing landing_of(const Motion& m, F rate, const Track& track) {
   const F lands_x = track.x_at(0.0f), passes_x = track.x_at(0.5f * track.stance);
   Landing to;
   for (size_t side = 0; side < 2; ++side) {
-    const F left = side == 0 ? min_of(sideways, kMostClosing_m) : max_of(sideways, -kMostClosing_m);
+    const F left = side == 0 ? min_of(sideways, LandingLimits::kMaxClosing_m)
+                             : max_of(sideways, -LandingLimits::kMaxClosing_m);
     const F y = track.side[side];
     to.x[side] = cos * forward - sin * left + (whole_cos * passes_x - whole_sin * y) - lands_x;
     to.y[side] = sin * forward + cos * left + (whole_sin * passes_x + whole_cos * y) - y;

@@ -57,7 +57,7 @@ THRONG_LANES Turn turn_of(F x, F y, F z) {
 }
 
 /// A leg before it is bent.
-struct Reach {
+struct LegReach {
   Point hip;
   Turn frame;   ///< forward, the knee's axis, and up in the plane that the leg bends in
   Point ankle;  ///< from the hip
@@ -67,7 +67,7 @@ struct Reach {
 /// The foot leans with its leg, about the point where it stands: hip, knee and foot share a plane,
 /// and that the foot's middle lies as far beside the hip as the leg is made leaves one tilt.
 THRONG_LANES void reach_for(const LegNumbers& leg, const Point& ground, F height, F forward_x,
-                            F forward_y, Reach& r) {
+                            F forward_y, LegReach& r) {
   const Point d = ground - r.hip;
   const F y = d.y * forward_x - d.x * forward_y;
   const F inverse = inverse_sqrt_of(max_of(y * y + d.z * d.z, 1e-6f));
@@ -87,7 +87,7 @@ THRONG_LANES void reach_for(const LegNumbers& leg, const Point& ground, F height
 }
 
 /// How far a hip has to sink until its leg is long enough.
-THRONG_LANES F sink_of(const LegNumbers& leg, const Reach& r) {
+THRONG_LANES F sink_of(const LegNumbers& leg, const LegReach& r) {
   const F aside = r.ankle.x * r.ankle.x + r.ankle.y * r.ankle.y;
   return 0.0f - r.ankle.z - sqrt_of(max_of(leg.longest_m2 - aside, 0.0f));
 }
@@ -172,7 +172,7 @@ inline constexpr float kFlatter_m = 0.08f;
 
 /// Lowers the toes of a foot that is `moved_m` ahead of where the gait has it.
 THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F moved_m,
-                             Stand& stand, Reach& r) {
+                             Stand& stand, LegReach& r) {
   const F unmoved = clamped(r.along - moved_m, 1e-3f, kFlatter_m);
   const F share = clamped(r.along * inverse_of(unmoved), 0.0f, 1.0f);
   const F lowers = (1.0f - share) * max_of(stand.pitch, 0.0f);
@@ -185,8 +185,8 @@ THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F 
 
 /// Raises the heel of a foot that is too far behind until the leg is long enough.
 THRONG_LANES void raise_heel(const LegNumbers& leg, F forward_x, F forward_y, Stand& stand,
-                             Reach& r) {
-  const auto too_long = [&leg](const Reach& reach) {
+                             LegReach& r) {
+  const auto too_long = [&leg](const LegReach& reach) {
     return sqrt_of(dot(reach.ankle, reach.ankle)) - leg.longest_m;
   };
   const F lacks = too_long(r);
@@ -195,7 +195,7 @@ THRONG_LANES void raise_heel(const LegNumbers& leg, F forward_x, F forward_y, St
   const Rolled before = rolled(leg, stand.pitch);
   const F first = select(behind, min_of(lacks * kRaisePerMetre_rad, kMostRaise_rad), 0.0f);
   const Stand tried = tipped(leg, forward_x, forward_y, stand, before, first);
-  Reach reach = r;
+  LegReach reach = r;
   reach_for(leg, tried.ground, tried.height, forward_x, forward_y, reach);
   const F won = max_of(lacks - too_long(reach), 1e-4f);
   const F raise =
@@ -218,13 +218,14 @@ struct Bounds {
 
 // Single precision, arcs good to 2e-6, and nodes blended as positions here and as angles in the
 // table, which turn by less than 0.02 between two of them: a tenth of this was measured.
-inline constexpr float kSlack_m = 1e-3f;
+inline constexpr float kLegSlack_m = 1e-3f;
 
 /// Whether sphere and cylinder hold a ball. They are convex: with the balls at its ends they hold a
 /// limb.
 THRONG_LANES M holds(const SteppingTables& t, const Point& p, float radius) {
   const F across = p.x * p.x + p.y * p.y, up = p.z - t.sphere_z_m;
-  const float upright = t.upright_m - radius - kSlack_m, ball = t.sphere_m - radius - kSlack_m;
+  const float upright = t.upright_m - radius - kLegSlack_m,
+              ball = t.sphere_m - radius - kLegSlack_m;
   return (across <= upright * upright) & (across + up * up <= ball * ball);
 }
 
@@ -241,14 +242,14 @@ THRONG_LANES M holds_foot(const SteppingTables& t, const LegNumbers& leg, const 
       2.0f * (half[0] * flat(foot.x) + half[1] * flat(foot.y) + half[2] * flat(foot.z));
   const F away = dot(q, q) + square +
                  2.0f * (half[0] * full(foot.x) + half[1] * full(foot.y) + half[2] * full(foot.z));
-  const float upright = t.upright_m - kSlack_m, ball = t.sphere_m - kSlack_m;
+  const float upright = t.upright_m - kLegSlack_m, ball = t.sphere_m - kLegSlack_m;
   return (across <= upright * upright) & (away <= ball * ball);
 }
 
 /// Bends a leg to reach its ankle; angles of the hip's axes, knee and ankle go to `angles`. Where
 /// the knee's limits stop it the ankle is as near as they let it; where the ankle's do, the foot
 /// tilts. Returns whether joints and the room of all postures allow it.
-THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const Reach& r,
+THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const LegReach& r,
                     const Turn& pelvis, F pitch, F* angles, Bounds& bounds) {
   // Law of cosines for links that need not be one line in the zero posture.
   const F wanted = (r.along * r.along + r.up * r.up - leg.square_sum_m2) * leg.per_twice_product;
@@ -366,8 +367,8 @@ THRONG_LANES Place place_of(const SteppingTables& t, const Speeds& s, F phase, F
 /// Two numbers of grains in one: the low one of what is below, the high one of what is above.
 THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
   constexpr auto kMost = static_cast<float>(SteppingTables::kGrains - 1);
-  const F low = floor_of((low_m - kSlack_m - t.corner_m) * t.per_grain);
-  const F high = floor_of((high_m + kSlack_m - t.corner_m) * t.per_grain) + 1.0f;
+  const F low = floor_of((low_m - kLegSlack_m - t.corner_m) * t.per_grain);
+  const F high = floor_of((high_m + kLegSlack_m - t.corner_m) * t.per_grain) + 1.0f;
   return max_of(low, 0.0f) * static_cast<float>(SteppingTables::kGrains) + min_of(high, kMost);
 }
 
@@ -387,7 +388,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
   const Point middle = {node[13], node[14] + standing.shift, node[15]};
   Stand stands[2];
   F forward_x[2], forward_y[2];
-  Reach reach[2];
+  LegReach reach[2];
   F drop = 0.0f;
   for (size_t side = 0; side < 2; ++side) {
     const LegNumbers& leg = t.legs[side];

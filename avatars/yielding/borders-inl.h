@@ -102,7 +102,7 @@ THRONG_LANES ArmReach arm_reach(const F (&swung)[8], const F (&drawn)[8], F x, F
 
 /// How far bodies reach in a direction: trunk and drawn-in arms, thighs as well, and all as it is
 /// now.
-struct Reach {
+struct BodyReach {
   F trunk_m, firm_m, whole_m;
 };
 struct Stance {
@@ -120,8 +120,8 @@ struct Shapes {
   const Limbs* limbs[kAtOnce];
 };
 /// In the direction (x, y), at `angle`, from the bodies' ways.
-THRONG_LANES Reach reach_of(const Stance& stance, const Shapes& shapes, const F (&drawn)[2][8], F x,
-                            F y, F angle) {
+THRONG_LANES BodyReach reach_of(const Stance& stance, const Shapes& shapes, const F (&drawn)[2][8],
+                                F x, F y, F angle) {
   alignas(64) int32_t whole[kAtOnce];
   alignas(64) float low[kAtOnce], high[kAtOnce];
   const F direction = direction_of(angle - stance.turn);
@@ -333,7 +333,7 @@ THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i,
   F drawn[2][8];
   for (size_t side = 0; side < 2; ++side)
     set_octagon(own.swung->outline().drawn[side], drawn[side]);
-  const Reach mine = reach_of(stance, shapes, drawn, x, y, angles[0]);
+  const BodyReach mine = reach_of(stance, shapes, drawn, x, y, angles[0]);
   for (size_t lane = 0; lane < kAtOnce; ++lane) {
     const Swings& swung = other[lane]->swung != nullptr ? *other[lane]->swung : *own.swung;
     shapes.outline[lane] = &swung.outline();
@@ -342,8 +342,8 @@ THRONG_LANES void set_rooms(const SeenBody& own, const Stance& stance, size_t i,
   for (size_t side = 0; side < 2; ++side)
     load_octagons([&](size_t lane) -> const Octagon& { return shapes.outline[lane]->drawn[side]; },
                   drawn[side]);
-  const Reach theirs = reach_of(stance_of(motion[3], motion[0], motion[1], motion[2]), shapes,
-                                drawn, their_x, their_y, angles[1]);
+  const BodyReach theirs = reach_of(stance_of(motion[3], motion[0], motion[1], motion[2]), shapes,
+                                    drawn, their_x, their_y, angles[1]);
 
   const F disc = load(discs), per_scale = 1.0f / own.scale;
   const F of_disc = apart - disc;

@@ -1,9 +1,5 @@
 // Legs, a time, a place or a rhythm a lane. Included inside the namespace of the lanes F.
 
-// Nobody looks farther ahead for a landing place; and going sideways, the trailing foot lands so
-// far towards the leading one at most: as Stepping has it.
-inline constexpr float kLongestLook_s = 0.9f;
-inline constexpr float kMostClosing_m = 0.03f;
 // A foot steps over its ball at the end of stance: its ankle gets so far ahead.
 inline constexpr float kRoll_m = 0.10f, kRollFrom = 0.75f;
 // The knee is ahead of the middle between hip and ankle, and more so in swing.
@@ -102,11 +98,12 @@ THRONG_LANES F time_of(const Rhythm& r, F cycles) {
 /// does.
 THRONG_LANES Spot goal_of(const Rhythm& r, const LegNow& leg, F ahead_s, M is_next) {
   const F cycle_s = select(ahead_s < r.lead_s, r.per_soon, r.per_later);
-  const F look_s = min_of(0.5f * leg.stance * cycle_s, kLongestLook_s);
+  const F look_s = min_of(0.5f * leg.stance * cycle_s, LandingLimits::kMaxAhead_s);
   const F aside = look_s * leg.velocity_mps.y();
   return {look_s * leg.velocity_mps.x() + (leg.passes_x_m - leg.lands_x_m) +
               select(is_next, leg.landing_m.x(), 0.0f),
-          (leg.is_right ? min_of(aside, kMostClosing_m) : max_of(aside, -kMostClosing_m)) +
+          (leg.is_right ? min_of(aside, LandingLimits::kMaxClosing_m)
+                        : max_of(aside, -LandingLimits::kMaxClosing_m)) +
               select(is_next, leg.landing_m.y(), 0.0f)};
 }
 

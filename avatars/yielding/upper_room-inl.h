@@ -1,7 +1,7 @@
 // Boxes around parts as posed, a part a lane. Included inside the namespace of the lanes F.
 
 // Single precision in postures and kinematics: ten times what was measured.
-inline constexpr float kSlack_m = 1e-4f;
+inline constexpr float kUpperSlack_m = 1e-4f;
 
 struct Extent {
   F low, high;
@@ -21,7 +21,7 @@ THRONG_LANES Extent extent_of(const UpperRoom::Shapes& shapes, size_t i,
   const F of_box = abs_of(row[0]) * load(number(shapes.half_m[0])) +
                    abs_of(row[1]) * load(number(shapes.half_m[1]));
   const F half = min_of(of_box, sqrt_of(x * x + y * y)) +
-                 abs_of(row[2]) * load(number(shapes.half_m[2])) + kSlack_m;
+                 abs_of(row[2]) * load(number(shapes.half_m[2])) + kUpperSlack_m;
   return {middle - half, middle + half};
 }
 

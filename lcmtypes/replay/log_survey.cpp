@@ -46,7 +46,7 @@ class Intervals {
 
  private:
   int64_t frames_ = 0, count_ = 0;
-  std::map<int64_t, int64_t> holes_;  ///< how often, by length; at most kLongestHole_s long
+  std::map<int64_t, int64_t> holes_;  ///< how often, by length; at most kMaxBridgedHole_s long
 };
 
 class Surveyor {
@@ -79,7 +79,7 @@ class Surveyor {
 
   bool goes_on(LogStates& states) {
     const double hole_s = static_cast<double>(states.frames_since()) * states.run().run()->step_s;
-    if (!states.is_behind_hole() || hole_s <= kLongestHole_s) return true;
+    if (!states.is_behind_hole() || hole_s <= kMaxBridgedHole_s) return true;
     end_ = fmt::format("no states for {:.3g} s behind frame {}: culled until there", hole_s,
                        survey_.last_frame);
     return false;

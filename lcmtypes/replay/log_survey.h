@@ -15,7 +15,7 @@
 namespace throng {
 
 /// Where states were lost, people stand as before; after longer holes than this the log is over.
-inline constexpr double kLongestHole_s = 10;
+inline constexpr double kMaxBridgedHole_s = 10;
 
 struct LogSurvey {
   std::filesystem::path file;

@@ -129,7 +129,7 @@ void Crowd::list_deciders() {
 
 /// What others see of somebody.
 void Crowd::show(size_t slot) {
-  const Walker& w = walkers_[slot];
+  const AgentState& w = walkers_[slot];
   Seen& seen = walkers_.seen[slot];
   Eigen::Vector2f velocity = w.velocity_mps.cast<float>();
   // People who are stuck show where to, so that others can make way.
@@ -146,7 +146,7 @@ void Crowd::show(size_t slot) {
 
 /// Where somebody will stand after a period of going on like this.
 void Crowd::look_ahead(size_t slot) {
-  const Walker& w = walkers_[slot];
+  const AgentState& w = walkers_[slot];
   Seen& seen = walkers_.seen[slot];
   const auto period_s = static_cast<float>(period_s_);
   const Eigen::Vector2f velocity = (w.velocity_mps + w.drift_mps).cast<float>();
@@ -159,7 +159,7 @@ void Crowd::look_ahead(size_t slot) {
 void Crowd::start_walking(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   const bool walks = journeys_.doing(id) == Doing::kWalking && squeezes_[id] == 1;
-  Walker& w = walkers_[slot];
+  AgentState& w = walkers_[slot];
   w.radius_m = radii_m_[id];
   w.free_speed_mps = free_speeds_mps_[id];
   w.position_m = w.anchor_m = positions_m_[id];
@@ -293,7 +293,7 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   velocities_mps_[id] = velocity_mps;
   const uint32_t slot = slot_of_[id];
   if (slot == kNowhere) return;
-  Walker& w = walkers_[slot];
+  AgentState& w = walkers_[slot];
   w.position_m = position_m;
   w.heading = heading;
   w.velocity_mps = w.smooth_mps = w.intent_mps = velocity_mps;
@@ -315,7 +315,7 @@ void Crowd::lead(uint32_t id, bool is_there) {
 
 /// Returns how far. The velocity goes over to the one chosen within a period of one's own.
 double Crowd::move(size_t slot) {
-  Walker& w = walkers_[slot];
+  AgentState& w = walkers_[slot];
   const size_t steps = static_cast<size_t>(steps_a_period_);
   const auto part = static_cast<double>((phase_ + steps - slots_.phase[slot]) % steps);
   const Eigen::Vector2d change = w.next_mps - w.old_mps;

@@ -223,8 +223,8 @@ class Crowd {
   std::vector<uint32_t> slot_of_;         ///< by person, or kNowhere
   std::vector<uint32_t> deciders_;        ///< slots, phase by phase
   std::vector<uint32_t> first_deciders_;  ///< by phase, and the end
-  Walkers walkers_;
-  Walkers carried_;  ///< the slots before, while people take their new ones
+  AgentStates walkers_;
+  AgentStates carried_;  ///< the slots before, while people take their new ones
   Decisions slots_;
   std::vector<Walls> walls_;                         ///< one a worker
   std::vector<double> block_values_, block_ways_m_;  ///< one a block, reduced in order

@@ -94,7 +94,7 @@ void Crowd::look_around(Slots slots) {
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
     const uint32_t later = later_decider(slots, i);
-    walkers_.prefetch(later, sizeof(Walker));
+    walkers_.prefetch(later, sizeof(AgentState));
     journeys_.prefetch(grid_.order()[later]);
     walkers_[slot].own_side_m = own_side_m(slot);
     journeys_.prefetch(grid_.order()[slot], walkers_[slot].position_m, own_side(slot));
@@ -152,7 +152,7 @@ double Crowd::wish(Slots slots) {
   if (!parties_.any()) look_around(slots);
   double longest_s = 0;
   for (const uint32_t slot : slots) {
-    Walker& w = walkers_[slot];
+    AgentState& w = walkers_[slot];
     Seen& seen = walkers_.seen[slot];
     w.old_mps = w.velocity_mps;
     longest_s = std::max(longest_s, watch_progress(slot));
@@ -202,7 +202,7 @@ SteeringView Crowd::view_with_walls(Slots slots, Walls& walls) {
   walls.starts.assign(1, 0);
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    walkers_.prefetch(later_decider(slots, i), offsetof(Walker, facing));
+    walkers_.prefetch(later_decider(slots, i), offsetof(AgentState, facing));
     prefetch_neighbours(slot);
     find_walls(slot, walls);
     walls.starts.push_back(static_cast<uint32_t>(walls.x.size()));
@@ -379,7 +379,7 @@ double Crowd::stalled_s_of(size_t slot) const {
 
 /// How long somebody has been stuck, the time of queuing taken off.
 double Crowd::watch_progress(size_t slot) {
-  Walker& w = walkers_[slot];
+  AgentState& w = walkers_[slot];
   const uint32_t id = grid_.order()[slot];
   const bool goes = journeys_.doing(id) == Doing::kWalking || queues_.is_awaited(id);
   const bool stands = !goes || w.held != 0 || parties_.waits(id);

@@ -113,33 +113,33 @@ Value zero_of() {
 
 /// Who moves. A step reads and writes nearly all of it, a decision that of one in so many slots:
 /// each in a few lines of the cache of their own.
-struct alignas(kCacheLine) Walker {
+struct alignas(kCacheLine) AgentState {
 #define THRONG_MEMBER(type, name, saved) type name = zero_of<type>();
   THRONG_WALKER_FIELDS(THRONG_MEMBER)
 #undef THRONG_MEMBER
 };
 
 /// By slot.
-struct Walkers {
-  std::vector<Walker> all;
+struct AgentStates {
+  std::vector<AgentState> all;
   std::vector<Seen> seen;
   /// 1: held up by others ahead who go the same way. Apart, as it is counted at every step.
   std::vector<uint8_t> queuing;
 
-  /// Asks for what lies before `until` in a Walker, and for what others see of them.
+  /// Asks for what lies before `until` in an AgentState, and for what others see of them.
   THRONG_PREFETCH void prefetch(size_t slot, size_t until) const {
     const auto* walker = reinterpret_cast<const std::byte*>(&all[slot]);
     for (size_t at = 0; at < until; at += kCacheLine) __builtin_prefetch(walker + at, 1);
     __builtin_prefetch(&seen[slot], 1);
   }
 
-  const Walker& operator[](size_t slot) const { return all[slot]; }
-  Walker& operator[](size_t slot) { return all[slot]; }
+  const AgentState& operator[](size_t slot) const { return all[slot]; }
+  AgentState& operator[](size_t slot) { return all[slot]; }
 
   /// Calls visit(values, field, saved) for each field.
   template <typename Visit>
   void for_each_field(const Visit& visit) {
-#define THRONG_VISIT(type, name, saved) visit(all, &Walker::name, Saved::saved);
+#define THRONG_VISIT(type, name, saved) visit(all, &AgentState::name, Saved::saved);
     THRONG_WALKER_FIELDS(THRONG_VISIT)
 #undef THRONG_VISIT
 #define THRONG_VISIT(name, saved) visit(seen, &Seen::name, Saved::saved);
@@ -154,7 +154,7 @@ struct Walkers {
   }
 
   /// The slots from `first` on take over all that is known of who had these slots before.
-  void carry(const Walkers& from, std::span<const uint32_t> from_slots, size_t first) {
+  void carry(const AgentStates& from, std::span<const uint32_t> from_slots, size_t first) {
     for (size_t i = 0; i < from_slots.size(); ++i) {
       all[first + i] = from.all[from_slots[i]];
       seen[first + i] = from.seen[from_slots[i]];

@@ -160,7 +160,7 @@ double Crowd::relax_disc(size_t slot) {
 void Crowd::set_drift(Slots slots) {
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    walkers_.prefetch(later_decider(slots, i), offsetof(Walker, smooth_mps));
+    walkers_.prefetch(later_decider(slots, i), offsetof(AgentState, smooth_mps));
     Eigen::Vector2d& drift = walkers_[slot].drift_mps;
     drift.setZero();
     if (slots_.close_counts[slot] != 0) {

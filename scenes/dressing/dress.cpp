@@ -264,7 +264,7 @@ double cubic(double from, double to, double slope_from, double slope_to, double 
 
 std::vector<Knot> dressed(std::span<const Sample> track, const Wearer& wearer) {
   std::vector<Knot> knots(track.size());
-  const double hole_s = std::max(kLongestHole_s, 1.5 * usual_interval_s(track));
+  const double hole_s = std::max(kMaxTrackGap_s, 1.5 * usual_interval_s(track));
   size_t begin = 0;
   for (size_t i = 0; i < track.size(); ++i) {
     const bool is_last = i + 1 == track.size();

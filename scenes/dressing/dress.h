@@ -39,7 +39,7 @@ struct Wearer {
 
 /// What is between two samples for longer than this, and longer than 1.5 of a track's usual
 /// intervals, is an absence.
-inline constexpr double kLongestHole_s = 1.0;
+inline constexpr double kMaxTrackGap_s = 1.0;
 /// Times that were rounded apart by less are the same.
 inline constexpr double kSame_s = 1e-7;
 /// Nobody runs faster: what does has jumped.

@@ -19,7 +19,7 @@ PairRules pair_rules_of(std::string_view text, std::string_view where) {
     const std::string_view left = without_blanks_around(entry.substr(0, colon));
     const std::string_view right =
         colon == std::string_view::npos ? kAll : without_blanks_around(entry.substr(colon + 1));
-    if (words_of(left).empty() || words_of(right).empty() ||
+    if (part_words(left).empty() || part_words(right).empty() ||
         right.find_first_of(":\n") != std::string_view::npos)
       throw InputError(where, "names, or pairs of names, as in 'robots: people, hands'",
                        fmt::format("'{}'", without_blanks_around(entry)));

@@ -48,7 +48,7 @@ void add_part_volume(std::string_view words, std::string_view volume, std::strin
     volumes.fallback = kind;
     return;
   }
-  if (words_of(words).empty() || words.find_first_of(",:\n") != std::string_view::npos)
+  if (part_words(words).empty() || words.find_first_of(",:\n") != std::string_view::npos)
     throw InputError(where, "words of the name of a part, as in 'hands: sphere'",
                      fmt::format("'{}'", words));
   const auto is_same = [&](const auto& each) { return each.words == words; };

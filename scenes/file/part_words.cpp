@@ -11,7 +11,7 @@ bool is_upper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0;
 
 }  // namespace
 
-std::set<std::string> words_of(std::string_view name) {
+std::set<std::string> part_words(std::string_view name) {
   std::set<std::string> words;
   std::string word;
   const auto end = [&] {
@@ -34,7 +34,7 @@ std::set<std::string> words_of(std::string_view name) {
 }
 
 bool has_words(std::string_view part, std::string_view words) {
-  const std::set<std::string> has = words_of(part), asked = words_of(words);
+  const std::set<std::string> has = part_words(part), asked = part_words(words);
   return std::includes(has.begin(), has.end(), asked.begin(), asked.end());
 }
 

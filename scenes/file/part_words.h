@@ -10,7 +10,7 @@
 namespace throng {
 
 /// In lower case and singular: arm, left, upper.
-std::set<std::string> words_of(std::string_view name);
+std::set<std::string> part_words(std::string_view name);
 
 /// Whether the name of a part has all of these words: leftHand and right_hand have "hands".
 bool has_words(std::string_view part, std::string_view words);

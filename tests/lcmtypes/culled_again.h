@@ -40,12 +40,13 @@ inline Scene small_scene(const std::string& name, uint64_t seed, int avatars = 8
   return scene;
 }
 
-using Drive = std::function<void(Simulation&)>;
+using DriveAvatars = std::function<void(Simulation&)>;
 
 /// Runs a scene, logs it, and returns its frames.
 inline std::vector<CulledFrame> logged(const Scene& scene, int frames,
                                        const std::filesystem::path& log,
-                                       const LogOptions& options = {}, const Drive& drive = {}) {
+                                       const LogOptions& options = {},
+                                       const DriveAvatars& drive = {}) {
   Simulation simulation(scene, {});
   LogSink sink(log, options);
   sink.begin(simulation.info());
