@@ -21,7 +21,7 @@
 
 namespace throng {
 
-struct BodyStates;  // scenes/run/posing.h
+struct BodyStates;  // scenes/run/postures.h
 struct RunInfo;     // scenes/run/sink.h
 class DrivenAvatars;
 class Posing;
