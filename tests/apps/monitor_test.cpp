@@ -91,6 +91,11 @@ std::string network() {
   return shell("ip route get 239.255.76.67", folder).exit_code == 0 ? ". ./script" : "";
 }
 
+/// For half a minute at most.
+const std::string kUntilItListens =
+    "tries=0; until ss -lun | grep -q ':7684 ' || [ $tries = 300 ]; do "
+    "sleep 0.1; tries=$((tries+1)); done\nsleep 0.3\n";
+
 /// What the monitor says of a short live run that it hears with this receive buffer.
 Json watched(const std::string& buffer, const std::string& run) {
   const std::string in_network = network();
@@ -98,7 +103,8 @@ Json watched(const std::string& buffer, const std::string& run) {
   const ScratchFolder folder;
   const std::string url = "udpm://239.255.76.67:7684?ttl=0&recv_buf_size=" + buffer;
   write_file(folder / "script", "throng monitor --json --until-end --seconds 60 --lcm \"" + url +
-                                    "\" >seen.json &\n" + "monitor=$!\nsleep 1\nthrong run " + run +
+                                    "\" >seen.json &\n" + "monitor=$!\n" + kUntilItListens +
+                                    "throng run " + run +
                                     " --log off --json run.json >/dev/null\nwait $monitor\n");
   const Outcome outcome = shell(in_network, folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -46,19 +46,24 @@ TEST(OlderLog, OfANamedFileIsReplacedInSoManyWords) {
 }
 
 TEST(TwoRuns, OnOneOutputAreOneAndTheSecondIsRefused) {
-  for (const char* outputs :
-       {"", "--log x.lcmlog", "--log off --trajectory x.csv", "--log off --trajectory x.sqlite",
-        "--log off --contacts c", "--log off --trace-hash x"}) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"", "out/my.lcmlog"},
+      {"--log x.lcmlog", "x.lcmlog"},
+      {"--log off --trajectory x.csv", "x.csv"},
+      {"--log off --trajectory x.sqlite", "x.sqlite"},
+      {"--log off --contacts c", "c"},
+      {"--log off --trace-hash x", "x"}};
+  for (const auto& [outputs, output] : cases) {
     SCOPED_TRACE(outputs);
     Workplace place;
-    // The first one waits, after 0.5 s of its time, until the second one has come and gone.
+    // The first run is paced, so that it writes for seconds after its output has appeared.
     const Outcome outcome = shell(
-        fmt::format("throng run my.yaml --seconds 3 --pace 1 --lcm off {0} >first.txt 2>&1 &\n"
-                    "first=$!\nsleep 0.7\n"
-                    "throng run my.yaml --seconds 3 --lcm off {0} && second=0 || second=$?\n"
+        fmt::format("throng run my.yaml --seconds 6 --pace 1 --lcm off {0} >first.txt 2>&1 &\n"
+                    "first=$!\nuntil [ -e {1} ]; do sleep 0.05; done\nsleep 0.3\n"
+                    "throng run my.yaml --seconds 6 --lcm off {0} && second=0 || second=$?\n"
                     "kill -0 $first || echo the first one was over >&2\n"
                     "wait $first\nexit $second",
-                    outputs),
+                    outputs, output),
         place.folder());
     EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("another run of throng is writing it; choose another name"));

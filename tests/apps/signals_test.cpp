@@ -75,13 +75,24 @@ TEST(Signals, TwiceInOneBreathIsOneWish) {
 
 TEST(Signals, ASecondOneAWhileLaterForces) {
   const ScratchFolder folder;
-  // Nobody reads this pipe, so the run cannot end as it would like to.
-  const Outcome outcome = shell(
-      "mkfifo pipe\nsleep 3600 <>pipe & reader=$!\n" +
-          signalled("throng run plaza --seconds 3600 --lcm off --log pipe", 2,
-                    "kill -TERM $run; sleep 1; kill -INT $run; (sleep 20; kill -KILL $run) &") +
-          "\ncode=$?; kill $reader; exit $code",
-      folder);
+  // Nobody reads this pipe, so the run cannot end as it would like to: once it is full, which takes
+  // 64 kB, the run waits.
+  write_file(folder / "until_full.py",
+             "import fcntl, os, struct, termios, time\n"
+             "pipe = os.open('pipe', os.O_RDONLY | os.O_NONBLOCK)\n"
+             "held = -1\n"
+             "for _ in range(600):\n"
+             "    before, held = held, struct.unpack('i', fcntl.ioctl(pipe, termios.FIONREAD, "
+             "b'0000'))[0]\n"
+             "    if held > 32768 and held == before: break\n"
+             "    time.sleep(0.2)\n");
+  const Outcome outcome =
+      shell("mkfifo pipe\nsleep 3600 <>pipe & reader=$!\n" +
+                signalled("throng run plaza --seconds 3600 --lcm off --log pipe", 0,
+                          "python3 until_full.py; kill -TERM $run; sleep 1; kill -INT $run; "
+                          "(sleep 20; kill -KILL $run) &") +
+                "\ncode=$?; kill $reader; exit $code",
+            folder);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("throng: stopped by SIGINT"));
 }
