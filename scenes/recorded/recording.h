@@ -28,7 +28,8 @@ struct RecordingOptions {
   std::filesystem::path file{};
   /// Frames a second as the file numbers them: 25 where every tenth of 25 a second is recorded.
   std::optional<double> fps{};
-  std::optional<double> unit_m{};        ///< metres a unit of length of the file: 0.01 for cm
+  std::optional<double> unit_m{};            ///< metres per unit of length of the file: 0.01 for cm
+  std::optional<double> heading_unit_rad{};  ///< radians per unit of its headings
   std::string columns{};                 ///< "id=pedID,t=time,x=posX,y=posY"; empty: by their names
   char separator = 0;                    ///< of columns; 0: as the first line shows
   std::optional<TrackedPoint> tracks{};  ///< none: by the kind of file

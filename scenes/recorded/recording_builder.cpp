@@ -38,6 +38,7 @@ RecordingBuilder::RecordingBuilder(const RecordingOptions& options)
 RecordingBuilder::~RecordingBuilder() = default;
 
 std::string RecordingBuilder::where(int64_t place) const {
+  if (place <= 0) return options_.file.string();
   if (head_.place == "line") return fmt::format("{}:{}", options_.file.string(), place);
   return fmt::format("{}: {} {}", options_.file.string(), head_.place, place);
 }

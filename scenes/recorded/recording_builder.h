@@ -56,7 +56,7 @@ class RecordingBuilder {
   /// Throws InputError if there is nobody, or, with options.strict, anything odd.
   std::shared_ptr<const Recording> finish();
 
-  /// "FILE:LINE", or "FILE: row ROW".
+  /// "FILE:LINE", or "FILE: row ROW"; "FILE" of place 0.
   std::string where(int64_t place) const;
   [[noreturn]] void refuse(int64_t place, std::string_view expected, std::string_view found) const;
 

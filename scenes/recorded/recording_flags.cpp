@@ -3,12 +3,11 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "scenes/recorded/units.h"
 
 namespace throng {
 namespace {
 
-constexpr std::pair<const char*, double> kUnits[] = {
-    {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"ft", 0.3048}, {"in", 0.0254}};
 constexpr std::pair<const char*, char> kSeparators[] = {
     {"tab", '\t'}, {"blank", ' '}, {"comma", ','}, {"semicolon", ';'}};
 
@@ -17,17 +16,16 @@ constexpr std::pair<const char*, char> kSeparators[] = {
 std::string RecordingFlags::given() const {
   if (fps) return "--fps";
   if (!unit.empty()) return "--unit";
+  if (!heading_unit.empty()) return "--heading-unit";
   if (!columns.empty()) return "--columns";
   if (!separator.empty()) return "--separator";
   if (!tracks.empty()) return "--tracks";
   return strict ? "--strict" : "";
 }
 
-std::vector<std::string> unit_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, unit_m] : kUnits) names.emplace_back(name);
-  return names;
-}
+std::vector<std::string> unit_names() { return unit_names_of(Quantity::kLength); }
+
+std::vector<std::string> heading_unit_names() { return unit_names_of(Quantity::kAngle); }
 
 std::vector<std::string> tracks_names() { return {"head", "centre"}; }
 
@@ -39,8 +37,8 @@ char separator_named(const std::string& name) {
 
 RecordingOptions recording_options(const std::filesystem::path& file, const RecordingFlags& flags) {
   RecordingOptions out{.file = file, .fps = flags.fps, .columns = flags.columns};
-  for (const auto& [name, unit_m] : kUnits)
-    if (flags.unit == name) out.unit_m = unit_m;
+  if (const auto unit = unit_named(flags.unit)) out.unit_m = unit->in_si;
+  if (const auto unit = unit_named(flags.heading_unit)) out.heading_unit_rad = unit->in_si;
   out.separator = separator_named(flags.separator);
   if (!flags.tracks.empty())
     out.tracks = flags.tracks == "head" ? TrackedPoint::kHead : TrackedPoint::kCentre;

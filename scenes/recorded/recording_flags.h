@@ -14,10 +14,11 @@ namespace throng {
 
 struct RecordingFlags {
   std::optional<double> fps;
-  std::string unit;       ///< one of unit_names()
-  std::string columns;    ///< "id=pedID,t=time,x=posX,y=posY"
-  std::string separator;  ///< see separator_named()
-  std::string tracks;     ///< one of tracks_names()
+  std::string unit;          ///< one of unit_names()
+  std::string heading_unit;  ///< one of heading_unit_names()
+  std::string columns;       ///< "id=pedID,t=time,x=posX,y=posY"
+  std::string separator;     ///< see separator_named()
+  std::string tracks;        ///< one of tracks_names()
   bool strict = false;
 
   /// The first option that was given, "--fps", or "".
@@ -25,6 +26,7 @@ struct RecordingFlags {
 };
 
 std::vector<std::string> unit_names();
+std::vector<std::string> heading_unit_names();
 std::vector<std::string> tracks_names();
 /// One character, or that of tab, blank, comma or semicolon; of anything else 0.
 char separator_named(const std::string& name);

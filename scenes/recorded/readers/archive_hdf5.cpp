@@ -9,7 +9,10 @@
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "scenes/recorded/readers/column_name.h"
 #include "scenes/recorded/readers/foreign_samples.h"
+#include "scenes/recorded/readers/header_comments.h"
+#include "scenes/recorded/readers/table_columns.h"
 
 namespace throng {
 namespace {
@@ -47,31 +50,52 @@ class RowType {
   explicit RowType(hid_t file_type) : type_(H5Tcreate(H5T_COMPOUND, sizeof(Row)), H5Tclose) {
     if (H5Tget_class(file_type) != H5T_COMPOUND)
       throw Refusal(kExpectedHdf5, "one that has no columns");
-    add(file_type, "id", HOFFSET(Row, id), true);
-    add(file_type, "frame", HOFFSET(Row, frame), true);
-    add(file_type, "x", HOFFSET(Row, x), false);
-    add(file_type, "y", HOFFSET(Row, y), false);
-    has_z_ = H5Tget_member_index(file_type, "z") >= 0;
-    if (has_z_) add(file_type, "z", HOFFSET(Row, z), false);
+    for (int i = 0; i < H5Tget_nmembers(file_type); ++i) {
+      char* const name = H5Tget_member_name(file_type, static_cast<unsigned>(i));
+      names_.emplace_back(name == nullptr ? "" : name);
+      H5free_memory(name);
+    }
+    columns_ = columns_by_name(names_, {}, "");
+    add(file_type, ColumnRole::kId, HOFFSET(Row, id), true);
+    add(file_type, ColumnRole::kFrame, HOFFSET(Row, frame), true);
+    add(file_type, ColumnRole::kX, HOFFSET(Row, x), false);
+    add(file_type, ColumnRole::kY, HOFFSET(Row, y), false);
+    if (has_z()) add(file_type, ColumnRole::kZ, HOFFSET(Row, z), false);
   }
   hid_t id() const { return type_.id(); }
-  bool has_z() const { return has_z_; }
+  bool has_z() const { return columns_.has(ColumnRole::kZ); }
+  const std::string& name_of(ColumnRole role) const { return names_[columns_[role]]; }
+  /// As its name states it; empty if it does not.
+  const std::string& unit_of(ColumnRole role) const {
+    return columns_.units[static_cast<size_t>(role)];
+  }
 
  private:
-  void add(hid_t file_type, const char* name, size_t offset, bool is_whole) {
-    const int index = H5Tget_member_index(file_type, name);
-    if (index < 0) throw Refusal(kExpectedHdf5, fmt::format("one without the column {}", name));
-    const H5T_class_t kind = H5Tget_member_class(file_type, static_cast<unsigned>(index));
+  void add(hid_t file_type, ColumnRole role, size_t offset, bool is_whole) {
+    if (!columns_.has(role))
+      throw Refusal(kExpectedHdf5, fmt::format("one without the column {}",
+                                               kColumnRoleNames[static_cast<size_t>(role)]));
+    const std::string& name = name_of(role);
+    const H5T_class_t kind = H5Tget_member_class(file_type, static_cast<unsigned>(columns_[role]));
     if (kind != H5T_INTEGER && (is_whole || kind != H5T_FLOAT))
       throw Refusal(fmt::format("{}numbers in the column {} of the dataset trajectory",
-                                is_whole ? "whole " : "", name),
+                                is_whole ? "whole " : "", escaped(name)),
                     "something else");
-    H5Tinsert(type_.id(), name, offset, is_whole ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE);
+    H5Tinsert(type_.id(), name.c_str(), offset, is_whole ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE);
   }
 
   Handle type_;
-  bool has_z_ = false;
+  std::vector<std::string> names_;
+  TableColumns columns_;
 };
+
+bool has_text(hid_t object, const char* name) {
+  if (H5Aexists(object, name) <= 0) return false;
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  return H5Tget_class(type.id()) == H5T_STRING && H5Sget_simple_extent_npoints(space.id()) == 1;
+}
 
 double number_of(hid_t object, const char* name) {
   double out = std::nan("");
@@ -108,6 +132,33 @@ std::string text_of(hid_t object, const char* name) {
   return std::string(trimmed(out));
 }
 
+/// The attribute fps, a number or a text; NaN if there is none.
+double rate_of(hid_t object, bool is_given) {
+  return has_text(object, "fps")
+             ? foreign_rate(text_of(object, "fps"), "the attribute fps", is_given)
+             : number_of(object, "fps");
+}
+
+/// Of x, y and z: from the names of columns, attributes that describe them ("pedestrian
+/// x-coordinate (meter [m])"), or one for all.
+std::array<std::string, 3> units_of(hid_t file, hid_t dataset, const RowType& type) {
+  std::array<std::string, 3> out;
+  std::string of_all;
+  for (const hid_t object : {dataset, file})
+    for (const char* name : {"unit", "units", "length_unit"})
+      if (of_all.empty() && has_text(object, name)) of_all = bare_unit(text_of(object, name));
+  constexpr std::array kAxes = {ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ};
+  for (size_t axis = 0; axis < kAxes.size(); ++axis) {
+    if (kAxes[axis] == ColumnRole::kZ && !type.has_z()) continue;
+    const std::string& name = type.name_of(kAxes[axis]);
+    out[axis] = type.unit_of(kAxes[axis]);
+    if (out[axis].empty() && has_text(dataset, name.c_str()))
+      out[axis] = unit_in_description(lower(text_of(dataset, name.c_str())), Quantity::kLength);
+    if (out[axis].empty()) out[axis] = of_all;
+  }
+  return out;
+}
+
 void send_rows(hid_t dataset, const RowType& type, ForeignSender& sender) {
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (H5Sget_simple_extent_ndims(space.id()) != 1)
@@ -124,16 +175,16 @@ void send_rows(hid_t dataset, const RowType& type, ForeignSender& sender) {
     for (size_t i = 0; i < some; ++i)
       sender.sample({.id = rows[i].id,
                      .frame = rows[i].frame,
-                     .x_m = rows[i].x,
-                     .y_m = rows[i].y,
-                     .z_m = type.has_z() ? static_cast<float>(rows[i].z)
-                                         : std::numeric_limits<float>::quiet_NaN()});
+                     .x = rows[i].x,
+                     .y = rows[i].y,
+                     .z = type.has_z() ? static_cast<float>(rows[i].z)
+                                       : std::numeric_limits<float>::quiet_NaN()});
     at += some;
   }
 }
 
 /// In the child.
-void parse_hdf5(const RegularFile& file, ForeignSender& sender) {
+void parse_hdf5(const RegularFile& file, bool is_rate_given, ForeignSender& sender) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   H5PLset_loading_state(0);  // a file names filters; none is loaded for it
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -143,12 +194,13 @@ void parse_hdf5(const RegularFile& file, ForeignSender& sender) {
   const Handle dataset(H5Dopen2(opened.id(), "trajectory", H5P_DEFAULT), H5Dclose);
   if (!dataset) throw Refusal(kExpectedHdf5, "one without such a dataset");
   ForeignFacts facts;
-  facts.fps = number_of(dataset.id(), "fps");
-  if (std::isnan(facts.fps)) facts.fps = number_of(opened.id(), "fps");
+  facts.fps = rate_of(dataset.id(), is_rate_given);
+  if (std::isnan(facts.fps)) facts.fps = rate_of(opened.id(), is_rate_given);
   facts.wkt = text_of(opened.id(), "wkt_geometry");
   if (facts.wkt.empty()) facts.wkt = text_of(dataset.id(), "wkt_geometry");
   const Handle file_type(H5Dget_type(dataset.id()), H5Tclose);
   const RowType type(file_type.id());
+  facts.units = units_of(opened.id(), dataset.id(), type);
   sender.facts(facts);
   send_rows(dataset.id(), type, sender);
 }
@@ -165,7 +217,13 @@ class ArchiveHdf5 final : public RecordingReader {
                                          .way_out = "export it again, for example as text"},
                               .kind = kind(),
                               .tracks = TrackedPoint::kHead};
-    read_apart(source, foreign, parse_hdf5, builder);
+    const bool is_rate_given = builder.options().fps.has_value();
+    read_apart(
+        source, foreign,
+        [&](const RegularFile& file, ForeignSender& sender) {
+          parse_hdf5(file, is_rate_given, sender);
+        },
+        builder);
   }
 };
 

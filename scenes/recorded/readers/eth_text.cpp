@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "scenes/recorded/readers/recording_reader.h"
+#include "scenes/recorded/units.h"
 
 namespace throng {
 namespace {
@@ -48,10 +49,11 @@ class Guess {
 class EthLines final : public LineTaker {
  public:
   explicit EthLines(RecordingBuilder& builder)
-      : builder_(builder), unit_(builder.options().unit_m.value_or(1)) {}
+      : builder_(builder), scale_(builder.options().unit_m.value_or(1)) {}
 
   void take(std::string_view line, int64_t number) override {
-    const std::vector<std::string_view> words = words_of(line);
+    fields_of(line, columns_, words_);
+    const std::vector<std::string_view>& words = words_;
     if (words.empty()) return;
     if (columns_ == 0) columns_ = words.size();
     if (words.size() != columns_)
@@ -64,12 +66,12 @@ class EthLines final : public LineTaker {
       builder_.refuse(number, "an id that is a whole number", defect_of_whole(words[1]));
     double x = 0, y = 0;
     const std::string_view y_text = words[columns_ == kLong ? 4 : 3];
-    if (!parse_number(words[2], x) || !parse_number(y_text, y))
+    if (!parse_number_or_missing(words[2], x) || !parse_number_or_missing(y_text, y))
       builder_.refuse(number, "x and y that are numbers", in_quotes(line));
     builder_.add(id,
                  {.instant = static_cast<double>(frame),
-                  .x_m = unit_.metres(x),
-                  .y_m = unit_.metres(y),
+                  .x_m = scale_.si(x),
+                  .y_m = scale_.si(y),
                   .z_m = kUnknown,
                   .heading_rad = kUnknown},
                  number);
@@ -77,7 +79,8 @@ class EthLines final : public LineTaker {
 
  private:
   RecordingBuilder& builder_;
-  LengthUnit unit_;
+  UnitScale scale_;
+  std::vector<std::string_view> words_;
   size_t columns_ = 0;
 };
 
@@ -91,19 +94,23 @@ class EthText final : public RecordingReader {
     const size_t end = head.rfind('\n');
     if (end != std::string_view::npos) head = head.substr(0, end);
     size_t columns = 0;
+    std::vector<std::string_view> words;
     while (!head.empty()) {
       const size_t length = head.find('\n');
-      const std::string_view line = trimmed(head.substr(0, length));
+      std::string_view line = head.substr(0, length);
       head.remove_prefix(length == std::string_view::npos ? head.size() : length + 1);
-      if (line.empty()) continue;
-      const std::vector<std::string_view> words = words_of(line);
+      if (line.ends_with('\r')) line.remove_suffix(1);
+      if (trimmed(line).empty()) continue;
+      fields_of(line, columns, words);
       if (columns == 0) columns = words.size();
       int64_t first = 0, second = 0;
       double x = 0, y = 0;
       if (words.size() != columns || (columns != kShort && columns != kLong) ||
           !parse_whole(words[0], first) || !parse_whole(words[1], second) ||
-          !parse_number(words[2], x) || !parse_number(words[columns == kLong ? 4 : 3], y))
+          !parse_number_or_missing(words[2], x) ||
+          !parse_number_or_missing(words[columns == kLong ? 4 : 3], y))
         return false;
+      if (std::isnan(x) || std::isnan(y)) continue;
       frame_first.take(second, first, x, y);
       id_first.take(first, second, x, y);
     }

@@ -7,6 +7,9 @@
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "scenes/recorded/readers/header_comments.h"
+#include "scenes/recorded/readers/stated_units.h"
+#include "scenes/recorded/units.h"
 
 namespace throng {
 namespace {
@@ -14,11 +17,15 @@ namespace {
 constexpr size_t kSamplesAPiece = 8192;
 constexpr size_t kMostWktBytes = 512 << 10;
 
+constexpr size_t kMostUnitBytes = 32;
+
 struct FactsHead {
   double fps = 0;
   int64_t version = 0;
   int64_t areas = 0;
+  std::array<std::array<char, kMostUnitBytes>, 3> units{};  ///< zeros behind
 };
+constexpr std::array<ColumnRole, 3> kAxes = {ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ};
 
 static_assert(kSamplesAPiece * sizeof(ForeignSample) <= kMostPieceBytes);
 static_assert(sizeof(FactsHead) + kMostWktBytes <= kMostPieceBytes);
@@ -63,17 +70,30 @@ class Taker {
     head.place = "row";
     head.wkt.assign(wkt.begin(), wkt.end());
     if (find_no_utf8(head.wkt) != std::string::npos) refuse();
-    unit_ = LengthUnit(builder_.options().unit_m.value_or(1));
-    head.wkt_unit_m = builder_.options().unit_m.value_or(1);
+    settle_units(facts);
     if (facts.areas > 1)
       builder_.note("more walkable areas than the first, which is taken", facts.areas - 1,
                     "areas may change with frames");
     if (!builder_.options().fps && std::isnan(facts.fps))
       ask_for(builder_, true, false, fmt::format("{} without an fps", kind_.parser.expected));
-    head.per_s = builder_.options().fps.value_or(facts.fps);
+    const auto stated = std::isnan(facts.fps) ? std::nullopt : std::optional(facts.fps);
+    head.per_s = *overruled_rate(builder_, stated, fmt::format("{:g}", facts.fps));
     if (!(head.per_s > 0 && head.per_s <= 10'000))
       throw InputError(builder_.options().file.string(), "an fps above 0 and up to 10000",
                        fmt::format("{:g}; --fps 25 overrules the file", head.per_s));
+  }
+
+  void settle_units(const FactsHead& facts) {
+    StatedUnits units;
+    for (size_t axis = 0; axis < kAxes.size(); ++axis) {
+      const std::string_view text(facts.units[axis].data(),
+                                  ::strnlen(facts.units[axis].data(), kMostUnitBytes));
+      units.state(
+          kAxes[axis], text,
+          fmt::format("the column '{}'", kColumnRoleNames[static_cast<size_t>(kAxes[axis])]), 0);
+    }
+    scales_ = units.settle(builder_, false);
+    builder_.head().wkt_unit_m = scales_.area_unit_m;
   }
 
   void samples(std::span<const uint8_t> piece) {
@@ -82,13 +102,13 @@ class Taker {
       ForeignSample sample;
       std::memcpy(&sample, piece.data(), sizeof sample);
       ++row_;
-      if (std::isinf(sample.z_m)) builder_.refuse(row_, "z", "infinity");
+      if (std::isinf(sample.z)) builder_.refuse(row_, "z", "infinity");
       if (std::isinf(sample.heading_rad)) builder_.refuse(row_, "an orientation", "infinity");
       builder_.add(sample.id,
                    {.instant = static_cast<double>(sample.frame),
-                    .x_m = unit_.metres(sample.x_m),
-                    .y_m = unit_.metres(sample.y_m),
-                    .z_m = static_cast<float>(unit_.metres(static_cast<double>(sample.z_m))),
+                    .x_m = scales_.x.si(sample.x),
+                    .y_m = scales_.y.si(sample.y),
+                    .z_m = static_cast<float>(scales_.z.si(static_cast<double>(sample.z))),
                     .heading_rad = sample.heading_rad},
                    row_);
     }
@@ -96,7 +116,7 @@ class Taker {
 
   RecordingBuilder& builder_;
   const ForeignKind& kind_;
-  LengthUnit unit_;
+  ColumnScales scales_;
   bool has_facts_ = false;
   int64_t row_ = 0;
 };
@@ -107,7 +127,9 @@ void ForeignSender::facts(const ForeignFacts& facts) {
   if (facts.wkt.size() > kMostWktBytes)
     throw Refusal(fmt::format("a walkable area of at most {} KiB", kMostWktBytes >> 10),
                   fmt::format("one of {} KiB", facts.wkt.size() >> 10));
-  const FactsHead head{facts.fps, facts.version, facts.areas};
+  FactsHead head{facts.fps, facts.version, facts.areas, {}};
+  for (size_t axis = 0; axis < head.units.size(); ++axis)
+    facts.units[axis].copy(head.units[axis].data(), kMostUnitBytes);
   std::vector<uint8_t> piece(sizeof head + facts.wkt.size());
   std::memcpy(piece.data(), &head, sizeof head);
   std::memcpy(piece.data() + sizeof head, facts.wkt.data(), facts.wkt.size());
@@ -143,6 +165,13 @@ void read_apart(const RecordingSource& source, const ForeignKind& kind,
       },
       [&](std::span<const uint8_t> piece) { taker.take(piece); });
   taker.end();
+}
+
+double foreign_rate(std::string_view text, std::string_view place, bool is_given) {
+  if (const std::optional<double> rate = frame_rate_named(text)) return *rate;
+  if (is_given) return std::numeric_limits<double>::quiet_NaN();
+  throw Refusal(fmt::format("{} as {}", kFrameRateForms, place),
+                in_quotes(text) + "; --fps overrules the file");
 }
 
 std::string path_of(const RegularFile& file) {

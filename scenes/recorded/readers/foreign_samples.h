@@ -2,6 +2,7 @@
 // One rule: what arrives is checked like a file; a piece that does not fit is refused.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -19,13 +20,16 @@ struct ForeignFacts {
   int64_t version = 0;                                    ///< of the format
   int64_t areas = 0;                                      ///< how many walkable areas there are
   std::string wkt{};                                      ///< the first of them
+  std::array<std::string, 3>
+      units{};  ///< of x, y and z as the file states them; empty: it does not
 };
 
+/// In units of the file; NaN for what is missing.
 struct ForeignSample {
   int64_t id = 0;
   int64_t frame = 0;
-  double x_m = 0, y_m = 0;
-  float z_m = std::numeric_limits<float>::quiet_NaN();
+  double x = 0, y = 0;
+  float z = std::numeric_limits<float>::quiet_NaN();
   float heading_rad = std::numeric_limits<float>::quiet_NaN();
 };
 
@@ -52,6 +56,10 @@ struct ForeignKind {
 void read_apart(const RecordingSource& source, const ForeignKind& kind,
                 const std::function<void(const RegularFile&, ForeignSender&)>& parse,
                 RecordingBuilder& builder);
+
+/// The rate that a text of a file states. Throws Refusal if it is not understood, unless --fps is
+/// given: NaN then.
+double foreign_rate(std::string_view text, std::string_view place, bool is_given);
 
 /// How a library finds a file again that is open.
 std::string path_of(const RegularFile& file);

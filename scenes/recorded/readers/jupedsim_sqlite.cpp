@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "scenes/recorded/readers/column_name.h"
 #include "scenes/recorded/readers/foreign_samples.h"
 
 namespace throng {
@@ -90,16 +91,17 @@ bool has(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-ForeignFacts facts_of(const Database& database, const std::vector<std::string>& tables) {
+ForeignFacts facts_of(const Database& database, const std::vector<std::string>& tables,
+                      bool is_rate_given) {
   ForeignFacts facts;
   Statement metadata = database.ask("SELECT key, value FROM metadata");
   while (metadata.step()) {
     const std::string key = metadata.text(0), value = metadata.text(1);
     double number = 0;
-    if (key != "fps" && key != "version") continue;
-    if (!parse_number(trimmed(value), number))
-      throw Refusal(fmt::format("a number as {} in the table metadata", key), in_quotes(value));
-    if (key == "fps") facts.fps = number;
+    if (key == "fps") facts.fps = foreign_rate(value, "fps in the table metadata", is_rate_given);
+    if (key == "unit" || key == "units" || key == "length_unit") facts.units.fill(bare_unit(value));
+    if (key == "version" && !parse_number(trimmed(value), number))
+      throw Refusal("a number as version in the table metadata", in_quotes(value));
     // A kind is named by it, no more.
     if (key == "version" && number >= 1 && number < 1000)
       facts.version = static_cast<int64_t>(number);
@@ -116,23 +118,33 @@ ForeignFacts facts_of(const Database& database, const std::vector<std::string>& 
   return facts;
 }
 
-/// A number where one belongs.
+bool is_missing_in(const Statement& row, int column) {
+  const int type = row.type(column);
+  return type == SQLITE_NULL || (type == SQLITE_TEXT && is_missing(trimmed(row.text(column))));
+}
+
+double position_of(const Statement& row, int column) {
+  return is_missing_in(row, column) ? std::nan("") : row.number(column);
+}
+
+/// A number where one belongs; a position may be missing.
 void expect_number(const Statement& row, int column, bool is_whole, int64_t count) {
   const int type = row.type(column);
+  if (!is_whole && is_missing_in(row, column)) return;
   if (type == SQLITE_INTEGER || (type == SQLITE_FLOAT && !is_whole)) return;
   throw Refusal(fmt::format("a {}number as {} in row {} of trajectory_data",
                             is_whole ? "whole " : "", row.name(column), count),
                 type == SQLITE_NULL ? "nothing" : in_quotes(row.text(column)));
 }
 
-void parse_database(const RegularFile& file, ForeignSender& sender) {
+void parse_database(const RegularFile& file, bool is_rate_given, ForeignSender& sender) {
   const Database database(file);
   const std::vector<std::string> tables = database.tables();
   if (!has(tables, "trajectory_data") || !has(tables, "metadata"))
     throw Refusal(
         "the tables trajectory_data and metadata, as JuPedSim writes them",
         tables.empty() ? "none" : in_quotes(fmt::format("{}", fmt::join(tables, ", "))) + " alone");
-  sender.facts(facts_of(database, tables));
+  sender.facts(facts_of(database, tables, is_rate_given));
   const std::vector<std::string> columns = database.columns("trajectory_data");
   for (const char* column : {"frame", "id", "pos_x", "pos_y"})
     if (!has(columns, column))
@@ -149,8 +161,10 @@ void parse_database(const RegularFile& file, ForeignSender& sender) {
   for (int64_t count = 1; rows.step(); ++count) {
     for (const int column : {0, 1}) expect_number(rows, column, true, count);
     for (const int column : {2, 3}) expect_number(rows, column, false, count);
-    ForeignSample sample{
-        .id = rows.whole(1), .frame = rows.whole(0), .x_m = rows.number(2), .y_m = rows.number(3)};
+    ForeignSample sample{.id = rows.whole(1),
+                         .frame = rows.whole(0),
+                         .x = position_of(rows, 2),
+                         .y = position_of(rows, 3)};
     if (has_orientation) {
       const double x = rows.number(4), y = rows.number(5);
       // Who has not moved yet looks nowhere.
@@ -177,7 +191,13 @@ class JupedsimSqlite final : public RecordingReader {
                    .expected = kExpectedSqlite,
                    .way_out = "`sqlite3 FILE .recover` may save what is in it"},
         .kind = kind()};
-    read_apart(source, foreign, parse_database, builder);
+    const bool is_rate_given = builder.options().fps.has_value();
+    read_apart(
+        source, foreign,
+        [&](const RegularFile& file, ForeignSender& sender) {
+          parse_database(file, is_rate_given, sender);
+        },
+        builder);
   }
 
  private:

@@ -56,6 +56,8 @@ std::shared_ptr<const Recording> read_recording(const RecordingOptions& options)
         "a recording: archive text, SQLite or HDF5, or a table whose columns have names that are "
         "known or given (--columns id=pedID,t=time,x=posX,y=posY)",
         source.head().empty() ? "an empty file" : first_line(source.head()));
+  if (options.heading_unit_rad && reader != &table_text_reader())
+    throw InputError("--heading-unit", "a table with a column of headings", reader->kind());
   RecordingBuilder builder(options);
   reader->read(source, builder);
   return builder.finish();

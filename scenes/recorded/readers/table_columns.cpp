@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <initializer_list>
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "scenes/recorded/readers/column_name.h"
 #include "scenes/recorded/readers/text_lines.h"
 
 namespace throng {
@@ -24,44 +24,46 @@ const std::array<std::vector<std::string_view>, kColumnRoles>& known_names() {
       {"x", "posx", "positionx", "xpos", "coordcentx", "centerx", "centrex"},
       {"y", "posy", "positiony", "ypos", "coordcenty", "centery", "centrey"},
       {"z", "posz", "positionz", "zpos", "coordcentz"},
-      {"heading", "headingrad"},
+      {"heading"},
       {"active"},
   }};
   return names;
 }
 
-/// "Pos_X [cm]" is posx in cm.
-struct PlainName {
-  std::string name;
-  double unit_m = 0;
-};
+/// The text of the unit in a name that belongs to a role; empty if it states none.
+std::string unit_of(const ColumnName& name, ColumnRole role) {
+  if (!name.unit.empty()) return name.unit;
+  return name.has_suffix_of(quantity_of(role)) ? name.suffix : "";
+}
 
-PlainName plain(std::string_view text) {
-  PlainName out;
-  std::string name = lower(trimmed(text));
-  if (const size_t cut = name.find_first_of("[(/"); cut != std::string::npos && cut > 0) {
-    std::string_view unit = std::string_view(name).substr(cut + 1);
-    unit = trimmed(unit.substr(0, unit.find_first_of("])")));
-    if (unit.starts_with("in ")) unit.remove_prefix(3);
-    out.unit_m = unit_of_length_m(unit);
-    name = name.substr(0, cut);
-  }
-  for (const auto& [ending, unit_m] :
-       {std::pair{"_m", 1.0}, {"_cm", 0.01}, {"_mm", 0.001}, {"_s", 0.0}})
-    if (name.ends_with(ending) && name.size() > std::string_view(ending).size()) {
-      name = name.substr(0, name.size() - std::string_view(ending).size());
-      out.unit_m = unit_m;
+bool is_usable(const std::string& unit, ColumnRole role) {
+  if (unit.empty()) return true;
+  const std::optional<Unit> found = unit_named(unit);
+  return found && found->in_si > 0 && found->quantity == quantity_of(role);
+}
+
+bool is_called(const ColumnName& name, ColumnRole role, std::string_view known) {
+  return name.plain == known ||
+         (name.plain_before_suffix == known && name.has_suffix_of(quantity_of(role)));
+}
+
+/// The likeliest name first, whatever the order of columns; of these the first whose unit is known.
+size_t find_known(const std::vector<ColumnName>& names, ColumnRole role) {
+  size_t first = TableColumns::kNone;
+  for (const std::string_view known : known_names()[static_cast<size_t>(role)])
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (!is_called(names[i], role, known)) continue;
+      if (is_usable(unit_of(names[i], role), role)) return i;
+      if (first == TableColumns::kNone) first = i;
     }
-  for (const char c : name)
-    if (!is_blank(c) && c != '_') out.name += c;
-  return out;
+  return first;
 }
 
 size_t find_wanted(const std::vector<std::string>& names, const std::string& wanted) {
   // A first line of numbers is no line of names.
   double value = 0;
   const bool has_names = !std::all_of(names.begin(), names.end(), [&](const std::string& name) {
-    return parse_number(name, value);
+    return parse_number_or_missing(name, value);
   });
   for (size_t i = 0; i < names.size() && has_names; ++i)
     if (trimmed(names[i]) == wanted) return i;
@@ -74,6 +76,31 @@ size_t find_wanted(const std::vector<std::string>& names, const std::string& wan
 }
 
 }  // namespace
+
+std::optional<Quantity> quantity_of(ColumnRole role) {
+  switch (role) {
+    case ColumnRole::kTime:
+      return Quantity::kTime;
+    case ColumnRole::kX:
+    case ColumnRole::kY:
+    case ColumnRole::kZ:
+      return Quantity::kLength;
+    case ColumnRole::kHeading:
+      return Quantity::kAngle;
+    case ColumnRole::kId:
+    case ColumnRole::kFrame:
+    case ColumnRole::kActive:
+      break;
+  }
+  return std::nullopt;
+}
+
+std::optional<ColumnRole> role_named(std::string_view name) {
+  const std::vector<ColumnName> names = {column_name(name)};
+  for (size_t role = 0; role < kColumnRoles; ++role)
+    if (find_known(names, static_cast<ColumnRole>(role)) == 0) return static_cast<ColumnRole>(role);
+  return std::nullopt;
+}
 
 std::string TableColumns::missing() const {
   std::vector<std::string_view> out;
@@ -111,33 +138,28 @@ TableColumns columns_by_name(const std::vector<std::string>& names,
                              const std::array<std::string, kColumnRoles>& wanted,
                              const std::string& where) {
   TableColumns out;
-  std::vector<PlainName> plain_names;
-  for (const std::string& name : names) plain_names.push_back(plain(name));
+  std::vector<ColumnName> column_names;
+  for (const std::string& name : names) column_names.push_back(column_name(name));
   for (size_t role = 0; role < kColumnRoles; ++role) {
-    if (!wanted[role].empty()) {
-      out.at[role] = find_wanted(names, wanted[role]);
-      if (out.at[role] == TableColumns::kNone)
-        throw InputError(where,
-                         fmt::format("a column '{}', because of --columns{}", wanted[role],
-                                     did_you_mean(wanted[role], names)),
-                         in_quotes(fmt::format("{}", fmt::join(names, ", "))));
+    if (wanted[role].empty()) {
+      out.at[role] = find_known(column_names, static_cast<ColumnRole>(role));
       continue;
     }
-    // The likeliest name first, whatever the order of columns.
-    for (const std::string_view known : known_names()[role]) {
-      const auto it = std::find_if(plain_names.begin(), plain_names.end(),
-                                   [&](const PlainName& name) { return name.name == known; });
-      if (it == plain_names.end()) continue;
-      out.at[role] = static_cast<size_t>(it - plain_names.begin());
-      break;
-    }
+    out.at[role] = find_wanted(names, wanted[role]);
+    if (out.at[role] == TableColumns::kNone)
+      throw InputError(where,
+                       fmt::format("a column '{}', because of --columns{}", wanted[role],
+                                   did_you_mean(wanted[role], names)),
+                       in_quotes(fmt::format("{}", fmt::join(names, ", "))));
   }
   // Whoever says where the time is does not want frames, and the other way round.
   const std::string& time = wanted[static_cast<size_t>(ColumnRole::kTime)];
   const std::string& frame = wanted[static_cast<size_t>(ColumnRole::kFrame)];
   if (!time.empty() && frame.empty()) out[ColumnRole::kFrame] = TableColumns::kNone;
   if (!frame.empty() && time.empty()) out[ColumnRole::kTime] = TableColumns::kNone;
-  if (out.has(ColumnRole::kX)) out.unit_m = plain_names[out[ColumnRole::kX]].unit_m;
+  for (size_t role = 0; role < kColumnRoles; ++role)
+    if (out.at[role] != TableColumns::kNone)
+      out.units[role] = unit_of(column_names[out.at[role]], static_cast<ColumnRole>(role));
   return out;
 }
 
@@ -158,6 +180,57 @@ char separator_of(std::string_view line) {
     }
   }
   return best;
+}
+
+namespace {
+
+/// True if a word that is a unit is that of the name before it, which has none.
+bool is_unit_of(std::string_view word, const std::string& name) {
+  const std::optional<Unit> unit = unit_named(word);
+  const std::optional<ColumnRole> role = role_named(name);
+  if (!unit) return false;
+  // Names without a role matter no more than that they take their place.
+  if (!role) return unit->quantity == Quantity::kSpeed;
+  return unit->quantity == quantity_of(*role) && unit_of(column_name(name), *role).empty();
+}
+
+}  // namespace
+
+std::vector<std::string> names_between_blanks(std::string_view line, bool join_units) {
+  // "x / cm" is "x/cm".
+  std::string text;
+  for (const char c : line) {
+    if (c == '/')
+      while (!text.empty() && is_blank(text.back())) text.pop_back();
+    if (!is_blank(c) || !text.ends_with('/')) text += c;
+  }
+  std::vector<std::string> names;
+  std::vector<std::string_view> words;
+  if (!split(text, ' ', words)) words = words_of(text);
+  bool is_open = false;
+  for (size_t i = 0; i < words.size(); ++i) {
+    const std::string_view word = words[i];
+    if (word.empty()) continue;
+    bool joins = is_open || kOpeningBrackets.find(word.front()) != std::string_view::npos;
+    if (join_units && !joins && !names.empty()) {
+      // "in" is an inch unless another unit follows it.
+      const bool is_in = lower(word) == "in" && i + 1 < words.size();
+      const bool ends_in = lower(names.back()).ends_with(" in");
+      const std::string before =
+          ends_in ? names.back().substr(0, names.back().size() - 3) : names.back();
+      joins = is_unit_of(word, before) || (is_in && is_unit_of(words[i + 1], before));
+    }
+    if (joins && !names.empty())
+      names.back().append(" ").append(word);
+    else
+      names.emplace_back(word);
+    const size_t opened = word.find_last_of(kOpeningBrackets),
+                 closed = word.find_last_of(kClosingBrackets);
+    if (opened != std::string_view::npos) is_open = true;
+    if (closed != std::string_view::npos && (opened == std::string_view::npos || closed > opened))
+      is_open = false;
+  }
+  return names;
 }
 
 bool split(std::string_view line, char separator, std::vector<std::string_view>& out) {

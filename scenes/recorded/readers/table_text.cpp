@@ -5,25 +5,38 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "scenes/recorded/readers/column_name.h"
+#include "scenes/recorded/readers/header_comments.h"
 #include "scenes/recorded/readers/recording_reader.h"
+#include "scenes/recorded/readers/stated_units.h"
 #include "scenes/recorded/readers/table_columns.h"
 
 namespace throng {
 namespace {
 
-constexpr float kNotSaid = std::numeric_limits<float>::quiet_NaN();
+/// A turn, as it may be rounded. Degrees go further.
+constexpr double kWidestHeading_rad = 2 * std::numbers::pi + 1e-3;
 constexpr std::string_view kViswalkColumns = "$PEDESTRIAN:";
 constexpr std::string_view kViswalkFirst = "$VISION";
 
-/// Digits behind the point; many where there is an exponent.
+/// Digits behind the point, as many as there were without an exponent.
 int decimals_of(std::string_view number) {
-  if (number.find_first_of("eE") != std::string_view::npos) return 9;
+  const size_t e = number.find_first_of("eE");
   const size_t point = number.find('.');
-  return point == std::string_view::npos ? 0 : static_cast<int>(number.size() - point - 1);
+  const size_t digits = std::min(e, number.size());
+  const int decimals = point < digits ? static_cast<int>(digits - point - 1) : 0;
+  int64_t exponent = 0;
+  if (e != std::string_view::npos) {
+    std::string_view text = number.substr(e + 1);
+    if (text.starts_with('+')) text.remove_prefix(1);
+    parse_whole(text, exponent);
+  }
+  return std::clamp(decimals - static_cast<int>(std::clamp<int64_t>(exponent, -99, 99)), 0, 99);
 }
 
 /// Lines that say nothing: blank ones, comments, and what Viswalk puts before its columns.
@@ -38,7 +51,8 @@ std::string_view names_in(std::string_view line) {
   return line;
 }
 
-std::vector<std::string> names_of(std::string_view line, char separator) {
+std::vector<std::string> names_of(std::string_view line, char separator, bool join_units = true) {
+  if (separator == ' ') return names_between_blanks(names_in(line), join_units);
   std::vector<std::string_view> fields;
   split(names_in(line), separator, fields);
   return {fields.begin(), fields.end()};
@@ -58,11 +72,13 @@ class Rows final : public LineTaker {
       : builder_(builder), wanted_(parse_columns_option(builder.options().columns)) {}
 
   void take(std::string_view line, int64_t number) override {
-    if (says_nothing(line)) return;
-    if (names_.empty())
+    if (says_nothing(line)) {
+      if (!is_settled_) comments_.read(line, number);
+    } else if (names_.empty()) {
       begin(line, number);
-    else
+    } else {
       row(line, number);
+    }
   }
 
  private:
@@ -70,6 +86,8 @@ class Rows final : public LineTaker {
     const RecordingOptions& options = builder_.options();
     separator_ = options.separator != 0 ? options.separator : separator_of(names_in(line));
     names_ = names_of(line, separator_);
+    names_line_ = number;
+    bare_names_ = names_of(line, separator_, false);
     columns_ = columns_by_name(names_, wanted_, builder_.where(number));
     if (const std::string missing = columns_.missing(); !missing.empty())
       builder_.refuse(number,
@@ -77,45 +95,91 @@ class Rows final : public LineTaker {
                                   "--columns id=pedID,t=time,x=posX,y=posY",
                                   missing),
                       in_quotes(line));
-    const bool has_time = columns_.has(ColumnRole::kTime);
-    const bool has_frame = columns_.has(ColumnRole::kFrame);
-    by_frame_ = has_frame && (!has_time || options.fps);
-    if (by_frame_ && !options.fps)
-      ask_for(builder_, true, false, "a table that numbers its frames and has no times");
-    RecordingHead& head = builder_.head();
-    head.kind = kind_of(line);
-    head.clock = by_frame_ ? RecordedClock::kFrames : RecordedClock::kTimes;
-    head.per_s = options.fps.value_or(0);
-    head.rounding_s = 0.5;
-    unit_ = LengthUnit(options.unit_m.value_or(columns_.unit_m > 0 ? columns_.unit_m : 1));
+    builder_.head().kind = kind_of(line);
     // Without names the first line is a row like any other.
     double value = 0;
     if (number_in(ColumnRole::kX, names_, value) && number_in(ColumnRole::kY, names_, value) &&
         number_in(ColumnRole::kId, names_, value))
       row(line, number);
-    is_second_ = true;
+    is_second_ = !is_settled_;
   }
 
   template <typename Fields>
   bool number_in(ColumnRole role, const Fields& fields, double& out) const {
-    return parse_number(fields[columns_[role]], out);
+    const std::string_view field = fields[columns_[role]];
+    return role == ColumnRole::kId ? parse_number(field, out) : parse_number_or_missing(field, out);
+  }
+
+  /// At the line below the names. A word between blanks may be a unit or a name: there are as many
+  /// names as fields.
+  void take_names() {
+    if (fields_.size() != names_.size() && fields_.size() == bare_names_.size()) {
+      const TableColumns columns =
+          columns_by_name(bare_names_, wanted_, builder_.where(names_line_));
+      if (columns.missing().empty()) {
+        names_ = std::move(bare_names_);
+        columns_ = columns;
+      }
+    }
+    units_.state(comments_.units());
+    if (!comments_.names().empty()) {
+      const std::vector<std::string> named = names_between_blanks(comments_.names(), true);
+      units_.state(columns_by_name(named, {}, ""), named, comments_.names_line());
+    }
+    units_.state(columns_, names_, names_line_);
   }
 
   /// Pathfinder has units below the names.
-  bool is_units() {
+  bool is_units(int64_t line) {
     double value = 0;
     if (!std::exchange(is_second_, false)) return false;
-    const std::string_view x = fields_[columns_[ColumnRole::kX]];
-    const std::string_view id = fields_[columns_[ColumnRole::kId]];
-    if (!id.empty() && parse_number(id, value)) return false;
-    const double unit_m = unit_of_length_m(x);
-    if (unit_m == 0 || unit_of_length_m(fields_[columns_[ColumnRole::kY]]) != unit_m) return false;
-    if (!builder_.options().unit_m) unit_ = LengthUnit(unit_m);
-    if (columns_.has(ColumnRole::kTime) && !by_frame_) {
-      const std::string unit = lower(fields_[columns_[ColumnRole::kTime]]);
-      time_unit_s_ = unit == "ms" ? 0.001 : 1;
-    }
+    const std::string_view id = text(ColumnRole::kId), x = text(ColumnRole::kX),
+                           y = text(ColumnRole::kY);
+    for (const std::string_view field : {id, x, y})
+      if (parse_number(field, value)) return false;
+    if (is_missing(x) || is_missing(y)) return false;
+    for (const ColumnRole role :
+         {ColumnRole::kTime, ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ, ColumnRole::kHeading})
+      if (columns_.has(role))
+        units_.state(role, bare_unit(text(role)),
+                     "the line of units, column " + in_quotes(names_[columns_[role]]), line);
     return true;
+  }
+
+  /// Before the first row: what names, comments, the line of units and options said must be enough.
+  void settle() {
+    is_settled_ = true;
+    const RecordingOptions& options = builder_.options();
+    const bool has_time = columns_.has(ColumnRole::kTime);
+    const bool has_frame = columns_.has(ColumnRole::kFrame);
+    by_frame_ = has_frame && (!has_time || options.fps);
+    RecordingHead& head = builder_.head();
+    head.clock = by_frame_ ? RecordedClock::kFrames : RecordedClock::kTimes;
+    head.rounding_s = 0.5;
+    if (by_frame_)
+      settle_frames();
+    else
+      head.per_s = options.fps.value_or(0);
+    if (options.heading_unit_rad && !columns_.has(ColumnRole::kHeading))
+      throw InputError("--heading-unit", "a table with a column of headings",
+                       "one without; --columns heading=NAME names it");
+    scales_ = units_.settle(builder_, !by_frame_);
+    if (!scales_.has_z && columns_.has(ColumnRole::kZ)) note_no_z(builder_);
+  }
+
+  void settle_frames() {
+    RecordingHead& head = builder_.head();
+    const std::optional<double> rate = comments_.rate(builder_);
+    if (!rate) ask_for(builder_, true, false, "a table that numbers its frames and has no times");
+    if (!(*rate > 0 && *rate <= 10'000))
+      throw InputError(builder_.options().file.string(), "a frame rate above 0 and up to 10000",
+                       fmt::format("{:g}; --fps 25 overrules the file", *rate));
+    head.per_s = *rate;
+    const std::string& unit = columns_.units[static_cast<size_t>(ColumnRole::kFrame)];
+    if (const std::optional<Unit> found = unit_named(unit))
+      builder_.refuse(names_line_, "a column of frames, which are numbers without a unit",
+                      fmt::format("{} in {}; --columns t=NAME is for times", in_quotes(unit),
+                                  in_quotes(names_[columns_[ColumnRole::kFrame]])));
   }
 
   std::string_view text(ColumnRole role) const { return fields_[columns_[role]]; }
@@ -139,46 +203,71 @@ class Rows final : public LineTaker {
                       defect_of_whole(text(role)));
     return out;
   }
-  float optional(ColumnRole role, int64_t line) const {
-    if (!columns_.has(role) || text(role).empty() || lower(text(role)) == "nan") return kNotSaid;
-    return static_cast<float>(number(role, line));
+  /// NaN where it is missing.
+  double number_or_missing(ColumnRole role, int64_t line) const {
+    double out = 0;
+    const bool is_number = parse_number(text(role), out) && std::isfinite(out);
+    if (!is_number && is_missing(text(role))) return kMissing;
+    return is_number ? out : number(role, line);
+  }
+  float height(int64_t line) const {
+    if (!columns_.has(ColumnRole::kZ) || !scales_.has_z) return static_cast<float>(kMissing);
+    return static_cast<float>(scales_.z.si(number_or_missing(ColumnRole::kZ, line)));
+  }
+  float heading(int64_t line) const {
+    if (!columns_.has(ColumnRole::kHeading)) return static_cast<float>(kMissing);
+    const double value = number_or_missing(ColumnRole::kHeading, line);
+    if (!scales_.has_heading && std::abs(value) > kWidestHeading_rad)
+      builder_.refuse(
+          line,
+          fmt::format("headings from -2 pi to 2 pi rad in the column '{}', which has no "
+                      "unit",
+                      names_[columns_[ColumnRole::kHeading]]),
+          fmt::format("{}; --heading-unit deg or rad says what they are in",
+                      in_quotes(text(ColumnRole::kHeading))));
+    return static_cast<float>(scales_.heading.si(value));
   }
 
   void row(std::string_view line, int64_t line_number) {
     if (!split(line, separator_, fields_))
       builder_.refuse(line_number, "a second quote", in_quotes(line));
+    if (!std::exchange(has_names_, true)) take_names();
     if (fields_.size() != names_.size())
       builder_.refuse(line_number, fmt::format("{} columns, as in the first line", names_.size()),
                       fmt::format("{}", fields_.size()));
-    if (is_units()) return;
+    if (is_units(line_number)) return;
+    if (!is_settled_) settle();
     if (columns_.has(ColumnRole::kActive) && number(ColumnRole::kActive, line_number) == 0) return;
     StoredSample sample;
     if (by_frame_) {
       sample.instant = static_cast<double>(whole(ColumnRole::kFrame, line_number));
     } else {
-      sample.instant = time_unit_s_ * number(ColumnRole::kTime, line_number);
+      sample.instant = scales_.time.si(number(ColumnRole::kTime, line_number));
       decimals_ = std::max(decimals_, decimals_of(text(ColumnRole::kTime)));
-      builder_.head().rounding_s = 0.5 * time_unit_s_ * std::pow(0.1, decimals_);
+      builder_.head().rounding_s = 0.5 * scales_.time.si(std::pow(0.1, decimals_));
     }
-    sample.x_m = unit_.metres(number(ColumnRole::kX, line_number));
-    sample.y_m = unit_.metres(number(ColumnRole::kY, line_number));
-    const float z = optional(ColumnRole::kZ, line_number);
-    sample.z_m = static_cast<float>(unit_.metres(static_cast<double>(z)));
-    sample.heading_rad = optional(ColumnRole::kHeading, line_number);
+    sample.x_m = scales_.x.si(number_or_missing(ColumnRole::kX, line_number));
+    sample.y_m = scales_.y.si(number_or_missing(ColumnRole::kY, line_number));
+    sample.z_m = height(line_number);
+    sample.heading_rad = heading(line_number);
     builder_.add(whole(ColumnRole::kId, line_number), sample, line_number);
   }
 
   RecordingBuilder& builder_;
   const std::array<std::string, kColumnRoles> wanted_;
+  HeaderComments comments_;
   char separator_ = 0;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, bare_names_;
+  int64_t names_line_ = 0;
   std::vector<std::string_view> fields_;
   TableColumns columns_;
+  StatedUnits units_;
+  bool has_names_ = false;
+  bool is_settled_ = false;
   bool by_frame_ = false;
   bool is_second_ = false;
   int decimals_ = 0;
-  double time_unit_s_ = 1;
-  LengthUnit unit_;
+  ColumnScales scales_;
 };
 
 class TableText final : public RecordingReader {

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "base/errors.h"
 #include "base/text.h"
@@ -109,20 +110,33 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return out;
 }
 
-double LengthUnit::nearest_whole(double value) {
-  const double whole = std::round(value);
-  return std::abs(whole - value) < 1e-9 * value ? whole : 0;
+void fields_of(std::string_view line, size_t columns, std::vector<std::string_view>& out) {
+  out = words_of(line);
+  const auto tabs = static_cast<size_t>(std::count(line.begin(), line.end(), '\t'));
+  const bool has_empty_ones = line.find("\t\t") != std::string_view::npos || line.ends_with('\t');
+  if (out.empty() || !has_empty_ones || (columns > 0 && tabs + 1 != columns)) return;
+  out.clear();
+  for (size_t at = 0; at <= line.size();) {
+    const size_t end = std::min(line.find('\t', at), line.size());
+    out.push_back(trimmed(line.substr(at, end - at)));
+    at = end + 1;
+  }
 }
 
-double unit_of_length_m(std::string_view name) {
-  const std::string unit = lower(name);
-  if (unit == "m" || unit == "metre" || unit == "meter" || unit == "metres" || unit == "meters")
-    return 1;
-  if (unit == "cm") return 0.01;
-  if (unit == "mm") return 0.001;
-  if (unit == "ft") return 0.3048;
-  if (unit == "in") return 0.0254;
-  return 0;
+bool is_missing(std::string_view text) {
+  constexpr std::string_view kWords[] = {"",     "nan", "na", "n/a", "#n/a", "null",
+                                         "none", "\\n", "?",  "-",   "--"};
+  if (text.size() > 5) return false;
+  std::string word = lower(text);
+  if (word.ends_with("nan") && (word.starts_with('-') || word.starts_with('+'))) word.erase(0, 1);
+  return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
+}
+
+bool parse_number_or_missing(std::string_view text, double& out) {
+  if (parse_number(text, out)) return true;
+  if (!is_missing(text)) return false;
+  out = kMissing;
+  return true;
 }
 
 }  // namespace throng

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,20 +56,15 @@ std::string defect_of_whole(std::string_view text);
 /// Words between blanks.
 std::vector<std::string_view> words_of(std::string_view line);
 
-/// A length in a table in metres: divided where its unit is a part of a metre, so that 79.035 cm
-/// are what 0.79035 m are, to the last digit.
-class LengthUnit {
- public:
-  explicit LengthUnit(double unit_m = 1)
-      : factor_(unit_m), divisor_(unit_m < 1 ? nearest_whole(1 / unit_m) : 0) {}
-  double metres(double value) const { return divisor_ > 0 ? value / divisor_ : value * factor_; }
+/// The same for `columns` columns (0: not known yet), where fields between tabs may be empty.
+void fields_of(std::string_view line, size_t columns, std::vector<std::string_view>& out);
 
- private:
-  static double nearest_whole(double value);
-  double factor_, divisor_;
-};
-
-/// "m", "cm", "mm", "ft", "in" in metres; 0 for what is no unit of length.
-double unit_of_length_m(std::string_view name);
+/// Where a number is not known.
+inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+/// True for what stands where a number is not known: nothing, "nan", "NA", "null", "?" and the
+/// like.
+bool is_missing(std::string_view text);
+/// parse_number(), but kMissing for what is_missing().
+bool parse_number_or_missing(std::string_view text, double& out);
 
 }  // namespace throng

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "base/text.h"
+#include "scenes/recorded/readers/column_name.h"
+#include "scenes/recorded/readers/header_comments.h"
 #include "scenes/recorded/readers/recording_reader.h"
 #include "scenes/recorded/readers/table_columns.h"
 
@@ -18,8 +20,13 @@ enum Column { kId, kFrom, kTo, kFromX, kFromY, kToX, kToY, kColumns };
 constexpr std::array<std::string_view, kColumns> kNames = {
     "pedestrianId", "simTime", "endTime", "startX", "startY", "endX", "endY"};
 
+constexpr std::array<ColumnRole, kColumns> kRoles = {
+    ColumnRole::kId, ColumnRole::kTime, ColumnRole::kTime, ColumnRole::kX,
+    ColumnRole::kY,  ColumnRole::kX,    ColumnRole::kY};
+
 struct Footsteps {
   std::array<size_t, kColumns> at{};
+  std::array<std::string, kColumns> units{};  ///< as names state them; empty: they do not
   size_t columns = 0;
 
   /// False if the line does not name all of them.
@@ -30,9 +37,19 @@ struct Footsteps {
     for (size_t column = 0; column < kColumns; ++column) {
       at[column] = columns;
       for (size_t i = 0; i < columns; ++i)
-        if (names[i].substr(0, names[i].find('-')) == kNames[column]) at[column] = i;
+        if (is_called(names[i].substr(0, names[i].find('-')), column)) at[column] = i;
       if (at[column] == columns) return false;
     }
+    return true;
+  }
+
+ private:
+  bool is_called(std::string_view text, size_t column) {
+    const ColumnName name = column_name(text);
+    const bool has_suffix = name.has_suffix_of(quantity_of(kRoles[column]));
+    const std::string wanted = lower(kNames[column]);
+    if (name.plain != wanted && (!has_suffix || name.plain_before_suffix != wanted)) return false;
+    units[column] = has_suffix ? name.suffix : name.unit;
     return true;
   }
 };
@@ -41,24 +58,22 @@ bool is_silent(std::string_view line) { return trimmed(line).empty() || line.sta
 
 class Steps final : public LineTaker {
  public:
-  explicit Steps(RecordingBuilder& builder)
-      : builder_(builder), unit_(builder.options().unit_m.value_or(1)) {}
+  explicit Steps(RecordingBuilder& builder) : builder_(builder) {}
 
   void take(std::string_view line, int64_t number) override {
-    if (is_silent(line)) return;
-    if (steps_.columns == 0) {
-      separator_ = separator_of(line);
-      steps_.find(line, separator_);
+    if (is_silent(line)) {
+      if (steps_.columns == 0) comments_.read(line, number);
       return;
     }
+    if (steps_.columns == 0) return begin(line, number);
     if (!split(line, separator_, fields_) || fields_.size() != steps_.columns)
       builder_.refuse(number, fmt::format("{} columns, as in the first line", steps_.columns),
                       fmt::format("{}", fields_.size()));
     int64_t id = 0;
     if (!parse_whole(text(kId), id))
       builder_.refuse(number, "a pedestrianId that is a whole number", defect_of_whole(text(kId)));
-    const double from_s = value(kFrom, number);
-    const double to_s = value(kTo, number);
+    const double from_s = scales_.time.si(value(kFrom, number));
+    const double to_s = scales_.time.si(value(kTo, number));
     if (to_s < from_s)
       builder_.refuse(number, "a step that ends after it has begun",
                       fmt::format("{} s to {} s", from_s, to_s));
@@ -68,9 +83,20 @@ class Steps final : public LineTaker {
 
  private:
   std::string_view text(size_t column) const { return fields_[steps_.at[column]]; }
+  void begin(std::string_view line, int64_t number) {
+    separator_ = separator_of(line);
+    steps_.find(line, separator_);
+    StatedUnits units = comments_.units();
+    for (size_t column = 0; column < kColumns; ++column)
+      units.state(kRoles[column], steps_.units[column],
+                  fmt::format("the column '{}'", kNames[column]), number);
+    scales_ = units.settle(builder_, true);
+  }
   double value(size_t column, int64_t number) const {
     double out = 0;
-    if (!parse_number(text(column), out))
+    const bool may_be_missing = column >= kFromX;
+    if (!(may_be_missing ? parse_number_or_missing(text(column), out)
+                         : parse_number(text(column), out)))
       builder_.refuse(number, fmt::format("{} that is a number", kNames[column]),
                       in_quotes(text(column)));
     return out;
@@ -78,15 +104,16 @@ class Steps final : public LineTaker {
   void add(int64_t id, double time_s, size_t x, int64_t number) {
     builder_.add(id,
                  {.instant = time_s,
-                  .x_m = unit_.metres(value(x, number)),
-                  .y_m = unit_.metres(value(x + 1, number)),
+                  .x_m = scales_.x.si(value(x, number)),
+                  .y_m = scales_.y.si(value(x + 1, number)),
                   .z_m = kNone,
                   .heading_rad = kNone},
                  number);
   }
 
   RecordingBuilder& builder_;
-  LengthUnit unit_;
+  HeaderComments comments_;
+  ColumnScales scales_;
   Footsteps steps_;
   char separator_ = ' ';
   std::vector<std::string_view> fields_;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace throng {
@@ -48,6 +49,7 @@ struct Hdf5Plan {
   std::string x_name = "x";
   double fps = 25;  ///< 0: none
   std::string wkt{};
+  std::vector<std::pair<std::string, std::string>> texts{};  ///< attributes of the dataset
   bool has_z = true;
   bool id_is_real = false;
 };
@@ -72,15 +74,17 @@ inline void make_hdf5(const std::filesystem::path& path, const Hdf5Plan& plan) {
     H5Awrite(fps, H5T_NATIVE_DOUBLE, &plan.fps);
     H5Aclose(fps);
   }
-  if (!plan.wkt.empty()) {
+  const auto write_text = [&](hid_t object, const std::string& name, const std::string& value) {
     const hid_t text = H5Tcopy(H5T_C_S1);
     H5Tset_size(text, H5T_VARIABLE);
-    const hid_t wkt = H5Acreate2(file, "wkt_geometry", text, one, H5P_DEFAULT, H5P_DEFAULT);
-    const char* value = plan.wkt.c_str();
-    H5Awrite(wkt, text, static_cast<const void*>(&value));
-    H5Aclose(wkt);
+    const hid_t attribute = H5Acreate2(object, name.c_str(), text, one, H5P_DEFAULT, H5P_DEFAULT);
+    const char* characters = value.c_str();
+    H5Awrite(attribute, text, static_cast<const void*>(&characters));
+    H5Aclose(attribute);
     H5Tclose(text);
-  }
+  };
+  if (!plan.wkt.empty()) write_text(file, "wkt_geometry", plan.wkt);
+  for (const auto& [name, value] : plan.texts) write_text(dataset, name, value);
   H5Sclose(one);
   H5Dclose(dataset);
   H5Sclose(space);

@@ -52,7 +52,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "1 0 2\n",
                   {"recording:1: ", "id, frame, x, y", "'1 0 2'"},
                   {.fps = 25, .unit_m = 1}},
-        Malformed{"NanAsX", kArchive + "1 0 nan 3 1.7\n", {"recording:3: ", "x and y", "nan"}},
+        Malformed{
+            "GapsAlone", kArchive + "1 0 nan 3 1.7\n", {"recording: ", "1 missing ones alone"}},
         Malformed{"InfinityAsY", kArchive + "1 0 2 inf 1.7\n", {"recording:3: ", "inf"}},
         Malformed{"InfinityAsZ", kArchive + "1 0 2 3 inf\n", {"recording:3: ", "expected z"}},
         Malformed{"WordAsX",
@@ -132,10 +133,10 @@ INSTANTIATE_TEST_SUITE_P(
                   {"recording:1: ", "a column 'time', because of --columns"},
                   {.columns = "t=time", .separator = ';'}},
         Malformed{"ShortRow", kTable + "0.5,1,2\n", {"recording:3: ", "4 columns", "found 3"}},
-        Malformed{"EmptyField",
-                  kTable + "0.5,1,,3\n",
-                  {"recording:3: ", "a number in the column 'posX'", "nothing"}},
-        Malformed{"NanInATable", kTable + "0.5,1,NaN,3\n", {"recording:3: ", "'posX'", "'NaN'"}},
+        Malformed{"EmptyTime",
+                  kTable + ",1,2,3\n",
+                  {"recording:3: ", "a number in the column 'time'", "nothing"}},
+        Malformed{"NanAsTime", kTable + "NaN,1,2,3\n", {"recording:3: ", "'time'", "'NaN'"}},
         Malformed{"OpenQuote", kTable + "0.5,1,\"2,3\n", {"recording:3: ", "a second quote"}},
         Malformed{"NameAsId",
                   kTable + "0.5,anna,2,3\n",
@@ -209,7 +210,10 @@ TEST_F(MalformedBinary, SqliteIsRefusedInOneLine) {
               HasSubstr("row 1: expected a frame within 9e15"));
   EXPECT_THAT(with("DELETE FROM trajectory_data"), HasSubstr("position of somebody"));
   EXPECT_THAT(with("DELETE FROM metadata"), HasSubstr("--fps 25"));
-  EXPECT_THAT(with("UPDATE metadata SET value = 'fast'"), HasSubstr("a number as"));
+  EXPECT_THAT(with("UPDATE metadata SET value = 'fast' WHERE key = 'fps'"),
+              HasSubstr("a frame rate as in 25"));
+  EXPECT_THAT(with("UPDATE metadata SET value = 'new' WHERE key = 'version'"),
+              HasSubstr("a number as version"));
   EXPECT_THAT(with("UPDATE metadata SET value = '-25'"), HasSubstr("an fps above 0"));
   EXPECT_THAT(with("UPDATE geometry SET wkt = 'CIRCLE (1 1 1)'"), HasSubstr("POLYGON"));
   EXPECT_THAT(with("DROP TABLE trajectory_data; CREATE VIEW trajectory_data AS SELECT 1 AS frame"),
@@ -235,7 +239,7 @@ TEST_F(MalformedBinary, Hdf5IsRefusedInOneLine) {
   EXPECT_THAT(hdf5_refusal({.id_is_real = true}), HasSubstr("whole numbers in the column id"));
   EXPECT_THAT(hdf5_refusal({.rows = {}}), HasSubstr("position of somebody"));
   EXPECT_THAT(hdf5_refusal({.rows = {{-1, 0, 0, 0, 0}}}), HasSubstr("row 1: expected an id"));
-  EXPECT_THAT(hdf5_refusal({.rows = {{1, 0, 0, 0, 0}, {1, 1, std::nan(""), 0, 0}}}),
+  EXPECT_THAT(hdf5_refusal({.rows = {{1, 0, 0, 0, 0}, {1, 1, INFINITY, 0, 0}}}),
               HasSubstr("row 2: expected x and y"));
   EXPECT_THAT(hdf5_refusal({.wkt = "POLYGON (("}), HasSubstr("walkable area (WKT)"));
   make_hdf5(path("a.h5"), {});

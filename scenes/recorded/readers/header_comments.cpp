@@ -1,0 +1,231 @@
+#include "scenes/recorded/readers/header_comments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+
+#include "base/text.h"
+#include "scenes/recorded/readers/column_name.h"
+#include "scenes/recorded/readers/text_lines.h"
+
+namespace throng {
+namespace {
+
+bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Without signs of comments and blanks.
+std::string_view content_of(std::string_view line) {
+  while (!line.empty() && (is_blank(line.front()) ||
+                           std::string_view("#*$%/;").find(line.front()) != std::string_view::npos))
+    line.remove_prefix(1);
+  return trimmed(line);
+}
+
+/// Up to where the next statement of a line begins: a semicolon, or a comma and a blank.
+std::string_view statement(std::string_view text) {
+  return trimmed(text.substr(0, std::min(text.find(';'), text.find(", "))));
+}
+
+bool has_one_word(std::string_view text) {
+  return text.find_first_of(" \t") == std::string_view::npos;
+}
+
+/// A unit that stands without brackets at the end: "positions in cm".
+std::string unit_at_end(std::string_view text) {
+  while (text.ends_with('.')) text.remove_suffix(1);
+  const size_t in = text.rfind(" in ");
+  if (in == std::string_view::npos) return "";
+  const std::string unit = bare_unit(text.substr(in + 4));
+  return unit_named(unit) ? unit : "";
+}
+
+/// True for the words that positions as a whole are called by.
+bool is_about_positions(std::string_view text) {
+  for (const std::string_view article : {"all ", "the "})
+    if (text.starts_with(article)) text = trimmed(text.substr(article.size()));
+  for (const std::string_view word : {"coordinate", "position", "length"})
+    if (text.starts_with(word)) return true;
+  return false;
+}
+
+/// Roles of "x,y,z", "X and Y"; empty if a word of it is none.
+std::vector<ColumnRole> roles_of(std::string_view list) {
+  std::string words(list);
+  std::replace_if(
+      words.begin(), words.end(),
+      [](char c) { return c == ',' || c == ';' || c == '&' || c == '/'; }, ' ');
+  std::vector<ColumnRole> out;
+  for (const std::string_view word : words_of(words)) {
+    if (word == "and") continue;
+    const std::optional<ColumnRole> role = role_named(word);
+    // "X,Y,v" describes speeds as well.
+    if (role)
+      out.push_back(*role);
+    else if (word != "v" && word != "a" && word != "b")
+      return {};
+  }
+  return out;
+}
+
+/// True for words that no column is called by.
+bool is_prose(const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(), [](const std::string& name) {
+    const std::string word = lower(name);
+    return word == "and" || word == "of" || word == "the" || word == "each" || word == "is" ||
+           word == "are" || word == "for" || word == "with";
+  });
+}
+
+}  // namespace
+
+std::string unit_in_description(std::string_view text, Quantity quantity) {
+  std::string unknown;
+  for (size_t at = text.find_first_of(kOpeningBrackets); at != std::string_view::npos;
+       at = text.find_first_of(kOpeningBrackets, at + 1)) {
+    const std::string_view inner = text.substr(at + 1);
+    const std::string_view whole = trimmed(inner.substr(0, inner.find_first_of(kClosingBrackets)));
+    const std::string unit = bare_unit(whole);
+    if (const std::optional<Unit> found = unit_named(unit); found && found->quantity == quantity)
+      return unit;
+    // Prose stands in round brackets as well.
+    const bool is_meant = text[at] == '[' || lower(whole).starts_with("in ");
+    if (is_meant && has_one_word(unit) && unknown.empty()) unknown = unit;
+  }
+  return unknown.empty() ? unit_at_end(text) : unknown;
+}
+
+std::optional<double> overruled_rate(RecordingBuilder& builder, std::optional<double> stated,
+                                     std::string_view source) {
+  const std::optional<double> given = builder.options().fps;
+  if (!given) return stated;
+  if (stated && *stated != *given)
+    builder.note("a frame rate of the file that --fps overrules", 1, std::string(source));
+  return given;
+}
+
+void HeaderComments::add_rate(std::string_view text, int64_t number) {
+  Rate rate{std::string(text), frame_rate_named(text), number};
+  if (!rate_)
+    rate_ = std::move(rate);
+  else if (!other_rate_ && (rate.per_s != rate_->per_s || !rate.per_s))
+    other_rate_ = std::move(rate);
+}
+
+void HeaderComments::read_rate(const std::string& text, int64_t number) {
+  for (const std::string_view word :
+       {"framerate", "frame rate", "frame_rate", "frame-rate", "frames per second", "fps"}) {
+    const size_t at = text.find(word);
+    if (at == std::string::npos || (at > 0 && is_letter(text[at - 1]))) continue;
+    std::string_view rest = trimmed(std::string_view(text).substr(at + word.size()));
+    std::string unit;
+    if (rest.starts_with("in ")) rest = trimmed(rest.substr(3));
+    if (rest.starts_with("fps") || rest.starts_with("hz")) {
+      unit = rest.substr(0, rest.find_first_of(" \t:="));
+      rest = trimmed(rest.substr(unit.size()));
+    }
+    if (!rest.empty() && kOpeningBrackets.find(rest.front()) != std::string_view::npos) {
+      const size_t end = rest.find_first_of(kClosingBrackets);
+      if (end == std::string_view::npos) continue;
+      unit = rest.substr(1, end - 1);
+      rest = trimmed(rest.substr(end + 1));
+    }
+    const bool is_stated = !rest.empty() && (rest.front() == ':' || rest.front() == '=');
+    if (is_stated) rest = trimmed(rest.substr(1));
+    // Prose speaks of rates as well: "recorded with 50 fps".
+    if (!is_stated && (at != 0 || rest.empty() || !is_digit(rest.front()))) continue;
+    const std::string_view value = statement(rest);
+    if (is_missing(value)) continue;
+    const bool has_unit = value.find_first_not_of("+-0123456789.,/") != std::string_view::npos;
+    add_rate(unit.empty() || has_unit ? std::string(value) : fmt::format("{} {}", value, unit),
+             number);
+    return;
+  }
+}
+
+std::optional<double> HeaderComments::rate(RecordingBuilder& builder) const {
+  const std::string source = rate_ ? in_quotes(rate_->text) : "";
+  if (builder.options().fps || !rate_)
+    return overruled_rate(builder, rate_ ? rate_->per_s : std::nullopt, source);
+  if (!rate_->per_s)
+    builder.refuse(rate_->line, kFrameRateForms, source + "; --fps overrules the file");
+  if (other_rate_)
+    builder.refuse(other_rate_->line, fmt::format("one frame rate, {:g}", *rate_->per_s),
+                   in_quotes(other_rate_->text) + "; --fps overrules the file");
+  return rate_->per_s;
+}
+
+void HeaderComments::read_names(std::string_view text, int64_t number) {
+  // "columns: id frame x y" names them behind the colon.
+  if (const size_t colon = text.rfind(':'); colon != std::string_view::npos)
+    text = trimmed(text.substr(colon + 1));
+  std::string names(text);
+  std::replace_if(
+      names.begin(), names.end(), [](char c) { return c == ',' || c == ';' || c == '|'; }, ' ');
+  const std::vector<std::string> all = names_between_blanks(names, true);
+  if (all.empty() || !role_named(all.front()) || is_prose(all)) return;
+  const TableColumns columns = columns_by_name(all, {}, "");
+  if (!columns.missing().empty()) return;
+  names_ = std::move(names);
+  names_line_ = number;
+}
+
+/// "X,Y,Z: the agents coordinates (in metres)", "COORDCENTX: coordinate of the centre [m]".
+void HeaderComments::read_description(std::string_view text, int64_t number) {
+  const size_t colon = text.find(':');
+  std::vector<ColumnRole> roles;
+  if (colon != std::string_view::npos) roles = roles_of(text.substr(0, colon));
+  // "x, y in cm"
+  if (colon == std::string_view::npos)
+    if (const size_t in = text.rfind(" in "); in != std::string_view::npos)
+      roles = roles_of(text.substr(0, in));
+  for (const ColumnRole role : roles)
+    if (const std::optional<Quantity> quantity = quantity_of(role))
+      units_.state(role, unit_in_description(text, *quantity), "the comment " + in_quotes(text),
+                   number);
+}
+
+/// "unit: cm", "units: m, s", "length unit = m", "all coordinates in cm".
+void HeaderComments::read_units(const std::string& text, int64_t number) {
+  const std::string source = "the comment " + in_quotes(text);
+  if (is_about_positions(text)) {
+    const std::string unit = unit_in_description(text, Quantity::kLength);
+    if (unit_named(unit)) return units_.state_all(unit, source, number);
+  }
+  size_t at = text.find("unit");
+  if (at == std::string::npos || (at > 0 && is_letter(text[at - 1]))) return;
+  const std::string_view before = trimmed(std::string_view(text).substr(0, at));
+  std::string_view rest = std::string_view(text).substr(at + 4);
+  if (rest.starts_with('s')) rest.remove_prefix(1);
+  rest = trimmed(rest);
+  const size_t sign = rest.find_first_of(":=");
+  if (sign == std::string_view::npos || (sign > 0 && !rest.starts_with("of "))) return;
+  const std::string_view subject = sign > 0 ? trimmed(rest.substr(3, sign - 3)) : before;
+  std::string list(trimmed(rest.substr(sign + 1)));
+  // Others may be units of what is not read.
+  const bool is_about_lengths = subject.empty() || is_about_positions(subject);
+  std::replace_if(
+      list.begin(), list.end(), [](char c) { return c == ',' || c == ';'; }, '\n');
+  for (std::string_view left = list; !left.empty();) {
+    const size_t end = left.find('\n');
+    const std::string unit = bare_unit(left.substr(0, end));
+    left.remove_prefix(end == std::string_view::npos ? left.size() : end + 1);
+    if (!unit.empty() && (is_about_lengths || unit_named(unit)))
+      units_.state_all(unit, source, number);
+  }
+}
+
+void HeaderComments::read(std::string_view line, int64_t number) {
+  const std::string text = lower(content_of(line));
+  if (text.empty()) return;
+  read_rate(text, number);
+  // Capitals tell words apart: "xCm".
+  read_names(content_of(line), number);
+  if (names_line_ == number && !names_.empty()) return;
+  read_description(text, number);
+  read_units(text, number);
+}
+
+}  // namespace throng

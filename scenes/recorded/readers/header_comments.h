@@ -1,0 +1,58 @@
+// Comments before the first position of a text: the frame rate, the units and the names of columns
+// that they state.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "scenes/recorded/readers/stated_units.h"
+
+namespace throng {
+
+class HeaderComments {
+ public:
+  /// A line with its comment sign. What states nothing is skipped.
+  void read(std::string_view line, int64_t number);
+
+  /// The rate that --fps or else the comments state. Throws InputError for one that is not
+  /// understood, or for two, unless the option overrules them; notes what is overruled.
+  std::optional<double> rate(RecordingBuilder& builder) const;
+  /// What the comments state, whatever --fps is.
+  std::optional<double> stated_rate() const { return rate_ ? rate_->per_s : std::nullopt; }
+  /// But for those in names().
+  const StatedUnits& units() const { return units_; }
+  /// The last line that names id, frame or time, x and y; empty if there is none.
+  const std::string& names() const { return names_; }
+  int64_t names_line() const { return names_line_; }
+
+ private:
+  struct Rate {
+    std::string text;
+    std::optional<double> per_s;
+    int64_t line = 0;
+  };
+
+  void read_rate(const std::string& text, int64_t number);
+  void add_rate(std::string_view text, int64_t number);
+  void read_names(std::string_view text, int64_t number);
+  void read_description(std::string_view text, int64_t number);
+  void read_units(const std::string& text, int64_t number);
+
+  std::optional<Rate> rate_;
+  std::optional<Rate> other_rate_;  ///< stated as well, and not the same
+  StatedUnits units_;
+  std::string names_;
+  int64_t names_line_ = 0;
+};
+
+/// The unit in a description of a column: "x-coordinate (meter [m])", "positions (in cm)". Empty if
+/// it states none.
+std::string unit_in_description(std::string_view text, Quantity quantity);
+
+/// The rate of --fps, or what the file states; a note where these differ.
+std::optional<double> overruled_rate(RecordingBuilder& builder, std::optional<double> stated,
+                                     std::string_view source);
+
+}  // namespace throng
