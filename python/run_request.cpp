@@ -106,6 +106,7 @@ void take_source(Given& given, RunSourceOptions& source) {
   RecordingFlags& flags = source.recording;
   given.number("fps", 0, 10'000, true, "a number of frames a second above 0", flags.fps);
   flags.unit = given.name("unit", unit_names());
+  flags.heading_unit = given.name("heading_unit", heading_unit_names());
   given.take("columns", "a list id=NAME,t=NAME,x=NAME,y=NAME", flags.columns);
   given.take("separator", "one character, or tab, blank, comma, semicolon", flags.separator);
   flags.tracks = given.name("tracks", tracks_names());

@@ -8,8 +8,11 @@ void add_recording_options(CommandOptions& app, RecordingFlags& flags) {
   app.add_option("--fps", flags.fps, "Of a recording: frames a second, as its file numbers them")
       ->check(number_option(0, 10'000, true, "a number of frames a second above 0"))
       ->type_name("N");
-  app.add_option("--unit", flags.unit, "Of lengths in a recording: m, cm, mm, ft or in")
+  app.add_option("--unit", flags.unit, "Of lengths in a recording: m, cm, mm, km, ft or in")
       ->check(name_option(unit_names()))
+      ->type_name("UNIT");
+  app.add_option("--heading-unit", flags.heading_unit, "Of headings in a table: rad or deg")
+      ->check(name_option(heading_unit_names()))
       ->type_name("UNIT");
   app.add_option(
          "--columns", flags.columns,

@@ -7,7 +7,7 @@
 
 namespace throng {
 
-/// --fps, --unit, --columns, --separator, --tracks, --strict.
+/// --fps, --unit, --heading-unit, --columns, --separator, --tracks, --strict.
 void add_recording_options(CommandOptions& app, RecordingFlags& flags);
 
 }  // namespace throng

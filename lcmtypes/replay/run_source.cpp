@@ -122,6 +122,7 @@ void require_known(const RunSourceOptions& options) {
   require("--steering", options.steering, steering_names());
   require("--step", options.step, step_names());
   require("--unit", options.recording.unit, unit_names());
+  require("--heading-unit", options.recording.heading_unit, heading_unit_names());
   require("--tracks", options.recording.tracks, tracks_names());
 }
 

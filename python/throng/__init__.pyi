@@ -72,6 +72,7 @@ def run(
     pair_search: Optional[str] = None,
     fps: Optional[float] = None,
     unit: Optional[str] = None,
+    heading_unit: Optional[str] = None,
     columns: Optional[str] = None,
     separator: Optional[str] = None,
     tracks: Optional[str] = None,

@@ -13,7 +13,7 @@ from ._table import Table
 class Recording:
     """Where people of an experiment or of another simulator were, whatever the format of the file.
 
-    Takes what the file does not say: fps, unit, columns, separator, tracks, strict, as run() does.
+    Takes what the file does not say: fps, unit, heading_unit, columns, separator, tracks, strict, as run() does.
 
     Attributes:
         people: Table: id, samples, first_s, last_s, height_m (nan: none).

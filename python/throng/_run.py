@@ -164,6 +164,7 @@ def run(
     pair_search=None,
     fps=None,
     unit=None,
+    heading_unit=None,
     columns=None,
     separator=None,
     tracks=None,
@@ -195,7 +196,7 @@ def run(
         contact_points: where parts touch and how deep, with exact=True: to the log, and to Frame.contact_points.
         between, parts: the pairs that are asked for, as the command's: "robots: people", "hands: head".
         threads, deadline_ms, deadline_tests, strategy, simd, pair_search: as the command's.
-        fps, unit, columns, separator, tracks, strict, step: of a recording, as the command's.
+        fps, unit, heading_unit, columns, separator, tracks, strict, step: of a recording, as the command's.
         trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].
         log, states_hz, publish_parts: a log to write.
         html: a page to write, with the run in it. trajectory: a file .sqlite or .csv, or a list of them.

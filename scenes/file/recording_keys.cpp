@@ -6,6 +6,7 @@
 #include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
+#include "scenes/recorded/units.h"
 
 namespace throng {
 namespace {
@@ -65,6 +66,11 @@ void read_tracks(Reading&, Fields& fields, Scene& scene) {
     scene.recorded->options.tracks = *found == 0 ? TrackedPoint::kCentre : TrackedPoint::kHead;
 }
 
+void read_heading_unit(Reading&, Fields& fields, Scene& scene) {
+  if (const auto found = fields.word("heading_unit", {"rad", "deg"}))
+    scene.recorded->options.heading_unit_rad = unit_named(*found == 0 ? "rad" : "deg")->in_si;
+}
+
 void read_separator(Reading&, Fields& fields, Scene& scene) {
   const YamlNode* node = fields.find("separator");
   if (node == nullptr) return;
@@ -96,6 +102,10 @@ std::vector<Key<Scene>> rows() {
              &RecordingOptions::fps),
       option("unit_m", "metres a unit of length: 0.01 for cm", "what the file or its kind says",
              kUnitRange, &RecordingOptions::unit_m),
+      own_key<Scene>("heading_unit", "of headings in a table: `rad` or `deg`",
+                     "what the file says, else rad",
+                     {.kind = Rule::Kind::kWord, .words = {"rad", "deg"}})
+          .reading(read_heading_unit),
       own_key<Scene>("columns", "of a table: `id=pedID,t=time,x=posX,y=posY`", "by their names", {})
           .reading([](Reading&, Fields& fields, Scene& scene) {
             if (fields.find("columns") != nullptr)

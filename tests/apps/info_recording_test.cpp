@@ -48,6 +48,8 @@ TEST(InfoRecording, AsksForWhatTheFileDoesNotSay) {
       {"--fps 16", "as in --unit cm"},
       {"--fps 0 --unit cm", "a number of frames a second above 0"},
       {"--fps 16 --unit miles", "'miles'"},
+      {"--fps 16 --unit cm --heading-unit turns", "'turns'"},
+      {"--fps 16 --unit cm --heading-unit deg", "--heading-unit: expected a table"},
       {"--fps 16 --unit cm --tracks hips", "'hips'"},
       {"--fps 16 --unit cm --separator '::'", "one character"},
       {"--fps 160000", "--fps"},
@@ -61,6 +63,19 @@ TEST(InfoRecording, AsksForWhatTheFileDoesNotSay) {
   }
   EXPECT_THAT(shell("throng info plaza --fps 25", folder).err,
               HasSubstr("--fps: expected a recording"));
+}
+
+TEST(InfoRecording, CountsMissingPositions) {
+  const ScratchFolder folder;
+  write_file(folder / "gaps.csv", "id,t,x [cm],y [cm]\n1,0,0,0\n1,1,,\n1,2,50,NaN\n1,3,150,0\n");
+  const Outcome outcome = shell("throng info gaps.csv", folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("2 missing positions (gaps of their tracks)\n           "
+                                     "first id 1 at 1 s"));
+  EXPECT_THAT(outcome.out, HasSubstr("(0.00, 0.00) to (1.50, 0.00) m"));
+  const Outcome run = shell("throng run gaps.csv --lcm off --log off --json a.json", folder);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(shell("cat a.json", folder).out, HasSubstr("missing positions (gaps of their"));
 }
 
 TEST(InfoRecording, StrictRefusesWhatIsOdd) {

@@ -72,6 +72,13 @@ TEST(RunRecording, ASceneAroundItNamesItsFile) {
   EXPECT_EQ(json["frames"], 40);
   EXPECT_EQ(json["step_s"], 0.1);
   EXPECT_THAT(shell("throng info walk.yaml", folder).out, HasSubstr("walkers: 2 of 'adult'"));
+  write_file(folder / "turned.csv", "id;t;x;y;heading\n1;0;0;0;90\n1;1;0.5;0;90\n");
+  write_file(folder / "turned.yaml", "kind: recorded\nrecording: {file: turned.csv}\n");
+  EXPECT_THAT(shell("throng run turned.yaml --lcm off --log off", folder).err,
+              HasSubstr("turned.csv:2: expected headings from -2 pi to 2 pi rad"));
+  write_file(folder / "turned.yaml",
+             "kind: recorded\nrecording: {file: turned.csv, heading_unit: deg}\n");
+  EXPECT_EQ(shell("throng run turned.yaml --lcm off --log off", folder).exit_code, 0);
   write_file(folder / "gone.yaml", "kind: recorded\nrecording: {file: $NOT_SET_AT_ALL/walk.csv}\n");
   const Outcome gone = shell("throng run gone.yaml", folder);
   EXPECT_EQ(gone.exit_code, 2);

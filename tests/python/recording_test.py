@@ -40,6 +40,19 @@ class Recordings(Case):
         self.assertEqual(run.hash, json.loads((self.folder / "a.json").read_text())["hash"])
         self.assertEqual(len(run.people), 6)
 
+    def test_have_the_units_that_are_stated_or_given(self):
+        table = self.folder / "headings.csv"
+        table.write_text("id,t [ms],x [cm],y [m],heading\n1,0,100,2,90\n1,40,105,2,90\n")
+        with self.assertRaisesRegex(throng.InputError, "headings.csv:2: .*--heading-unit deg"):
+            throng.Recording(table)
+        samples = throng.Recording(table, heading_unit="deg").samples
+        numpy.testing.assert_allclose(samples["heading_rad"], numpy.pi / 2, rtol=1e-6)
+        numpy.testing.assert_allclose(samples["x_m"], [1, 1.05])
+        numpy.testing.assert_allclose(samples["y_m"], 2)
+        numpy.testing.assert_allclose(samples["time_s"], [0, 0.04])
+        with self.assertRaisesRegex(throng.InputError, "^heading_unit: expected one of rad, deg"):
+            throng.Recording(table, heading_unit="turns")
+
     def test_refuse_what_only_scenes_take(self):
         with self.assertRaisesRegex(throng.InputError, "^steering: expected a scene"):
             throng.run(self.file, steering="orca", **self.options)
