@@ -53,7 +53,6 @@ void RecordingBuilder::note(std::string what, int64_t count, std::string first) 
 }
 
 size_t RecordingBuilder::person_of(int64_t id, int64_t place) {
-  if (id < 0) refuse(place, "an id of 0 or more", std::to_string(id));
   if (id == last_id_) return last_person_;
   uint32_t& number = id < kDirectIds ? small_ids_[static_cast<size_t>(id)] : large_ids_[id];
   if (number == 0) {
@@ -81,13 +80,21 @@ void RecordingBuilder::widen(const StoredSample& sample, int64_t place) {
   last_instant_ = std::max(last_instant_, sample.instant);
 }
 
+void RecordingBuilder::add_gap(int64_t id, double instant) {
+  if (gaps_++ > 0) return;
+  first_gap_ = has_frames() ? fmt::format("id {} at frame {}", id, std::llround(instant))
+                            : fmt::format("id {} at {:.10g} s", id, instant);
+}
+
 void RecordingBuilder::add(int64_t id, const StoredSample& sample, int64_t place) {
+  if (id < 0) refuse(place, "an id of 0 or more", std::to_string(id));
   // Written so that NaN is refused.
-  if (!(std::abs(sample.x_m) <= kMostCoordinate_m && std::abs(sample.y_m) <= kMostCoordinate_m))
-    refuse(place, "x and y within 1e8 m", fmt::format("({}, {})", sample.x_m, sample.y_m));
   if (!(std::abs(sample.instant) <= (has_frames() ? kMostFrame : kMostTime_s)))
     refuse(place, has_frames() ? "a frame within 9e15" : "a time within 1e12 s",
            fmt::format("{}", sample.instant));
+  if (std::isnan(sample.x_m) || std::isnan(sample.y_m)) return add_gap(id, sample.instant);
+  if (!(std::abs(sample.x_m) <= kMostCoordinate_m && std::abs(sample.y_m) <= kMostCoordinate_m))
+    refuse(place, "x and y within 1e8 m", fmt::format("({}, {})", sample.x_m, sample.y_m));
   const size_t person = person_of(id, place);
   widen(sample, place);
   has_headings_ |= !std::isnan(sample.heading_rad);
@@ -222,7 +229,9 @@ void RecordingBuilder::be_strict(const std::vector<Oddity>& odd) const {
 
 std::shared_ptr<const Recording> RecordingBuilder::finish() {
   if (ids_.empty())
-    throw InputError(options_.file.string(), "at least one position of somebody", "none");
+    throw InputError(options_.file.string(), "at least one position of somebody",
+                     gaps_ > 0 ? fmt::format("{} missing ones alone", gaps_) : "none");
+  if (gaps_ > 0) note("missing positions (gaps of their tracks)", gaps_, first_gap_);
   store_->finish();
   small_ids_ = {};
   large_ids_ = {};

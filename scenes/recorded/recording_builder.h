@@ -47,8 +47,8 @@ class RecordingBuilder {
   const RecordingOptions& options() const { return options_; }
   RecordingHead& head() { return head_; }
 
-  /// Positions in metres, not shifted. `place`: the line of the file, from 1. Throws InputError
-  /// where a number is beyond what can be.
+  /// Positions in metres, not shifted; NaN as x or y is a gap, which is counted. `place`: the line
+  /// of the file, from 1. Throws InputError where a number is beyond what can be.
   void add(int64_t id, const StoredSample& sample, int64_t place);
   /// Something odd that only a reader can see.
   void note(std::string what, int64_t count, std::string first);
@@ -69,6 +69,7 @@ class RecordingBuilder {
   bool has_frames() const {
     return head_.clock == RecordedClock::kFrames || head_.clock == RecordedClock::kSteps;
   }
+  void add_gap(int64_t id, double instant);
   size_t person_of(int64_t id, int64_t place);
   void widen(const StoredSample& sample, int64_t place);
   Eigen::Vector2d shift() const;
@@ -92,6 +93,8 @@ class RecordingBuilder {
   double first_instant_ = 0, last_instant_ = 0;
   int64_t step_ = 0;  ///< the greatest that all differences of frames are multiples of
   bool has_headings_ = false;
+  int64_t gaps_ = 0;
+  std::string first_gap_;
   std::vector<Oddity> odd_;
 };
 

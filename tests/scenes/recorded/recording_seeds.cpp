@@ -89,6 +89,15 @@ std::vector<std::string> recording_seeds() {
                   return fmt::format("{} {} {} {} {} {} {}\n", id, 0.4 * frame, 0.4 * frame + 0.4,
                                      x, y, x + 0.05, y);
                 }));
+  out.push_back("#framerate: 29,97 fps\n#X,Y,Z: positions (in metres)\n#ID\tFR\tX\tY\tZ\n" +
+                lines([](int frame, int id, double x, double y) {
+                  return frame == 3 ? fmt::format("{}\t{}\t\t?\t1.7\n", id, frame)
+                                    : fmt::format("{}\t{}\t{}\t{}\t1.7\n", id, frame, x, y);
+                }));
+  out.push_back("id t (ms) x in cm y [ft] heading_deg\n" +
+                lines([](int frame, int id, double x, double y) {
+                  return fmt::format("{} {} {} {} 90\n", id, 40 * frame, 100 * x, y / 0.3048);
+                }));
   out.push_back(made([](const fs::path& file) { make_sqlite(file, jupedsim_2()); }));
   out.push_back(made([](const fs::path& file) { make_hdf5(file, {}); }));
   return out;
