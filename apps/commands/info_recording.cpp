@@ -3,8 +3,8 @@
 #include <iterator>
 
 #include "apps/commands/info.h"
+#include "scenes/recorded/area_union.h"
 #include "scenes/recorded/recording_summary.h"
-#include "scenes/recorded/walkable_wkt.h"
 
 namespace throng {
 namespace {
@@ -46,7 +46,7 @@ void add_area(Screen& screen, const RecordingFacts& facts, const std::string& fi
                 facts.shift_m.x(), facts.shift_m.y());
   if (facts.wkt.empty()) return;
   size_t edges = 0, holes = 0;
-  const std::vector<AreaPolygon> polygons = parse_area(facts.wkt, file);
+  const std::vector<AreaPolygon> polygons = recorded_area(facts, file).polygons;
   for (const AreaPolygon& polygon : polygons) {
     edges += polygon.outline.size();
     holes += polygon.holes.size();

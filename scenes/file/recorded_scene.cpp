@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "scenes/file/scene_keys.h"
 #include "scenes/file/scene_limits.h"
+#include "scenes/recorded/area_union.h"
 
 namespace throng {
 namespace {
@@ -41,14 +42,27 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-double doubled_area(const AreaPolygon::Ring& ring) {
-  double sum = 0;
-  for (size_t i = 0; i < ring.size(); ++i) sum += cross(ring[i], ring[(i + 1) % ring.size()]);
-  return sum;
+bool is_before(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
 }
 
-/// A box along each edge, on the side that `walkable_left` is not on.
-void add_walls(AreaPolygon::Ring ring, bool walkable_inside, std::vector<Obstacle>& walls) {
+/// Corners that several rings have, sorted: the area goes on behind them.
+std::vector<Eigen::Vector2d> shared_corners(const std::vector<AreaPolygon>& area) {
+  std::vector<Eigen::Vector2d> all, shared;
+  for (const AreaPolygon& polygon : area) {
+    all.insert(all.end(), polygon.outline.begin(), polygon.outline.end());
+    for (const AreaPolygon::Ring& hole : polygon.holes)
+      all.insert(all.end(), hole.begin(), hole.end());
+  }
+  std::sort(all.begin(), all.end(), is_before);
+  for (size_t i = 1; i < all.size(); ++i)
+    if (all[i] == all[i - 1]) shared.push_back(all[i]);
+  return shared;
+}
+
+/// A box along each edge, on the side that is not walkable.
+void add_walls(AreaPolygon::Ring ring, bool walkable_inside,
+               const std::vector<Eigen::Vector2d>& shared, std::vector<Obstacle>& walls) {
   // The walkable area is to the left of each edge.
   if ((doubled_area(ring) > 0) != walkable_inside) std::reverse(ring.begin(), ring.end());
   std::vector<Eigen::Vector2d> corners;
@@ -61,8 +75,12 @@ void add_walls(AreaPolygon::Ring ring, bool walkable_inside, std::vector<Obstacl
                           &to = corners[(i + 1) % count], &after = corners[(i + 2) % count];
     const Eigen::Vector2d along = (to - from).normalized(), out(along.y(), -along.x());
     // Where the area bends outwards, walls meet in a corner; elsewhere they would stand in the way.
-    const double early_m = cross(from - before, to - from) > 0 ? kWallThickness_m : 0;
-    const double late_m = cross(to - from, after - to) > 0 ? kWallThickness_m : 0;
+    const auto reach_m = [&](const Eigen::Vector2d& corner, double turn) {
+      const bool ends = std::binary_search(shared.begin(), shared.end(), corner, is_before);
+      return turn > 0 && !ends ? kWallThickness_m : 0;
+    };
+    const double early_m = reach_m(from, cross(from - before, to - from));
+    const double late_m = reach_m(to, cross(to - from, after - to));
     const Eigen::Vector2d middle =
         0.5 * (from - early_m * along + to + late_m * along) + 0.5 * kWallThickness_m * out;
     Obstacle wall;
@@ -73,20 +91,6 @@ void add_walls(AreaPolygon::Ring ring, bool walkable_inside, std::vector<Obstacl
     wall.mesh = box_mesh(wall.size_m);
     walls.push_back(std::move(wall));
   }
-}
-
-/// As the file has it, in the metres of the scene.
-std::vector<AreaPolygon> area_of(const RecordingFacts& facts, const std::string& where) {
-  if (facts.wkt.empty()) return {};
-  std::vector<AreaPolygon> area = parse_area(facts.wkt, where);
-  const auto place = [&](AreaPolygon::Ring& ring) {
-    for (Eigen::Vector2d& corner : ring) corner = facts.wkt_unit_m * corner - facts.shift_m;
-  };
-  for (AreaPolygon& polygon : area) {
-    place(polygon.outline);
-    for (AreaPolygon::Ring& hole : polygon.holes) place(hole);
-  }
-  return area;
 }
 
 Rectangle ground_of(const RecordingFacts& facts, const std::vector<AreaPolygon>& area) {
@@ -100,9 +104,11 @@ Rectangle ground_of(const RecordingFacts& facts, const std::vector<AreaPolygon>&
 }
 
 void add_geometry(Scene& scene, const std::string& where) {
+  const std::vector<Eigen::Vector2d> shared = shared_corners(scene.area);
   for (const AreaPolygon& polygon : scene.area) {
-    add_walls(polygon.outline, true, scene.obstacles);
-    for (const AreaPolygon::Ring& hole : polygon.holes) add_walls(hole, false, scene.obstacles);
+    add_walls(polygon.outline, true, shared, scene.obstacles);
+    for (const AreaPolygon::Ring& hole : polygon.holes)
+      add_walls(hole, false, shared, scene.obstacles);
   }
   if (static_cast<int64_t>(scene.obstacles.size()) > kMaxObstacles)
     throw InputError(where,
@@ -128,7 +134,7 @@ void take_recording(Scene& scene, bool has_ground, const std::string& where) {
   scene.step_s = step_of(facts, people, where);
   // A run ends before the frame at its end: the last recorded one is a step earlier.
   scene.duration_s = facts.duration_s + scene.step_s;
-  if (people.geometry) scene.area = area_of(facts, people.options.file.string());
+  if (people.geometry) scene.area = recorded_area(facts, people.options.file.string()).polygons;
   if (!has_ground) scene.ground = ground_of(facts, scene.area);
   add_geometry(scene, where);
   scene.groups.back().recorded = static_cast<int64_t>(people.recording->people().size());

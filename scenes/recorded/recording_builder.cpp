@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "culling/pair.h"
+#include "scenes/recorded/area_union.h"
 #include "scenes/recorded/people_survey.h"
 #include "scenes/recorded/time_grid.h"
 #include "scenes/recorded/track_check.h"
@@ -194,17 +195,14 @@ SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
   return out;
 }
 
-std::optional<WalkableArea> RecordingBuilder::area(const RecordingFacts& facts) const {
+std::optional<WalkableArea> RecordingBuilder::area(const RecordingFacts& facts) {
   if (facts.wkt.empty()) return std::nullopt;
-  std::vector<AreaPolygon> polygons = parse_area(facts.wkt, options_.file.string());
-  for (AreaPolygon& polygon : polygons) {
-    const auto place = [&](AreaPolygon::Ring& ring) {
-      for (Eigen::Vector2d& vertex : ring) vertex = vertex * facts.wkt_unit_m - facts.shift_m;
-    };
-    place(polygon.outline);
-    for (AreaPolygon::Ring& hole : polygon.holes) place(hole);
-  }
-  return std::optional<WalkableArea>(std::in_place, polygons);
+  const JoinedArea area = recorded_area(facts, options_.file.string());
+  if (area.gaps > 0)
+    note("gaps of up to 1 mm between walkable polygons, which are closed", area.gaps,
+         fmt::format("{:.2g} mm wide at ({:.3f}, {:.3f}) m", 1e3 * area.widest_m,
+                     area.widest_at_m.x(), area.widest_at_m.y()));
+  return std::optional<WalkableArea>(std::in_place, area.polygons);
 }
 
 RecordingFacts RecordingBuilder::what_is_said() const {

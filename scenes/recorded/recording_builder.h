@@ -78,7 +78,7 @@ class RecordingBuilder {
   SampleMapping mapping(RecordingFacts& facts);
   double first_instant_from(double instant) const;
   RecordingFacts what_is_said() const;
-  std::optional<WalkableArea> area(const RecordingFacts& facts) const;
+  std::optional<WalkableArea> area(const RecordingFacts& facts);
   void be_strict(const std::vector<Oddity>& odd) const;
 
   RecordingOptions options_;

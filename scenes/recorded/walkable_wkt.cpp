@@ -144,6 +144,15 @@ double squared_distance(const Eigen::Vector2d& p, const Eigen::Vector2d& from,
 
 }  // namespace
 
+double doubled_area(const AreaPolygon::Ring& ring) {
+  double sum = 0;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const Eigen::Vector2d& next = ring[(i + 1) % ring.size()];
+    sum += ring[i].x() * next.y() - ring[i].y() * next.x();
+  }
+  return sum;
+}
+
 std::vector<AreaPolygon> parse_area(std::string_view wkt, const std::string& where) {
   return Parser(wkt, where).parse();
 }

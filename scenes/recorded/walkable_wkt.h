@@ -16,6 +16,9 @@ struct AreaPolygon {
   std::vector<Ring> holes;
 };
 
+/// Twice the area of a ring; above 0 if it runs counter-clockwise.
+double doubled_area(const AreaPolygon::Ring& ring);
+
 /// POLYGON, MULTIPOLYGON and GEOMETRYCOLLECTION of these, in their own units; heights are left out.
 /// Throws InputError that begins with `where`.
 std::vector<AreaPolygon> parse_area(std::string_view wkt, const std::string& where);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/errors.h"
+#include "scenes/recorded/area_union.h"
 #include "scenes/recorded/recording.h"
 #include "scenes/recorded/walkable_wkt.h"
 #include "tests/fuzz/target_tools.h"
@@ -74,6 +75,8 @@ bool wkt(std::span<const uint8_t> input) {
     promise(!polygons.empty(), "a polygon");
     for (const Eigen::Vector2d& vertex : polygons.front().outline)
       promise(area.contains(vertex), "an outline that is part of the area");
+    for (const AreaPolygon& polygon : join(polygons, "fuzz.wkt").polygons)
+      promise(polygon.outline.size() >= 3, "polygons of a union with an outline");
     return true;
   } catch (const InputError& error) {
     expect_words(error);
