@@ -176,6 +176,7 @@ std::string describe_scene(const std::string& path_or_name) {
   text += "\nGroups:\n" + groups;
   append(text, "\nObstacles:{}\n", scene.obstacles.empty() ? " none" : "");
   for (const Obstacle& obstacle : scene.obstacles) add_obstacle(text, obstacle);
+  for (const std::string& note : scene.notes) append(text, "  note: {}\n", note);
   if (!scene.doors.empty()) text += "\nDoors:\n";
   for (const Door& door : scene.doors) add_door(text, door);
   return text;

@@ -145,6 +145,7 @@ RunSource open_run_source(const RunSourceOptions& options) {
   if (options.contact_points) out.scene.contact_points = true;
   if (!options.between.empty()) out.scene.between = pair_rules_of(options.between, "--between");
   if (!options.parts.empty()) out.scene.parts = pair_rules_of(options.parts, "--parts");
+  out.notes.insert(out.notes.begin(), out.scene.notes.begin(), out.scene.notes.end());
   for (std::string& note : separation_notes(out.scene)) out.notes.push_back(std::move(note));
   return out;
 }

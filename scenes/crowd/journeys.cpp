@@ -298,15 +298,14 @@ std::vector<Stranding> Journeys::strandings(std::span<const Eigen::Vector2d> pos
 std::string describe(const Stranding& stranding, const Scene& scene) {
   std::string obstacle;
   double nearest_m = kInTheWay_m;
-  for (const Obstacle& each : scene.obstacles) {
-    if (!blocks_people(each)) continue;
+  for (const Footprint& each : footprints_of(scene)) {
     // Of the ground only what is near: there may be thousands of obstacles.
     const Eigen::Vector2d near = Eigen::Vector2d::Constant(kInTheWay_m);
-    const Walkable alone({stranding.end_m - near, stranding.end_m + near}, {footprint_of(each)});
+    const Walkable alone({stranding.end_m - near, stranding.end_m + near}, {each.corners});
     const double away_m = alone.nearest(0, stranding.end_m).distance_m;
     if (away_m >= nearest_m) continue;
     nearest_m = away_m;
-    obstacle = fmt::format(" at '{}'", each.name);
+    obstacle = fmt::format(" at '{}'", each.obstacle->name);
   }
   return fmt::format(
       "group '{}': {} cannot reach goal {} from ({:.1f}, {:.1f}) m; the way ends at ({:.1f}, "

@@ -18,16 +18,11 @@ constexpr double kMostSamples = 4e6;
 double standing_room_m2(const Scene& scene, const Rectangle& area) {
   const Rectangle reach = area.grown(kWallGap_m);
   std::vector<std::vector<Eigen::Vector2d>> near;
-  for (const Obstacle& obstacle : scene.obstacles) {
-    if (!blocks_people(obstacle)) continue;
-    std::vector<Eigen::Vector2d> footprint = footprint_of(obstacle);
-    Eigen::Vector2d low = footprint.front(), high = low;
-    for (const Eigen::Vector2d& corner : footprint) {
-      low = low.cwiseMin(corner);
-      high = high.cwiseMax(corner);
-    }
-    if ((low.array() <= reach.max_m.array()).all() && (high.array() >= reach.min_m.array()).all())
-      near.push_back(std::move(footprint));
+  for (Footprint& each : footprints_of(scene)) {
+    const Rectangle bounds = bounds_of(each.corners);
+    if ((bounds.min_m.array() <= reach.max_m.array()).all() &&
+        (bounds.max_m.array() >= reach.min_m.array()).all())
+      near.push_back(std::move(each.corners));
   }
   const Rectangle inside = scene.ground.grown(-kWallGap_m);
   const Eigen::Vector2d size = area.size_m();

@@ -16,8 +16,6 @@ namespace {
 constexpr Range kSizeRange{1e-3, 1e4};
 constexpr Range kBottomRange{-10, 1000};
 constexpr Range kHeadingRange{-360, 360};
-/// Meshes hold floats: a wall along the edge of a ground of 10 km may stand out by as much.
-constexpr double kRounding_m = 1e-3;
 
 double lowest_m(const Mesh& mesh) {
   float lowest = mesh.vertices.front().z();
@@ -82,13 +80,18 @@ void complete_obstacle(Reading& reading, const Fields& fields, Obstacle& obstacl
   const bool is_mesh = obstacle.kind == Obstacle::Kind::kMesh;
   obstacle.centre_m.z() += is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
   const Rectangle& ground = reading.scene.ground;
-  const Rectangle reach = ground.grown(kRounding_m);
-  for (const Eigen::Vector2d& corner : footprint_of(obstacle))
-    if (!reach.contains(corner))
-      throw InputError(
-          fields.where(),
-          fmt::format("obstacle '{}' within the ground ({})", obstacle.name, show(ground)),
-          fmt::format("a corner at [{}, {}]", corner.x(), corner.y()));
+  const std::vector<Eigen::Vector2d> footprint = footprint_of(obstacle);
+  const std::vector<Eigen::Vector2d> on_ground = clipped(footprint, ground);
+  if (on_ground.empty())
+    throw InputError(fields.where(),
+                     fmt::format("obstacle '{}' on the ground ({})", obstacle.name, show(ground)),
+                     fmt::format("all of it beside, {}; move it or make the ground larger",
+                                 show(bounds_of(footprint))));
+  if (on_ground != footprint)
+    reading.scene.notes.push_back(
+        fmt::format("obstacle '{}' reaches over the edge of the ground: its footprint is cut off "
+                    "there, all of its mesh is tested for contacts",
+                    obstacle.name));
 }
 
 void add_mesh(Hasher& hash, const Obstacle& obstacle) {

@@ -57,11 +57,6 @@ void complete_queue(Reading&, const Fields& fields, QueueRule& rule) {
 }
 
 /// What stands in people's way.
-struct Footprint {
-  const Obstacle* obstacle = nullptr;
-  std::vector<Eigen::Vector2d> corners;
-};
-
 /// Every point where somebody may have to stand.
 void require_free(const Scene& scene, const std::vector<Footprint>& footprints,
                   const std::string& where, const Goal& goal, const Eigen::Vector2d& point) {
@@ -78,9 +73,7 @@ void require_free(const Scene& scene, const std::vector<Footprint>& footprints,
 }
 
 void require_free_line(const Scene& scene, const std::string& where, const Goal& goal) {
-  std::vector<Footprint> footprints;
-  for (const Obstacle& obstacle : scene.obstacles)
-    if (blocks_people(obstacle)) footprints.push_back({&obstacle, footprint_of(obstacle)});
+  const std::vector<Footprint> footprints = footprints_of(scene);
   const std::vector<Eigen::Vector2d>& line_m = goal.queue.line_m;
   for (size_t i = 1; i < line_m.size(); ++i) {
     const Eigen::Vector2d way = line_m[i] - line_m[i - 1];

@@ -195,6 +195,7 @@ struct Scene {
   std::optional<SeparationRule> separation;  ///< of robots from people; needs near_m
   bool planted_feet = true;                  ///< feet stay where they are put on curves, too
   bool yielding = true;  ///< bodies give way to what is near; who stands breathes and sways
+  std::vector<std::string> notes;  ///< what is not as the file says; a line each
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies
 };

@@ -11,6 +11,26 @@ namespace {
 
 /// The tallest person a scene may hold is 2.5 m; what hangs higher is in nobody's way.
 constexpr double kHeadroom_m = 2.6;
+/// A wall along the edge of a ground of 10 km may stand out by as much.
+constexpr double kRounding_m = 1e-3;
+/// Corners that lie closer together are one.
+constexpr double kSameCorner_m = 1e-6;
+
+/// Keeps of a convex polygon what has sign * p[axis] <= bound (Sutherland and Hodgman 1974).
+std::vector<Eigen::Vector2d> cut(const std::vector<Eigen::Vector2d>& corners, int axis, double sign,
+                                 double bound) {
+  std::vector<Eigen::Vector2d> kept;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d &p = corners[i], &q = corners[(i + 1) % corners.size()];
+    const double at_p = sign * p[axis] - bound, at_q = sign * q[axis] - bound;
+    if (at_p <= 0) kept.push_back(p);
+    if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0)) {
+      kept.push_back(p + (q - p) * (at_p / (at_p - at_q)));
+      kept.back()[axis] = sign * bound;
+    }
+  }
+  return kept;
+}
 
 }  // namespace
 
@@ -37,6 +57,15 @@ std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
     std::reverse(points.begin(), points.end());
   }
   return hull;
+}
+
+Rectangle bounds_of(const std::vector<Eigen::Vector2d>& points) {
+  Rectangle bounds{points.front(), points.front()};
+  for (const Eigen::Vector2d& point : points) {
+    bounds.min_m = bounds.min_m.cwiseMin(point);
+    bounds.max_m = bounds.max_m.cwiseMax(point);
+  }
+  return bounds;
 }
 
 std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle) {
@@ -69,6 +98,37 @@ std::vector<Eigen::Vector2d> footprint_of(const Door& door) {
   const Eigen::Vector2d aside = 0.5 * Door::kThickness_m * Eigen::Vector2d(-along.y(), along.x());
   return convex_hull(
       {door.from_m - aside, door.to_m - aside, door.to_m + aside, door.from_m + aside});
+}
+
+std::vector<Eigen::Vector2d> clipped(std::vector<Eigen::Vector2d> footprint,
+                                     const Rectangle& ground) {
+  const Rectangle reach = ground.grown(kRounding_m);
+  if (std::all_of(footprint.begin(), footprint.end(),
+                  [&](const Eigen::Vector2d& corner) { return reach.contains(corner); }))
+    return footprint;
+  for (int axis = 0; axis < 2; ++axis) {
+    footprint = cut(footprint, axis, 1, ground.max_m[axis]);
+    footprint = cut(footprint, axis, -1, -ground.min_m[axis]);
+  }
+  std::vector<Eigen::Vector2d> corners;
+  for (const Eigen::Vector2d& corner : footprint)
+    if (corners.empty() || (corner - corners.back()).norm() > kSameCorner_m)
+      corners.push_back(corner);
+  while (corners.size() > 1 && (corners.front() - corners.back()).norm() <= kSameCorner_m)
+    corners.pop_back();
+  corners = convex_hull(std::move(corners));
+  if (corners.size() < 3) corners.clear();
+  return corners;
+}
+
+std::vector<Footprint> footprints_of(const Scene& scene) {
+  std::vector<Footprint> footprints;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    if (!blocks_people(obstacle)) continue;
+    std::vector<Eigen::Vector2d> corners = clipped(footprint_of(obstacle), scene.ground);
+    if (!corners.empty()) footprints.push_back({&obstacle, std::move(corners)});
+  }
+  return footprints;
 }
 
 bool blocks_people(const Obstacle& obstacle) {

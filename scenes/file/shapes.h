@@ -12,6 +12,9 @@ namespace throng {
 /// The convex hull of points of the plane, counter-clockwise, no three in a line (Andrew 1979).
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 
+/// The smallest rectangle that holds points, of which there is at least one.
+Rectangle bounds_of(const std::vector<Eigen::Vector2d>& points);
+
 /// What an obstacle covers in the plane of the ground, in world coordinates: the convex hull of its
 /// outline seen from above.
 std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle);
@@ -22,7 +25,22 @@ double distance_m(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Ve
 /// What the leaf of a door covers while it is shut.
 std::vector<Eigen::Vector2d> footprint_of(const Door& door);
 
+/// The part of a footprint that lies on the ground, counter-clockwise; empty if there is none. One
+/// that reaches over the edge by less than the rounding of meshes stays as it is, bit by bit.
+std::vector<Eigen::Vector2d> clipped(std::vector<Eigen::Vector2d> footprint,
+                                     const Rectangle& ground);
+
 /// True if people cannot walk beneath it.
 bool blocks_people(const Obstacle& obstacle);
+
+/// An obstacle that blocks avatars, and what it covers of the ground.
+struct Footprint {
+  const Obstacle* obstacle = nullptr;
+  std::vector<Eigen::Vector2d> corners;
+};
+
+/// In the order of the obstacles; those that cover none of the ground are left out. The scene must
+/// outlive them.
+std::vector<Footprint> footprints_of(const Scene& scene);
 
 }  // namespace throng

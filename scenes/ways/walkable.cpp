@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/errors.h"
 #include "scenes/file/shapes.h"
@@ -17,16 +18,15 @@ constexpr double kMaxListedCells = 1 << 16;
 /// Entries of all those lists, 256 MB: a thousand obstacles as large as the largest ground.
 constexpr size_t kMaxEntries = size_t{1} << 26;
 
-std::vector<std::vector<Eigen::Vector2d>> footprints_of(const Scene& scene) {
-  std::vector<std::vector<Eigen::Vector2d>> footprints;
-  for (const Obstacle& obstacle : scene.obstacles)
-    if (blocks_people(obstacle)) footprints.push_back(footprint_of(obstacle));
-  return footprints;
+std::vector<std::vector<Eigen::Vector2d>> corners_of(std::vector<Footprint> footprints) {
+  std::vector<std::vector<Eigen::Vector2d>> corners;
+  for (Footprint& footprint : footprints) corners.push_back(std::move(footprint.corners));
+  return corners;
 }
 
 }  // namespace
 
-Walkable::Walkable(const Scene& scene) : Walkable(scene.ground, footprints_of(scene)) {
+Walkable::Walkable(const Scene& scene) : Walkable(scene.ground, corners_of(footprints_of(scene))) {
   for (const Door& door : scene.doors) add_footprint(footprint_of(door));
   is_shut_.assign(scene.doors.size(), 0);
 }

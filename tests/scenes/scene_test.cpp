@@ -233,9 +233,9 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
        "s.yaml:7: expected 'adult' or a URDF file, found 'nobody.urdf', and no such file at "},
       {"obstacle off the ground",
        kGround + kGroup +
-           "obstacles:\n  - {name: x, kind: box, position_m: [20, 5], size_m: [1, 1, 1]}\n",
-       "s.yaml:8: expected obstacle 'x' within the ground ([0, 0] to [20, 10]), found a corner "
-       "at "},
+           "obstacles:\n  - {name: x, kind: box, position_m: [20.5, 5], size_m: [1, 1, 1]}\n",
+       "s.yaml:8: expected obstacle 'x' on the ground ([0, 0] to [20, 10]), found all of it "
+       "beside, [20, 4.5] to [21, 5.5]"},
       {"flat obstacle",
        kGround + kGroup + "obstacles:\n  - {kind: box, position_m: [5, 5], size_m: [1, 0, 1]}\n",
        "s.yaml:8: expected 'size_m' from 0.001 to 10000, found 0"},
@@ -356,6 +356,37 @@ TEST_F(SceneFile, TheBottomOfAMeshIsTheHeightOfItsLowerEnd) {
     EXPECT_EQ(blocks_people(read.obstacles[0]), bottom_m < 2.6) << bottom_m;
   }
   EXPECT_EQ(load(scene + "}]\n").obstacles[0].centre_m.z(), 3) << "on the ground unless told";
+}
+
+TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
+  const auto with = [&](const std::string& keys) {
+    return load(kGround + kGroup + "obstacles: [{name: x, kind: box, " + keys + "}]\n");
+  };
+  const Scene inside = with("position_m: [10, 5], size_m: [20, 1, 1]");
+  EXPECT_TRUE(inside.notes.empty()) << "its ends lie in the edge";
+  const Scene over = with("position_m: [20, 5], heading_deg: 30, size_m: [4, 1, 1]");
+  ASSERT_EQ(over.notes.size(), 1u);
+  EXPECT_EQ(over.notes[0],
+            "obstacle 'x' reaches over the edge of the ground: its footprint is cut off there, all "
+            "of its mesh is tested for contacts");
+  EXPECT_GT(bounds_of(footprint_of(over.obstacles[0])).max_m.x(), 21.5);
+  const std::vector<Footprint> footprints = footprints_of(over);
+  ASSERT_EQ(footprints.size(), 1u);
+  EXPECT_EQ(bounds_of(footprints[0].corners).max_m.x(), 20);
+  double doubled_m2 = 0;
+  for (size_t i = 0; i < footprints[0].corners.size(); ++i) {
+    const Eigen::Vector2d& p = footprints[0].corners[i];
+    const Eigen::Vector2d& q = footprints[0].corners[(i + 1) % footprints[0].corners.size()];
+    doubled_m2 += p.x() * q.y() - q.x() * p.y();
+  }
+  EXPECT_NEAR(doubled_m2, 4, 1e-6) << "counter-clockwise, half of 4 m by 1 m";
+  for (const char* keys : {"position_m: [22, 5], size_m: [4, 1, 1]",
+                           "position_m: [22.7, 12.5], heading_deg: 45, size_m: [4, 4, 1]",
+                           "position_m: [-500, 5], size_m: [4, 1, 1]"})
+    EXPECT_THAT(complaint(kGround + kGroup + "obstacles: [{name: x, kind: box, " + keys + "}]\n"),
+                testing::HasSubstr("s.yaml:7: expected obstacle 'x' on the ground ([0, 0] to [20, "
+                                   "10]), found all of it beside, "));
+  EXPECT_EQ(with("position_m: [5000, 5], size_m: [10000, 1, 1]").notes.size(), 1u);
 }
 
 TEST(ScaleTo, KeepsProportionsToThePerson) {

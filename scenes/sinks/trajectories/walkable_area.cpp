@@ -98,8 +98,8 @@ std::string text_of(const WalkablePolygon& polygon) {
 std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
   bp::polygon_set_data<int> ground = ground_of(scene);
   bp::polygon_set_data<int> solid;
-  for (const Obstacle& obstacle : scene.obstacles)
-    if (blocks_people(obstacle)) solid.insert(polygon_of(inflated(footprint_of(obstacle))));
+  for (const Footprint& footprint : footprints_of(scene))
+    solid.insert(polygon_of(inflated(footprint.corners)));
   using namespace bp::operators;
   std::vector<Shape> shapes;
   const bp::polygon_set_data<int> left(ground - solid);
