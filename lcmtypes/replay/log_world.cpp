@@ -101,6 +101,10 @@ Scene scene_of(const LogSurvey& survey) {
            fmt::format("a ground within {:g} km of the origin", kMaxCoordinate_m / 1e3), "another");
   for (const obstacle_t& obstacle : run.obstacles)
     scene.obstacles.push_back(to_obstacle(survey.file, obstacle));
+  for (size_t id = 0; id < run.model_of_avatar.size(); ++id)
+    scene.tallest_m = std::max(
+        scene.tallest_m, static_cast<double>(run.scale_of_avatar[id]) *
+                             run.models[static_cast<size_t>(run.model_of_avatar[id])].height_m);
   try {
     scene.part_volume = part_volumes_of(run.part_volume, survey.file.string());
   } catch (const InputError&) {  // one that this version does not know: culled as any other scene

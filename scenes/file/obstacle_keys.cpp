@@ -135,10 +135,12 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
           .hashing([](Hasher& hash, const Obstacle& obstacle) {
             for (int axis = 0; axis < 3; ++axis) hash.add(obstacle.centre_m[axis]);
           }),
-      own_key<Obstacle>("bottom_m",
-                        "height of its lower end over the ground, of a mesh of its lowest vertex, "
-                        "wherever its origin lies; people walk under what hangs 2.6 m high",
-                        "0", {.kind = Rule::Kind::kNumber, .range = kBottomRange})
+      own_key<Obstacle>(
+          "bottom_m",
+          "height of its lower end over the ground, of a mesh of its lowest vertex, "
+          "wherever its origin lies; people walk under what hangs 0.1 m above the tallest "
+          "of the scene, and higher",
+          "0", {.kind = Rule::Kind::kNumber, .range = kBottomRange})
           .reading([](Reading&, Fields& fields, Obstacle& obstacle) {
             obstacle.centre_m.z() = fields.number_or("bottom_m", kBottomRange, 0);
           }),

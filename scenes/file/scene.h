@@ -195,6 +195,9 @@ struct Scene {
   std::optional<SeparationRule> separation;  ///< of robots from people; needs near_m
   bool planted_feet = true;                  ///< feet stay where they are put on curves, too
   bool yielding = true;  ///< bodies give way to what is near; who stands breathes and sways
+  /// Of a scene without groups, whose avatars something else has: how tall the tallest is; 0: as
+  /// tall as people may be.
+  double tallest_m = 0;
   std::vector<std::string> notes;  ///< what is not as the file says; a line each
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies
@@ -210,6 +213,10 @@ bool has_people(const Group& group);
 /// Gives a group whose height nobody says that of its `body`, if it is a robot or driven: these are
 /// as large as their model. What the height of people is follows from their ages.
 void keep_own_size(Group& group);
+
+/// How tall the tallest avatar may be that the scene has at any time (m): by its own height where
+/// that is known, else by the largest that may be drawn.
+double tallest_m(const Scene& scene);
 
 /// What becomes of a group's model: how large, at which scale, where it stands.
 std::string describe_size(const Group& group);

@@ -1,7 +1,10 @@
 // How large the bodies of a group come out.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "scenes/file/scene.h"
+#include "scenes/file/scene_limits.h"
 
 namespace throng {
 
@@ -11,6 +14,39 @@ void keep_own_size(Group& group) {
   if (group.height_m || (group.driven.empty() && has_people(group))) return;
   const auto height_m = static_cast<double>(group.body->height_m);
   group.height_m = Distribution{height_m, 0, height_m, height_m};
+}
+
+namespace {
+
+double tallest_by_age_m(const AgeShares& shares) {
+  double tallest_m = 0;
+  for (size_t age = 0; age < kAgeCount; ++age)
+    if (shares[age] > 0)
+      tallest_m = std::max(tallest_m, age_group(static_cast<Age>(age)).height_m.max);
+  return tallest_m;
+}
+
+double tallest_m(const Group& group, const Recording* recording) {
+  if (group.height_m) return group.height_m->max;
+  if (!has_people(group)) return static_cast<double>(group.body->height_m);
+  const double by_age_m = tallest_by_age_m(group.ages);
+  if (group.recorded == 0 || recording == nullptr) return by_age_m;
+  double tallest_m = 0;
+  for (const RecordedPerson& person : recording->people())
+    tallest_m = std::max(tallest_m, person.height_m.value_or(by_age_m));
+  return tallest_m;
+}
+
+}  // namespace
+
+double tallest_m(const Scene& scene) {
+  double most_m = scene.tallest_m;
+  const Recording* const recording = scene.recorded ? scene.recorded->recording.get() : nullptr;
+  for (const Group& group : scene.groups)
+    // How many a density makes is known last of all.
+    if (group.total() > 0 || group.density_per_m2 > 0)
+      most_m = std::max(most_m, tallest_m(group, recording));
+  return most_m > 0 ? most_m : kMaxPerson_m;
 }
 
 std::string describe_size(const Group& group) {

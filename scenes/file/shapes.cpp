@@ -9,8 +9,10 @@
 namespace throng {
 namespace {
 
-/// The tallest person a scene may hold is 2.5 m; what hangs higher is in nobody's way.
-constexpr double kHeadroom_m = 2.6;
+/// Between the top of the tallest and what blocks nobody.
+constexpr double kAboveTallest_m = 0.1;
+/// Meshes hold floats: a beam of 100 m hangs that much higher or lower than it should.
+constexpr double kRoundingUp_m = 1e-5;
 /// A wall along the edge of a ground of 10 km may stand out by as much.
 constexpr double kRounding_m = 1e-3;
 /// Corners that lie closer together are one.
@@ -121,25 +123,28 @@ std::vector<Eigen::Vector2d> clipped(std::vector<Eigen::Vector2d> footprint,
   return corners;
 }
 
+double headroom_m(const Scene& scene) { return tallest_m(scene) + kAboveTallest_m; }
+
 std::vector<Footprint> footprints_of(const Scene& scene) {
+  const double headroom = headroom_m(scene);
   std::vector<Footprint> footprints;
   for (const Obstacle& obstacle : scene.obstacles) {
-    if (!blocks_people(obstacle)) continue;
+    if (!blocks_people(obstacle, headroom)) continue;
     std::vector<Eigen::Vector2d> corners = clipped(footprint_of(obstacle), scene.ground);
     if (!corners.empty()) footprints.push_back({&obstacle, std::move(corners)});
   }
   return footprints;
 }
 
-bool blocks_people(const Obstacle& obstacle) {
-  double bottom = kHeadroom_m;
+bool blocks_people(const Obstacle& obstacle, double headroom_m) {
+  double bottom = headroom_m;
   double top = 0;
   for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
     const double z = obstacle.centre_m.z() + static_cast<double>(vertex.z());
     bottom = std::min(bottom, z);
     top = std::max(top, z);
   }
-  return bottom < kHeadroom_m && top > 0;
+  return bottom < headroom_m - kRoundingUp_m && top > 0;
 }
 
 }  // namespace throng

@@ -30,8 +30,12 @@ std::vector<Eigen::Vector2d> footprint_of(const Door& door);
 std::vector<Eigen::Vector2d> clipped(std::vector<Eigen::Vector2d> footprint,
                                      const Rectangle& ground);
 
-/// True if people cannot walk beneath it.
-bool blocks_people(const Obstacle& obstacle);
+/// How high over the ground an obstacle must hang to block nobody (m): 0.1 m above the tallest
+/// avatar that the scene may have.
+double headroom_m(const Scene& scene);
+
+/// True if avatars cannot walk beneath it, given the headroom_m() of their scene.
+bool blocks_people(const Obstacle& obstacle, double headroom_m);
 
 /// An obstacle that blocks avatars, and what it covers of the ground.
 struct Footprint {

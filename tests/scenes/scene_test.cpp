@@ -353,7 +353,7 @@ TEST_F(SceneFile, TheBottomOfAMeshIsTheHeightOfItsLowerEnd) {
   for (const double bottom_m : {0.0, 0.5, 2.5, 4.0}) {
     const Scene read = load(scene + fmt::format(", bottom_m: {}}}]\n", bottom_m));
     EXPECT_EQ(read.obstacles[0].centre_m, Eigen::Vector3d(3, 5, bottom_m + 3));
-    EXPECT_EQ(blocks_people(read.obstacles[0]), bottom_m < 2.6) << bottom_m;
+    EXPECT_EQ(blocks_people(read.obstacles[0], headroom_m(read)), bottom_m < 2.1) << bottom_m;
   }
   EXPECT_EQ(load(scene + "}]\n").obstacles[0].centre_m.z(), 3) << "on the ground unless told";
 }
@@ -387,6 +387,33 @@ TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
                 testing::HasSubstr("s.yaml:7: expected obstacle 'x' on the ground ([0, 0] to [20, "
                                    "10]), found all of it beside, "));
   EXPECT_EQ(with("position_m: [5000, 5], size_m: [10000, 1, 1]").notes.size(), 1u);
+}
+
+TEST_F(SceneFile, WhatBlocksNobodyHangsOverTheTallest) {
+  const auto headroom = [&](const std::string& keys) {
+    return headroom_m(load(kGround + kGroup + keys));
+  };
+  EXPECT_DOUBLE_EQ(headroom(""), 2.1) << "adults";
+  EXPECT_DOUBLE_EQ(headroom("    ages: children\n"), 1.7);
+  EXPECT_DOUBLE_EQ(headroom("    ages: {children: 1, elderly: 1}\n"), 2.06);
+  EXPECT_DOUBLE_EQ(headroom("    height_m: 1.5\n"), 1.6);
+  EXPECT_DOUBLE_EQ(headroom("    height_m: {mean: 1.7, deviation: 0.1, min: 1.5, max: 2.5}\n"),
+                   2.6);
+  const std::string second =
+      "  - {name: b, count: 1, height_m: 2.2, spawn: {min_m: [5, 1], max_m: [8, 9]}, goals: "
+      "[{min_m: [15, 1], max_m: [19, 9]}]}\n";
+  EXPECT_DOUBLE_EQ(headroom(second), 2.3) << "the tallest group";
+  Scene scene = load(kGround + kGroup + second);
+  scene.groups[1].count = 0;
+  EXPECT_DOUBLE_EQ(headroom_m(scene), 2.1) << "a group of none";
+  const auto blocks = [&](const std::string& keys) {
+    const Scene read =
+        load(kGround + kGroup + "obstacles: [{kind: box, position_m: [10, 5], " + keys + "}]\n");
+    return footprints_of(read).size();
+  };
+  EXPECT_EQ(blocks("size_m: [0.3, 10, 0.3], bottom_m: 2.1"), 0u);
+  EXPECT_EQ(blocks("size_m: [0.3, 10, 0.3], bottom_m: 2.099"), 1u);
+  EXPECT_EQ(blocks("size_m: [0.3, 10, 1], bottom_m: -1"), 0u) << "in the ground";
 }
 
 TEST(ScaleTo, KeepsProportionsToThePerson) {

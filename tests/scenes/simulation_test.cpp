@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "base/hasher.h"
 #include "scenes/run/runner.h"
 #include "tests/scenes/crowd_world.h"
+#include "tests/scenes/scene_file.h"
 
 namespace throng {
 namespace {
@@ -219,6 +221,32 @@ TEST(Runner, QuantilesAreRanksOfTheSamples) {
   EXPECT_EQ(found.p95, 95);
   EXPECT_EQ(found.max, 100);
   EXPECT_EQ(quantiles_of({}).max, 0);
+}
+
+/// What hangs over the whole ground, a decimetre above people of 2 m.
+TEST_F(SceneFile, PeopleWalkUnderALintelAndDoNotTouchIt) {
+  const Scene scene = load(
+      kGround +
+      "near_m: 0.3\n"
+      "groups:\n"
+      "  - {name: a, count: 30, height_m: 2.0, on_arrival: leave, spawn: {min_m: [1, 1], max_m: "
+      "[6, "
+      "9]}, goals: [{min_m: [15, 1], max_m: [19, 9]}]}\n"
+      "obstacles: [{name: lintel, kind: box, position_m: [10, 5], bottom_m: 2.1, size_m: [20, 10, "
+      "0.4]}]\n");
+  Simulation simulation(scene, {});
+  const auto people = static_cast<uint32_t>(simulation.info().avatar_count());
+  ASSERT_EQ(people, 30u);
+  size_t near = 0;
+  const Frame* frame = nullptr;
+  for (int i = 0; i < 60 * 30; ++i) {
+    frame = &simulation.step();
+    for (const PairKey& pair : frame->pairs)
+      ASSERT_LT(pair.b(), people) << "touches the lintel in frame " << i;
+    for (const NearPair row : frame->near_pairs) near += row.pair.b() >= people;
+  }
+  EXPECT_GT(near, 0u) << "the lintel is looked at";
+  EXPECT_EQ(std::count(frame->present.begin(), frame->present.end(), 1), 0) << "all arrived";
 }
 
 }  // namespace

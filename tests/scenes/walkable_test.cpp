@@ -29,9 +29,11 @@ TEST(Shapes, FootprintTurnsWithTheObstacle) {
 
 TEST(Shapes, NobodyWalksIntoASignOverhead) {
   Obstacle sign = box(0, 0, 1, 1);
-  EXPECT_TRUE(blocks_people(sign));
+  EXPECT_TRUE(blocks_people(sign, 2.1));
   sign.centre_m.z() = 5;  // its lower side at 3.5 m
-  EXPECT_FALSE(blocks_people(sign));
+  EXPECT_FALSE(blocks_people(sign, 2.1));
+  EXPECT_FALSE(blocks_people(sign, 3.5));
+  EXPECT_TRUE(blocks_people(sign, 3.6));
 }
 
 Walkable two_boxes() {
