@@ -71,6 +71,8 @@ void prepare(RunWork& work) {
   work.source = open_run_source(request.source);
   refuse_inputs(request, work.source.scene);
   if (!request.separation.empty()) require_separation(work.source.scene, "separation");
+  require_trajectory_area(request.trajectory, work.source.scene, request.trajectory_piece,
+                          "trajectory_area");
   request.simulation.world = std::move(work.source.world);
   work.simulation = std::make_unique<Simulation>(work.source.scene, request.simulation);
   work.recorder = std::make_unique<RunRecorder>(request.trajectory_fps, request.trajectories);
@@ -84,8 +86,8 @@ void run_to_end(RunWork& work, WorkSigns& signs) {
   Simulation& simulation = *work.simulation;
   std::vector<std::unique_ptr<Sink>> files;
   for (const fs::path& file : request.trajectory)
-    files.push_back(
-        std::make_unique<TrajectorySink>(TrajectoryOptions{file, request.trajectory_fps}));
+    files.push_back(std::make_unique<TrajectorySink>(
+        TrajectoryOptions{file, request.trajectory_fps, request.trajectory_piece}));
   if (!request.html.empty())
     files.push_back(std::make_unique<ReplaySink>(request.html, page_html(), kReplayLimitMb));
   if (!request.contacts.empty())

@@ -11,6 +11,7 @@
 
 #include "base/errors.h"
 #include "base/option_checks.h"
+#include "scenes/sinks/trajectories/walkable_area.h"
 
 namespace py = pybind11;
 
@@ -172,6 +173,12 @@ RunRequest request_of(const py::dict& dict) {
   given.take("separation", "a folder", request.separation);
   given.take("trace_hash", "a path", request.trace_hash);
   given.take("trajectory", "a list of paths", request.trajectory);
+  std::string area;
+  given.take("trajectory_area", "'largest' or a whole number from 1", area);
+  request.trajectory_piece = trajectory_piece(area);
+  if (!area.empty() && !request.trajectory_piece)
+    throw InputError("trajectory_area", "'largest' or a whole number from 1",
+                     fmt::format("'{}'", area));
   given.expect_all_known();
   return request;
 }

@@ -24,6 +24,7 @@ struct RunRequest {
   bool publish_parts = false;
   std::filesystem::path log, html, contacts, separation, trace_hash;
   std::vector<std::filesystem::path> trajectory;
+  std::optional<int64_t> trajectory_piece;  ///< see TrajectoryOptions
 };
 
 /// Of a dictionary whose values are None where they were not given. With the interpreter's lock

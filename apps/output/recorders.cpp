@@ -8,6 +8,7 @@
 #include "scenes/separation/separation_check.h"
 #include "scenes/sinks/by_part.h"
 #include "scenes/sinks/trace.h"
+#include "scenes/sinks/trajectories/walkable_area.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
 
@@ -28,6 +29,15 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
                  "Frames a second in it [10; of a recording its own]")
       ->check(number_option(0, 1e4, true, "a number of frames a second above 0"))
       ->type_name("F");
+  app.add_option("--trajectory-area", options.trajectory_area,
+                 "Of a walkable area in pieces the one in FILE.sqlite: largest, or its number by "
+                 "size, from 1")
+      ->check([](const std::string& word) {
+        return trajectory_piece(word)
+                   ? std::string()
+                   : fmt::format("expected 'largest' or a whole number from 1, found '{}'", word);
+      })
+      ->type_name("N");
   app.add_option("--html", options.html, "The 3-D page with the run in it, one file to send")
       ->type_name("FILE");
   app.add_option("--contacts", options.contacts, "Contact statistics: a folder of CSV and figures")
@@ -64,6 +74,10 @@ void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
 
 void require_recordable(const RecorderOptions& options, const Scene& scene) {
   if (!options.separation.empty()) require_separation(scene, "--separation");
+  const std::vector<std::filesystem::path> trajectories(options.trajectories.begin(),
+                                                        options.trajectories.end());
+  require_trajectory_area(trajectories, scene, trajectory_piece(options.trajectory_area),
+                          "--trajectory-area");
 }
 
 template <typename Recorder>
@@ -74,7 +88,8 @@ void Recorders::add(std::unique_ptr<Recorder> recorder) {
 
 Recorders::Recorders(const RecorderOptions& options, const Scene& scene) {
   for (const std::string& file : options.trajectories)
-    add(std::make_unique<TrajectorySink>(TrajectoryOptions{file, options.trajectory_fps}));
+    add(std::make_unique<TrajectorySink>(TrajectoryOptions{
+        file, options.trajectory_fps, trajectory_piece(options.trajectory_area)}));
   if (!options.trace.empty()) add(std::make_unique<TraceSink>(options.trace));
   if (!options.html.empty())
     add(std::make_unique<ReplaySink>(options.html, page_html(), kReplayLimitMb));

@@ -20,11 +20,12 @@ namespace throng {
 struct RecorderOptions {
   std::vector<std::string> trajectories;
   std::optional<double> trajectory_fps;
-  std::string contacts;    ///< a folder, or ""
-  std::string separation;  ///< a folder, or ""; needs a scene with a separation
-  std::string trace;       ///< a hash a stage and frame, or ""
-  std::string by_part;     ///< a folder, or ""; needs CullerOptions::by_part
-  std::string html;        ///< the page with the run in it, or ""
+  std::string trajectory_area;  ///< a word of trajectory_piece(), or ""
+  std::string contacts;         ///< a folder, or ""
+  std::string separation;       ///< a folder, or ""; needs a scene with a separation
+  std::string trace;            ///< a hash a stage and frame, or ""
+  std::string by_part;          ///< a folder, or ""; needs CullerOptions::by_part
+  std::string html;             ///< the page with the run in it, or ""
 };
 
 void add_recorder_options(CommandOptions& app, RecorderOptions& options);

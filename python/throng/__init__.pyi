@@ -85,6 +85,7 @@ def run(
     publish_parts: bool = False,
     html: Optional[Path] = None,
     trajectory: Union[None, Path, Sequence[Path]] = None,
+    trajectory_area: Union[None, int, str] = None,
     contacts: Optional[Path] = None,
     separation: Optional[Path] = None,
     trace_hash: Optional[Path] = None,

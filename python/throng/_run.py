@@ -177,6 +177,7 @@ def run(
     publish_parts=False,
     html=None,
     trajectory=None,
+    trajectory_area=None,
     contacts=None,
     separation=None,
     trace_hash=None,
@@ -200,6 +201,7 @@ def run(
         trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].
         log, states_hz, publish_parts: a log to write.
         html: a page to write, with the run in it. trajectory: a file .sqlite or .csv, or a list of them.
+        trajectory_area: of a walkable area in pieces the one in FILE.sqlite: "largest", or its number by size, from 1.
         contacts: a folder for contact statistics. separation: a folder for how near robots came to people.
         trace_hash: a file for a hash a stage and frame.
         view: True keeps the page, for Run.view().
@@ -218,6 +220,8 @@ def run(
     if trajectory is not None:
         files = [trajectory] if isinstance(trajectory, (str, os.PathLike)) else trajectory
         given["trajectory"] = [os.fspath(file) for file in files]
+    if trajectory_area is not None:
+        given["trajectory_area"] = str(trajectory_area)
     page = None
     with tempfile.TemporaryDirectory() as folder:
         kept = given["html"]

@@ -101,7 +101,7 @@ TEST(InfoRecording, ReadsWhatARunWrote) {
             0);
   const Outcome sqlite = shell("throng info a.sqlite --strict", folder);
   EXPECT_EQ(sqlite.exit_code, 0) << sqlite.err;
-  EXPECT_THAT(sqlite.out, HasSubstr("JuPedSim SQLite 3"));
+  EXPECT_THAT(sqlite.out, HasSubstr("JuPedSim SQLite 2"));
   EXPECT_THAT(sqlite.out, HasSubstr("as the file has them"));
   EXPECT_THAT(sqlite.out, HasSubstr("walkable area"));
   const Outcome csv = shell("gzip a.csv && throng info a.csv.gz --strict", folder);

@@ -45,6 +45,24 @@ TEST(TrajectoryFiles, OtherNamesAreBadInput) {
   EXPECT_THAT(outcome.err, HasSubstr(".sqlite or .csv, found 't.txt'"));
 }
 
+TEST(TrajectoryFiles, OfAnAreaInPiecesAskWhichOneBeforeTheRun) {
+  const ScratchFolder folder;
+  const std::string run = "throng run ring --seconds 0.1 --lcm off --log off --trajectory ";
+  const Outcome outcome = shell(run + "t.sqlite", folder);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+  EXPECT_THAT(outcome.err, StartsWith("--trajectory-area: expected "));
+  EXPECT_FALSE(std::filesystem::exists(folder / "t.sqlite"));
+  EXPECT_EQ(shell(run + "t.csv", folder).exit_code, 0) << "holds no area";
+  for (const char* piece : {"largest", "1", "2"})
+    EXPECT_EQ(shell(run + "t.sqlite --trajectory-area " + piece, folder).exit_code, 0) << piece;
+  for (const char* piece : {"0", "3", "all", "-1"}) {
+    const Outcome refused = shell(run + "t.sqlite --trajectory-area=" + piece, folder);
+    EXPECT_EQ(refused.exit_code, 2) << piece;
+    EXPECT_EQ(line_count(refused.err), 1) << refused.err;
+  }
+}
+
 TEST(ContactFiles, SayTheSameAsTheRun) {
   const ScratchFolder folder;
   const Outcome outcome = shell(

@@ -68,6 +68,7 @@ class BadOptions(Case):
             ({"fps": 25}, "fps"),
             ({"states_hz": 1000, "log": "x.lcmlog"}, "states_hz"),
             ({"trajectory": "x.txt"}, "trajectory"),
+            ({"trajectory_area": "2nd"}, "trajectory_area"),
         ]:
             with self.subTest(options=options), self.assertRaises(throng.InputError) as raised:
                 throng.run("plaza", **options)

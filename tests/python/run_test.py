@@ -98,6 +98,16 @@ class Runs(Case):
         numpy.testing.assert_allclose(run.trajectories["x_m"], expected[:, 2], atol=1e-6)
         numpy.testing.assert_allclose(run.trajectories["y_m"], expected[:, 3], atol=1e-6)
 
+    def test_write_the_piece_of_the_walkable_area_that_is_chosen(self):
+        file = self.folder / "ring.sqlite"
+        with self.assertRaisesRegex(throng.InputError, "^trajectory_area: expected .*, found 2 pieces"):
+            throng.run("ring", seconds=0.1, trajectory=file)
+        for piece in ("largest", 1, 2):
+            throng.run("ring", seconds=0.1, trajectory=file, trajectory_area=piece)
+            with sqlite3.connect(file) as database:
+                ((wkt,),) = database.execute("select wkt from geometry").fetchall()
+            self.assertRegex(wkt, r"^POLYGON \(\(")
+
     def test_write_what_the_command_writes(self):
         throng.run("plaza", seconds=1, contacts=self.folder / "ours", trace_hash=self.folder / "ours.txt")
         command("run", "plaza", "--seconds", 1, "--lcm", "off", "--log", "off", "--contacts", "theirs",

@@ -11,10 +11,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/errors.h"
+#include "scenes/recorded/recording.h"
+#include "scenes/recorded/walkable_wkt.h"
 #include "scenes/sinks/trajectories/trajectory_sink.h"
 #include "scenes/sinks/trajectories/walkable_area.h"
 #include "tests/scenes/crowd_world.h"
@@ -39,6 +42,7 @@ class Trajectory : public testing::Test {
     scene_.seed = 7;
     scene_.ground = {{-5, -4}, {5, 4}};
     scene_.obstacles = {box(0, 2, 1, 1)};
+    if (cut_) scene_.obstacles.push_back(*cut_);
     RunInfo run;
     run.scene = &scene_;
     run.run_id = 0xabc;
@@ -67,6 +71,7 @@ class Trajectory : public testing::Test {
 
   fs::path folder_;
   Scene scene_;
+  std::optional<Obstacle> cut_;  ///< one more obstacle
 };
 
 /// All rows of a query, columns joined by '|'.
@@ -99,7 +104,7 @@ std::vector<std::string> lines_of(const fs::path& file) {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST_F(Trajectory, SqliteHasTheTablesOfJuPedSimVersion3) {
+TEST_F(Trajectory, SqliteHasTheTablesOfJuPedSimVersion2) {
   TrajectorySink sink({folder_ / "t.sqlite", 10});
   record(sink, 12);
   const auto columns = [&](const char* table) {
@@ -108,12 +113,15 @@ TEST_F(Trajectory, SqliteHasTheTablesOfJuPedSimVersion3) {
         fmt::format("SELECT name, type, \"notnull\" FROM pragma_table_info('{}')", table).c_str());
   };
   EXPECT_THAT(columns("trajectory_data"),
-              ElementsAre("frame|INTEGER|1", "id|INTEGER|1", "pos_x|REAL|1", "pos_y|REAL|1"));
+              ElementsAre("frame|INTEGER|1", "id|INTEGER|1", "pos_x|REAL|1", "pos_y|REAL|1",
+                          "ori_x|REAL|1", "ori_y|REAL|1"));
   EXPECT_THAT(columns("metadata"), ElementsAre("key|TEXT|1", "value|TEXT|1"));
   EXPECT_THAT(columns("geometry"), ElementsAre("hash|INTEGER|1", "wkt|TEXT|1"));
   EXPECT_THAT(columns("frame_data"), ElementsAre("frame|INTEGER|1", "geometry_hash|INTEGER|1"));
   EXPECT_THAT(query(folder_ / "t.sqlite", "SELECT name FROM pragma_index_info('frame_id_idx')"),
               ElementsAre("frame", "id"));
+  EXPECT_THAT(query(folder_ / "t.sqlite", "SELECT name FROM pragma_index_info('geometry_hash')"),
+              ElementsAre("hash"));
 }
 
 TEST_F(Trajectory, SqliteSaysRateBoundsAndGeometry) {
@@ -123,10 +131,11 @@ TEST_F(Trajectory, SqliteSaysRateBoundsAndGeometry) {
   EXPECT_THAT(query(file,
                     "SELECT key, value FROM metadata WHERE key NOT LIKE 'throng%' "
                     "ORDER BY key"),
-              ElementsAre("fps|10", "version|3", "xmax|5", "xmin|-5", "ymax|4", "ymin|-4"));
+              ElementsAre("fps|10", "version|2", "xmax|5", "xmin|-5", "ymax|4", "ymin|-4"));
   EXPECT_THAT(query(file, "SELECT value FROM metadata WHERE key = 'throng_scene'"),
               ElementsAre("three"));
-  EXPECT_THAT(query(file, "SELECT wkt FROM geometry"), ElementsAre(walkable_wkt(scene_)));
+  EXPECT_THAT(query(file, "SELECT wkt FROM geometry"),
+              ElementsAre(trajectory_area(scene_, {}).wkt));
   EXPECT_THAT(query(file, "SELECT count(*) FROM frame_data JOIN geometry ON hash = geometry_hash"),
               ElementsAre("2"));
 }
@@ -147,6 +156,65 @@ TEST_F(Trajectory, HasARowAPersonAndRecordedFrame) {
                     "SELECT round(heading_rad, 4), speed_mps FROM throng_motion "
                     "WHERE frame = 1 AND id = 0"),
               ElementsAre("0.5|1.5"));
+}
+
+/// The questions that PedPy 1 and JuPedSim 1 ask of a file.
+TEST_F(Trajectory, SqliteAnswersWhatPedPyAndJuPedSimAsk) {
+  TrajectorySink sink({folder_ / "t.sqlite", 10});
+  record(sink, 13);
+  const fs::path file = folder_ / "t.sqlite";
+  EXPECT_THAT(query(file, "select value from metadata where key = 'version'"), ElementsAre("2"));
+  EXPECT_THAT(query(file, "select value from metadata where key = 'fps'"), ElementsAre("10"));
+  EXPECT_THAT(query(file, "select frame, id, pos_x as x, pos_y as y from trajectory_data limit 2"),
+              ElementsAre("0|0|0.0|0.0", "0|1|0.0|1.0"));
+  EXPECT_THAT(query(file,
+                    "SELECT id, pos_x, pos_y, round(ori_x, 6), round(ori_y, 6) "
+                    "FROM trajectory_data WHERE frame == (2) ORDER BY id ASC"),
+              ElementsAre("0|0.1875|0.0|0.877583|0.479426", "1|0.1875|1.0|0.877583|0.479426",
+                          "2|0.1875|2.0|0.877583|0.479426"));
+  EXPECT_THAT(query(file, "SELECT count(*) FROM frame_data"), ElementsAre("3"));
+  EXPECT_THAT(query(file,
+                    "SELECT count(*) FROM geometry WHERE hash IN (SELECT geometry_hash FROM "
+                    "frame_data WHERE frame == 1)"),
+              ElementsAre("1"));
+  // They take a single polygon.
+  const std::vector<std::string> wkt = query(file, "SELECT wkt FROM geometry");
+  ASSERT_EQ(wkt.size(), 1u);
+  EXPECT_EQ(parse_area(wkt[0], "wkt").size(), 1u) << wkt[0];
+  EXPECT_THAT(wkt[0], testing::StartsWith("POLYGON (("));
+}
+
+TEST_F(Trajectory, IsReadBackWithItsAreaAndHeadings) {
+  TrajectorySink sink({folder_ / "t.sqlite", 10});
+  record(sink, 120);
+  RecordingOptions options;
+  options.file = folder_ / "t.sqlite";
+  const auto recording = read_recording(options);
+  EXPECT_EQ(recording->facts().kind, "JuPedSim SQLite 2");
+  EXPECT_EQ(recording->facts().fps, 10);
+  EXPECT_TRUE(recording->facts().has_headings);
+  EXPECT_EQ(recording->facts().wkt, trajectory_area(scene_, {}).wkt);
+  std::vector<Sample> samples;
+  recording->read(1, samples);
+  ASSERT_EQ(samples.size(), 10u);
+  EXPECT_EQ(samples[2].heading_rad, 0.5f);
+  EXPECT_EQ(samples[2].position_m, Eigen::Vector2d(0.1875, 1));
+}
+
+TEST_F(Trajectory, OfAnAreaInPiecesHasTheOneThatWasChosen) {
+  const auto write = [&](const char* name, std::optional<int64_t> piece) {
+    TrajectorySink sink({folder_ / name, 10, piece});
+    record(sink, 6);
+  };
+  cut_ = box(0, -3, 10, 0.2);
+  EXPECT_THROW(write("t.sqlite", {}), InputError);
+  EXPECT_NO_THROW(write("t.csv", {})) << "holds no area";
+  write("t.sqlite", 2);
+  EXPECT_THAT(query(folder_ / "t.sqlite", "SELECT wkt FROM geometry"),
+              ElementsAre("POLYGON ((-5.0000 -4.0000, 5.0000 -4.0000, 5.0000 -3.1001, -5.0000 "
+                          "-3.1001, -5.0000 -4.0000))"));
+  EXPECT_THAT(query(folder_ / "t.sqlite", "SELECT value FROM metadata WHERE key = 'throng_area'"),
+              ElementsAre("2 of 2"));
 }
 
 TEST_F(Trajectory, HasNoRowsOfPeopleWhoAreNotThere) {

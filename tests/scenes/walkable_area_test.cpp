@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/errors.h"
 #include "tests/scenes/crowd_world.h"
 
 namespace throng {
@@ -46,7 +47,7 @@ Scene ground_of(double half_m) {
 }
 
 TEST(WalkableArea, OfAnEmptyGroundIsTheGround) {
-  EXPECT_EQ(walkable_wkt(ground_of(2)),
+  EXPECT_EQ(trajectory_area(ground_of(2), {}).wkt,
             "POLYGON ((-2.0000 -2.0000, 2.0000 -2.0000, 2.0000 2.0000, -2.0000 2.0000, "
             "-2.0000 -2.0000))");
 }
@@ -67,13 +68,43 @@ TEST(WalkableArea, FallsApartWhereAWallCutsTheGround) {
   const auto area = walkable_area(scene);
   ASSERT_EQ(area.size(), 2u);
   EXPECT_GT(signed_area_m2(area[0].outline), signed_area_m2(area[1].outline));
-  EXPECT_THAT(walkable_wkt(scene), testing::StartsWith("MULTIPOLYGON ((("));
+}
+
+TEST(WalkableArea, InPiecesAsksWhichOneATrajectoryHas) {
+  Scene scene = ground_of(5);
+  scene.name = "cut";
+  scene.obstacles = {box(2, 0, 0.2, 10)};
+  EXPECT_THAT([&] { trajectory_area(scene, {}); },
+              testing::ThrowsMessage<InputError>(
+                  "--trajectory-area: expected to be told which piece of the walkable area a "
+                  "trajectory has, as SQLite holds one, found 2 pieces, the largest of 69.0 and "
+                  "29.0 m2; 'largest' or a number from 1 chooses one by its size"));
+  EXPECT_THAT([&] { trajectory_area(scene, 3, "trajectory_area"); },
+              testing::ThrowsMessage<InputError>(
+                  "trajectory_area: expected a piece of the walkable area of 'cut', from 1 to 2, "
+                  "found 3"));
+  EXPECT_THAT(trajectory_area(scene, 1).wkt, testing::StartsWith("POLYGON ((-5.0000 -5.0000, 1.8"));
+  EXPECT_THAT(trajectory_area(scene, 2).wkt, testing::StartsWith("POLYGON ((2.1001 -5.0000, 5.0"));
+  EXPECT_EQ(trajectory_piece("largest"), 1);
+  EXPECT_EQ(trajectory_piece("2"), 2);
+  for (const char* word : {"", "0", "-1", "1.5", "2nd", "all"})
+    EXPECT_EQ(trajectory_piece(word), std::nullopt) << word;
+}
+
+TEST(WalkableArea, PiecesThatNobodyFitsInDoNotCount) {
+  Scene scene = ground_of(5);
+  // Between each two there are 5 cm by 5 cm.
+  scene.obstacles = {box(0, 0, 1, 0.05), box(0, 0.1, 1, 0.05), box(-0.025, 0.05, 0.05, 0.05),
+                     box(0.075, 0.05, 0.05, 0.05)};
+  EXPECT_EQ(walkable_area(scene).size(), 2u);
+  EXPECT_EQ(trajectory_area(scene, {}).pieces, 1u);
 }
 
 TEST(WalkableArea, OfACoveredGroundIsEmpty) {
   Scene scene = ground_of(1);
   scene.obstacles = {box(0, 0, 4, 4)};
-  EXPECT_EQ(walkable_wkt(scene), "POLYGON EMPTY");
+  EXPECT_TRUE(walkable_area(scene).empty());
+  EXPECT_THROW(trajectory_area(scene, 1), InputError);
 }
 
 TEST(WalkableArea, BoxesThatTouchInACornerJoin) {

@@ -150,8 +150,9 @@ void parse_database(const RegularFile& file, bool is_rate_given, ForeignSender& 
     if (!has(columns, column))
       throw Refusal(fmt::format("a column {} in trajectory_data", column),
                     in_quotes(fmt::format("{}", fmt::join(columns, ", "))));
-  const bool has_orientation = has(columns, "ori_x") && has(columns, "ori_y");
-  const bool has_motion = !has_orientation && has(tables, "throng_motion");
+  // Our own headings are as exact as they were written.
+  const bool has_motion = has(tables, "throng_motion");
+  const bool has_orientation = !has_motion && has(columns, "ori_x") && has(columns, "ori_y");
   std::string sql = "SELECT t.frame, t.id, t.pos_x, t.pos_y";
   if (has_orientation) sql += ", t.ori_x, t.ori_y";
   if (has_motion) sql += ", m.heading_rad";

@@ -1,12 +1,14 @@
-// Trajectories in the SQLite schema of JuPedSim, version 3, which PedPy reads, too; heading, speed
-// and names are tables of our own beside it, prefixed throng_.
+// Trajectories in the SQLite schema of JuPedSim, version 2, the newest that PedPy reads, too;
+// heading, speed and names are tables of our own beside it, prefixed throng_.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
+#include <initializer_list>
 
 #include "base/errors.h"
 #include "base/hasher.h"
@@ -22,10 +24,12 @@ constexpr int kFramesATransaction = 100;
 
 constexpr const char* kSchema = R"(
 CREATE TABLE trajectory_data(
-  frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL, pos_y REAL NOT NULL);
+  frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL, pos_y REAL NOT NULL,
+  ori_x REAL NOT NULL, ori_y REAL NOT NULL);
 CREATE INDEX frame_id_idx ON trajectory_data(frame, id);
 CREATE TABLE metadata(key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE geometry(hash INTEGER NOT NULL UNIQUE, wkt TEXT NOT NULL);
+CREATE TABLE geometry(hash INTEGER NOT NULL, wkt TEXT NOT NULL);
+CREATE UNIQUE INDEX geometry_hash ON geometry(hash);
 CREATE TABLE frame_data(frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);
 CREATE TABLE throng_motion(
   frame INTEGER NOT NULL, id INTEGER NOT NULL, heading_rad REAL NOT NULL, speed_mps REAL NOT NULL,
@@ -62,7 +66,7 @@ class SqliteWriter final : public TrajectoryWriter {
       run(statement);
       sqlite3_finalize(statement);
     };
-    say("version", "3");
+    say("version", "2");
     say("fps", fmt::format("{}", head.fps));
     say("xmin", fmt::format("{}", head.bounds.min_m.x()));
     say("xmax", fmt::format("{}", head.bounds.max_m.x()));
@@ -72,7 +76,7 @@ class SqliteWriter final : public TrajectoryWriter {
     add_geometry(head.wkt);
     add_people(head.people);
     execute("COMMIT");
-    position_ = prepare("INSERT INTO trajectory_data VALUES(?, ?, ?, ?)");
+    position_ = prepare("INSERT INTO trajectory_data VALUES(?, ?, ?, ?, ?, ?)");
     motion_ = prepare("INSERT INTO throng_motion VALUES(?, ?, ?, ?)");
     shape_ = prepare("INSERT INTO frame_data VALUES(?, ?)");
   }
@@ -80,8 +84,9 @@ class SqliteWriter final : public TrajectoryWriter {
   void frame(int64_t number, std::span<const TrajectoryRow> rows) override {
     if (pending_frames_ == 0) execute("BEGIN");
     for (const TrajectoryRow& row : rows) {
-      insert(position_, number, row.id, row.x_m, row.y_m);
-      insert(motion_, number, row.id, row.heading_rad, row.speed_mps);
+      insert(position_, number, row.id,
+             {row.x_m, row.y_m, std::cos(row.heading_rad), std::sin(row.heading_rad)});
+      insert(motion_, number, row.id, {row.heading_rad, row.speed_mps});
     }
     sqlite3_bind_int64(shape_, 1, number);
     sqlite3_bind_int64(shape_, 2, geometry_hash_);
@@ -130,11 +135,12 @@ class SqliteWriter final : public TrajectoryWriter {
     sqlite3_finalize(statement);
   }
 
-  void insert(sqlite3_stmt* statement, int64_t frame, uint32_t id, double first, double second) {
+  void insert(sqlite3_stmt* statement, int64_t frame, uint32_t id,
+              std::initializer_list<double> values) {
     sqlite3_bind_int64(statement, 1, frame);
     sqlite3_bind_int64(statement, 2, id);
-    sqlite3_bind_double(statement, 3, first);
-    sqlite3_bind_double(statement, 4, second);
+    int column = 3;
+    for (const double value : values) sqlite3_bind_double(statement, column++, value);
     run(statement);
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/errors.h"
 #include "base/version.h"
@@ -18,6 +19,8 @@ std::unique_ptr<TrajectoryWriter> open_trajectory(const std::filesystem::path& f
                      fmt::format("'{}'", file.string()));
   return file.extension() == ".csv" ? open_csv_trajectory(file) : open_sqlite_trajectory(file);
 }
+
+bool has_area(const std::filesystem::path& file) { return file.extension() == ".sqlite"; }
 
 double heading_rad(const Eigen::Quaternionf& turn) {
   return 2 * std::atan2(static_cast<double>(turn.z()), static_cast<double>(turn.w()));
@@ -42,22 +45,33 @@ bool is_trajectory_name(const std::filesystem::path& file) {
   return file.extension() == ".sqlite" || file.extension() == ".csv";
 }
 
+void require_trajectory_area(std::span<const std::filesystem::path> files, const Scene& scene,
+                             std::optional<int64_t> piece, std::string_view option) {
+  if (std::any_of(files.begin(), files.end(), has_area)) trajectory_area(scene, piece, option);
+}
+
 TrajectorySink::TrajectorySink(const TrajectoryOptions& options)
-    : fps_(options.fps), writer_(open_trajectory(options.file)) {}
+    : options_(options), writer_(open_trajectory(options.file)) {}
 
 void TrajectorySink::begin(const RunInfo& run) {
   const Scene& scene = *run.scene;
-  every_ = std::max<int64_t>(1, std::llround(1 / (fps_.value_or(usual_fps(scene)) * run.step_s)));
+  every_ = std::max<int64_t>(
+      1, std::llround(1 / (options_.fps.value_or(usual_fps(scene)) * run.step_s)));
   TrajectoryHead head;
   head.fps = 1 / (static_cast<double>(every_) * run.step_s);
   head.bounds = scene.ground;
-  head.wkt = walkable_wkt(scene);
   head.facts = {{"version", std::string(version())},
                 {"commit", std::string(commit())},
                 {"scene", scene.name},
                 {"seed", fmt::format("{}", scene.seed)},
                 {"run_id", fmt::format("{:016x}", run.run_id)},
                 {"step_s", fmt::format("{}", run.step_s)}};
+  if (has_area(options_.file)) {
+    TrajectoryArea area = trajectory_area(scene, options_.piece);
+    head.wkt = std::move(area.wkt);
+    if (area.pieces > 1)
+      head.facts.emplace_back("area", fmt::format("{} of {}", area.piece, area.pieces));
+  }
   if (scene.recorded) {
     const RecordingFacts& recorded = scene.recorded->recording->facts();
     head.facts.emplace_back("recording", recorded.kind);

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "scenes/run/sink.h"
@@ -17,6 +19,8 @@ struct TrajectoryOptions {
   /// Wanted; every so many steps are written that it comes nearest. None: as a recording has it,
   /// else 10.
   std::optional<double> fps = {};
+  /// Of a walkable area that falls into pieces, see trajectory_area().
+  std::optional<int64_t> piece = {};
 };
 
 class TrajectorySink final : public Sink {
@@ -33,7 +37,7 @@ class TrajectorySink final : public Sink {
   int64_t rows() const { return rows_total_; }
 
  private:
-  std::optional<double> fps_;
+  TrajectoryOptions options_;
   std::unique_ptr<TrajectoryWriter> writer_;
   int64_t every_ = 1;  ///< steps
   int64_t frames_ = 0;
@@ -43,5 +47,10 @@ class TrajectorySink final : public Sink {
 
 /// True if the name ends in .sqlite or .csv.
 bool is_trajectory_name(const std::filesystem::path& file);
+
+/// Throws InputError if one of the files has the walkable area and no piece of it can be chosen;
+/// `option` is the one that chooses.
+void require_trajectory_area(std::span<const std::filesystem::path> files, const Scene& scene,
+                             std::optional<int64_t> piece, std::string_view option);
 
 }  // namespace throng

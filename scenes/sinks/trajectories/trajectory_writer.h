@@ -18,7 +18,7 @@ namespace throng {
 struct TrajectoryHead {
   double fps = 0;    ///< recorded frames a second of simulated time
   Rectangle bounds;  ///< of the walkable area
-  std::string wkt;   ///< the walkable area, see walkable_wkt()
+  std::string wkt;   ///< the walkable area, see trajectory_area(); empty: not asked for
   std::vector<std::pair<std::string, std::string>> facts;  ///< scene, seed, run: name and value
   std::vector<std::string> people;                         ///< display names by id
 };

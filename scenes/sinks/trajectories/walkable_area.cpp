@@ -3,34 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/polygon/polygon.hpp>
+#include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "base/append.h"
+#include "base/errors.h"
+#include "scenes/file/scene_limits.h"
 #include "scenes/file/shapes.h"
+#include "scenes/recorded/area_grid.h"
 
 namespace throng {
 namespace {
 
 namespace bp = boost::polygon;
 
-/// Whole numbers make the difference of polygons exact; 0.1 mm, 32 bits hold 200 km.
-constexpr double kUnit_m = 1e-4;
-using Point = bp::point_data<int>;
-using Shape = bp::polygon_with_holes_data<int>;
-
-Point point_at(const Eigen::Vector2d& p) {
-  return {static_cast<int>(std::lround(p.x() / kUnit_m)),
-          static_cast<int>(std::lround(p.y() / kUnit_m))};
-}
-
-bp::polygon_data<int> polygon_of(const std::vector<Eigen::Vector2d>& corners) {
-  std::vector<Point> points;
-  for (const Eigen::Vector2d& corner : corners) points.push_back(point_at(corner));
-  bp::polygon_data<int> polygon;
-  polygon.set(points.begin(), points.end());
-  return polygon;
-}
+/// No disc of the smallest radius has room in less.
+constexpr double kLeastPiece_m2 = std::numbers::pi * kMinRadius_m * kMinRadius_m;
 
 /// A little larger to all sides.
 std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
@@ -39,35 +28,32 @@ std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
     middle += corner / static_cast<double>(corners.size());
   for (Eigen::Vector2d& corner : corners)
     for (int axis = 0; axis < 2; ++axis)
-      corner[axis] += std::copysign(kUnit_m, corner[axis] - middle[axis]);
+      corner[axis] += std::copysign(kAreaUnit_m, corner[axis] - middle[axis]);
   return corners;
 }
 
 /// All of it, or what a recording says of it.
-bp::polygon_set_data<int> ground_of(const Scene& scene) {
-  bp::polygon_set_data<int> ground, holes;
+GridSet ground_of(const Scene& scene) {
+  GridSet ground;
   const Eigen::Vector2d &low = scene.ground.min_m, &high = scene.ground.max_m;
+  if (!(low.minCoeff() >= -kMaxOnGrid_m && high.maxCoeff() <= kMaxOnGrid_m))
+    throw InputError(scene.name,
+                     fmt::format("a ground within {:g} km of the origin for its walkable area",
+                                 kMaxOnGrid_m / 1000),
+                     "a larger one");
   if (scene.area.empty())
-    ground.insert(polygon_of({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
-  for (const AreaPolygon& polygon : scene.area) {
-    ground.insert(polygon_of(polygon.outline));
-    for (const AreaPolygon::Ring& hole : polygon.holes) holes.insert(polygon_of(hole));
-  }
-  using namespace bp::operators;
-  return scene.area.empty() ? ground : bp::polygon_set_data<int>(ground - holes);
+    ground.insert(grid_polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
+  for (const AreaPolygon& polygon : scene.area) add_to(ground, polygon);
+  return ground;
 }
 
 template <typename Ring>
 std::vector<Eigen::Vector2d> ring_of(const Ring& ring, bool counter_clockwise) {
   std::vector<Eigen::Vector2d> corners;
-  for (const Point& point : ring) corners.emplace_back(kUnit_m * point.x(), kUnit_m * point.y());
+  for (const GridPoint& point : ring) corners.push_back(metres(point));
   if (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
-  double doubled_area = 0;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const Eigen::Vector2d& next = corners[(i + 1) % corners.size()];
-    doubled_area += corners[i].x() * next.y() - next.x() * corners[i].y();
-  }
-  if ((doubled_area > 0) != counter_clockwise) std::reverse(corners.begin(), corners.end());
+  if ((doubled_area(corners) > 0) != counter_clockwise)
+    std::reverse(corners.begin(), corners.end());
   // The corner that a ring starts in says nothing: always the leftmost.
   const auto first = std::min_element(corners.begin(), corners.end(),
                                       [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -87,6 +73,12 @@ std::string text_of(const std::vector<Eigen::Vector2d>& ring) {
   return text + ")";
 }
 
+double area_m2(const WalkablePolygon& polygon) {
+  double doubled_m2 = doubled_area(polygon.outline);
+  for (const auto& hole : polygon.holes) doubled_m2 += doubled_area(hole);
+  return 0.5 * doubled_m2;
+}
+
 std::string text_of(const WalkablePolygon& polygon) {
   std::string text = fmt::format("({}", text_of(polygon.outline));
   for (const auto& hole : polygon.holes) text += fmt::format(", {}", text_of(hole));
@@ -96,18 +88,18 @@ std::string text_of(const WalkablePolygon& polygon) {
 }  // namespace
 
 std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
-  bp::polygon_set_data<int> ground = ground_of(scene);
-  bp::polygon_set_data<int> solid;
+  GridSet ground = ground_of(scene);
+  GridSet solid;
   for (const Footprint& footprint : footprints_of(scene))
-    solid.insert(polygon_of(inflated(footprint.corners)));
+    solid.insert(grid_polygon(inflated(footprint.corners)));
   using namespace bp::operators;
-  std::vector<Shape> shapes;
-  const bp::polygon_set_data<int> left(ground - solid);
+  std::vector<GridShape> shapes;
+  const GridSet left(ground - solid);
   left.get(shapes);
   std::sort(shapes.begin(), shapes.end(),
-            [](const Shape& a, const Shape& b) { return bp::area(a) > bp::area(b); });
+            [](const GridShape& a, const GridShape& b) { return bp::area(a) > bp::area(b); });
   std::vector<WalkablePolygon> area;
-  for (const Shape& shape : shapes) {
+  for (const GridShape& shape : shapes) {
     WalkablePolygon& polygon = area.emplace_back();
     polygon.outline = ring_of(shape, true);
     for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole)
@@ -116,14 +108,35 @@ std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
   return area;
 }
 
-std::string walkable_wkt(const Scene& scene) {
-  const std::vector<WalkablePolygon> area = walkable_area(scene);
-  if (area.empty()) return "POLYGON EMPTY";
-  if (area.size() == 1) return fmt::format("POLYGON {}", text_of(area.front()));
-  std::string text = "MULTIPOLYGON (";
-  for (size_t i = 0; i < area.size(); ++i)
-    text += fmt::format("{}{}", i == 0 ? "" : ", ", text_of(area[i]));
-  return text + ")";
+TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
+                               std::string_view option) {
+  std::vector<WalkablePolygon> pieces = walkable_area(scene);
+  if (pieces.empty())
+    throw InputError(scene.name, "some ground that people can walk on for a trajectory", "none");
+  // The largest come first.
+  while (pieces.size() > 1 && area_m2(pieces.back()) < kLeastPiece_m2) pieces.pop_back();
+  if (!piece && pieces.size() > 1)
+    throw InputError(
+        option, "to be told which piece of the walkable area a trajectory has, as SQLite holds one",
+        fmt::format("{} pieces, the largest of {:.1f} and {:.1f} m2; 'largest' or a number from 1 "
+                    "chooses one by its size",
+                    pieces.size(), area_m2(pieces[0]), area_m2(pieces[1])));
+  const auto count = static_cast<int64_t>(pieces.size());
+  if (piece.value_or(1) > count)
+    throw InputError(
+        option,
+        fmt::format("a piece of the walkable area of '{}', from 1 to {}", scene.name, count),
+        fmt::format("{}", *piece));
+  const auto chosen = static_cast<size_t>(piece.value_or(1));
+  return {fmt::format("POLYGON {}", text_of(pieces[chosen - 1])), chosen, pieces.size()};
+}
+
+std::optional<int64_t> trajectory_piece(std::string_view word) {
+  if (word == "largest") return 1;
+  int64_t number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error != std::errc() || end != word.data() + word.size() || number < 1) return std::nullopt;
+  return number;
 }
 
 }  // namespace throng

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scenes/file/scene.h"
@@ -21,7 +24,20 @@ struct WalkablePolygon {
 /// cover it.
 std::vector<WalkablePolygon> walkable_area(const Scene& scene);
 
-/// POLYGON, or MULTIPOLYGON if there are several; metres.
-std::string walkable_wkt(const Scene& scene);
+/// The one polygon that a trajectory's file has for the walkable area.
+struct TrajectoryArea {
+  std::string wkt;  ///< POLYGON, metres
+  size_t piece = 1, pieces = 1;
+};
+
+/// `piece`: which of several pieces, 1 is the largest; none: there is only one. Pieces too small
+/// for the thinnest avatar do not count. Throws InputError if there is no walkable area or no such
+/// piece, or several and none is chosen; `option` is the one that chooses.
+TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
+                               std::string_view option = "--trajectory-area");
+
+/// What the option that chooses takes: a whole number from 1, or "largest", which is 1. None for
+/// other words.
+std::optional<int64_t> trajectory_piece(std::string_view word);
 
 }  // namespace throng
