@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "base/limits.h"
@@ -84,10 +85,49 @@ std::string in_quotes(std::string_view text) {
   return fmt::format("'{}{}'", escaped(text.substr(0, kMostBytes)), is_cut ? "..." : "");
 }
 
+std::vector<std::string> spoken(const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  for (const std::string& name : names) out.push_back(spoken(std::string_view(name)));
+  return out;
+}
+
+std::vector<std::string> pieces_of(std::string_view text, char between) {
+  std::vector<std::string> pieces;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(between, begin), text.size());
+    pieces.emplace_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return pieces;
+}
+
 std::string_view without_blanks_around(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   return text;
+}
+
+std::string spoken(std::string_view name) {
+  const auto is_lower = [&](size_t i) { return name[i] >= 'a' && name[i] <= 'z'; };
+  const auto is_upper = [&](size_t i) { return name[i] >= 'A' && name[i] <= 'Z'; };
+  const auto is_digit = [&](size_t i) { return name[i] >= '0' && name[i] <= '9'; };
+  // A capital begins a word behind a small letter or a digit, and as the last of several
+  // ("URDFLink").
+  const auto begins_word = [&](size_t i) {
+    return i > 0 && is_upper(i) &&
+           (is_lower(i - 1) || is_digit(i - 1) ||
+            (is_upper(i - 1) && i + 1 < name.size() && is_lower(i + 1)));
+  };
+  std::string out;
+  for (size_t i = 0; i < name.size(); ++i) {
+    if (begins_word(i)) out += ' ';
+    if (name[i] != '_' && name[i] != ' ')
+      out += is_upper(i) ? static_cast<char>(name[i] - 'A' + 'a') : name[i];
+    else if (!out.empty() && out.back() != ' ')
+      out += ' ';
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out.empty() ? std::string(name) : out;
 }
 
 std::string name_after(std::string_view file_stem) {

@@ -2,8 +2,10 @@
 // One rule: nothing here throws; bytes that are no UTF-8, and what commands a terminal, never pass.
 #pragma once
 
+#include <concepts>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace throng {
 
@@ -25,8 +27,26 @@ std::string escaped(std::string_view text);
 /// The beginning of a text for an error, which is one line whatever a file holds: 'escaped...'.
 std::string in_quotes(std::string_view text);
 
+/// What stands before, between and behind the separators; of an empty text one empty piece.
+std::vector<std::string> pieces_of(std::string_view text, char between);
+
 /// Without the blanks at both ends.
 std::string_view without_blanks_around(std::string_view text);
+
+/// A name as a person says it: "upper right leg" of "upperRightLeg", "left hip link" of
+/// "left_hip_link". The name itself where nothing is left of it.
+std::string spoken(std::string_view name);
+
+std::vector<std::string> spoken(const std::vector<std::string>& names);
+
+/// A number with its noun: "1 pair", "2 pairs"; the second form is `noun` with an s unless given.
+template <std::integral Number>
+std::string counted(Number number, std::string_view noun, std::string_view plural = {}) {
+  std::string text = std::to_string(number) + ' ';
+  text += number == 1 || plural.empty() ? noun : plural;
+  if (number != 1 && plural.empty()) text += 's';
+  return text;
+}
 
 /// A name after a file whose name may be anything: escaped(), and cut where it is too long.
 std::string name_after(std::string_view file_stem);

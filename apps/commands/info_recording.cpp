@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "apps/commands/info.h"
+#include "base/text.h"
 #include "scenes/recorded/area_union.h"
 #include "scenes/recorded/recording_summary.h"
 
@@ -52,8 +53,8 @@ void add_area(Screen& screen, const RecordingFacts& facts, const std::string& fi
     holes += polygon.holes.size();
     for (const AreaPolygon::Ring& hole : polygon.holes) edges += hole.size();
   }
-  screen.line("walls", "{} edges around {} walkable area{} with {} hole{}", edges, polygons.size(),
-              polygons.size() == 1 ? "" : "s", holes, holes == 1 ? "" : "s");
+  screen.line("walls", "{} around {} with {}", counted(edges, "edge"),
+              counted(polygons.size(), "walkable area"), counted(holes, "hole"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "apps/commands/monitor_view.h"
 #include "apps/process/stop_signal.h"
 #include "base/say.h"
+#include "base/text.h"
 #include "lcmtypes/log/log_reader.h"
 #include "lcmtypes/wire/receiver.h"
 
@@ -85,8 +86,9 @@ int print_result(MonitorView view, bool as_json) {
   }
   if (!view.inbox.runs().empty()) return kExitFine;
   say("{}: expected a run, heard none; {}\n", view.source,
-      view.inbox.refused() > 0 ? fmt::format("{} messages were refused", view.inbox.refused())
-                               : "start one with 'throng run SCENE --pace 1'");
+      view.inbox.refused() > 0
+          ? counted(view.inbox.refused(), "message was refused", "messages were refused")
+          : "start one with 'throng run SCENE --pace 1'");
   return kExitCheckFailed;
 }
 

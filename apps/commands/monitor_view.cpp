@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "lcmtypes/codec/description.h"
 
 namespace throng {
@@ -31,8 +32,8 @@ std::string title_of(const MonitorView& view) {
   const std::optional<counters_t>& counters = run.counters();
   std::string what = "a run whose description has not come yet";
   if (run.run() != nullptr)
-    what = fmt::format("{}, seed {}, {} avatars", printable(run.run()->scene), run.run()->seed,
-                       run.run()->avatar_count);
+    what = fmt::format("{}, seed {}, {}", printable(run.run()->scene), run.run()->seed,
+                       counted(run.run()->avatar_count, "avatar"));
   std::string text = fmt::format("{} - run {:016x}", what, static_cast<uint64_t>(run.run_id()));
   if (counters)
     text += fmt::format(" - frame {}, {:.2f} s", counters->frame,
@@ -93,7 +94,7 @@ std::vector<std::string> part_lines(const MonitorView& view, size_t most) {
       fmt::format("{:<16}{:>9}{:>10}{:>11}", "part", "begins", "touching", "contact s")};
   for (const Monitor::PartTotal& part : view.monitor.parts()) {
     if (lines.size() == most) break;
-    lines.push_back(fmt::format("{:<16.16}{:>9}{:>10}{:>11.1f}", part.name, part.begins,
+    lines.push_back(fmt::format("{:<16.16}{:>9}{:>10}{:>11.1f}", spoken(part.name), part.begins,
                                 part.touching, part.contact_s));
   }
   return lines;
@@ -111,7 +112,7 @@ std::string text_of(const Monitor::Note& note, const run_description_t* run) {
   const auto side = [run](uint32_t body, uint32_t part) {
     if (run == nullptr) return fmt::format("body {} part {}", body, part);
     const std::string name = part_name(*run, body, part);
-    return body_name(*run, body) + (name.empty() ? "" : " " + name);
+    return body_name(*run, body) + (name.empty() ? "" : " " + spoken(name));
   };
   std::string text =
       side(note.pair.a(), note.pair.part_a()) + " - " + side(note.pair.b(), note.pair.part_b());
@@ -153,13 +154,13 @@ std::vector<std::string> lines_of(const MonitorView& view) {
     add_channels(view, totals, lines);
     lines.push_back("");
     lines.push_back(fmt::format(
-        "{:.1f} frames/s{}; {} pairs touch, {:.1f} begin and {:.1f} end a second",
+        "{:.1f} frames/s{}; {}, {:.1f} begin and {:.1f} end a second",
         static_cast<double>(totals.frames) / span,
         frame.last_ms > 0
             ? fmt::format(", a frame {:.2f} ms, median {:.2f}", frame.last_ms, frame.median_ms)
             : "",
-        view.inbox.run().touching().size(), static_cast<double>(totals.begins) / span,
-        static_cast<double>(totals.ends) / span));
+        counted(view.inbox.run().touching().size(), "pair touches", "pairs touch"),
+        static_cast<double>(totals.begins) / span, static_cast<double>(totals.ends) / span));
     lines.push_back("");
     add_stages(view, totals, lines);
     lines.push_back("");

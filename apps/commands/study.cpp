@@ -15,6 +15,7 @@
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/say.h"
+#include "base/text.h"
 #include "base/version.h"
 #include "scenes/run/body_tables.h"
 #include "scenes/studies/journal.h"
@@ -85,7 +86,7 @@ void draw_plots(const fs::path& out, const StudyTable& table) {
   const fs::path folder = plot_folder(out);
   const std::vector<Figure> figures = study_figures(table);
   for (const Figure& figure : figures) draw(figure, folder);
-  say("{} pictures in {}\n", figures.size(), folder.string());
+  say("{} in {}\n", counted(figures.size(), "picture"), folder.string());
 }
 
 OutputPlan planned_outputs(const StudyCommand& options) {
@@ -127,7 +128,8 @@ int merge(const StudyCommand& options) {
   const OpenOutputs outputs = plan.open();
   write_table(options.out, table);
   if (times.size() == tables.size()) write_table(beside(options.out, ".times.csv"), merged(times));
-  say("{} runs of {} tables in {}\n", table.rows.size(), tables.size(), options.out);
+  say("{} of {} in {}\n", counted(table.rows.size(), "run"), counted(tables.size(), "table"),
+      options.out);
   if (options.plot) draw_plots(options.out, table);
   return kExitFine;
 }
@@ -192,7 +194,7 @@ class Work {
     write_table(options_.out, written);
     write_table(beside(options_.out, ".times.csv"), times());
     journal_.remove();
-    say("{} runs in {}\n", written.rows.size(), options_.out);
+    say("{} in {}\n", counted(written.rows.size(), "run"), options_.out);
     if (options_.plot) draw_plots(options_.out, written);
     return kExitFine;
   }

@@ -8,6 +8,7 @@
 
 #include "apps/process/machine.h"
 #include "base/append.h"
+#include "base/text.h"
 #include "bench/version_json.h"
 
 namespace throng {
@@ -97,8 +98,7 @@ Json stranded_json(const RunReport& report) {
 
 std::string stranded_text(const RunReport& report) {
   const int people = stranded(report);
-  std::string text =
-      fmt::format("{} {} cannot reach a goal", people, people == 1 ? "person" : "people");
+  std::string text = fmt::format("{} cannot reach a goal", counted(people, "person", "people"));
   const char* between = ": ";
   for (const RunReport::Stranded& each : report.stranded) {
     text += fmt::format("{}{} of group '{}' goal {}", between, each.people, each.group, each.goal);
@@ -328,9 +328,9 @@ Json to_json(const RunReport& report) {
 
 std::string format_table(const RunReport& report) {
   const RunSummary& summary = report.summary;
-  std::string text =
-      fmt::format("{}: {} avatars, {} parts, {} frames of {:.4g} ms\n\n", report.scene,
-                  summary.avatars, summary.parts, summary.frames, report.step_s * 1e3);
+  std::string text = fmt::format("{}: {}, {}, {} of {:.4g} ms\n\n", report.scene,
+                                 counted(summary.avatars, "avatar"), counted(summary.parts, "part"),
+                                 counted(summary.frames, "frame"), report.step_s * 1e3);
   add_stage_table(text, summary);
   text += '\n';
   add_time_table(text, summary);
@@ -341,10 +341,9 @@ std::string format_table(const RunReport& report) {
   line("frame", fmt::format("{:.3f} ms median, {:.3f} p95, {:.3f} max; culling {:.3f} median",
                             summary.frame_ms.median, summary.frame_ms.p95, summary.frame_ms.max,
                             summary.cull_ms.median));
-  line("time",
-       fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} times real time ({} {}, {})",
-                   summary.simulated_s, summary.wall_s, summary.realtime_factor, report.threads,
-                   report.threads == 1 ? "thread" : "threads", report.simd));
+  line("time", fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} times real time ({}, {})",
+                           summary.simulated_s, summary.wall_s, summary.realtime_factor,
+                           counted(report.threads, "thread"), report.simd));
   const TrafficCounters& traffic = summary.traffic;
   if (traffic.left + traffic.waiting + traffic.to_come > 0)
     line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
@@ -369,8 +368,8 @@ std::string format_table(const RunReport& report) {
                              "{:.0f} ms, {:.0f} ms behind at the end",
                              report.pace.factor, report.pace.late_frames, summary.frames,
                              report.pace.worst_s * 1e3, report.pace.behind_s * 1e3));
-  line("events", fmt::format("{} begin, {} persist, {} end; at most {} pairs at once",
-                             summary.begins, summary.persists, summary.ends, summary.pairs_peak));
+  line("events", fmt::format("{} begin, {} persist, {} end; at most {} at once", summary.begins,
+                             summary.persists, summary.ends, counted(summary.pairs_peak, "pair")));
   if (report.deadline_ms || report.deadline_tests) line("deadline", deadline_text(report));
   if (summary.near.is_asked)
     line("near",
@@ -396,7 +395,8 @@ std::string format_table(const RunReport& report) {
   line("lcm",
        report.lcm.url == "off"
            ? "off"
-           : fmt::format("{}: {} messages, {}, {} dropped", report.lcm.url, report.lcm.messages,
+           : fmt::format("{}: {}, {}, {} dropped", report.lcm.url,
+                         counted(report.lcm.messages, "message"),
                          megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
   for (const OwnChannels::Told& told : report.told)
     line("told",

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "bench/paper/published.h"
 #include "bench/workbench/figure_three.h"
 
@@ -57,7 +58,7 @@ Figure figure_3(const PaperResult& result) {
 Figure figure_6(const PaperResult& result) {
   std::string data;
   for (size_t i = 0; i < result.objects.size(); ++i) {
-    data += fmt::format("\"{}\"", result.objects[i]);
+    data += fmt::format("\"{}\"", spoken(result.objects[i]));
     for (const std::string_view name : kShown)
       data += fmt::format(" {}", volume_of(result, name).costs.construction[i].median_ns * 1e-3);
     data += '\n';

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "avatars/mesh/primitives.h"
+#include "base/text.h"
 #include "bench/paper/census.h"
 #include "bench/paper/strategies.h"
 #include "culling/exact/triangle_bvh.h"
@@ -232,8 +233,8 @@ Picture figure_11(const std::vector<Object>& objects, const BoxWorld& world,
     scenery.add(VolumeKind::kOrdop26, *object(i).type, placed);
   }
   return {"figure_11",
-          fmt::format("Figure 11: a pair that collides, {} and {}", object(best->a).name,
-                      object(best->b).name),
+          fmt::format("Figure 11: a pair that collides, {} and {}", spoken(object(best->a).name),
+                      spoken(object(best->b).name)),
           "Spheres and or-DOPs 26 of both; the triangles touch. The paper shows one colliding pair "
           "with its sphere and both or-DOPs.",
           scenery.draw(800, 600)};
@@ -261,9 +262,9 @@ Picture figure_4(const std::vector<Object>& objects, uint64_t seed) {
     if (frame + 1 >= kFrames) pairs = ordop_pairs(objects, world);
   }
   return {"figure_04",
-          fmt::format("Figure 4: the {} objects of Part I with their spheres; {} pairs collide by "
+          fmt::format("Figure 4: the {} objects of Part I with their spheres; {} by "
                       "or-DOP (red)",
-                      objects.size(), pairs.size()),
+                      objects.size(), counted(pairs.size(), "pair collides", "pairs collide")),
           "The paper shows its 15 objects, each in its sphere.",
           draw_world(objects, world, pairs, true)};
 }
@@ -280,19 +281,19 @@ std::vector<Picture> pictures_of(const std::vector<Object>& objects, uint64_t se
   }
   const std::vector<SlotPair> of_few = few.pairs(), of_many = many.pairs();
   pictures.push_back({"figure_05a",
-                      fmt::format("Figure 5a: 50 objects, grey ones static; {} pairs collide (red)",
-                                  of_few.size()),
+                      fmt::format("Figure 5a: 50 objects, grey ones static; {} (red)",
+                                  counted(of_few.size(), "pair collides", "pairs collide")),
                       "The paper shows 50 objects without volumes.",
                       draw_world(objects, few.world(), of_few, false)});
   pictures.push_back({"figure_05b", "Figure 5b: the same 50 objects with their spheres",
                       "The paper shows 50 objects with their spheres.",
                       draw_world(objects, few.world(), of_few, true)});
   if (!of_many.empty()) pictures.push_back(figure_11(objects, many.world(), of_many));
-  pictures.push_back(
-      {"figure_12",
-       fmt::format("Figure 12: 350 objects, grey ones static; {} pairs collide (red)",
-                   of_many.size()),
-       "The paper shows 350 objects.", draw_world(objects, many.world(), of_many, false)});
+  pictures.push_back({"figure_12",
+                      fmt::format("Figure 12: 350 objects, grey ones static; {} (red)",
+                                  counted(of_many.size(), "pair collides", "pairs collide")),
+                      "The paper shows 350 objects.",
+                      draw_world(objects, many.world(), of_many, false)});
   return pictures;
 }
 

@@ -12,6 +12,7 @@
 #include "base/csv.h"
 #include "base/errors.h"
 #include "base/files/whole_file.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -60,7 +61,7 @@ class Panels {
   void add(const std::string& title, const char* expression, const char* label,
            const Value& value) {
     const size_t count = tally_.names.size();
-    HeatMap map{.names = tally_.names,
+    HeatMap map{.names = spoken(tally_.names),
                 .values = {},
                 .using_expression = expression,
                 .label = label,

@@ -54,7 +54,7 @@ TEST(Monitor, SpeaksOfPartsAndPeopleByName) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const char* word :
        {"plaza, seed 1, 500 avatars", "THRONG_STATES", "N_u", "C_u", "N_v", "C_v", "N_p", "C_p",
-        "C_o", "T ", "lost 0", "newest contacts", "Foot", "east ", "ordop26"})
+        "C_o", "T ", "lost 0", "newest contacts", " foot ", "east ", "ordop26"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
 }
 

@@ -49,5 +49,38 @@ TEST(Text, OfAnyBytesIsShownAsAName) {
   }
 }
 
+TEST(Text, NamesAreSaidAsAPersonSaysThem) {
+  for (const auto& [name, said] : std::vector<std::pair<std::string, std::string>>{
+           {"upperRightLeg", "upper right leg"},
+           {"RightHand", "right hand"},
+           {"left_hip_pitch_link", "left hip pitch link"},
+           {"left__Hand_", "left hand"},
+           {"wrist3Link", "wrist3 link"},
+           {"URDFLink", "urdf link"},
+           {"LElbow", "l elbow"},
+           {"whole body", "whole body"},
+           {"torso", "torso"},
+           {"_", "_"},
+           {"", ""}}) {
+    EXPECT_EQ(spoken(name), said);
+    EXPECT_EQ(spoken(spoken(name)), said) << "said twice";
+  }
+}
+
+TEST(Text, OneOfAThingIsOne) {
+  EXPECT_EQ(counted(0, "pair"), "0 pairs");
+  EXPECT_EQ(counted(1, "pair"), "1 pair");
+  EXPECT_EQ(counted(size_t{2}, "pair"), "2 pairs");
+  EXPECT_EQ(counted(1, "person", "people"), "1 person");
+  EXPECT_EQ(counted(uint64_t{1} << 60, "byte"), "1152921504606846976 bytes");
+}
+
+TEST(Text, HasOnePieceMoreThanSeparators) {
+  using Pieces = std::vector<std::string>;
+  EXPECT_EQ(pieces_of("", ','), Pieces({""}));
+  EXPECT_EQ(pieces_of("a", ','), Pieces({"a"}));
+  EXPECT_EQ(pieces_of("a,,b,", ','), Pieces({"a", "", "b", ""}));
+}
+
 }  // namespace
 }  // namespace throng

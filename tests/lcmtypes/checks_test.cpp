@@ -187,9 +187,8 @@ TEST_F(Mending, DamageIsNamedByChannelAndFrame) {
   damage(event("THRONG_STATES", 3), -10);
   const LogReport report = check();
   ASSERT_EQ(report.problem_count, 1) << testing::PrintToString(report.problems);
-  EXPECT_THAT(report.problems[0],
-              HasSubstr("THRONG_STATES: damaged, 1 messages, between the checks "
-                        "of frame 2 and those of frame 3"));
+  EXPECT_THAT(report.problems[0], HasSubstr("THRONG_STATES: damaged, 1 message, between the checks "
+                                            "of frame 2 and those of frame 3"));
   ASSERT_EQ(report.damage.size(), 1u);
   EXPECT_TRUE(report.damage[0].holds(Channel::kStates, event("THRONG_STATES", 3).offset));
   EXPECT_FALSE(report.damage[0].holds(Channel::kStates, event("THRONG_STATES", 2).offset));

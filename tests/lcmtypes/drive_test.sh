@@ -39,4 +39,4 @@ messages=$(sed -n 's/.*"messages": \([0-9]*\).*/\1/p' "$dir/driven" | head -n 1)
 [ "$messages" -gt 100 ] || { echo "$messages messages moved the robot"; exit 1; }
 grep -q '"refused": 0' "$dir/driven" || { echo "messages were refused"; exit 1; }
 "$throng" check "$dir/a.lcmlog" >/dev/null
-"$throng" info "$dir/a.lcmlog" | grep 'group robot: 1 avatars, driven by ROBOT_DRIVE'
+"$throng" info "$dir/a.lcmlog" | grep 'group robot: 1 avatar, driven by ROBOT_DRIVE'

@@ -172,7 +172,7 @@ TEST(Log, IsDescribedForPeople) {
   run.play(sink, 61);
   const std::string text = describe_log(file.path());
   for (const char* expected :
-       {"scene synthetic, seed 3, 20 avatars", "model adult", "model rover", "1 obstacles",
+       {"scene synthetic, seed 3, 20 avatars", "model adult", "model rover", "1 obstacle",
         "group walkers: 14 avatars", "group robots: 6 avatars, driven by ROBOT_DRIVE",
         "THRONG_STATES", "finished"})
     EXPECT_THAT(text, testing::HasSubstr(expected));

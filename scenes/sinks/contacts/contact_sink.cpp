@@ -9,6 +9,7 @@
 #include "base/append.h"
 #include "base/csv.h"
 #include "base/files/whole_file.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -140,7 +141,7 @@ Figure duration_figure(const ContactStatistics& statistics) {
 Figure part_figure(const ContactStatistics& statistics) {
   const PartMatrix parts = statistics.parts();
   // Equal cells, so that a rare pair is seen beside a frequent one: the colours are logarithmic.
-  const HeatMap map{.names = parts.names,
+  const HeatMap map{.names = spoken(parts.names),
                     .values = {parts.counts.begin(), parts.counts.end()},
                     .using_expression = "(log10(1 + $3))",
                     .label = "contacts, log_1_0(1 + n)"};

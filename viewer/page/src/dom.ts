@@ -32,3 +32,13 @@ export function keyRow(keys: string[], about: string): HTMLElement {
 export function thousands(value: number): string {
   return Math.round(value).toLocaleString('en').replaceAll(',', '\u202f');
 }
+
+/** "1 pair", "2 pairs": a number with its noun. */
+export function counted(value: number, noun: string, plural = `${noun}s`): string {
+  return `${thousands(value)} ${nounOf(value, noun, plural)}`;
+}
+
+/** The noun alone, where the number stands elsewhere. */
+export function nounOf(value: number, noun: string, plural = `${noun}s`): string {
+  return Math.round(value) === 1 ? noun : plural;
+}
