@@ -9,7 +9,7 @@
 #include "base/append.h"
 #include "base/errors.h"
 #include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/log/log_gaps.h"
 
 namespace throng {
 namespace {
@@ -187,9 +187,12 @@ std::string export_csv(const std::filesystem::path& log, const std::string& chan
   RunReader run;
   LogEvent event;
   std::string text = table.columns + "\n";
+  bool has_end = false;
   LogReader::Status status = LogReader::Status::kEvent;
   while ((status = reader.next(event)) == LogReader::Status::kEvent && keep_going()) {
-    if (run.take(event.channel, event.data) != table.update || run.header() == nullptr) continue;
+    const RunReader::Update update = run.take(event.channel, event.data);
+    has_end = has_end || update == RunReader::Update::kEnd;
+    if (update != table.update || run.header() == nullptr) continue;
     table.add(run, *run.header(), text);
     if (text.size() < kPiece) continue;
     write(text);
@@ -199,7 +202,8 @@ std::string export_csv(const std::filesystem::path& log, const std::string& chan
     throw InputError(log.string(), "a run's description", "none; is it a log of `throng run`?");
   write(text);
   if (status == LogReader::Status::kEvent) return "stopped";
-  return status == LogReader::Status::kEnd ? "" : reader.problem();
+  if (status != LogReader::Status::kEnd) return reader.problem();
+  return has_end ? "" : kNoEnd;
 }
 
 }  // namespace throng

@@ -13,7 +13,7 @@
 #include "lcmtypes/codec/run_reader.h"
 #include "lcmtypes/export/foxglove.h"
 #include "lcmtypes/export/mcap_writer.h"
-#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/log/log_gaps.h"
 
 namespace throng {
 namespace {
@@ -234,9 +234,10 @@ McapExport export_mcap(const std::filesystem::path& log, const std::filesystem::
   Exporter exporter(file, options);
   LogEvent event;
   LogReader::Status status = LogReader::Status::kEvent;
-  bool is_stopped = false;
+  bool is_stopped = false, has_end = false;
   while (!is_stopped && (status = reader.next(event)) == LogReader::Status::kEvent) {
     const RunReader::Update update = run.take(event.channel, event.data);
+    has_end = has_end || update == RunReader::Update::kEnd;
     exporter.take(run, update, run.header());
     is_stopped = !keep_going(static_cast<double>(reader.offset()) /
                              static_cast<double>(std::max<uint64_t>(reader.size(), 1)));
@@ -248,6 +249,8 @@ McapExport export_mcap(const std::filesystem::path& log, const std::filesystem::
     out.problem = "stopped";
   else if (status != LogReader::Status::kEnd)
     out.problem = reader.problem();
+  else if (!has_end)
+    out.problem = kNoEnd;
   return out;
 }
 

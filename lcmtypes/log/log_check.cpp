@@ -7,7 +7,9 @@
 #include <optional>
 #include <set>
 
+#include "base/text.h"
 #include "lcmtypes/codec/run_reader.h"
+#include "lcmtypes/log/log_gaps.h"
 #include "lcmtypes/log/log_hash.h"
 #include "lcmtypes/log/log_reader.h"
 
@@ -37,13 +39,12 @@ class Judge {
 
  private:
   bool skip_damage(LogReader::Status status) {
-    const uint64_t from = log_.offset();
-    problem(log_.problem());
-    const bool goes_on = log_.resync();
-    // A torn event that others follow is damage: its length was hit.
-    (goes_on || status == LogReader::Status::kDamaged ? report_.damaged : report_.torn) = true;
-    if (goes_on) problem(fmt::format("byte {}: {} bytes skipped", from, log_.offset() - from));
-    return goes_on;
+    const LogDamage damage = throng::skip_damage(log_, status);
+    problem(damage.problem);
+    (damage.is_torn ? report_.torn : report_.damaged) = true;
+    if (damage.goes_on)
+      problem(fmt::format("byte {}: {} bytes skipped", damage.from, damage.bytes));
+    return damage.goes_on;
   }
 
   void take(const LogEvent& event) {
@@ -165,8 +166,8 @@ class Judge {
                                  : fmt::format("the checks of frame {}", span.from_frame);
     const std::string what =
         span.written == span.found
-            ? fmt::format("damaged, {} messages", span.found)
-            : fmt::format("{} messages, {} were written", span.found, span.written);
+            ? "damaged, " + counted(span.found, "message")
+            : fmt::format("{}, {} were written", counted(span.found, "message"), span.written);
     problem(fmt::format("bytes {} to {}: {}: {}, between {} and those of frame {}", span.from_byte,
                         span.to_byte, name_of(span.channel), what, from, span.to_frame));
   }
@@ -339,25 +340,26 @@ class Judge {
 
 std::string describe_run(const run_description_t& run) {
   std::string out =
-      fmt::format("scene {}, seed {}, {} avatars, step {:.6g} s, parts by {}{}\n",
-                  printable(run.scene), run.seed, run.avatar_count, run.step_s,
+      fmt::format("scene {}, seed {}, {}, step {:.6g} s, parts by {}{}\n", printable(run.scene),
+                  run.seed, counted(run.avatar_count, "avatar"), run.step_s,
                   printable(run.part_volume), run.exact ? ", decided by triangles" : "");
   for (const model_t& model : run.models) {
     size_t vertices = 0;
     for (const part_t& part : model.parts) vertices += part.mesh.coordinates_m.size() / 3;
-    out += fmt::format("model {}: {} joints ({} move), {} parts, {} vertices, {:.2f} m\n",
-                       printable(model.name), model.joint_count, model.column_count,
-                       model.part_count, vertices, model.height_m);
+    out += fmt::format("model {}: {} ({} move), {}, {}, {:.2f} m\n", printable(model.name),
+                       counted(model.joint_count, "joint"), model.column_count,
+                       counted(model.part_count, "part"), counted(vertices, "vertex", "vertices"),
+                       model.height_m);
   }
   std::vector<int64_t> members(run.groups.size());
   for (const int16_t group : run.group_of_avatar) ++members[static_cast<size_t>(group)];
   for (size_t i = 0; i < run.groups.size(); ++i)
     out += fmt::format(
-        "group {}: {} avatars{}\n", printable(run.groups[i]), members[i],
+        "group {}: {}{}\n", printable(run.groups[i]), counted(members[i], "avatar"),
         run.drive_channels[i].empty() ? "" : ", driven by " + printable(run.drive_channels[i]));
-  out += fmt::format("ground {:.1f} x {:.1f} m, {} obstacles\n",
-                     run.ground_max_m[0] - run.ground_min_m[0],
-                     run.ground_max_m[1] - run.ground_min_m[1], run.obstacle_count);
+  out += fmt::format("ground {:.1f} x {:.1f} m, {}\n", run.ground_max_m[0] - run.ground_min_m[0],
+                     run.ground_max_m[1] - run.ground_min_m[1],
+                     counted(run.obstacle_count, "obstacle"));
   return out;
 }
 
@@ -388,7 +390,7 @@ std::vector<std::string> describe_coverage(const LogReport& report) {
                   "unnoticed"};
   std::vector<std::string> out = {fmt::format("up to those of frame {}", report.checked_frame)};
   if (report.uncovered > 0)
-    out.push_back(fmt::format("not covered: {} messages behind those", report.uncovered));
+    out.push_back("not covered: " + counted(report.uncovered, "message") + " behind those");
   if (report.repaired)
     out.push_back("repaired: what was damaged is left out, checksums are of what is here");
   return out;
@@ -413,8 +415,8 @@ std::string describe_log(const std::filesystem::path& file) {
   out += describe_channels(report);
   for (const std::string& line : describe_coverage(report))
     out += fmt::format("checksums {}\n", line);
-  out += fmt::format("pair events: {} begins, {} ends, {} pairs open\n", report.begins, report.ends,
-                     report.open_pairs);
+  out += fmt::format("pair events: {}, {}, {} open\n", counted(report.begins, "begin"),
+                     counted(report.ends, "end"), counted(report.open_pairs, "pair"));
   if (report.torn)
     out += fmt::format("torn: the last {} bytes are no whole event\n",
                        report.bytes - report.sound_bytes);

@@ -1,0 +1,83 @@
+#include "lcmtypes/log/log_gaps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "base/text.h"
+#include "lcmtypes/codec/guard.h"
+
+namespace throng {
+
+LogDamage skip_damage(LogReader& log, LogReader::Status status) {
+  LogDamage damage{.problem = log.problem(), .from = log.offset()};
+  damage.goes_on = log.resync();
+  damage.bytes = log.offset() - damage.from;
+  damage.is_torn = !damage.goes_on && status == LogReader::Status::kTorn;
+  return damage;
+}
+
+bool LogGaps::next(LogReader& log, LogEvent& event) {
+  for (;;) {
+    const LogReader::Status status = log.next(event);
+    if (status == LogReader::Status::kEvent) {
+      note(event);
+      return true;
+    }
+    if (status == LogReader::Status::kEnd) return false;
+    const LogDamage damage = skip_damage(log, status);
+    is_torn_ = is_torn_ || damage.is_torn;
+    if (!damage.is_torn) damaged_bytes_ += damage.bytes;
+    if (!damage.goes_on) return false;
+  }
+}
+
+void LogGaps::note(const LogEvent& event) {
+  const std::optional<Channel> channel = channel_of(event.channel);
+  MessageHeader header;
+  if (!channel || !read_header(*channel, event.data, header).empty()) return;
+  if (!has_run_) {
+    has_run_ = true;
+    run_id_ = header.run_id;
+    instance_ = header.instance;
+  }
+  if (header.run_id != run_id_ || header.instance != instance_) return;
+  int64_t& next_seq = next_seq_[static_cast<size_t>(*channel)];
+  if (header.seq > next_seq) missing_ += header.seq - next_seq;
+  next_seq = std::max(next_seq, header.seq + 1);
+  has_end_ = has_end_ || *channel == Channel::kEnd;
+  if (*channel == Channel::kCounters) last_frame_ = std::max(last_frame_, header.frame);
+}
+
+std::string LogGaps::found_no_description() const {
+  return is_torn_ ? "none: the file ends inside a message" : "none; is it a log of `throng run`?";
+}
+
+std::string LogGaps::describe(double step_s) const {
+  std::string text;
+  const auto add = [&text](const std::string& sentence) {
+    text += (text.empty() ? "" : " ") + sentence;
+  };
+  const std::string where = last_frame_ < 0
+                                ? std::string("before its first frame")
+                                : fmt::format("after frame {} ({:.2f} s)", last_frame_,
+                                              static_cast<double>(last_frame_) * step_s);
+  if (is_torn_)
+    add(
+        fmt::format("The log is torn: it ends inside a message {}, and all that came later is "
+                    "missing.",
+                    where));
+  else if (!has_end_)
+    add(
+        fmt::format("The log is cut off: it ends {} without the end of its run, and what came "
+                    "later is missing.",
+                    where));
+  if (damaged_bytes_ > 0)
+    add(fmt::format("The log is damaged: {} of it could not be read.",
+                    counted(damaged_bytes_, "byte")));
+  if (missing_ > 0) add(fmt::format("The log lacks {} of its run.", counted(missing_, "message")));
+  return text;
+}
+
+}  // namespace throng

@@ -1,0 +1,51 @@
+// LogGaps reads the whole messages of a log and notes what of its run is missing.
+// Invariant: a log that it calls whole ends with the end of its run, and nothing lies before it
+// that is no message or whose number proves a message missing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "lcmtypes/codec/channels.h"
+#include "lcmtypes/log/log_reader.h"
+
+namespace throng {
+
+/// What next() of a log could not read, and what followed.
+struct LogDamage {
+  std::string problem;
+  uint64_t from = 0;  ///< byte
+  uint64_t bytes = 0;
+  bool goes_on = false;  ///< another event follows
+  bool is_torn = false;  ///< the file ends inside an event; otherwise bytes are damaged
+};
+/// Goes to the next event after `status` of next(), which was kTorn or kDamaged. A torn event that
+/// others follow is damage: its length was hit.
+LogDamage skip_damage(LogReader& log, LogReader::Status status);
+
+/// Of a log that ends where an event ends, but before its run does.
+inline constexpr const char* kNoEnd = "the log is cut off: it ends without the end of its run";
+
+class LogGaps {
+ public:
+  /// The next whole event of `log`; damage before it is skipped and noted. False at the end.
+  bool next(LogReader& log, LogEvent& event);
+
+  /// What is missing, in sentences for a person; "" where next() has read a whole log to its end.
+  /// `step_s`: of the run, to tell times.
+  std::string describe(double step_s) const;
+  /// Where no description of a run was read: what was found instead, for an InputError.
+  std::string found_no_description() const;
+
+ private:
+  void note(const LogEvent& event);
+
+  bool is_torn_ = false, has_end_ = false, has_run_ = false;
+  uint64_t damaged_bytes_ = 0;
+  int64_t missing_ = 0, last_frame_ = -1;
+  int64_t run_id_ = 0, instance_ = 0;
+  std::array<int64_t, kChannelCount> next_seq_{};
+};
+
+}  // namespace throng
