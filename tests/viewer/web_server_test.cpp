@@ -81,6 +81,20 @@ TEST(WebServer, TakesOnlySoManyClients) {
     EXPECT_EQ(second.open(), kAccepted);
     EXPECT_EQ(third.open(), "HTTP/1.1 503 Service Unavailable");
   }
+  // A browser keeps the status from its page, which is told by the socket.
+  {
+    const std::string own = "http://127.0.0.1:" + std::to_string(server.port());
+    TestSocket second(server.port()), page(server.port());
+    ASSERT_TRUE(soon([&] { return server.client_count() == 1; }));
+    EXPECT_EQ(second.open(), kAccepted);
+    EXPECT_EQ(page.open(own), kAccepted);
+    const auto message = page.read_message();
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->opcode, Opcode::kClose);
+    EXPECT_EQ(message->payload, close_payload(kTryAgainLater, "2 pages are open"));
+    EXPECT_TRUE(page.is_closed());
+    EXPECT_EQ(server.client_count(), 2u);
+  }
   // A client that left makes room.
   ASSERT_TRUE(soon([&] { return server.client_count() == 1; }));
   TestSocket fourth(server.port());

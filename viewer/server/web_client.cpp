@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-constexpr int kPollMs = 200;  // how soon a writer sees that the server stops
+constexpr int kWriterPollMs = 200;  // how soon a writer sees that the server stops
 
 }  // namespace
 
@@ -77,7 +77,7 @@ bool WebClient::write(std::string_view bytes) {
     }
     if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
     pollfd writable{descriptor_, POLLOUT, 0};
-    ::poll(&writable, 1, kPollMs);
+    ::poll(&writable, 1, kWriterPollMs);
   }
   return true;
 }

@@ -100,6 +100,11 @@ std::string frame_head(Opcode opcode, size_t size) {
   return head;
 }
 
+std::string close_payload(uint16_t code, std::string_view reason) {
+  std::string payload = {static_cast<char>(code >> 8), static_cast<char>(code & 0xff)};
+  return payload.append(reason);
+}
+
 ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t most) {
   ClientFrame frame;
   if (bytes.size() < 2) return frame;

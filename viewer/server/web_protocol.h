@@ -39,6 +39,11 @@ enum class Opcode : uint8_t { kText = 1, kBinary = 2, kClose = 8, kPing = 9, kPo
 /// The head of a server's frame of `size` bytes.
 std::string frame_head(Opcode opcode, size_t size);
 
+/// Of a close frame: why, to try again later (IANA's registry of WebSocket close codes).
+inline constexpr uint16_t kTryAgainLater = 1013;
+/// The payload of a close frame. `reason`: at most 123 bytes.
+std::string close_payload(uint16_t code, std::string_view reason);
+
 /// A client's frame at the start of `bytes`.
 struct ClientFrame {
   enum class Status { kWhole, kIncomplete, kRefused };

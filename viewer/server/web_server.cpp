@@ -13,6 +13,7 @@
 #include <cstring>
 
 #include "base/errors.h"
+#include "base/text.h"
 #include "viewer/server/web_protocol.h"
 
 namespace throng {
@@ -53,6 +54,13 @@ bool read_some(int descriptor, Bytes& buffer) {
   const ssize_t got = ::recv(descriptor, chunk, sizeof chunk, MSG_DONTWAIT);
   if (got > 0) buffer.insert(buffer.end(), chunk, chunk + got);
   return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
+}
+
+std::string socket_hello(const HttpRequest& request) {
+  return fmt::format(
+      "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+      "Sec-WebSocket-Accept: {}\r\n\r\n",
+      accept_key(request.header("sec-websocket-key")));
 }
 
 /// Bytes of the head, the empty line included; 0 if it is not whole.
@@ -210,26 +218,33 @@ void WebServer::serve(Connection& connection) {
   reply(descriptor, "404 Not Found", "text/plain; charset=utf-8", "404 Not Found\n");
 }
 
+/// A browser keeps the status of a refused socket from its page: the page gets a socket that is
+/// closed at once, with the reason. A program, which states no origin, gets the status.
+void WebServer::refuse_socket(int descriptor, const HttpRequest& request) {
+  ++refused_;
+  const std::string reason = counted(options_.max_clients, "page is", "pages are") + " open";
+  if (request.header("origin").empty())
+    return reply(descriptor, "503 Service Unavailable", "text/plain; charset=utf-8",
+                 reason + " already\n");
+  const std::string payload = close_payload(kTryAgainLater, reason);
+  write_all(descriptor,
+            socket_hello(request) + frame_head(Opcode::kClose, payload.size()) + payload,
+            stopping_);
+}
+
 void WebServer::serve_socket(Connection& connection, const HttpRequest& request, Bytes rest) {
   const int descriptor = connection.descriptor;
   std::shared_ptr<WebClient> client;
   {
     const std::lock_guard lock(mutex_);
     if (!stopping_ && clients_.size() < static_cast<size_t>(options_.max_clients)) {
-      const std::string hello = fmt::format(
-          "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-          "Sec-WebSocket-Accept: {}\r\n\r\n",
-          accept_key(request.header("sec-websocket-key")));
+      const std::string hello = socket_hello(request);
       if (!write_all(descriptor, hello, stopping_)) return;
       client = std::make_shared<WebClient>(descriptor);
       clients_.push_back(client);
     }
   }
-  if (client == nullptr) {
-    ++refused_;
-    return reply(descriptor, "503 Service Unavailable", "text/plain; charset=utf-8",
-                 fmt::format("{} pages are open already\n", options_.max_clients));
-  }
+  if (client == nullptr) return refuse_socket(descriptor, request);
   if (handlers_.opened) handlers_.opened(client);
   read_messages(connection, *client, std::move(rest));
   client->finish();

@@ -110,6 +110,7 @@ class WebServer {
   struct Connection;
   void accept_loop();
   void serve(Connection& connection);
+  void refuse_socket(int descriptor, const struct HttpRequest& request);
   void serve_socket(Connection& connection, const struct HttpRequest& request, Bytes rest);
   void read_messages(Connection& connection, WebClient& client, Bytes buffer);
   void reply(int descriptor, std::string_view status, std::string_view type, std::string_view body);
