@@ -24,7 +24,8 @@ class LiveCrowd : public testing::Test {
  protected:
   LiveCrowd()
       : lcm_(memory_bus()),
-        view_(std::make_unique<Receiver>(lcm_), {.send_buffer_bytes = 4096}, "<!doctype html>") {}
+        view_(std::make_unique<Receiver>(lcm_), {.send_buffer_bytes = 4096}, "<!doctype html>",
+              "udpm://239.255.0.1:7799?ttl=0") {}
 
   /// The next binary message of a kind.
   static std::string next(TestSocket& browser, uint32_t kind) {
@@ -54,6 +55,43 @@ TEST_F(LiveCrowd, TellsThatItWaits) {
   ASSERT_TRUE(message);
   EXPECT_EQ(message->opcode, Opcode::kText);
   EXPECT_NE(message->payload.find("waiting"), std::string::npos) << message->payload;
+  EXPECT_NE(message->payload.find("udpm://239.255.0.1:7799?ttl=0"), std::string::npos)
+      << "names no URL: " << message->payload;
+  EXPECT_NE(message->payload.find("--lcm 'udpm://239.255.0.1:7799?ttl=0'"), std::string::npos)
+      << message->payload;
+}
+
+TEST_F(LiveCrowd, ShowsTheLastFrameOfAFinishedRunToALatePage) {
+  SyntheticRun run({.avatars = 30, .pairs = 50});
+  LcmSink sink({.url = "memq://"}, lcm_);
+  sink.begin(run.info());
+  size_t pairs = 0;
+  for (int i = 0; i < 10; ++i) {
+    const Frame& frame = run.step();
+    pairs = frame.pairs.size();
+    sink.frame(run.info(), frame);
+  }
+  sink.end(run.info(), run.finish());
+  for (int i = 0; i < 1000 && view_.frames_heard() < 10; ++i) std::this_thread::sleep_for(5ms);
+  TestSocket late(view_.server().port());
+  late.open();
+  EXPECT_NE(next(late, kRunMessage), "");
+  bool is_told = false;
+  for (;;) {
+    const auto message = late.read_message();
+    ASSERT_TRUE(message) << "no frame";
+    is_told = is_told || message->payload == R"({"end":true})";
+    if (message->opcode != Opcode::kBinary) continue;
+    EXPECT_EQ(head_of(message->payload).pairs, pairs) << "the ends behind the last frame";
+    EXPECT_EQ(head_of(message->payload).frame, 9);
+    break;
+  }
+  for (int i = 0; i < 5 && !is_told; ++i) {
+    const auto message = late.read_message();
+    is_told = message && message->payload == R"({"end":true})";
+  }
+  EXPECT_TRUE(is_told);
+  EXPECT_GT(pairs, 0u);
 }
 
 TEST_F(LiveCrowd, ShowsARunThatBeganBeforeAndAfterThePage) {

@@ -11,6 +11,7 @@
 
 #include "base/errors.h"
 #include "base/random.h"
+#include "lcmtypes/codec/log_format.h"
 #include "tests/lcmtypes/synthetic_run.h"
 
 namespace throng {
@@ -166,6 +167,168 @@ TEST_F(RecordedCrowd, SurvivesDamage) {
     } catch (const InputError&) {
       // Damaged where the description is: said so, and that is fine.
     }
+  }
+}
+
+/// The BeginFrame of each pair of a message.
+std::map<PairKey, int64_t> begins_of(const Bytes& message) {
+  struct Pair {
+    uint32_t a, b;
+    uint8_t part_a, part_b, level, zero;
+    int32_t began;
+  };
+  const FrameHead head = head_of(message);
+  std::map<PairKey, int64_t> begins;
+  const uint8_t* at = message.data() + sizeof head + 16 * (head.avatars + head.parts);
+  for (uint32_t i = 0; i < head.pairs; ++i, at += sizeof(Pair)) {
+    Pair pair;
+    std::memcpy(&pair, at, sizeof pair);
+    begins[PairKey(pair.a, pair.b, pair.part_a, pair.part_b)] = pair.began;
+  }
+  return begins;
+}
+
+/// The frames of a run as its events tell them, pair by pair.
+std::vector<std::map<PairKey, int64_t>> begins_by_hand(const SyntheticRun::Options& options) {
+  SyntheticRun run(options);
+  std::map<PairKey, int64_t> open;
+  std::vector<std::map<PairKey, int64_t>> frames;
+  for (int64_t number = 0; number < kFrames; ++number) {
+    for (const PairEvent& event : run.step().events) {
+      if (event.kind == EventKind::kBegin)
+        open[event.pair] = number;
+      else
+        open.erase(event.pair);
+    }
+    frames.push_back(open);
+  }
+  return frames;
+}
+
+TEST_F(RecordedCrowd, KnowsSinceWhenPairsTouchWhereverItJumps) {
+  const SyntheticRun::Options options{.avatars = 30, .seed = 5, .pairs = 60, .comings = true};
+  record(options, 3);
+  LogIndex index(log_.path());
+  index.wait();
+  RunReader run = described(index);
+  const RunGeometry geometry(run);
+  const auto expected = begins_by_hand(options);
+  LogPlayer playing(index, geometry), jumping(index, geometry);
+  for (int64_t frame = 0; frame < kFrames; ++frame)
+    ASSERT_EQ(begins_of(*playing.frame(frame)), expected[static_cast<size_t>(frame)]) << frame;
+  for (uint64_t i = 0; i < 60; ++i) {
+    // Backwards, forwards, and on from there.
+    const auto frame = static_cast<int64_t>(random_bits({.seed = 6, .id = i}) % (kFrames - 1));
+    for (const int64_t number : {frame, frame + 1})
+      ASSERT_EQ(begins_of(*jumping.frame(number)), expected[static_cast<size_t>(number)])
+          << "frame " << number << ", jump " << i;
+  }
+}
+
+TEST_F(RecordedCrowd, TellsBeforeWhenAPairBeganWhoseBeginItNeverHeard) {
+  // A run that goes on: what touches at first began before.
+  const SyntheticRun::Options options{.avatars = 30, .seed = 7, .pairs = 60};
+  constexpr int kBefore = 70;
+  const auto expected = begins_by_hand(options);
+  Resumed resumed;
+  resumed.frame = kBefore - 1;
+  for (const auto& [pair, begin] : expected[kBefore - 1]) resumed.touching.push_back(pair);
+  {
+    SyntheticRun run(options);
+    for (int i = 0; i < kBefore; ++i) run.step();
+    RunInfo info = run.info();
+    info.resumed = resumed;
+    LogSink sink(log_.path());
+    sink.begin(info);
+    for (int i = kBefore; i < kFrames; ++i) sink.frame(info, run.step());
+    sink.end(info, run.finish());
+  }
+  LogIndex index(log_.path());
+  index.wait();
+  RunReader run = described(index);
+  const RunGeometry geometry(run);
+  LogPlayer player(index, geometry);
+  int64_t from_before = 0;
+  for (const int64_t frame : {kBefore + 40, kBefore, kFrames - 1, kBefore + 3}) {
+    for (const auto& [pair, began] : begins_of(*player.frame(frame))) {
+      const int64_t begin = expected[static_cast<size_t>(frame)].at(pair);
+      ASSERT_EQ(began, begin < kBefore ? began_before(kBefore) : begin) << "frame " << frame;
+      from_before += began < 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(from_before, 0);
+}
+
+TEST(PairBegins, DoubtsAllBeginsWhereEventsAreLost) {
+  const SyntheticRun::Options options{.avatars = 20, .seed = 9, .pairs = 50};
+  SyntheticRun sender(options);
+  const std::vector<MessageList::Message> messages = messages_of(sender, kFrames);
+  const auto expected = begins_by_hand(options);
+  RunReader run;
+  PairBegins begins;
+  int64_t frame = -1, lost_until = 0, doubted = 0;
+  for (const MessageList::Message& message : messages) {
+    MessageHeader header;
+    ASSERT_EQ(read_header(message.channel, message.bytes, header), "");
+    const bool is_lost = message.channel == Channel::kEvents && header.frame % 40 == 20;
+    if (is_lost) lost_until = header.frame;
+    if (is_lost) continue;
+    const auto update = run.take(name_of(message.channel), message.bytes);
+    begins.take(run, update);
+    if (update == RunReader::Update::kCounters) frame = header.frame;
+    if (update != RunReader::Update::kCounters || frame >= kFrames) continue;
+    // A frame number is said only where it is right; before the gap shows, nobody can know.
+    for (const auto& [pair, began] : begins.all()) {
+      const auto& now = expected[static_cast<size_t>(frame)];
+      if (!now.contains(pair) || frame - lost_until < 2) continue;
+      if (began >= 0)
+        ASSERT_EQ(began, now.at(pair)) << "frame " << frame;
+      else
+        ASSERT_LT(now.at(pair), ~began) << "frame " << frame;
+      doubted += began < 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(doubted, 0);
+}
+
+TEST_F(RecordedCrowd, GoesOnBehindATornLength) {
+  record({.avatars = 10, .pairs = 30});
+  std::vector<uint8_t> bytes = bytes_of(log_.path());
+  // The length of a message in the middle becomes larger than the file.
+  LogReader reader(log_.path());
+  LogEvent event;
+  while (reader.next(event) == LogReader::Status::kEvent && event.offset < bytes.size() / 2)
+    continue;
+  bytes[event.offset + kLogHeadBytes - 4] = 0;
+  bytes[event.offset + kLogHeadBytes - 3] = 0xf0;
+  write_bytes(log_.path(), bytes);
+  LogIndex index(log_.path());
+  index.wait();
+  EXPECT_EQ(index.last_frame(), kFrames - 1);
+  EXPECT_NE(index.problem().find("damaged"), std::string::npos) << index.problem();
+  RunReader run = described(index);
+  const RunGeometry geometry(run);
+  EXPECT_EQ(head_of(*LogPlayer(index, geometry).frame(kFrames - 1)).frame, kFrames - 1);
+}
+
+TEST_F(RecordedCrowd, SaysWhatACutLogLacks) {
+  record({.avatars = 10, .pairs = 30});
+  const std::vector<uint8_t> sound = bytes_of(log_.path());
+  LogReader reader(log_.path());
+  std::vector<uint64_t> boundaries;
+  LogEvent event;
+  while (reader.next(event) == LogReader::Status::kEvent) boundaries.push_back(event.offset);
+  const auto problem_of = [&](size_t size) {
+    write_bytes(log_.path(), std::span(sound).first(size));
+    LogIndex index(log_.path());
+    index.wait();
+    return index.problem();
+  };
+  EXPECT_EQ(problem_of(sound.size()), "");
+  EXPECT_NE(problem_of(sound.size() - 1).find("torn"), std::string::npos);
+  for (size_t i = boundaries.size() / 3; i < boundaries.size() - 2; i += 97) {
+    EXPECT_NE(problem_of(boundaries[i]).find("cut off"), std::string::npos) << i;
+    EXPECT_NE(problem_of(boundaries[i] + 9).find("torn"), std::string::npos) << i;
   }
 }
 

@@ -96,6 +96,33 @@ TEST(Replay, OfMoreFramesThanAnybodyWatchesIsAnError) {
   EXPECT_THROW(write_replay(log.path(), html.path(), kPage, 25), EnvironmentError);
 }
 
+TEST(Replay, OfATornLogTellsWhatIsMissing) {
+  const ScratchFile log, html(".html");
+  SyntheticRun run({.avatars = 20});
+  LogSink sink(log.path());
+  run.play(sink, 120);
+  EXPECT_EQ(write_replay(log.path(), html.path(), kPage, 25).problem, "");
+  const std::vector<uint8_t> bytes = bytes_of(log.path());
+  for (const size_t size : {bytes.size() - 1, bytes.size() * 2 / 3}) {
+    write_bytes(log.path(), std::span(bytes).first(size));
+    const ReplayReport report = write_replay(log.path(), html.path(), kPage, 25);
+    EXPECT_NE(report.problem.find("torn"), std::string::npos) << report.problem;
+  }
+}
+
+TEST(Replay, OfNobodyIsAnErrorThatSaysSo) {
+  const ScratchFile log, html(".html");
+  SyntheticRun run({.avatars = 0, .pairs = 0});
+  LogSink sink(log.path());
+  run.play(sink, 20);
+  try {
+    write_replay(log.path(), html.path(), kPage, 25);
+    FAIL() << "a page without anybody";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("nobody in it"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Replay, OfAFileThatIsNoLogIsAnError) {
   const ScratchFile file, html(".html");
   write_bytes(file.path(), std::vector<uint8_t>(1000, 7));

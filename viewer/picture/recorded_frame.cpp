@@ -6,6 +6,12 @@
 
 namespace throng {
 
+void require_people(const run_description_t& run, const std::string& where) {
+  if (run.avatar_count == 0)
+    throw InputError(where, "a run with people or robots in it to show",
+                     fmt::format("a run of '{}' with nobody in it", printable(run.scene)));
+}
+
 RecordedFrame::RecordedFrame(const std::filesystem::path& log, int64_t number)
     : log_(log), reader_(log) {
   advance_to(number);
@@ -13,16 +19,20 @@ RecordedFrame::RecordedFrame(const std::filesystem::path& log, int64_t number)
 
 void RecordedFrame::advance_to(int64_t number) {
   LogEvent event;
-  while (last_frame_ < number && reader_.next(event) == LogReader::Status::kEvent) {
+  while (last_frame_ < number && gaps_.next(reader_, event)) {
     // The counters are the last message of a frame.
     if (run_.take(event.channel, event.data) == RunReader::Update::kCounters)
       last_frame_ = run_.counters()->frame;
   }
   if (run_.run() == nullptr)
-    throw InputError(log_.string(), "a run's description", "none; is it a log of `throng run`?");
-  if (last_frame_ < number)
+    throw InputError(log_.string(), "a run's description", gaps_.found_no_description());
+  require_people(*run_.run(), log_.string());
+  if (last_frame_ < number) {
+    const std::string missing = gaps_.describe(run_.run()->step_s);
     throw InputError(log_.string(), fmt::format("frame {}", number),
-                     fmt::format("frames 0 to {}", last_frame_));
+                     missing.empty() ? fmt::format("frames 0 to {}", last_frame_)
+                                     : fmt::format("frames 0 to {} ({})", last_frame_, missing));
+  }
   if (crowd().frame < 0) {
     const std::optional<int64_t> first = next_states();
     throw InputError(log_.string(), fmt::format("states at or before frame {}", number),
@@ -30,10 +40,16 @@ void RecordedFrame::advance_to(int64_t number) {
   }
 }
 
+std::string RecordedFrame::what_is_missing() {
+  LogEvent event;
+  while (gaps_.next(reader_, event)) continue;
+  return run_.run() == nullptr ? "" : gaps_.describe(run_.run()->step_s);
+}
+
 std::optional<int64_t> RecordedFrame::next_states() {
   LogEvent event;
   MessageHeader header;
-  while (reader_.next(event) == LogReader::Status::kEvent)
+  while (gaps_.next(reader_, event))
     if (event.channel == name_of(Channel::kStates) &&
         read_header(Channel::kStates, event.data, header).empty() && header.frame > last_frame_)
       return header.frame;

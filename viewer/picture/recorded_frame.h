@@ -5,11 +5,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/log/log_gaps.h"
 
 namespace throng {
+
+/// Throws InputError if nobody is in a run: there is nothing to show. `where`: the file that has
+/// it, or where it is heard.
+void require_people(const run_description_t& run, const std::string& where);
 
 /// The run as it was at the end of a frame. Where states were recorded more rarely, the crowd is
 /// that of the latest frame before.
@@ -22,8 +27,12 @@ class RecordedFrame {
   /// Goes on to a later frame. Throws InputError if the log does not reach so far.
   void advance_to(int64_t number);
 
+  /// What of the run the log lacks, in sentences, or "". Reads on to the end: nothing but this may
+  /// be asked afterwards.
+  std::string what_is_missing();
+
   /// The next frame after the one advanced to that has states, if the log has one. Reads on:
-  /// nothing but this may be asked afterwards.
+  /// nothing but this and what_is_missing() may be asked afterwards.
   std::optional<int64_t> next_states();
 
   RunReader& run() { return run_; }
@@ -33,6 +42,7 @@ class RecordedFrame {
  private:
   std::filesystem::path log_;
   LogReader reader_;
+  LogGaps gaps_;
   int64_t last_frame_ = -1;
   RunReader run_;
 };

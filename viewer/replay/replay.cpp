@@ -14,6 +14,10 @@ namespace {
 
 using nlohmann::json;
 
+// Of a stretch, as the page reads them.
+constexpr uint8_t kBeganBefore = 1;  // its begin was not recorded
+constexpr uint8_t kEndLost = 2;      // its end was not recorded
+
 constexpr size_t kMostKept = size_t{2} << 30;
 constexpr int64_t kMostFrames = 10'000'000;  // two days; a damaged number must not ask for memory
 
@@ -61,25 +65,29 @@ double ReplayRecorder::seconds() const {
   return run_.run() == nullptr ? 0 : static_cast<double>(last_frame_ + 1) * run_.run()->step_s;
 }
 
-void ReplayRecorder::keep_events(int64_t frame) {
-  for (const PairEvent& event : run_.new_events()) {
-    std::vector<Stretch>& stretches = pairs_[event.pair];
-    if (event.kind == EventKind::kBegin) {
-      stretches.push_back({frame, -1, event.level});
+/// Contacts as the page shows them: one whose begin was not heard is there from where it was seen.
+void ReplayRecorder::keep_changes() {
+  for (const PairBegins::Change& change : begins_.changes()) {
+    std::vector<Stretch>& stretches = pairs_[change.pair];
+    if (change.kind == PairBegins::ChangeKind::kBegan) {
+      const bool is_heard = change.began >= 0;
+      const auto level = run_.touching().find(change.pair);
+      stretches.push_back({is_heard ? change.began : ~change.began, -1,
+                           level == run_.touching().end() ? PairLevel::kPartVolume : level->second,
+                           is_heard ? uint8_t{0} : kBeganBefore});
       ++stretches_;
     } else if (!stretches.empty()) {
-      stretches.back().end = frame;
+      stretches.back().end = std::max(stretches.back().begin, change.frame);
+      if (change.kind == PairBegins::ChangeKind::kLost) stretches.back().flags |= kEndLost;
     }
   }
 }
 
 void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> bytes) {
-  switch (run_.take(channel, bytes)) {
-    case RunReader::Update::kEvents: {
-      MessageHeader header;
-      if (read_header(Channel::kEvents, bytes, header).empty()) keep_events(header.frame);
-      break;
-    }
+  const RunReader::Update update = run_.take(channel, bytes);
+  begins_.take(run_, update);
+  keep_changes();
+  switch (update) {
     case RunReader::Update::kState: {
       const auto every =
           static_cast<int64_t>(std::max(1.0, std::round(kReplayKeyPeriod_s / run_.run()->step_s)));
@@ -161,6 +169,7 @@ void ReplayRecorder::put_pairs(Bytes& out) const {
   column(
       [&](Pair pair, Pair, bool, Span, int64_t) { put(out, static_cast<uint8_t>(pair.part_b())); });
   column([&](Pair, Pair, bool, Span part, int64_t) { put(out, static_cast<uint8_t>(part.level)); });
+  column([&](Pair, Pair, bool, Span part, int64_t) { put(out, part.flags); });
   column([&](Pair, Pair, bool, Span part, int64_t end) { put_varint(out, part.begin - end); });
   column([&](Pair, Pair, bool, Span part, int64_t) {
     put_varint(out, (part.end < 0 ? last_frame_ + 1 : part.end) - part.begin);
@@ -199,7 +208,7 @@ PostureBasis ReplayRecorder::put_postures(size_t model_index, Bytes& out) {
   return basis;
 }
 
-Bytes ReplayRecorder::finish() {
+Bytes ReplayRecorder::finish(const std::string& problem) {
   const RunGeometry geometry(run_);
   // The last frame is a key too: people walk on to the end.
   if (keys_.back().frame < run_.state().frame) keys_.push_back({run_.state().frame, run_.state()});
@@ -220,6 +229,7 @@ Bytes ReplayRecorder::finish() {
                {"frames", last_frame_ + 1},
                {"pairs", stretches_},
                {"pairs_at", pairs_at},
+               {"problem", problem},
                {"models", models}};
   head["keys"] = json::array();
   for (const Key& key : keys_) head["keys"].push_back(key.frame);
@@ -235,7 +245,7 @@ Bytes ReplayRecorder::finish() {
   Bytes run = run_message(run_, geometry, ViewMode::kFile);
   align(run, 4);
   put_sized(run);
-  const std::string text = head.dump();
+  const std::string text = head.dump(-1, ' ', false, json::error_handler_t::replace);
   put_sized(Bytes(text.begin(), text.end()));
   out.insert(out.end(), columns.begin(), columns.end());
   return out;

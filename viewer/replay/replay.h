@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "lcmtypes/codec/run_reader.h"
 #include "viewer/replay/posture_basis.h"
+#include "viewer/server/pair_begins.h"
 #include "viewer/server/run_message.h"
 
 namespace throng {
@@ -28,6 +30,8 @@ class ReplayRecorder {
 
   /// Whether there is anything to show.
   bool has_keys() const { return !keys_.empty(); }
+  /// Null until the description is complete.
+  const run_description_t* run() const { return run_.run(); }
   int avatars() const { return run_.run() == nullptr ? 0 : run_.run()->avatar_count; }
   double seconds() const;
 
@@ -35,8 +39,8 @@ class ReplayRecorder {
   size_t bytes_kept() const { return keys_.size() * bytes_per_key_; }
 
   /// u32 bytes | run message | u32 bytes of JSON | JSON | columns: see the definition. Not yet
-  /// compressed. Needs keys.
-  Bytes finish();
+  /// compressed. Needs keys. `problem`: what of the run is missing, for the page to say.
+  Bytes finish(const std::string& problem);
 
  private:
   struct Key {
@@ -46,14 +50,16 @@ class ReplayRecorder {
   struct Stretch {
     int64_t begin, end;
     PairLevel level;
+    uint8_t flags;
   };
-  void keep_events(int64_t frame);
+  void keep_changes();
   void put_people(Bytes& out) const;
   Eigen::MatrixXd rows_of(std::span<const size_t> members, Eigen::Index joints) const;
   PostureBasis put_postures(size_t model_index, Bytes& out);
   void put_pairs(Bytes& out) const;
 
   RunReader run_;
+  PairBegins begins_;
   std::vector<Key> keys_;
   size_t bytes_per_key_ = 0;
   int64_t last_frame_ = -1;

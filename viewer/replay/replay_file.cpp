@@ -10,7 +10,8 @@
 
 #include "base/errors.h"
 #include "base/files/whole_file.h"
-#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/log/log_gaps.h"
+#include "viewer/picture/recorded_frame.h"
 
 namespace throng {
 namespace {
@@ -35,11 +36,11 @@ std::string base64(const Bytes& bytes) {
 }  // namespace
 
 ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path& html,
-                          std::string_view page, double limit_mb) {
+                          std::string_view page, double limit_mb, const std::string& problem) {
   if (!recorder.has_keys())
     throw InputError(html.string(), "a run with people in it to record", "no frame");
   const size_t marker = page.find(kMarker);
-  const std::string recording = base64(deflated(recorder.finish()));
+  const std::string recording = base64(deflated(recorder.finish(problem)));
   std::string text(page.substr(0, marker));
   text += "<script type=\"text/plain\" id=\"recording\">";
   text += recording;
@@ -55,29 +56,33 @@ ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path&
                     recorder.avatars(), recorder.seconds(), 0.95 * share * recorder.seconds()));
   }
   write_whole_file(html, text);
-  return {text.size(), recorder.avatars(), recorder.seconds()};
+  return {text.size(), recorder.avatars(), recorder.seconds(), problem};
 }
 
 ReplayReport write_replay(const std::filesystem::path& log, const std::filesystem::path& html,
                           std::string_view page, double limit_mb) {
   LogReader reader(log);
   ReplayRecorder recorder;
+  LogGaps gaps;
   LogEvent event;
-  for (LogReader::Status status; (status = reader.next(event)) != LogReader::Status::kEnd;) {
-    if (status == LogReader::Status::kEvent)
-      recorder.take(event.channel, event.data);
-    else if (status == LogReader::Status::kTorn || !reader.resync())
-      break;
-  }
-  if (recorder.avatars() == 0)
-    throw InputError(log.string(), "a run's description", "none; is it a log of `throng run`?");
-  return write_replay(recorder, html, page, limit_mb);
+  while (gaps.next(reader, event)) recorder.take(event.channel, event.data);
+  const run_description_t* run = recorder.run();
+  if (run == nullptr)
+    throw InputError(log.string(), "a run's description", gaps.found_no_description());
+  require_people(*run, log.string());
+  if (!recorder.has_keys())
+    throw InputError(log.string(), "a log with states to show",
+                     "none; " + gaps.describe(run->step_s));
+  return write_replay(recorder, html, page, limit_mb, gaps.describe(run->step_s));
 }
 
 ReplaySink::ReplaySink(const std::filesystem::path& html, std::string_view page, double limit_mb)
     : html_(html), page_(page), limit_mb_(limit_mb) {}
 
 void ReplaySink::begin(const RunInfo& run) {
+  if (run.avatar_count() == 0)
+    throw InputError(html_.string(), "a run with people or robots in it to show",
+                     fmt::format("nobody in '{}'", run.scene->name));
   const double every = std::max(1.0, std::round(kReplayKeyPeriod_s / run.step_s));
   encoder_.emplace(EncoderOptions{.state_every = every}, static_cast<MessageTarget&>(*this));
   encoder_->begin(run);

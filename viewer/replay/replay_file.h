@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "lcmtypes/codec/encoder.h"
@@ -18,14 +19,15 @@ struct ReplayReport {
   uint64_t bytes = 0;
   int avatars = 0;
   double seconds = 0;
+  std::string problem{};  ///< what of the run is missing, also in the page; "" if nothing is
 };
 
 /// Throws InputError if it would be larger than `limit_mb`, EnvironmentError if it cannot be
-/// written.
+/// written. `problem`: what of the run is missing.
 ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path& html,
-                          std::string_view page, double limit_mb);
+                          std::string_view page, double limit_mb, const std::string& problem = "");
 
-/// The same from a log. Throws InputError if it is none.
+/// The same from a log, as far as that is sound. Throws InputError if it is none, or of nobody.
 ReplayReport write_replay(const std::filesystem::path& log, const std::filesystem::path& html,
                           std::string_view page, double limit_mb);
 
@@ -36,6 +38,7 @@ class ReplaySink final : public Sink, private MessageTarget {
   ReplaySink(const std::filesystem::path& html, std::string_view page, double limit_mb);
 
   SinkNeeds needs() const override { return {.postures = true}; }
+  /// Throws InputError if nobody is in the run.
   void begin(const RunInfo& run) override;
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;

@@ -29,8 +29,14 @@ static_assert(sizeof(PartRecord) == 16);
 struct PairRecord {
   uint32_t a, b;
   uint8_t part_a, part_b, level, zero;
+  int32_t began;  // a BeginFrame
 };
-static_assert(sizeof(PairRecord) == 12);
+static_assert(sizeof(PairRecord) == 16);
+
+/// A damaged number is as large as can be told.
+int32_t to_int32(BeginFrame began) {
+  return static_cast<int32_t>(std::clamp<int64_t>(began, INT32_MIN, INT32_MAX));
+}
 
 int16_t to_int16(float value) {
   return static_cast<int16_t>(std::lrintf(std::clamp(value, -kUnit, kUnit)));
@@ -96,13 +102,19 @@ void FrameMessages::add_people() {
   }
 }
 
-void FrameMessages::mark_pairs() {
+void FrameMessages::mark_pairs(const RunReader::Touching& touching,
+                               const PairBegins::Begins& begins) {
   const auto avatars = static_cast<uint32_t>(head_.avatars);
   marks_.assign(head_.parts, 0);
   person_marks_.assign(avatars, 0);
   auto* pairs = records_at<PairRecord>(
       *out_, sizeof(FrameHead) + avatars * sizeof(AvatarRecord) + head_.parts * sizeof(PartRecord));
-  for (const auto& [pair, pair_level] : run_.touching()) {
+  auto began = begins.begin();  // sorted by pair, as `touching` is
+  for (const auto& [pair, pair_level] : touching) {
+    while (began != begins.end() && began->first < pair) ++began;
+    const bool is_known = began != begins.end() && began->first == pair;
+    const BeginFrame since =
+        is_known ? began->second : began_before(static_cast<int64_t>(head_.frame) + 1);
     const auto level = static_cast<uint8_t>(pair_level);
     const auto mark = [&](uint32_t body, uint32_t part) {
       if (body >= avatars) return;  // an obstacle
@@ -118,7 +130,8 @@ void FrameMessages::mark_pairs() {
                 static_cast<uint8_t>(pair.part_a()),
                 static_cast<uint8_t>(pair.part_b()),
                 level,
-                0};
+                0,
+                to_int32(since)};
   }
 }
 
@@ -158,14 +171,16 @@ void FrameMessages::add_parts() {
   }
 }
 
-std::shared_ptr<const Bytes> FrameMessages::build(double seq, int64_t frame, int64_t lost) {
+std::shared_ptr<const Bytes> FrameMessages::build(double seq, int64_t frame,
+                                                  const RunReader::Touching& touching,
+                                                  const PairBegins::Begins& begins, int64_t lost) {
   const auto start = Clock::now();
   const auto message = std::make_shared<Bytes>();
   out_ = message.get();
   head_ = {};
   head_.avatars = static_cast<uint32_t>(run_.state().roots.size());
   head_.parts = head_.avatars == 0 ? 0 : geometry_.first_part.back();
-  head_.pairs = static_cast<uint32_t>(run_.touching().size());
+  head_.pairs = static_cast<uint32_t>(touching.size());
   head_.frame = static_cast<double>(frame);
   head_.time_s = static_cast<double>(frame) * run_.run()->step_s;
   head_.seq = seq;
@@ -173,7 +188,7 @@ std::shared_ptr<const Bytes> FrameMessages::build(double seq, int64_t frame, int
   head_.lost = static_cast<float>(lost);
   parts_at_ = sizeof(FrameHead) + head_.avatars * sizeof(AvatarRecord);
   message->resize(parts_at_ + head_.parts * sizeof(PartRecord) + head_.pairs * sizeof(PairRecord));
-  mark_pairs();
+  mark_pairs(touching, begins);
   add_people();
   add_parts();
   head_.build_ms = std::chrono::duration<float, std::milli>(Clock::now() - start).count();

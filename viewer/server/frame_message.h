@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "viewer/picture/crowded.h"
+#include "viewer/server/pair_begins.h"
 #include "viewer/server/run_message.h"
 
 namespace throng {
@@ -40,13 +41,15 @@ class FrameMessages {
 
   /// head | avatars: f32 x, y, z; u8 flags (1 there, 2 crowded), u8 mark, u16 speed in mm/s |
   /// parts: i16 x, y, z relative to the root, u16 mark, i16 quaternion x, y, z, w |
-  /// pairs: u32 a, u32 b, u8 part_a, u8 part_b, u8 level, u8 0
-  /// `frame`: its number; the states may be older. `lost`: messages that never came.
-  std::shared_ptr<const Bytes> build(double seq, int64_t frame, int64_t lost = 0);
+  /// pairs: u32 a, u32 b, u8 part_a, u8 part_b, u8 level, u8 0, i32 BeginFrame
+  /// `frame`: its number; the states may be older. `begins`: since when the pairs of `touching`
+  /// touch. `lost`: messages that never came.
+  std::shared_ptr<const Bytes> build(double seq, int64_t frame, const RunReader::Touching& touching,
+                                     const PairBegins::Begins& begins, int64_t lost = 0);
 
  private:
   void add_people();
-  void mark_pairs();
+  void mark_pairs(const RunReader::Touching& touching, const PairBegins::Begins& begins);
   void add_parts();
   void pose(size_t first, size_t end);
 

@@ -1,11 +1,14 @@
 #include "viewer/server/live_view.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/errors.h"
 #include "lcmtypes/codec/guard.h"
+#include "viewer/picture/recorded_frame.h"
 #include "viewer/server/questions.h"
 
 namespace throng {
@@ -16,6 +19,7 @@ using nlohmann::json;
 
 constexpr std::chrono::milliseconds kWait{50};
 constexpr std::chrono::milliseconds kStatusPeriod{500};
+constexpr const char* kEnded = R"({"end":true})";
 
 std::string text_of(const json& message) {
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -24,11 +28,12 @@ std::string text_of(const json& message) {
 }  // namespace
 
 LiveView::LiveView(const std::string& lcm_url, const WebOptions& options, std::string_view page)
-    : LiveView(std::make_unique<Receiver>(lcm_url), options, page) {}
+    : LiveView(std::make_unique<Receiver>(lcm_url), options, page, lcm_url) {}
 
 LiveView::LiveView(std::unique_ptr<Receiver> receiver, const WebOptions& options,
-                   std::string_view page)
-    : receiver_(std::move(receiver)),
+                   std::string_view page, std::string lcm_url)
+    : lcm_url_(std::move(lcm_url)),
+      receiver_(std::move(receiver)),
       server_(options, page,
               {[this](const std::shared_ptr<WebClient>& client) { opened(client); },
                [this](WebClient& client, std::string_view text) { said(client, text); }}),
@@ -39,26 +44,35 @@ LiveView::~LiveView() {
   thread_.join();
 }
 
+/// Needs the lock.
+std::string LiveView::waiting() const {
+  std::string start = "throng run plaza --pace 1";
+  if (lcm_url_ != kDefaultLcmUrl) start += fmt::format(" --lcm '{}'", lcm_url_);
+  return text_of({{"waiting", trouble_}, {"lcm", lcm_url_}, {"start", start}});
+}
+
 void LiveView::opened(const std::shared_ptr<WebClient>& client) {
   const std::lock_guard lock(mutex_);
-  if (run_message_ != nullptr)
-    client->send_binary(run_message_);
-  else
-    client->send_text(text_of({{"waiting", trouble_}}));
+  if (run_message_ == nullptr) return client->send_text(waiting());
+  client->send_binary(run_message_);
+  if (has_ended_) client->send_text(kEnded);
+  has_newcomer_ = true;
 }
 
 void LiveView::said(WebClient& client, std::string_view text) {
   const Question question = parse_question(text);
-  if (question.person) client.send_text(history_.of(*question.person, INT64_MAX, kHistoryPairs));
+  if (question.person)
+    client.send_text(
+        history_.of(*question.person, question.frame.value_or(INT64_MAX), kHistoryPairs));
 }
 
 void LiveView::begin_run() {
   RunReader& run = receiver_->inbox().run();
   messages_.reset();
-  history_.clear();
   SharedBytes message;
   std::string trouble;
   try {
+    require_people(*run.run(), lcm_url_);
     geometry_ = std::make_unique<RunGeometry>(run);
     messages_ = std::make_unique<FrameMessages>(run, *geometry_);
     message = std::make_shared<Bytes>(throng::run_message(run, *geometry_, ViewMode::kLive));
@@ -70,31 +84,31 @@ void LiveView::begin_run() {
     const std::lock_guard lock(mutex_);
     run_message_ = message;
     trouble_ = trouble;
+    has_ended_ = false;
+    if (message == nullptr) server_.send_text(waiting());
   }
-  if (message != nullptr)
-    server_.send_binary(message);
-  else
-    server_.send_text(text_of({{"waiting", trouble}}));
+  if (message != nullptr) server_.send_binary(message);
 }
 
 void LiveView::take(const ReceivedMessage& message) {
   const RunReader& run = receiver_->inbox().run();
+  if (begins_.take(run, message.update)) history_.clear();
+  history_.add(begins_.changes());
   switch (message.update) {
     case RunReader::Update::kRun:
       begin_run();
       break;
-    case RunReader::Update::kEvents: {
-      MessageHeader header;
-      if (read_header(Channel::kEvents, message.bytes, header).empty())
-        history_.add(header.frame, run.new_events());
+    case RunReader::Update::kEvents:
+      note_ends();
       break;
-    }
     case RunReader::Update::kCounters:
+      last_touching_.clear();
+      last_begins_.clear();
       ++heard_;
       is_fresh_ = true;
       break;
     case RunReader::Update::kEnd:
-      server_.send_text(R"({"end":true})");
+      end_run();
       break;
     default:
       break;
@@ -118,18 +132,44 @@ void LiveView::tell_status() {
                                {"pages", server_.client_count()}}}}));
 }
 
+/// Keeps the pairs that ended behind the newest frame, as they were in it.
+void LiveView::note_ends() {
+  for (const PairEvent& event : receiver_->inbox().run().new_events())
+    if (event.kind == EventKind::kEnd) last_touching_.emplace(event.pair, event.level);
+  for (const PairBegins::Change& change : begins_.changes())
+    if (change.kind == PairBegins::ChangeKind::kEnded)
+      last_begins_.emplace(change.pair, change.began);
+}
+
+void LiveView::end_run() {
+  const RunReader::Touching& touching = receiver_->inbox().run().touching();
+  last_touching_.insert(touching.begin(), touching.end());
+  last_begins_.insert(begins_.all().begin(), begins_.all().end());
+  const std::lock_guard lock(mutex_);
+  has_ended_ = is_fresh_ = true;
+  server_.send_text(kEnded);
+}
+
+/// The newest state, for the pages that are open.
+void LiveView::offer_frame() {
+  const RunReader& run = receiver_->inbox().run();
+  if (messages_ == nullptr || server_.client_count() == 0 || run.run() == nullptr ||
+      run.state().frame < 0 || !run.counters())
+    return;
+  const bool is_over = run.end().has_value();
+  server_.offer_frame(messages_->build(static_cast<double>(heard_), run.counters()->frame,
+                                       is_over ? last_touching_ : run.touching(),
+                                       is_over ? last_begins_ : begins_.all(), missing()));
+  ++built_;
+}
+
 void LiveView::listen() {
   auto next_status = Clock::now();
   while (!stopping_) {
     receiver_->receive(kWait, [this](const ReceivedMessage& message) { take(message); });
     // One frame for all that came: whoever is behind gets the newest.
-    const RunReader& run = receiver_->inbox().run();
-    if (std::exchange(is_fresh_, false) && messages_ != nullptr && server_.client_count() > 0 &&
-        run.run() != nullptr && run.state().frame >= 0) {
-      server_.offer_frame(
-          messages_->build(static_cast<double>(heard_), run.state().frame, missing()));
-      ++built_;
-    }
+    const bool is_wanted = std::exchange(is_fresh_, false);
+    if (has_newcomer_.exchange(false) || is_wanted) offer_frame();
     if (Clock::now() < next_status) continue;
     tell_status();
     next_status = Clock::now() + kStatusPeriod;

@@ -20,7 +20,8 @@ class LiveView {
  public:
   /// Throws EnvironmentError if LCM cannot use the URL or the port is taken.
   LiveView(const std::string& lcm_url, const WebOptions& options, std::string_view page);
-  LiveView(std::unique_ptr<Receiver> receiver, const WebOptions& options, std::string_view page);
+  LiveView(std::unique_ptr<Receiver> receiver, const WebOptions& options, std::string_view page,
+           std::string lcm_url = std::string(kDefaultLcmUrl));
   ~LiveView();
 
   WebServer& server() { return server_; }
@@ -31,22 +32,33 @@ class LiveView {
   void listen();
   void take(const ReceivedMessage& message);
   void begin_run();
+  void note_ends();
+  void end_run();
+  void offer_frame();
+  std::string waiting() const;
   int64_t missing() const;
   void tell_status();
   void opened(const std::shared_ptr<WebClient>& client);
   void said(WebClient& client, std::string_view text);
 
+  std::string lcm_url_;
   std::unique_ptr<Receiver> receiver_;
   // Of the listening thread.
   std::unique_ptr<RunGeometry> geometry_;
   std::unique_ptr<FrameMessages> messages_;
+  PairBegins begins_;
   bool is_fresh_ = false;
+  // A run ends all its pairs behind its last frame, which is shown as it was.
+  RunReader::Touching last_touching_;
+  PairBegins::Begins last_begins_;
 
   std::atomic<uint64_t> heard_{0}, built_{0};
   PairHistory history_;
   std::mutex mutex_;
   SharedBytes run_message_;
   std::string trouble_;  ///< why the run that is heard cannot be shown
+  bool has_ended_ = false;
+  std::atomic<bool> has_newcomer_{false};  ///< a page that has no frame yet
   std::atomic<bool> stopping_{false};
   WebServer server_;
   std::thread thread_;  // last: uses the rest

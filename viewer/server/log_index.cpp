@@ -21,15 +21,14 @@ std::optional<LogIndex::Mark> newest(const std::vector<LogIndex::Mark>& marks, i
 }  // namespace
 
 LogIndex::LogIndex(const std::filesystem::path& log) : log_(log), reader_(log) {
-  RunReader run;
   LogEvent event;
-  while (run.run() == nullptr && reader_.next(event) == LogReader::Status::kEvent) {
+  while (run_.run() == nullptr && gaps_.next(reader_, event)) {
     if (event.channel == name_of(Channel::kRun))
       description_.emplace_back(event.data.begin(), event.data.end());
-    run.take(event.channel, event.data);
+    run_.take(event.channel, event.data);
   }
-  if (run.run() == nullptr)
-    throw InputError(log.string(), "a run's description", "none; is it a log of `throng run`?");
+  if (run_.run() == nullptr)
+    throw InputError(log.string(), "a run's description", gaps_.found_no_description());
   touching_.push_back({0, reader_.offset()});  // before the first event nothing touches
   thread_ = std::thread([this] { read_on(); });
 }
@@ -42,17 +41,9 @@ LogIndex::~LogIndex() {
 void LogIndex::take(const LogEvent& event, Channel channel) {
   MessageHeader header;
   if (!read_header(channel, event.data, header).empty()) return;
-  if (channel == Channel::kEvents) {
-    events_t events;
-    if (!decode(event.data, events).empty()) return;
-    std::vector<PairEvent> list;
-    for (size_t i = 0; i < events.a.size(); ++i)
-      list.push_back(
-          {PairKey(static_cast<uint32_t>(events.a[i]), static_cast<uint32_t>(events.b[i]),
-                   events.part_a[i], events.part_b[i]),
-           static_cast<EventKind>(events.kind[i])});
-    history_.add(header.frame, list);
-    return;
+  if (channel == Channel::kEvents || channel == Channel::kTouching) {
+    begins_.take(run_, run_.take(event.channel, event.data));
+    history_.add(begins_.changes());
   }
   const std::lock_guard lock(mutex_);
   const auto mark = [&](std::vector<Mark>& marks) {
@@ -72,18 +63,11 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
 
 void LogIndex::read_on() {
   LogEvent event;
-  while (!stopping_) {
-    const LogReader::Status status = reader_.next(event);
-    if (status == LogReader::Status::kEvent) {
-      const std::optional<Channel> channel = channel_of(event.channel);
-      if (channel) take(event, *channel);
-      continue;
-    }
-    if (status != LogReader::Status::kEnd) {
-      const std::lock_guard lock(mutex_);
-      if (problem_.empty()) problem_ = reader_.problem();
-    }
-    if (status != LogReader::Status::kDamaged || !reader_.resync()) break;
+  while (!stopping_ && gaps_.next(reader_, event))
+    if (const std::optional<Channel> channel = channel_of(event.channel)) take(event, *channel);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!stopping_) problem_ = gaps_.describe(run_.run()->step_s);
   }
   complete_ = true;
 }

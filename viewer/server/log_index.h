@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_reader.h"
+#include "lcmtypes/log/log_gaps.h"
 #include "viewer/server/pair_history.h"
 
 namespace throng {
@@ -39,7 +39,7 @@ class LogIndex {
   /// The last frame known so far; -1 if none is.
   int64_t last_frame() const { return last_frame_; }
   bool is_complete() const { return complete_; }
-  /// How the log ends, if not soundly.
+  /// What of the run is missing; "" as long as nothing is known to be.
   std::string problem() const;
   /// {"index": {"frames", "complete", "problem", "first_shown", "every", "pairs": [...],
   /// "frame_ms": [...]}}: the run in at most `most` samples, and the first frame that has states.
@@ -64,7 +64,10 @@ class LogIndex {
 
   std::filesystem::path log_;
   LogReader reader_;
+  LogGaps gaps_;
   std::vector<std::vector<uint8_t>> description_;
+  RunReader run_;  // of the pairs alone: states are not decoded
+  PairBegins begins_;
   PairHistory history_;
   mutable std::mutex mutex_;
   std::vector<Mark> states_, touching_;

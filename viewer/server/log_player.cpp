@@ -23,17 +23,25 @@ void LogPlayer::jump(const LogIndex::Start& start) {
   reader_.seek(start.touching.offset);
 }
 
+RunReader::Update LogPlayer::take(const LogEvent& event) {
+  const RunReader::Update update = run_.take(event.channel, event.data);
+  begins_.take(run_, update);
+  return update;
+}
+
 void LogPlayer::read_to(int64_t frame, const LogIndex::Start& start) {
   LogEvent event;
   while (frame_ < frame) {
     const LogReader::Status status = reader_.next(event);
-    if (status == LogReader::Status::kDamaged && reader_.resync()) continue;
-    if (status != LogReader::Status::kEvent) return;
+    if (status == LogReader::Status::kEnd) return;
+    if (status != LogReader::Status::kEvent) {
+      if (!skip_damage(reader_, status).goes_on) return;
+      continue;
+    }
     // States that newer ones replace before anybody sees them are not decoded.
     if (event.channel == name_of(Channel::kStates) && event.offset < start.states.offset) continue;
     // The counters are the last message of a frame.
-    if (run_.take(event.channel, event.data) == RunReader::Update::kCounters)
-      frame_ = run_.counters()->frame;
+    if (take(event) == RunReader::Update::kCounters) frame_ = run_.counters()->frame;
   }
 }
 
@@ -42,12 +50,15 @@ std::shared_ptr<const Bytes> LogPlayer::frame(int64_t number) {
   const std::optional<LogIndex::Start> start = index_.start_of(wanted);
   if (!start) return nullptr;
   // Forward within a stretch is cheaper to read on than to jump, and so is a short way.
-  if (wanted < frame_ || reader_.offset() < start->touching.offset || frame_ < 0) {
+  const bool jumps = wanted < frame_ || reader_.offset() < start->touching.offset || frame_ < 0;
+  if (jumps) {
     jump(*start);
     frame_ = -1;
   }
   read_to(wanted, *start);
-  return messages_.build(++built_, wanted);
+  // What was skipped is known to the index, which is ahead of every player.
+  if (jumps) begins_.set(index_.history().begins_at(wanted, run_.touching()), run_);
+  return messages_.build(++built_, wanted, run_.touching(), begins_.all());
 }
 
 }  // namespace throng

@@ -20,12 +20,14 @@ class LogPlayer {
 
  private:
   void jump(const LogIndex::Start& start);
+  RunReader::Update take(const LogEvent& event);
   void read_to(int64_t frame, const LogIndex::Start& start);
 
   const LogIndex& index_;
   LogReader reader_;
   RunReader run_;
   FrameMessages messages_;
+  PairBegins begins_;
   int64_t frame_ = -1;
   double built_ = 0;
 };

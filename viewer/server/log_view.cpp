@@ -1,5 +1,6 @@
 #include "viewer/server/log_view.h"
 
+#include "viewer/picture/recorded_frame.h"
 #include "viewer/server/questions.h"
 
 namespace throng {
@@ -11,6 +12,7 @@ RunReader described(const LogIndex& index) {
   RunReader run;
   for (const std::vector<uint8_t>& piece : index.description())
     run.take(name_of(Channel::kRun), piece);
+  require_people(*run.run(), index.log().string());
   return run;
 }
 

@@ -3,13 +3,14 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {crowded} from '../../../viewer/page/src/crowded.ts';
 import {peaks, roundUp} from '../../../viewer/page/src/chart.ts';
+import {counted} from '../../../viewer/page/src/dom.ts';
 import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, spoken, type Run} from '../../../viewer/page/src/protocol.ts';
 import {cubic, Varints} from '../../../viewer/page/src/replay.ts';
 import {diamond, simplified, sleeve, vertexNormals} from '../../../viewer/page/src/simplify.ts';
 
 /** Two people, three parts, two pairs. */
 function frameBytes(): ArrayBuffer {
-  const buffer = new ArrayBuffer(64 + 2 * 16 + 3 * 16 + 2 * 12);
+  const buffer = new ArrayBuffer(64 + 2 * 16 + 3 * 16 + 2 * 16);
   const view = new DataView(buffer);
   [0x31465454, 2, 3, 2].forEach((word, i) => view.setUint32(4 * i, word, true));
   view.setFloat64(16, 42, true);
@@ -20,7 +21,7 @@ function frameBytes(): ArrayBuffer {
   [1.5, -2.5, 0].forEach((x, i) => view.setFloat32(64 + 4 * i, x, true));
   view.setUint32(64 + 12, 1 | 2 | (3 << 8) | (1340 << 16), true);
   const pairsAt = 64 + 2 * 16 + 3 * 16;
-  [0, 1, 2 | (5 << 8) | (2 << 16), 0, 7, 255 | (255 << 8)].forEach((word, i) => view.setUint32(pairsAt + 4 * i, word, true));
+  [0, 1, 2 | (5 << 8) | (2 << 16), 30, 0, 7, 255 | (255 << 8), ~12].forEach((word, i) => view.setUint32(pairsAt + 4 * i, word, true));
   return buffer;
 }
 
@@ -42,8 +43,8 @@ test('a person has a place, a speed and a mark', () => {
 
 test('the pairs of a person name both parts and the level', () => {
   const frame = decodeFrame(frameBytes());
-  assert.deepEqual(pairsOf(frame, 1), [{a: 0, b: 1, partA: 2, partB: 5, level: 2}]);
-  assert.equal(pairsOf(frame, 0).length, 2);
+  assert.deepEqual(pairsOf(frame, 1), [{a: 0, b: 1, partA: 2, partB: 5, level: 2, began: 30}]);
+  assert.deepEqual(pairsOf(frame, 0).map(({began}) => began), [30, ~12]);
   assert.equal(pairsOf(frame, 3).length, 0);
 });
 
@@ -76,7 +77,23 @@ test('people and parts have names', () => {
   assert.equal(nameOf(run, 2), 'north wall');
   assert.equal(partNameOf(run, 0, 0), 'upper left arm');
   assert.equal(partNameOf(run, 0, 255), 'body');
-  assert.equal(spoken('RightHand'), 'right hand');
+  const names = {
+    RightHand: 'right hand',
+    upperRightLeg: 'upper right leg',
+    left_hip_pitch_link: 'left hip pitch link',
+    left__Hand_: 'left hand',
+    wrist3Link: 'wrist3 link',
+    URDFLink: 'urdf link',
+    LElbow: 'l elbow',
+    torso: 'torso',
+    _: '_',
+  };
+  for (const [name, said] of Object.entries(names)) assert.equal(spoken(name), said);
+});
+
+test('one of a thing is one', () => {
+  assert.deepEqual([0, 1, 2].map((n) => counted(n, 'pair')), ['0 pairs', '1 pair', '2 pairs']);
+  assert.deepEqual([1, 1234].map((n) => counted(n, 'person', 'people')), ['1 person', '1\u202f234 people']);
 });
 
 test('varints come back, with their signs', () => {

@@ -1,7 +1,7 @@
 // The page in a real browser, with the real program behind it: a log, a live run, a file.
 import assert from 'node:assert/strict';
 import {type ChildProcess, spawn, spawnSync} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
@@ -14,6 +14,11 @@ const folder = mkdtempSync(join(tmpdir(), 'throng-page-'));
 const log = join(folder, 'plaza.lcmlog');
 const children: ChildProcess[] = [];
 let browser: Browser;
+
+interface Begun {
+  frame: number;
+  pair: string;
+}
 
 interface State {
   mode: string;
@@ -28,6 +33,8 @@ interface State {
 const state = (page: Page): Promise<State> => page.evaluate('window.throng.state()');
 const pictures = (page: Page): Promise<number> => page.evaluate('window.throng.stage.renderer.info.render.frame');
 const position = (page: Page, id: number): Promise<number[]> => page.evaluate(`window.throng.positionOf(${id})`);
+
+const pairs = (page: Page): Promise<number> => page.evaluate('window.throng.state().pairs');
 
 function start(...args: string[]): ChildProcess {
   const child = spawn(throng, args, {cwd: folder, stdio: ['ignore', 'pipe', 'inherit']});
@@ -164,6 +171,156 @@ test('layers are drawn when asked for, and a person tells', async () => {
   await stopped(child);
 });
 
+/** Begins and ends of a log, by `throng export`; a pair as "a b part_a part_b". */
+function eventsOf(file: string): {begins: Begun[]; ends: Begun[]} {
+  const csv = spawnSync(throng, ['export', file, '--csv', 'events'], {maxBuffer: 1 << 28});
+  const rows = String(csv.stdout).trim().split('\n').slice(1).map((line) => line.split(','));
+  const of = (kind: string): Begun[] =>
+    rows
+      .filter((row) => row[2] === kind)
+      .map((row) => ({frame: Number(row[0]), pair: [row[3], row[4], row[7], row[8]].join(' ').replaceAll('"', '')}));
+  return {begins: of('begin'), ends: of('end')};
+}
+
+/** What the card says in "Touches now": the times, sorted, and the frame that they are of. */
+const since = (page: Page): Promise<[number, string[]]> =>
+  page.evaluate(`(() => {
+    const times = [...document.querySelectorAll('#cardPairs time')].map((time) => time.textContent);
+    return [window.throng.state().frame, times.sort()];
+  })()`);
+
+function expectedSince(log: {begins: Begun[]; ends: Begun[]}, id: number, frame: number, step_s: number): string[] {
+  const open = new Map<string, number>();
+  const changes = [...log.begins.map((b) => ({...b, begins: true})), ...log.ends.map((e) => ({...e, begins: false}))];
+  for (const change of changes.sort((p, q) => p.frame - q.frame)) {
+    if (change.frame > frame || !change.pair.split(' ').slice(0, 2).includes(String(id))) continue;
+    if (change.begins) open.set(change.pair, change.frame);
+    else open.delete(change.pair);
+  }
+  return [...open.values()].map((begin) => `${((frame - begin) * step_s).toFixed(2)} s`).sort();
+}
+
+test('a contact tells since when it is, at any frame, in every order, served and in a file', async () => {
+  const dense = join(folder, 'dense.lcmlog');
+  assert.equal(spawnSync(throng, ['run', 'bottleneck', '--seconds', '4', '--lcm', 'off', '--log', dense]).status, 0);
+  const events = eventsOf(dense);
+  // The person with the most begins.
+  const counts = new Map<number, number>();
+  for (const {pair} of events.begins) {
+    const id = Number(pair.split(' ')[0]);
+    counts.set(id, (counts.get(id) ?? 0) + 1);
+  }
+  const [id] = [...counts].sort((p, q) => q[1] - p[1])[0];
+  const touched = events.begins.find(({pair}) => pair.startsWith(`${id} `))!;
+  const html = join(folder, 'since.html');
+  assert.equal(spawnSync(throng, ['view', dense, '--html', html]).status, 0);
+  const {child, url} = await view(dense, '--port', '0');
+  for (const address of [url, `file://${html}`]) {
+    const {page, close} = await open(address);
+    await page.evaluate(`window.throng.choose(${id})`);
+    let compared = 0;
+    const compare = async (): Promise<void> => {
+      const [frame, times] = await since(page);
+      assert.deepEqual(times, expectedSince(events, id, frame, 1 / 60), `frame ${frame} of ${address}`);
+      compared += times.length;
+    };
+    for (let i = 0; i < 20; ++i) await compare();  // as it plays
+    await page.evaluate('window.throng.source.playback.playing = false');
+    for (const frame of [200, 90, touched.frame, 239, touched.frame + 1, 0, 150, 149, 200]) {
+      await page.evaluate(`window.throng.source.playback.seek(${frame})`);
+      await until(page, `window.throng.state().frame === ${frame}`);
+      await compare();
+      await page.keyboard.press('ArrowRight');
+      await until(page, `window.throng.state().frame === Math.min(239, ${frame} + 1)`);
+      await compare();
+    }
+    assert.ok(compared > 5, `${compared} times seen`);
+    // What was before comes, too, though nothing moves any more.
+    await page.evaluate('window.throng.source.playback.seek(239)');
+    const over = new Set(events.ends.filter((end) => end.frame <= 239 && end.pair.split(' ').slice(0, 2).includes(String(id))).map((end) => end.pair));
+    if (over.size > 0) await until(page, "document.querySelectorAll('#cardHistory time').length > 0");
+    await close();
+  }
+  await stopped(child);
+});
+
+test('a contact from before the log tells before when it began', async () => {
+  const [first, rest] = ['first.lcmlog', 'rest.lcmlog'].map((name) => join(folder, name));
+  const scene = ['run', 'bottleneck', '--lcm', 'off'];
+  spawnSync(throng, [...scene, '--seconds', '0.5', '--log', first, '--checkpoint', 'c', '--every', '0.5'], {cwd: folder});
+  const run = spawnSync(throng, [...scene, '--seconds', '1', '--log', rest, '--resume', 'c'], {cwd: folder});
+  assert.equal(run.status, 0, String(run.stderr));
+  const {begins, ends} = eventsOf(first);
+  const over = [...ends.filter((end) => end.frame < 30), ...eventsOf(rest).ends.filter((end) => end.frame <= 31)];
+  const touching = begins.filter(({pair, frame}) => !over.some((end) => end.pair === pair && end.frame >= frame));
+  assert.ok(touching.length > 0, 'nobody touches when the run is stopped');
+  const id = Number(touching[0].pair.split(' ')[0]);
+  const html = join(folder, 'rest.html');
+  assert.equal(spawnSync(throng, ['view', rest, '--html', html]).status, 0);
+  const {child, url} = await view(rest, '--port', '0');
+  for (const address of [url, `file://${html}`]) {
+    const {page, close} = await open(address);
+    await page.evaluate(`window.throng.choose(${id}); window.throng.source.playback.playing = false; window.throng.source.playback.seek(30)`);
+    await until(page, 'window.throng.state().frame === 30');
+    const [, times] = await since(page);
+    assert.ok(times.includes('before 0.50 s'), times.join(', '));
+    await close();
+  }
+  await stopped(child);
+});
+
+test('what a torn log lacks stands in a banner, served and in a file', async () => {
+  const torn = join(folder, 'torn.lcmlog');
+  const bytes = readFileSync(log);
+  writeFileSync(torn, bytes.subarray(0, Math.floor(bytes.length * 0.6)));
+  const html = join(folder, 'torn.html');
+  const made = spawnSync(throng, ['view', torn, '--html', html]);
+  assert.equal(made.status, 1, String(made.stderr));
+  const {child, url} = await view(torn, '--port', '0');
+  for (const address of [url, `file://${html}`]) {
+    const {page, close} = await open(address);
+    await until(page, "!document.querySelector('#banner').hidden");
+    assert.match(await page.locator('#banner').innerText(), /torn: it ends inside a message after frame \d+ \(\d+\.\d\d s\)/);
+    await page.locator('#closeBanner').click();
+    await page.waitForTimeout(700);
+    assert.equal(await page.locator('#banner').isVisible(), false, 'it comes back');
+    await close();
+  }
+  await stopped(child);
+  const whole = await view(log, '--port', '0');
+  const {page, close} = await open(whole.url);
+  await page.waitForTimeout(1000);
+  assert.equal(await page.locator('#banner').isVisible(), false);
+  await close();
+  await stopped(whole.child);
+});
+
+test('a page too many is told so, and opens when there is room', async () => {
+  const {child, url} = await view(log, '--port', '0');
+  const sockets = `${url.replace('http', 'ws')}ws`;
+  const {page: holder, close} = await open(url);
+  await holder.evaluate(`window.held = Array.from({length: 7}, () => new WebSocket('${sockets}'))`);
+  await until(holder, 'window.held.every((socket) => socket.readyState === 1)');
+  const ninth = await browser.newPage({viewport: {width: 800, height: 560}});
+  const errors: string[] = [];
+  ninth.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
+  await ninth.goto(url);
+  const notice = ninth.locator('#notice');
+  await until(ninth, "document.querySelector('#notice').textContent.includes('8 pages are open')");
+  for (let i = 0; i < 30; ++i) {
+    assert.ok(!(await notice.innerText()).includes('lost'), 'told that the connection was lost');
+    await ninth.waitForTimeout(100);
+  }
+  await holder.evaluate('window.held[0].close()');
+  await ninth.locator('#notice button').click();
+  await until(ninth, 'window.throng.state().frame >= 0');
+  assert.equal(await notice.isVisible(), false);
+  assert.deepEqual(errors, []);
+  await ninth.close();
+  await close();
+  await stopped(child);
+});
+
 test('a lost connection is told and mended', async () => {
   const first = await view(log, '--port', '0');
   const {page, close} = await open(first.url);
@@ -184,6 +341,8 @@ test('a run that comes over LCM is shown, and people move', async (t) => {
   const page = await browser.newPage({viewport: {width: 800, height: 560}});
   await page.goto(url);
   await until(page, "document.querySelector('#notice').textContent.includes('Waiting')");
+  const hint = await page.locator('#notice').innerText();
+  assert.ok(hint.includes(`listening to ${lcm}`) && hint.includes(`--lcm '${lcm}'`), hint);
   // LCM's own player sends the log at the speed of the run.
   const run = spawn('lcm-logplayer', [`--lcm-url=${lcm}`, log], {stdio: 'ignore'});
   children.push(run);
@@ -194,6 +353,21 @@ test('a run that comes over LCM is shown, and people move', async (t) => {
   const {frame} = await state(page);
   await until(page, `window.throng.state().frame > ${frame + 30}`);
   assert.notDeepEqual(await position(page, 3), before, 'nobody moves');
+  const told: string = await page.locator('#liveClock').innerText();
+  assert.match(told, /^0:0[0-4]\.\d\d$/);
+  await until(page, 'window.throng.state().isEnded');
+  const late = await open(url);
+  for (const one of [page, late.page]) {
+    await until(one, "document.querySelector('#liveClock').textContent === '0:03.98'");
+    await until(one, "document.querySelector('#notice').textContent.includes('The run has finished')");
+    assert.match(await one.locator('#notice').innerText(), /last frame is at 0:03\.98/);
+    assert.equal(await one.locator('#mode').innerText(), 'FINISHED');
+    await one.waitForTimeout(3000);
+    assert.ok(await one.locator('#notice').isVisible(), 'forgotten');
+  }
+  const touching = await pairs(page);
+  assert.equal(await pairs(late.page), touching, 'the last picture differs');
+  await late.close();
   await page.close();
   await stopped(run);
   await stopped(child);

@@ -1,7 +1,7 @@
 // The clock of a recorded run.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {clock, Playback, SPEEDS} from '../../../viewer/page/src/playback.ts';
+import {clock, lasted, Playback, since, SPEEDS} from '../../../viewer/page/src/playback.ts';
 
 function tenSeconds(): Playback {
   const playback = new Playback(1 / 60);
@@ -68,4 +68,13 @@ test('a tab that slept goes on where it was', () => {
 test('times read like times', () => {
   assert.equal(clock(0), '0:00.00');
   assert.equal(clock(62.5), '1:02.50');
+});
+
+test('a contact tells since when, or before when', () => {
+  assert.equal(since(30, 30, 1 / 60), '0.00 s');
+  assert.equal(since(30, 93, 1 / 60), '1.05 s');
+  assert.equal(since(~634, 700, 1 / 60), 'before 10.57 s');
+  assert.equal(since(~0, 700, 1 / 60), 'before 0.00 s');
+  assert.equal(lasted(30, 93, 1 / 60), '1.05 s');
+  assert.equal(lasted(~634, 694, 1 / 60), 'over 1.00 s');
 });

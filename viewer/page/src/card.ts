@@ -1,11 +1,15 @@
 // What is known of the person who was clicked.
-// One rule: names what the frame says now, and asks the source for what was before.
+// One rule: names what the frame says now and since when, and asks the source for what was before.
 import {el, make, setText} from './dom.ts';
+import {lasted, since} from './playback.ts';
 import {nameOf, pairsOf, partNameOf, personOf, type Frame, type Pair, type Run} from './protocol.ts';
 import {MARKS} from './theme.ts';
 
-/** begin, end or -1, a, b, part_a, part_b: a pair that was. */
+/** began, end or -1, a, b, part_a, part_b: a pair that was. */
 export type Past = [number, number, number, number, number, number];
+
+/** So many contacts of before are listed. */
+const SHOWN = 14;
 
 export class Card {
   id = -1;
@@ -48,34 +52,36 @@ export class Card {
         : 'not in the scene at this time',
     );
     const now = pairsOf(frame, this.id);
-    const before = this.past.filter(([, end]) => end >= 0 && end <= frame.number);
-    // Lists are rebuilt only when they say something else.
+    const times = now.map((pair) => since(pair.began, frame.number, run.step_s));
+    const before = this.past.filter(([, end]) => end >= 0 && end <= frame.number).slice(0, SHOWN);
+    // Lists are rebuilt only when they name something else; times go on in their places.
     const state = JSON.stringify([now, before]);
-    if (state === this.drawn) return;
-    this.drawn = state;
-    const rows = now.map((pair) => this.row(run, pair, sinceOf(this.past, pair, frame.number, run.step_s)));
-    el('cardPairs').replaceChildren(...(rows.length ? rows : [make('li', {class: 'none'}, 'nothing')]));
-    const old = before.slice(0, 14).map(([begin, end, a, b, partA, partB]) =>
-      this.row(run, {a, b, partA, partB, level: -1}, `${((end - begin) * run.step_s).toFixed(2)} s`),
-    );
-    el('cardHistory').replaceChildren(...(old.length ? old : [make('li', {class: 'none'}, 'nothing')]));
+    if (state !== this.drawn) {
+      this.drawn = state;
+      fill('cardPairs', now.map((pair) => this.row(run, pair)));
+      fill(
+        'cardHistory',
+        before.map(([began, end, a, b, partA, partB]) =>
+          this.row(run, {a, b, partA, partB, level: -1, began}, lasted(began, end, run.step_s)),
+        ),
+      );
+    }
+    el('cardPairs')
+      .querySelectorAll('time')
+      .forEach((time, i) => setText(time, times[i]));
   }
 
-  private row(run: Run, pair: Pair, time: string): HTMLElement {
+  private row(run: Run, pair: Pair, time = ''): HTMLElement {
     const isA = pair.a === this.id;
     const [mine, other, theirs] = isA ? [pair.partA, pair.b, pair.partB] : [pair.partB, pair.a, pair.partA];
     const color = pair.level < 0 ? 'var(--edge)' : MARKS[pair.level + 1].color;
     const theirPart = partNameOf(run, other, theirs);
     const text = `${partNameOf(run, this.id, mine)} – ${nameOf(run, other)}${theirPart ? ` ${theirPart}` : ''}`;
     const attributes: Record<string, string> = other < run.avatars ? {'data-body': String(other)} : {};
-    return make('li', attributes, make('i', {style: `background:${color}`}), make('span', {}, text), make('time', {}, time));
+    return make('li', attributes, make('i', {style: `background:${color}`}), make('span', {}, text), make('time', {'aria-live': 'off'}, time));
   }
 }
 
-function sinceOf(past: Past[], pair: Pair, frame: number, step_s: number): string {
-  const known = past.find(
-    ([begin, end, a, b, partA, partB]) =>
-      a === pair.a && b === pair.b && partA === pair.partA && partB === pair.partB && begin <= frame && (end < 0 || end > frame),
-  );
-  return known ? `${((frame - known[0]) * step_s).toFixed(1)} s` : '';
+function fill(list: string, rows: HTMLElement[]): void {
+  el(list).replaceChildren(...(rows.length ? rows : [make('li', {class: 'none'}, 'nothing')]));
 }

@@ -37,8 +37,8 @@ export class Chart {
     this.context = canvas.getContext('2d', {willReadFrequently: true})!;
   }
 
-  /** `cursor`: 0 to 1 along the time axis, or -1. */
-  draw(values: ArrayLike<number>, unit: string, style: ChartStyle, cursor = -1): void {
+  /** `label`: of a value; `cursor`: 0 to 1 along the time axis, or -1. */
+  draw(values: ArrayLike<number>, label: (value: number) => string, style: ChartStyle, cursor = -1): void {
     const ratio = window.devicePixelRatio || 1;
     const width = this.canvas.clientWidth;
     const height = this.canvas.clientHeight;
@@ -68,7 +68,7 @@ export class Chart {
     c.stroke();
     c.fillStyle = style.text;
     c.font = '10px system-ui, sans-serif';
-    c.fillText(`${top} ${unit}`, 3, 10);
+    c.fillText(label(top), 3, 10);
     if (cursor < 0) return;
     c.fillStyle = style.cursor;
     c.fillRect(Math.min(width - 1.5, cursor * width), 0, 1.5, height);

@@ -4,7 +4,8 @@ import {Raycaster, Vector2} from 'three';
 import {Card} from './card.ts';
 import {Chart, type ChartStyle} from './chart.ts';
 import type {Layer} from './crowd.ts';
-import {el, keyRow, make, setText, thousands} from './dom.ts';
+import {counted, el, keyRow, make, nounOf, setText, thousands} from './dom.ts';
+import {showNotice, showProblem} from './notices.ts';
 import {pick, poseOf} from './picking.ts';
 import {clock, SPEEDS} from './playback.ts';
 import {nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
@@ -60,6 +61,7 @@ class Page {
   private fpsAt = 0;
   private pictures = 0;
   private historyAt = 0;
+  private historyOf = '';
   private panelAt = 0;
   private isPanelOld = true;
   private frames = 0;
@@ -74,6 +76,7 @@ class Page {
     el('themeButton').onclick = () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark');
     el('helpButton').onclick = () => el<HTMLDialogElement>('help').showModal();
     el('closeCard').onclick = () => this.choose(-1);
+    el('closeBanner').onclick = () => (el('banner').hidden = true);
     el('follow').onclick = () => this.toggleFollow();
     el('livePause').onclick = () => this.toggleHeld();
     addEventListener('keydown', (event) => this.key(event));
@@ -93,13 +96,14 @@ class Page {
       frame: (frame: Frame) => this.take(frame),
       series: (series: Series) => {
         this.series = series;
+        showProblem(series.problem);
         this.isPanelOld = true;
       },
       history: (id: number, past: any[]) => {
         if (id === this.card.id) this.card.setHistory(past as any);
         this.isPanelOld = true;
       },
-      notice: (title: string, detail = '') => this.notice(title, detail),
+      notice: (title: string, detail?: string, retry?: () => void) => this.notice(title, detail, retry),
     };
     const recording = document.getElementById('recording');
     if (recording) {
@@ -121,10 +125,10 @@ class Page {
     for (const [layer, box] of this.layers) this.stage.show(layer, box.checked);
     setText(el('scene'), run.scene);
     document.title = `${run.scene} – Throng`;
-    setText(el('mode'), run.mode === 'live' ? 'LIVE' : run.mode === 'log' ? 'LOG' : 'REPLAY');
-    el('mode').classList.toggle('live', run.mode === 'live');
+    this.updateMode();
     el('timeline').hidden = run.mode === 'live';
     el('pauseBar').hidden = run.mode !== 'live';
+    this.historyOf = '';
     if (isNew) this.choose(-1);
     this.notice('');
     this.frame = null;
@@ -135,14 +139,21 @@ class Page {
     this.frame = frame;
     ++this.frames;
     this.stage.take(frame);
+    this.updateCard();
   }
 
-  private notice(title: string, detail = ''): void {
-    const box = el('notice');
-    box.hidden = title === '';
-    box.classList.toggle('top', this.run !== null);
-    box.replaceChildren(title, ...(detail ? [make('small', {}, detail)] : []));
-    if (this.run?.mode === 'live') el('mode').classList.toggle('stale', title !== '');
+  private notice(title: string, detail = '', retry?: () => void): void {
+    this.updateMode(title !== '');
+    showNotice(title, detail, this.run !== null, retry);
+  }
+
+  private updateMode(isStale = false): void {
+    const mode = this.run?.mode;
+    const isEnded = this.source?.isEnded ?? false;
+    const names = {live: isEnded ? 'FINISHED' : 'LIVE', log: 'LOG', file: 'REPLAY'};
+    setText(el('mode'), mode ? names[mode] : '');
+    el('mode').classList.toggle('live', mode === 'live' && !isEnded);
+    el('mode').classList.toggle('stale', mode === 'live' && !isEnded && isStale);
   }
 
   // The loop
@@ -177,7 +188,10 @@ class Page {
     this.isPanelOld = false;
     if (!frame || !run || !source) return;
     setText(el('people'), thousands(frame.present));
+    setText(el('peopleNoun'), nounOf(frame.present, 'person', 'people'));
     setText(el('pairs'), thousands(frame.pairs));
+    setText(el('pairsNoun'), nounOf(frame.pairs, 'pair'));
+    setText(el('liveClock'), clock(frame.time_s));
     el('drops').hidden = source.dropped === 0;
     setText(el('drops'), `${thousands(source.dropped)} dropped`);
     el('lost').hidden = frame.lost === 0;
@@ -185,23 +199,36 @@ class Page {
     this.updateLegend(frame);
     this.updateTimeline();
     this.drawCharts();
-    if (this.card.id >= 0 && now > this.historyAt) {
-      this.historyAt = now + HISTORY_MS;
-      source.askHistory(this.card.id, frame.number);
-    }
-    this.card.update(run, frame);
+    this.askHistory(now, frame, source);
+    this.updateCard();
     this.updateFacts(frame, run);
+  }
+
+  /** Of every frame that rests on the screen, and now and then while it plays. */
+  private askHistory(now: number, frame: Frame, source: Source): void {
+    const asked = `${this.card.id} ${frame.number}`;
+    if (this.card.id < 0 || asked === this.historyOf) return;
+    if (now < this.historyAt) {
+      this.isPanelOld = true;
+      return;
+    }
+    this.historyAt = now + HISTORY_MS;
+    this.historyOf = asked;
+    source.askHistory(this.card.id, frame.number);
+  }
+
+  private updateCard(): void {
+    if (this.run && this.frame) this.card.update(this.run, this.frame);
   }
 
   private updateFacts(frame: Frame, run: Run): void {
     const {calls, triangles} = this.stage.drawn;
     const lines = [
-      `${thousands(run.firstPart[run.avatars])} body parts, ${run.part_volume}${run.exact ? ', exact' : ''}`,
-      `${thousands(triangles)} triangles in ${calls} calls`,
+      `${counted(run.firstPart[run.avatars], 'body part')}, ${run.part_volume}${run.exact ? ', exact' : ''}`,
+      `${counted(triangles, 'triangle')} in ${counted(calls, 'call')}`,
     ];
     if (frame.build_ms > 0) lines.push(`server ${frame.build_ms.toFixed(1)} ms a frame`);
     if (this.source instanceof ServerSource) lines.push(`page ${this.source.decode_ms.toFixed(2)} ms to decode`);
-    if (this.series?.problem) lines.push(this.series.problem);
     setText(el('facts'), lines.join('\n'));
   }
 
@@ -217,11 +244,11 @@ class Page {
     const style = this.chartStyle();
     const playback = source?.playback;
     const cursor = playback && playback.last > 0 ? playback.position / playback.last : -1;
-    this.pairChart.draw(series.pairs, 'pairs', style, cursor);
+    this.pairChart.draw(series.pairs, (pairs) => counted(pairs, 'pair'), style, cursor);
     const hasTimes = Array.prototype.some.call(series.frame_ms, (ms: number) => ms > 0);
     el('timeChartBox').hidden = !hasTimes;
-    if (hasTimes) this.timeChart.draw(series.frame_ms, 'ms', style, cursor);
-    if (playback) this.scrubChart.draw(series.pairs, '', {...style, text: 'transparent'});
+    if (hasTimes) this.timeChart.draw(series.frame_ms, (ms) => `${ms} ms`, style, cursor);
+    if (playback) this.scrubChart.draw(series.pairs, () => '', style);
   }
 
   // Layers and legend
@@ -325,6 +352,8 @@ class Page {
 
   private choose(id: number): void {
     this.historyAt = 0;
+    this.historyOf = '';
+    this.isPanelOld = true;
     this.stage.select(id);
     if (id < 0 || !this.run) {
       this.card.close();
@@ -333,6 +362,7 @@ class Page {
     }
     if (isNarrow()) this.togglePanel(false);
     this.card.open(this.run, id);
+    this.updateCard();
     if (this.stage.followed >= 0) this.follow(id);
   }
 
@@ -410,7 +440,10 @@ class Page {
       avatars: run?.avatars ?? 0,
       frame: frame?.number ?? -1,
       frames: this.frames,
+      time_s: frame?.time_s ?? 0,
       pairs: frame?.pairs ?? 0,
+      isEnded: source?.isEnded ?? false,
+      problem: this.series?.problem ?? '',
       selected: this.card.id,
       selectedName: run && this.card.id >= 0 ? nameOf(run, this.card.id) : '',
       dropped: source?.dropped ?? 0,

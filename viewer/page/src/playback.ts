@@ -65,3 +65,17 @@ export function clock(time_s: number): string {
   const seconds = (time_s - minutes * 60).toFixed(2).padStart(5, '0');
   return `${minutes}:${seconds}`;
 }
+
+/** How long a pair has touched at a frame; `began` as in Pair. */
+export function since(began: number, frame: number, step_s: number): string {
+  return began >= 0 ? seconds((frame - began) * step_s) : `before ${seconds(~began * step_s)}`;
+}
+
+/** How long a contact took that ended in frame `end`. */
+export function lasted(began: number, end: number, step_s: number): string {
+  return began >= 0 ? seconds((end - began) * step_s) : `over ${seconds((end - ~began) * step_s)}`;
+}
+
+function seconds(time_s: number): string {
+  return `${time_s.toFixed(2)} s`;
+}

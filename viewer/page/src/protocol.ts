@@ -7,7 +7,7 @@ const HEAD_BYTES = 64;
 
 export const AVATAR_WORDS = 4;
 export const PART_WORDS = 4;
-export const PAIR_WORDS = 3;
+export const PAIR_WORDS = 4;
 
 /** The part index of a pair of whole bodies that was not refined to parts. */
 export const WHOLE_BODY = 255;
@@ -96,7 +96,7 @@ export interface Frame {
   people: Uint32Array; // a texel a person: x, y, z as floats, then flags, mark and speed
   positions: Float32Array; // the same bytes
   parts: Uint32Array; // a texel a part
-  pairWords: Uint32Array; // a, b, then part_a | part_b << 8 | level << 16
+  pairWords: Uint32Array; // a, b, part_a | part_b << 8 | level << 16, then the frame of the begin
 }
 
 interface MeshPlace {
@@ -155,7 +155,7 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
   const pairs = head.getUint32(12, true);
   const partsAt = HEAD_BYTES + avatars * 16;
   const pairsAt = partsAt + parts * 16;
-  if (pairsAt + pairs * 12 !== buffer.byteLength) throw new RangeError('a frame of another length');
+  if (pairsAt + pairs * 4 * PAIR_WORDS !== buffer.byteLength) throw new RangeError('a frame of another length');
   return {
     number: head.getFloat64(16, true),
     time_s: head.getFloat64(24, true),
@@ -200,6 +200,8 @@ export interface Pair {
   partA: number;
   partB: number;
   level: number;
+  /** The frame in which it began to touch; ~f where all that is known is that it was before frame f. */
+  began: number;
 }
 
 export function pairAt(frame: Frame, index: number): Pair {
@@ -211,6 +213,7 @@ export function pairAt(frame: Frame, index: number): Pair {
     partA: rest & 0xff,
     partB: (rest >>> 8) & 0xff,
     level: (rest >>> 16) & 0xff,
+    began: frame.pairWords[at + 3] | 0,
   };
 }
 
@@ -223,9 +226,15 @@ export function pairsOf(frame: Frame, id: number): Pair[] {
   return found;
 }
 
-/** "leftHand" is "left hand". */
+/** "leftHand" is "left hand": as spoken() of base/text.h has it. */
 export function spoken(name: string): string {
-  return name.replace(/([a-z])([A-Z])/g, '$1 $2').replace(/_/g, ' ').toLowerCase();
+  const words = name
+    .replace(/([a-z0-9])([A-Z])/g, '$1 $2')
+    .replace(/([A-Z])([A-Z][a-z])/g, '$1 $2')
+    .replace(/[_ ]+/g, ' ')
+    .replace(/[A-Z]/g, (capital) => capital.toLowerCase())
+    .replace(/^ | $/g, '');
+  return words || name;
 }
 
 export function nameOf(run: Run, body: number): string {

@@ -1,7 +1,7 @@
 // A recorded run inside the page: keys ten times a second, rebuilt to a frame at any moment.
 // One rule: what comes out is a frame like one of the server's, so that nothing else of the page
 // knows the difference.
-import {decodeRun, type Frame, type Joint, type Model, type Run} from './protocol.ts';
+import {decodeRun, PAIR_WORDS, type Frame, type Joint, type Model, type Run} from './protocol.ts';
 import {posesOf, type Posture} from './kinematics.ts';
 import {crowded} from './crowded.ts';
 
@@ -11,6 +11,7 @@ interface Head {
   frames: number;
   pairs: number;
   pairs_at: number;
+  problem: string;
   keys: number[];
   frame_us: number[];
   models: {mean: number[]; directions: number[][]}[];
@@ -25,7 +26,14 @@ export interface Stretch {
   level: number;
   begin: number;
   end: number;
+  /** `begin`, or ~begin where it began before that frame. */
+  began: number;
+  /** The end was not recorded: it touched at least until then. */
+  isLost: boolean;
 }
+
+const BEGAN_BEFORE = 1;
+const END_LOST = 2;
 
 /** Numbers of seven bits a byte, signs in the lowest bit; each column is read to its end. */
 export class Varints {
@@ -77,6 +85,8 @@ export class Replay {
   readonly run: Run;
   readonly frames: number;
   readonly stretches: Stretch[] = [];
+  /** What of the run is missing, or ''. */
+  readonly problem: string;
   /** Pairs that touch, by frame. */
   readonly pairs: Int32Array;
   readonly frame_ms: number[];
@@ -96,6 +106,7 @@ export class Replay {
     const columnsAt = 8 + runBytes + headBytes;
     this.head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8 + runBytes, headBytes)));
     this.frames = this.head.frames;
+    this.problem = this.head.problem;
     this.frame_ms = this.head.frame_us.map((us) => us / 1000);
     this.perBucket = Math.max(1, Math.round(1 / this.run.step_s));
     this.members = this.run.models.map(() => 0);
@@ -143,6 +154,7 @@ export class Replay {
     const partA = numbers.bytesOf(count);
     const partB = numbers.bytesOf(count);
     const level = numbers.bytesOf(count);
+    const flags = numbers.bytesOf(count);
     const begins = Int32Array.from({length: count}, () => numbers.next());
     const lengths = Int32Array.from({length: count}, () => numbers.next());
     let end = 0;
@@ -151,7 +163,9 @@ export class Replay {
         i > 0 && a[i] === a[i - 1] && b[i] === b[i - 1] && partA[i] === partA[i - 1] && partB[i] === partB[i - 1];
       const begin = begins[i] + (isSame ? end : 0);
       end = begin + lengths[i];
-      this.stretches.push({a: a[i], b: b[i], partA: partA[i], partB: partB[i], level: level[i], begin, end});
+      const began = flags[i] & BEGAN_BEFORE ? ~begin : begin;
+      const isLost = (flags[i] & END_LOST) !== 0;
+      this.stretches.push({a: a[i], b: b[i], partA: partA[i], partB: partB[i], level: level[i], begin, end, began, isLost});
     }
   }
 
@@ -177,7 +191,7 @@ export class Replay {
   /** The newest pairs of a body that began at or before a frame, newest first. */
   history(body: number, frame: number, most: number): Stretch[] {
     return this.stretches
-      .filter((s) => (s.a === body || s.b === body) && s.begin <= frame)
+      .filter((s) => (s.a === body || s.b === body) && s.begin <= frame && !(s.isLost && s.end <= frame))
       .sort((p, q) => q.begin - p.begin)
       .slice(0, most);
   }
@@ -202,7 +216,7 @@ export class Replay {
     const {run} = this;
     const touching = this.touching(number);
     const parts = run.firstPart[run.avatars];
-    const buffer = new ArrayBuffer(run.avatars * 16 + parts * 16 + touching.length * 12);
+    const buffer = new ArrayBuffer(run.avatars * 16 + parts * 16 + touching.length * 4 * PAIR_WORDS);
     const positions = new Float32Array(buffer, 0, run.avatars * 4);
     const people = new Uint32Array(buffer, 0, run.avatars * 4);
     const partWords = new Uint32Array(buffer, run.avatars * 16, parts * 4);
@@ -233,9 +247,10 @@ export class Replay {
       people[i * 4 + 3] |= 2;
       ++crowdedCount;
     }
-    const pairWords = new Uint32Array(buffer, run.avatars * 16 + parts * 16, touching.length * 3);
+    const pairWords = new Uint32Array(buffer, run.avatars * 16 + parts * 16, touching.length * PAIR_WORDS);
     touching.forEach((pair, index) => {
-      pairWords.set([pair.a, pair.b, pair.partA | (pair.partB << 8) | (pair.level << 16)], index * 3);
+      const parts = pair.partA | (pair.partB << 8) | (pair.level << 16);
+      pairWords.set([pair.a, pair.b, parts, pair.began], index * PAIR_WORDS);
       for (const [body, part] of [[pair.a, pair.partA], [pair.b, pair.partB]])
         markPart(run, people, partWords, body, part, pair.level + 1);
     });

@@ -1,7 +1,7 @@
 // Where frames come from: a live run, a log behind the server, or a recording in this page.
 // One rule: whoever shows them does not need to know which.
 import type {Past} from './card.ts';
-import {Playback} from './playback.ts';
+import {clock, Playback} from './playback.ts';
 import {decodeFrame, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
 import {Replay} from './replay.ts';
 import {Connection} from './socket.ts';
@@ -18,14 +18,16 @@ export interface SourceEvents {
   frame(frame: Frame): void;
   series(series: Series): void;
   history(id: number, past: Past[]): void;
-  /** Something to tell in the middle of the page; '' takes it away. */
-  notice(title: string, detail?: string): void;
+  /** Something to tell in the middle of the page; '' takes it away. `retry` makes a button. */
+  notice(title: string, detail?: string, retry?: () => void): void;
 }
 
 export interface Source {
   readonly playback: Playback | null; // null: live
   /** Frames that never came to this page. */
   readonly dropped: number;
+  /** A live run that has finished. */
+  readonly isEnded: boolean;
   /** Called before every picture, with the time since the last one. */
   tick(dt_s: number): void;
   askHistory(id: number, frame: number): void;
@@ -46,9 +48,10 @@ export class ServerSource implements Source {
   private asked = -1;
   private askedAt = 0;
   private lastSeq = 0;
+  private lastTime_s = -1;
   private heardAt = 0;
   private indexAt = 0;
-  private isEnded = false;
+  isEnded = false;
   private readonly pairs: number[] = [];
   private readonly frame_ms: number[] = [];
 
@@ -63,6 +66,10 @@ export class ServerSource implements Source {
         events.notice('');
       },
       lost: () => events.notice('Connection lost', 'throng view does not answer; trying again'),
+      full: (reason) =>
+        events.notice(reason, 'throng view serves no more at a time; this page opens when another is closed', () =>
+          this.connection.retry(),
+        ),
       binary: (buffer) => this.binary(buffer),
       text: (json) => this.text(json),
     });
@@ -72,8 +79,8 @@ export class ServerSource implements Source {
     const {playback, connection} = this;
     const now = performance.now();
     if (!playback) {
-      if (connection.open && this.run && this.heardAt > 0 && now - this.heardAt > 2500)
-        this.events.notice(this.isEnded ? 'The run is over' : 'No frames', 'waiting for the next ones');
+      if (connection.open && this.run && !this.isEnded && this.heardAt > 0 && now - this.heardAt > 2500)
+        this.events.notice('No frames', 'waiting for the next ones');
       return;
     }
     playback.advance(dt_s, this.complete);
@@ -101,6 +108,7 @@ export class ServerSource implements Source {
       this.run = run;
       this.shown = this.asked = -1;
       this.isEnded = false;
+      this.lastTime_s = -1;
       this.pairs.length = this.frame_ms.length = 0;
       if (run.mode === 'log' && !(isSame && this.playback)) this.playback = new Playback(run.step_s);
       if (run.mode === 'live') this.playback = null;
@@ -116,8 +124,10 @@ export class ServerSource implements Source {
       if (this.lastSeq > 0 && frame.seq > this.lastSeq) this.dropped += frame.seq - this.lastSeq - 1;
       this.lastSeq = frame.seq;
       this.heardAt = performance.now();
+      this.lastTime_s = frame.time_s;
       this.remember(frame);
-      this.events.notice('');
+      if (this.isEnded) this.tellEnd();
+      else this.events.notice('');
     }
     this.events.frame(frame);
     this.decode_ms = performance.now() - start;
@@ -144,10 +154,17 @@ export class ServerSource implements Source {
     if (json.history !== undefined) this.events.history(json.history, json.pairs);
     if (json.waiting !== undefined) {
       this.run = null;
-      const detail = json.waiting || 'start one: throng run plaza --pace 1';
-      this.events.notice('Waiting for a run over LCM', detail);
+      this.isEnded = false;
+      const hint = json.waiting || `start one: ${json.start}`;
+      this.events.notice('Waiting for a run over LCM', `listening to ${json.lcm}\n${hint}`);
     }
-    if (json.end) this.isEnded = true;
+    if (json.end && this.run && !this.playback) this.tellEnd();
+  }
+
+  private tellEnd(): void {
+    this.isEnded = true;
+    const last = this.lastTime_s < 0 ? '' : `its last frame is at ${clock(this.lastTime_s)}; `;
+    this.events.notice('The run has finished', `${last}the next run appears here by itself`);
   }
 }
 
@@ -155,6 +172,7 @@ export class ServerSource implements Source {
 export class FileSource implements Source {
   readonly playback: Playback;
   readonly dropped = 0;
+  readonly isEnded = false;
   private shown = -1;
 
   constructor(
@@ -164,8 +182,8 @@ export class FileSource implements Source {
     this.playback = new Playback(replay.run.step_s);
     this.playback.frames = replay.frames;
     events.run(replay.run);
-    const {frames, pairs, frame_ms} = replay;
-    events.series({frames, pairs, frame_ms, problem: ''});
+    const {frames, pairs, frame_ms, problem} = replay;
+    events.series({frames, pairs, frame_ms, problem});
   }
 
   tick(dt_s: number): void {
@@ -178,7 +196,7 @@ export class FileSource implements Source {
   askHistory(id: number, frame: number): void {
     const past = this.replay
       .history(id, frame, 40)
-      .map((s): Past => [s.begin, s.end > frame ? -1 : s.end, s.a, s.b, s.partA, s.partB]);
+      .map((s): Past => [s.began, s.end > frame ? -1 : s.end, s.a, s.b, s.partA, s.partB]);
     this.events.history(id, past);
   }
 }
