@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/errors.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -37,6 +38,16 @@ OptionCheck whole_option(int64_t low, int64_t high, const std::string& what) {
   return [=](const std::string& text) -> std::string {
     const std::optional<int64_t> value = number_of<int64_t>(text);
     if (value && *value >= low && *value <= high) return "";
+    return fmt::format("expected {}, found '{}'", what, text);
+  };
+}
+
+OptionCheck list_option(OptionCheck piece, size_t count, char between, const std::string& what) {
+  return [=, piece = std::move(piece)](const std::string& text) -> std::string {
+    const std::vector<std::string> pieces = pieces_of(text, between);
+    if (pieces.size() == count &&
+        std::all_of(pieces.begin(), pieces.end(), [&](const auto& p) { return piece(p).empty(); }))
+      return "";
     return fmt::format("expected {}, found '{}'", what, text);
   };
 }

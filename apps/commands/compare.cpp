@@ -126,10 +126,9 @@ Command add_compare_command(CommandLine& parent) {
   app->add_option("--seconds", options->seconds, "Of each, instead of the scene's")
       ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
       ->type_name("S");
-  app->add_option("--line", options->line,
-                  "Where flow is measured, from one point to another [the narrowest place]")
-      ->delimiter(',')
-      ->expected(4)
+  app->add_list("--line", options->line, 4, ',', number_option(-1e6, 1e6, false, ""),
+                "two points in metres, X,Y,X,Y",
+                "Where flow is measured, from one point to another [the narrowest place]")
       ->type_name("X,Y,X,Y");
   app->add_option("--threads", options->threads, "Default: all cores")
       ->check(whole_option(1, 256, "a whole number from 1 to 256"))

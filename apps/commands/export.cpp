@@ -10,6 +10,7 @@
 #include "apps/process/stop_signal.h"
 #include "base/errors.h"
 #include "base/say.h"
+#include "base/text.h"
 #include "lcmtypes/export/csv_export.h"
 #include "lcmtypes/export/mcap_export.h"
 #include "lcmtypes/replay/file_kind.h"
@@ -57,8 +58,9 @@ int to_mcap(const ExportOptions& options) {
         progress.show(static_cast<int64_t>(share * static_cast<double>(kShares)));
         return !StopSignal::requested();
       });
-  show("{}: {} frames of poses, {} begins and {} ends of contacts, {:.1f} MB\n", options.mcap,
-       done.frames, done.begins, done.ends, static_cast<double>(done.bytes) * 1e-6);
+  show("{}: {} of poses, {} and {} of contacts, {:.1f} MB\n", options.mcap,
+       counted(done.frames, "frame"), counted(done.begins, "begin"), counted(done.ends, "end"),
+       static_cast<double>(done.bytes) * 1e-6);
   return ended(done.problem);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "apps/output/output_plan.h"
 #include "base/errors.h"
 #include "base/say.h"
+#include "base/text.h"
 #include "viewer/picture/animation.h"
 #include "viewer/picture/picture.h"
 #include "viewer/picture/recorded_frame.h"
@@ -40,7 +42,7 @@ struct RenderCommand {
   std::string out;
   std::vector<float> eye_m;
   std::vector<float> target_m;
-  std::string volumes, volumes_of;
+  std::optional<std::string> volumes, volumes_of;
   PictureOptions picture;
 };
 
@@ -60,18 +62,8 @@ void require_drawable(const RenderCommand& command) {
                      fmt::format("{}:{}", command.frames[0], command.frames[1]));
 }
 
-std::vector<std::string> words_of(const std::string& list) {
-  std::vector<std::string> words;
-  for (size_t begin = 0; !list.empty() && begin <= list.size();) {
-    const size_t end = std::min(list.find(',', begin), list.size());
-    words.push_back(list.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return words;
-}
-
 std::vector<std::string> layers_of(const std::string& list) {
-  std::vector<std::string> words = words_of(list);
+  std::vector<std::string> words = pieces_of(list, ',');
   const std::vector<std::string> known = volume_layers();
   for (const std::string& word : words)
     if (std::find(known.begin(), known.end(), word) == known.end())
@@ -82,7 +74,7 @@ std::vector<std::string> layers_of(const std::string& list) {
 
 std::vector<uint32_t> people_of(const std::string& list) {
   std::vector<uint32_t> people;
-  for (const std::string& word : words_of(list)) {
+  for (const std::string& word : pieces_of(list, ',')) {
     uint32_t id = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
     if (error != std::errc() || end != word.data() + word.size())
@@ -92,9 +84,28 @@ std::vector<uint32_t> people_of(const std::string& list) {
   return people;
 }
 
+/// What the log has to have, known once it is open.
+void require_in_log(const RenderCommand& command, RecordedFrame& frame) {
+  const int32_t avatars = frame.run().run()->avatar_count;
+  for (const uint32_t id : command.picture.volumes_of)
+    if (id >= static_cast<uint32_t>(avatars))
+      throw InputError("--volumes-of",
+                       fmt::format("people of {}: 0 to {}", command.log, avatars - 1),
+                       fmt::format("{}", id));
+}
+
+/// The exit code of a picture of a log that may not be whole.
+int ended(const std::string& log, RecordedFrame& frame) {
+  const std::string missing = frame.what_is_missing();
+  if (missing.empty()) return kExitFine;
+  say("note: {}: {} The picture shows what was recorded.\n", log, missing);
+  return kExitCheckFailed;
+}
+
 int render_frames(const RenderCommand& command) {
   static_cast<void>(RecordedFrame(command.log, command.frames[1]));  // throws if there is none
   RecordedFrame frame(command.log, command.frames[0]);
+  require_in_log(command, frame);
   const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
   const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);
   Animation animation(options.width, options.height, kAnimationQuality);
@@ -106,11 +117,12 @@ int render_frames(const RenderCommand& command) {
     ++pictures;
   }
   const size_t bytes = animation.write(command.out);
-  show("{}: {} pictures, {:.2f} MB\n", command.out, pictures, static_cast<double>(bytes) * 1e-6);
+  show("{}: {}, {:.2f} MB\n", command.out, counted(pictures, "picture"),
+       static_cast<double>(bytes) * 1e-6);
   if (with_states < pictures)
-    say("note: {} of {} frames have states; in the others people stand as in the last that had\n",
-        with_states, pictures);
-  return kExitFine;
+    say("note: {} of {} have states; in the others people stand as in the last that had\n",
+        with_states, counted(pictures, "frame"));
+  return ended(command.log, frame);
 }
 
 int render_frame(RenderCommand command) {
@@ -121,68 +133,77 @@ int render_frame(RenderCommand command) {
   };
   command.picture.eye_m = to_point(command.eye_m);
   command.picture.target_m = to_point(command.target_m);
-  command.picture.volumes = layers_of(command.volumes);
-  command.picture.volumes_of = people_of(command.volumes_of);
+  if (command.picture.eye_m && command.picture.target_m == command.picture.eye_m)
+    throw InputError("--eye", "another point than that of --target", "the same");
+  if (command.volumes) command.picture.volumes = layers_of(*command.volumes);
+  if (command.volumes_of) command.picture.volumes_of = people_of(*command.volumes_of);
   OutputPlan plan;
   plan.reads("which is drawn", command.log);
   plan.writes({.option = "--out", .path = command.out});
   const OpenOutputs outputs = plan.open();
   if (!command.frames.empty()) return render_frames(command);
   RecordedFrame frame(command.log, command.frame);
+  require_in_log(command, frame);
   write_png(command.out, picture_of(frame, command.picture));
-  show("{}: frame {}, {} avatars, {} pairs of parts touch\n", command.out, command.frame,
-       frame.crowd().roots.size(), frame.touching().size());
+  show("{}: frame {}, {}, {}\n", command.out, command.frame,
+       counted(frame.crowd().roots.size(), "avatar"),
+       counted(frame.touching().size(), "pair of parts touches", "pairs of parts touch"));
   if (const int64_t states = frame.crowd().frame; states < command.frame) {
     const std::optional<int64_t> next = frame.next_states();
     say("note: frame {} has no states: people stand as at frame {}; {}\n", command.frame, states,
         next ? fmt::format("the next states are those of frame {}", *next)
              : "no states come later");
   }
-  return kExitFine;
+  return ended(command.log, frame);
 }
 
 void add_point(CommandOptions& app, const char* name, std::vector<float>& xyz, const char* what) {
-  app.add_option(name, xyz, what)
-      ->expected(3)
-      ->delimiter(',')
-      ->check(number_option(-1e6, 1e6, false, "three numbers, x,y,z"))
+  app.add_list(name, xyz, 3, ',', number_option(-1e6, 1e6, false, ""),
+               "three numbers of metres, X,Y,Z", what)
       ->type_name("X,Y,Z");
 }
 
 }  // namespace
 
 Command add_render_command(CommandLine& parent) {
-  CommandOptions* app = parent.add_subcommand("render", "A picture of one frame of a log");
+  CommandOptions* app =
+      parent.add_subcommand("render", "A picture of a frame of a log, or several that move");
   app->footer(kRenderFooter);
   const auto command = std::make_shared<RenderCommand>();
   app->add_option("LOG", command->log, "The log of a run")->required();
   Option* frame = app->add_option("--frame", command->frame, "Which frame; the first is 0")
                       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
                       ->type_name("N");
-  app->add_option("--frames", command->frames, "From the first to the last: an animated WebP")
-      ->expected(2)
-      ->delimiter(':')
-      ->check(whole_option(0, INT64_MAX, "two whole numbers from 0, FIRST:LAST"))
-      ->type_name("A:B")
-      ->excludes(frame);
-  app->add_option(
-         "--volumes", command->volumes,
-         "Volumes of a stage around everybody, as sphere,ordop26; body-sphere and body-box "
-         "are around whole bodies")
+  Option* frames =
+      app->add_list("--frames", command->frames, 2, ':', whole_option(0, INT64_MAX, ""),
+                    "two whole numbers from 0, A:B", "From frame A to frame B: an animated WebP")
+          ->type_name("A:B")
+          ->excludes(frame);
+  Option* volumes =
+      app->add_option("--volumes", command->volumes,
+                      fmt::format("Volumes around everybody, some of {}, with commas between them",
+                                  fmt::join(volume_layers(), ",")))
+          ->type_name("LIST");
+  app->add_option("--volumes-of", command->volumes_of,
+                  "With --volumes: around these people alone, as 3,17")
+      ->needs(volumes)
       ->type_name("LIST");
-  app->add_option("--volumes-of", command->volumes_of, "Around these people alone, as 3,17")
-      ->type_name("LIST");
-  app->add_option("--every", command->every, "Of these frames every n-th [4]")
-      ->check(whole_option(1, 10000, "a whole number from 1"))
+  app->add_option("--every", command->every, "With --frames: every n-th of them [4]")
+      ->check(whole_option(1, 10000, "a whole number from 1 to 10000"))
+      ->needs(frames)
       ->type_name("N");
-  app->add_option("--out", command->out, "The PNG or WebP to write")->required()->type_name("FILE");
+  app->add_option("--out", command->out, "The PNG to write, FILE.png; with --frames FILE.webp")
+      ->required()
+      ->type_name("FILE");
   add_point(*app, "--eye", command->eye_m, "Where the eye is, in metres");
   add_point(*app, "--target", command->target_m, "What it looks at, in metres");
   const auto pixels = whole_option(16, kMaxPixels, fmt::format("16 to {} pixels", kMaxPixels));
-  app->add_option("--width", command->picture.width, "Pixels [1280]")
+  app->add_option("--width", command->picture.width,
+                  fmt::format("16 to {} pixels [1280]", kMaxPixels))
       ->check(pixels)
       ->type_name("N");
-  app->add_option("--height", command->picture.height, "Pixels [720]")
+  app->add_option("--height", command->picture.height,
+                  fmt::format("16 to {} pixels [720]", kMaxPixels))
       ->check(pixels)
       ->type_name("N");
   return {app, [command] { return render_frame(*command); }};

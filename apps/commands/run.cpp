@@ -22,6 +22,7 @@
 #include "base/errors.h"
 #include "base/files/whole_file.h"
 #include "base/say.h"
+#include "base/text.h"
 #include "lcmtypes/codec/readable.h"
 #include "lcmtypes/log/log_sink.h"
 #include "lcmtypes/replay/file_kind.h"
@@ -353,7 +354,8 @@ int report_end(const RunOptions& options, const RunReport& report, const Listene
   const std::string late = report.lockstep ? report.lockstep->failure : "";
   for (const std::string& failure : {checkpoints.failure(), late})
     if (!failure.empty()) say("{}\n", failure);
-  if (!options.checkpoints.file.empty() && checkpoints.written() == 0)
+  if (!options.checkpoints.file.empty() && checkpoints.written() == 0 &&
+      checkpoints.failure().empty())
     say("note: no checkpoint: the run ended before the first was due; see --every\n");
   write_json_output(options.json, json_text(report));
   if (listeners.lost_file() || !checkpoints.failure().empty() || !late.empty())
@@ -374,6 +376,7 @@ int run_scene(const RunOptions& options) {
   plan.check();
   simulated.world = std::move(source.world);
   Simulation simulation(std::move(source.scene), simulated);
+  require_recordable(options.recorders, simulation.info());
   if (!log.path.empty() || options.lcm != "off" || !options.recorders.html.empty())
     require_readable(simulation.info(), options.publish_parts);
   for (const std::string& note : simulation.notes()) say("note: {}\n", note);
@@ -395,7 +398,8 @@ int run_scene(const RunOptions& options) {
   const RunSummary summary = run_to_end(simulation, listeners, pacer, driving, checkpoints);
   for (const Stranding& stranding : summary.strandings)
     say("note: {}\n", describe(stranding, simulation.scene()));
-  if (summary.stopped_early) say("stopped after {} frames{}\n", summary.frames, by_signal());
+  if (summary.stopped_early)
+    say("stopped after {}{}\n", counted(summary.frames, "frame"), by_signal());
 
   RunReport report =
       report_of(options, simulated, simulation.scene(), summary, listeners, log.path);

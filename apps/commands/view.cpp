@@ -11,6 +11,7 @@
 #include "apps/process/stop_signal.h"
 #include "base/errors.h"
 #include "base/say.h"
+#include "base/text.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/live_view.h"
 #include "viewer/server/log_view.h"
@@ -40,11 +41,28 @@ struct ViewCommand {
   WebOptions web;
 };
 
-void serve(WebServer& server, const std::string& what) {
+/// `look`: called now and then.
+template <typename Look>
+void serve(WebServer& server, const std::string& what, const Look& look) {
   const StopSignal stop;
   show("{}  {}; Ctrl-C ends\n", server.url(), what);
   flush_shown();
-  while (!StopSignal::requested()) std::this_thread::sleep_for(kLookAround);
+  while (!StopSignal::requested()) {
+    std::this_thread::sleep_for(kLookAround);
+    look();
+  }
+}
+
+/// As the page says it, once the whole log was read.
+void serve_log(const ViewCommand& command) {
+  LogView log(command.log, command.web, page_html());
+  bool is_told = false;
+  serve(log.server(), command.log, [&] {
+    if (is_told || !log.index().is_complete()) return;
+    is_told = true;
+    if (const std::string missing = log.index().problem(); !missing.empty())
+      say("note: {}: {}\n", command.log, missing);
+  });
 }
 
 int view(const ViewCommand& command) {
@@ -59,16 +77,17 @@ int view(const ViewCommand& command) {
     const ReplayReport report =
         write_replay(command.log, command.html, page_html(), command.html_limit_mb);
     for (const std::string& note : outputs.notes()) say("note: {}\n", note);
-    show("{}: {:.2f} MB, {} people, {:.1f} s\n", command.html,
-         static_cast<double>(report.bytes) * 1e-6, report.avatars, report.seconds);
-    return kExitFine;
+    show("{}: {:.2f} MB, {}, {:.1f} s\n", command.html, static_cast<double>(report.bytes) * 1e-6,
+         counted(report.avatars, "person", "people"), report.seconds);
+    if (report.problem.empty()) return kExitFine;
+    say("note: {}: {} The page says so, too.\n", command.log, report.problem);
+    return kExitCheckFailed;
   }
   if (!command.log.empty()) {
-    LogView log(command.log, command.web, page_html());
-    serve(log.server(), command.log);
+    serve_log(command);
   } else {
     LiveView live(command.lcm, command.web, page_html());
-    serve(live.server(), fmt::format("listening to {}", command.lcm));
+    serve(live.server(), fmt::format("listening to {}", command.lcm), [] {});
   }
   return kExitFine;
 }

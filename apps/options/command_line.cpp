@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <sstream>
 #include <utility>
 
 #include "base/errors.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -99,11 +101,6 @@ Option* Option::expected(int least, int most) {
   return this;
 }
 
-Option* Option::delimiter(char between) {
-  parsed_->delimiter(between);
-  return this;
-}
-
 Option* Option::take_all() {
   parsed_->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   return this;
@@ -149,12 +146,33 @@ template Option* CommandOptions::add_option(const std::string&, std::optional<ui
                                             const std::string&);
 template Option* CommandOptions::add_option(const std::string&, std::optional<double>&,
                                             const std::string&);
-template Option* CommandOptions::add_option(const std::string&, std::vector<int64_t>&,
-                                            const std::string&);
-template Option* CommandOptions::add_option(const std::string&, std::vector<float>&,
+template Option* CommandOptions::add_option(const std::string&, std::optional<std::string>&,
                                             const std::string&);
 template Option* CommandOptions::add_option(const std::string&, std::vector<std::string>&,
                                             const std::string&);
+
+template <typename T>
+Option* CommandOptions::add_list(const std::string& name, std::vector<T>& values, size_t count,
+                                 char between, const OptionCheck& number, const std::string& what,
+                                 const std::string& about) {
+  const auto take = [&values, between](const std::string& text) {
+    values.clear();
+    for (const std::string& piece : pieces_of(text, between)) {
+      T value{};
+      std::from_chars(piece.data(), piece.data() + piece.size(), value);  // it has passed
+      values.push_back(value);
+    }
+  };
+  return options_.emplace_back(*parsed_->add_option_function<std::string>(name, take, about))
+      .check(list_option(number, count, between, what));
+}
+
+template Option* CommandOptions::add_list(const std::string&, std::vector<int64_t>&, size_t, char,
+                                          const OptionCheck&, const std::string&,
+                                          const std::string&);
+template Option* CommandOptions::add_list(const std::string&, std::vector<float>&, size_t, char,
+                                          const OptionCheck&, const std::string&,
+                                          const std::string&);
 
 Option* CommandOptions::add_flag(const std::string& name, bool& value, const std::string& about) {
   return &options_.emplace_back(*parsed_->add_flag(name, value, about));

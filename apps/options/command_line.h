@@ -40,8 +40,6 @@ class Option {
   /// So many values, one after the other.
   Option* expected(int count);
   Option* expected(int least, int most);
-  /// What separates values that are given as one word.
-  Option* delimiter(char between);
   /// May be given several times.
   Option* take_all();
   /// What it is when named without a value.
@@ -68,6 +66,11 @@ class CommandOptions {
   /// `value` keeps what it is unless the option is given; for the types listed in command_line.cpp.
   template <typename T>
   Option* add_option(const std::string& name, T& value, const std::string& about);
+  /// An option of one word: `count` numbers with `between` between them, each of which passes
+  /// `number`. `what` completes "expected ...".
+  template <typename T>
+  Option* add_list(const std::string& name, std::vector<T>& values, size_t count, char between,
+                   const OptionCheck& number, const std::string& what, const std::string& about);
   Option* add_flag(const std::string& name, bool& value, const std::string& about);
 
   /// Whether the command was given.

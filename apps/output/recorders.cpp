@@ -80,6 +80,12 @@ void require_recordable(const RecorderOptions& options, const Scene& scene) {
                           "--trajectory-area");
 }
 
+void require_recordable(const RecorderOptions& options, const RunInfo& run) {
+  if (!options.html.empty() && run.avatar_count() == 0)
+    throw InputError("--html", "a run with people or robots in it",
+                     fmt::format("nobody in '{}'; give a group a count above 0", run.scene->name));
+}
+
 template <typename Recorder>
 void Recorders::add(std::unique_ptr<Recorder> recorder) {
   guards_.push_back(std::make_unique<SinkGuard>(*recorder));

@@ -32,6 +32,8 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options);
 void plan_recorders(const RecorderOptions& options, OutputPlan& plan);
 /// Throws InputError for what the scene gives no occasion to.
 void require_recordable(const RecorderOptions& options, const Scene& scene);
+/// The same for what the run turns out to be.
+void require_recordable(const RecorderOptions& options, const RunInfo& run);
 
 class Recorders {
  public:

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "tests/apps/cli.h"
 
 namespace throng {
@@ -76,6 +78,108 @@ TEST_F(View, FramesBecomeAnAnimation) {
   EXPECT_EQ(webp.substr(0, 4), "RIFF");
   EXPECT_THAT(webp, HasSubstr("ANMF"));
   EXPECT_EQ(webp, read_file(folder_ / "b.webp")) << "the same frames, other bytes";
+}
+
+TEST_F(View, ATornLogIsShownWithWhatItLacksAndExitCode1) {
+  record();
+  const std::string whole = read_file(folder_ / "run.lcmlog");
+  for (const size_t size : {whole.size() - 1, whole.size() - 3000, whole.size() * 9 / 10}) {
+    write_file(folder_ / "torn.lcmlog", whole.substr(0, size));
+    for (const char* line :
+         {"throng view torn.lcmlog --html torn.html",
+          "throng render torn.lcmlog --frame 3 --width 64 --height 64 --out a.png",
+          "throng render torn.lcmlog --frames 0:3 --width 64 --height 64 --out a.webp",
+          "throng export torn.lcmlog --csv events --out a.csv"}) {
+      const Outcome outcome = shell(std::string("rm -f torn.html; ") + line, folder_);
+      EXPECT_EQ(outcome.exit_code, 1) << line << ", " << size << " bytes: " << outcome.err;
+      EXPECT_EQ(line_count(outcome.err), 1) << line << ": " << outcome.err;
+    }
+  }
+  ASSERT_EQ(shell("throng view torn.lcmlog --html torn.html", folder_).exit_code, 1);
+  EXPECT_THAT(read_file(folder_ / "torn.html"), HasSubstr("id=\"recording\""));
+  const Outcome served = shell(
+      "throng view torn.lcmlog --port 0 >out 2>err & pid=$!\n"
+      "for i in $(seq 100); do grep -q torn err && break; sleep 0.1; done\n"
+      "kill -INT $pid; wait $pid; cat err",
+      folder_);
+  EXPECT_THAT(served.out,
+              HasSubstr("torn.lcmlog: The log is torn: it ends inside a message after"));
+}
+
+TEST_F(View, ARunOfNobodyIsRefusedBeforeItRunsAndItsLogIsNotShown) {
+  write_file(folder_ / "nobody.yaml",
+             "name: nobody\nground: {min_m: [-5, -5], max_m: [5, 5]}\nduration_s: 1\n"
+             "groups: [{name: none, count: 0, spawn: {min_m: [-1, -1], max_m: [1, 1]},\n"
+             "          goals: [{min_m: [2, 2], max_m: [3, 3]}]}]\n");
+  const Outcome refused =
+      shell("throng run nobody.yaml --lcm off --log n.lcmlog --html n.html", folder_);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(line_count(refused.err), 1) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("--html: expected a run with people or robots in it"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "n.lcmlog"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "n.html"));
+  ASSERT_EQ(shell("throng run nobody.yaml --lcm off --log n.lcmlog", folder_).exit_code, 0);
+  for (const char* line : {"throng view n.lcmlog", "throng view n.lcmlog --html n.html",
+                           "throng render n.lcmlog --frame 3 --out a.png"}) {
+    const Outcome outcome = shell(line, folder_);
+    EXPECT_EQ(outcome.exit_code, 2) << line;
+    EXPECT_EQ(line_count(outcome.err), 1) << line << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("n.lcmlog: expected a run with people or robots in it to "
+                                       "show, found a run of 'nobody' with nobody in it"))
+        << line;
+  }
+}
+
+TEST_F(View, RenderTakesWhatItsHelpOffersAndNothingElse) {
+  record();
+  const std::string help = shell("throng render --help", folder_).out;
+  EXPECT_EQ(help.find(" x "), std::string::npos) << "offers several of what is one word";
+  const std::string line = "throng render run.lcmlog --width 64 --height 64 ";
+  const size_t list = help.find("some of ") + 8;
+  const std::string volumes = help.substr(list, help.find_first_of(" \n", list) - list - 1);
+  for (const std::string fine :
+       {"--frame 3 --out a.png --eye 4,-9,3 --target 0,-5,1", "--frame 3 --out a.png --eye=-4,-9,3",
+        "--frames 0:3 --out a.webp", "--frames 0:3 --every 2 --out a.webp",
+        "--frame 3 --out a.png --volumes sphere",
+        "--frame 3 --out a.png --volumes sphere --volumes-of 0,11"}) {
+    const Outcome outcome = shell(line + fine, folder_);
+    EXPECT_EQ(outcome.exit_code, 0) << fine << ": " << outcome.err;
+  }
+  EXPECT_EQ(shell(line + "--frame 3 --out a.png --volumes " + volumes, folder_).exit_code, 0)
+      << volumes;
+  for (const std::string wrong :
+       {"--frame 3 --out a.png --eye 4 -9 3", "--frame 3 --out a.png --eye 4,-9",
+        "--frame 3 --out a.png --eye 1,2,3,4", "--frame 3 --out a.png --eye 1,2,x",
+        "--frame 3 --out a.png --eye 1,2,3 --target 1,2,3", "--frames 0 3 --out a.webp",
+        "--frames 0:3:6 --out a.webp", "--frames 0 --out a.webp", "--frame 3 --every 2 --out a.png",
+        "--frame 3 --out a.png --volumes-of 3", "--frame 3 --out a.png --volumes ''",
+        "--frame 3 --out a.png --volumes sphere --volumes-of ''",
+        "--frame 3 --out a.png --volumes sphere --volumes-of 12", "--frame 3 --out a.webp"}) {
+    const Outcome outcome = shell(line + wrong, folder_);
+    EXPECT_EQ(outcome.exit_code, 2) << wrong;
+    EXPECT_EQ(line_count(outcome.err), 1) << wrong << ": " << outcome.err;
+  }
+}
+
+TEST_F(View, OneOfAThingIsOne) {
+  ASSERT_EQ(shell("throng run plaza --avatars 1 --seconds 0.2 --lcm off --log one.lcmlog", folder_)
+                .exit_code,
+            0);
+  EXPECT_THAT(shell("throng render one.lcmlog --frame 1 --out a.png", folder_).out,
+              HasSubstr("frame 1, 1 avatar, 0 pairs of parts touch"));
+  EXPECT_THAT(shell("throng render one.lcmlog --frames 1:1 --out a.webp", folder_).out,
+              HasSubstr(": 1 picture, "));
+  EXPECT_THAT(shell("throng view one.lcmlog --html a.html", folder_).out, HasSubstr(" 1 person, "));
+}
+
+TEST_F(View, ACheckpointThatCannotBeWrittenIsTheOnlyWordOfIt) {
+  const Outcome outcome = shell(
+      "throng run plaza --avatars 5 --seconds 2 --every 0.5 --lcm off --log off "
+      "--checkpoint /dev/full",
+      folder_);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("/dev/full"));
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("no checkpoint")));
 }
 
 }  // namespace
