@@ -37,11 +37,12 @@ int failed(const std::string& message, int exit_code) {
   return exit_code;
 }
 
-/// Results that did not reach their reader are no results. Closing the terminal closes what we
-/// write to as well, and knows.
+/// Results that did not reach their reader are no results, unless the reader had enough of them.
+/// Closing the terminal closes what we write to as well, and knows.
 int ended(int exit_code) {
-  if (flush_shown() || (exit_code != kExitFine && exit_code == StopSignal::exit_code() &&
-                        StopSignal::name() == "SIGHUP"))
+  if (flush_shown() || reader_has_left() ||
+      (exit_code != kExitFine && exit_code == StopSignal::exit_code() &&
+       StopSignal::name() == "SIGHUP"))
     return exit_code;
   return failed("throng: could not write to the standard output", kExitEnvironment);
 }
@@ -103,8 +104,8 @@ int run_guarded(int argc, char** argv) {
 int main(int argc, char** argv) {
   throng::open_standard_files();
   throng::StopSignal::install();
-  // A pipe whose reader has gone and a file that reached its limit are errors like a full disk, not
-  // a silent death.
+  // A file that reached its limit is an error like a full disk, not a silent death; a pipe whose
+  // reader has gone ends what is shown, not the work.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   const int exit_code = throng::ended(throng::run_guarded(argc, argv));

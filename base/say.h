@@ -27,6 +27,10 @@ void show(fmt::format_string<Args...> format, Args&&... args) {
 /// Sends on what was shown so far; false if any of it, now or before, did not reach its reader.
 bool flush_shown() noexcept;
 
+/// Whether stdout is a pipe whose reader has gone, as `head` does once it has enough: what is shown
+/// from then on goes nowhere, and that is no failure.
+bool reader_has_left() noexcept;
+
 /// For signal handlers, which may call next to nothing: this.
 void say_in_handler(std::string_view text) noexcept;
 

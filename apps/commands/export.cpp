@@ -65,10 +65,12 @@ int to_mcap(const ExportOptions& options) {
 }
 
 int to_csv(const ExportOptions& options, const std::string& channel) {
-  const auto keep_going = [] { return !StopSignal::requested(); };
-  if (options.out.empty())
-    return ended(export_csv(
-        options.log, channel, [](std::string_view text) { show_text(text); }, keep_going));
+  const auto keep_going = [] { return !StopSignal::requested() && !reader_has_left(); };
+  if (options.out.empty()) {
+    const std::string problem = export_csv(
+        options.log, channel, [](std::string_view text) { show_text(text); }, keep_going);
+    return reader_has_left() ? kExitFine : ended(problem);
+  }
   std::ofstream out(options.out, std::ios::binary);
   const std::string problem = export_csv(
       options.log, channel, [&](std::string_view text) { out << text; }, keep_going);

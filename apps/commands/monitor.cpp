@@ -127,6 +127,7 @@ int watch_live(const MonitorOptions& options) {
       drawn_s = view.now_s;
     }
   }
+  if (reader_has_left()) return kExitFine;
   return print_result(view, options.json);
 }
 

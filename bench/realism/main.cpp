@@ -237,7 +237,7 @@ int realism(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     const int code = throng::realism::realism(argc, argv);
-    return throng::flush_shown() ? code : 3;
+    return throng::flush_shown() || throng::reader_has_left() ? code : 3;
   } catch (const throng::InputError& error) {
     throng::say("{}\n", error.what());
     return 2;

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "tests/apps/cli.h"
+#include "tests/apps/workplace.h"
 
 namespace throng {
 namespace {
@@ -37,6 +39,68 @@ TEST(Streams, AReaderOfMessagesMayLeave) {
       "2>&1 1>&3 3>&- | true; echo $? >&2; } 3>&1; }",
       folder);
   EXPECT_EQ(shell("throng check run.lcmlog", folder).exit_code, 0) << outcome.err;
+}
+
+/// Every command that prints results, in a Workplace.
+const std::vector<std::string> kPrinting = {
+    "throng --version",
+    "throng --help",
+    "throng help run",
+    "throng run --help",
+    "throng scenes",
+    "throng scenes --schema",
+    "throng info body.tri",
+    "throng info body.urdf",
+    "throng info my.yaml",
+    "throng info a.lcmlog",
+    "throng info walk.csv --columns id=id,t=t,x=x,y=y",
+    "throng check a.lcmlog",
+    "throng monitor a.lcmlog",
+    "throng monitor a.lcmlog --json",
+    "throng monitor --lcm memq:// --seconds 3",
+    "throng export a.lcmlog --csv states",
+    "throng export a.lcmlog --mcap a.mcap",
+    "throng run corridor --avatars 4 --seconds 0.1 --lcm off --log off",
+    "throng run corridor --avatars 4 --seconds 0.1 --lcm off --log off --json -",
+    "throng validate --only rimea_1",
+    "throng validate --only rimea_1 --json -",
+    "throng compare a.lcmlog a.lcmlog",
+    "throng bench --avatars 50 --engines none --frames 2",
+    "throng bench --avatars 50 --engines none --frames 2 --json -",
+    "throng bench --avatars 50 --frames 1 --parts ordop26",
+    "throng render a.lcmlog --frame 1 --width 64 --height 64 --out a.png",
+    "throng view a.lcmlog --html a.html"};
+
+TEST(Streams, AReaderOfResultsMayLeave) {
+  Workplace place;
+  write_file(place / "walk.csv", "id,t,x,y\n1,0,0,0\n1,0.1,0.1,0\n1,0.2,0.2,0\n1,0.3,0.3,0\n");
+  for (const std::string& command : kPrinting) {
+    SCOPED_TRACE(command);
+    // A pipe that was never read: the first write finds that nobody is there.
+    const Outcome left = shell(
+        "rm -f pipe; mkfifo pipe; exec 3<>pipe 4>pipe 3>&-; " + command + " >&4", place.folder());
+    EXPECT_EQ(left.exit_code, 0) << left.err;
+    EXPECT_THAT(left.err, Not(HasSubstr("standard output")));
+    EXPECT_THAT(left.err, Not(HasSubstr("expected")));
+    const Outcome full = shell(command + " >/dev/full", place.folder());
+    EXPECT_EQ(full.exit_code, 3) << full.err;
+    EXPECT_THAT(full.err, HasSubstr("throng: could not write to the standard output"));
+  }
+}
+
+TEST(Streams, WhatIsWrittenBesideIsWholeWhenTheReaderLeaves) {
+  const ScratchFolder folder;
+  const Outcome left =
+      shell("mkfifo pipe; exec 3<>pipe 4>pipe 3>&-; " + kRun + "--json run.json >&4", folder);
+  EXPECT_EQ(left.exit_code, 0) << left.err;
+  EXPECT_THAT(read_file(folder / "run.json"), HasSubstr("\"hash\""));
+  EXPECT_EQ(shell("throng check run.lcmlog", folder).exit_code, 0);
+  // What a check found is still said by its code.
+  const Outcome torn = shell(
+      "exec 3<>pipe 4>pipe 3>&-; head -c 3000 run.lcmlog >torn.lcmlog; throng check torn.lcmlog "
+      ">&4",
+      folder);
+  EXPECT_EQ(torn.exit_code, 1) << torn.err;
 }
 
 TEST(Streams, ResultsThatNobodyGetsAreAnError) {
