@@ -10,13 +10,17 @@
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "base/errors.h"
 #include "base/text.h"
 #include "kinematics/mesh_path.h"
+#include "kinematics/plain_urdf.h"
 #include "kinematics/urdf_check.h"
 #include "kinematics/urdf_idle.h"
+#include "kinematics/urdf_unused.h"
 
 namespace throng {
 namespace {
@@ -45,21 +49,6 @@ urdf::ModelInterfaceSharedPtr parse_quietly(const std::string& text, Messages& m
   return model;
 }
 
-/// Line breaks and tabs inside attribute values become spaces: XML 1.0 asks for it, tinyxml does
-/// not do it, and urdfdom then finds no number.
-std::string with_plain_values(std::string text, const std::vector<XmlElement>& elements,
-                              const char* scanned) {
-  for (const XmlElement& element : elements)
-    for (const auto& [name, value] : element.attributes) {
-      const size_t open =
-          text.find_first_of("\"'", static_cast<size_t>(name.data() + name.size() - scanned));
-      const size_t close = text.find(text[open], open + 1);
-      for (size_t i = open; i < close; ++i)
-        if (text[i] == '\n' || text[i] == '\r' || text[i] == '\t') text[i] = ' ';
-    }
-  return text;
-}
-
 std::string one_line(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
@@ -76,25 +65,39 @@ Eigen::Isometry3d to_eigen(const urdf::Pose& pose) {
   return out;
 }
 
+/// What urdfdom 3 does not read: the turn of an <origin> as a quaternion.
+void turn_by_quaternion(const std::vector<XmlElement>& elements, int owner,
+                        Eigen::Isometry3d& pose) {
+  const int origin = child_of(elements, owner, "origin");
+  const std::string* text =
+      origin < 0 ? nullptr : elements[static_cast<size_t>(origin)].attribute("quat_xyzw");
+  if (text == nullptr) return;
+  const std::vector<double> q = finite_numbers(*text).value();
+  pose.linear() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix();
+}
+
+/// `owner` is the <visual> or <collision> that urdfdom read as `shape` and `origin`.
 Geometry to_geometry(const urdf::Geometry& shape, const urdf::Pose& origin,
+                     const std::vector<XmlElement>& elements, int owner,
                      const std::filesystem::path& file) {
+  const int tag = elements[static_cast<size_t>(child_of(elements, owner, "geometry"))].first_child;
+  const XmlElement& element = elements[static_cast<size_t>(tag)];
   Geometry out;
   out.link_from_geometry = to_eigen(origin);
+  turn_by_quaternion(elements, owner, out.link_from_geometry);
   switch (shape.type) {
-    case urdf::Geometry::MESH: {
-      const auto& mesh = dynamic_cast<const urdf::Mesh&>(shape);
+    case urdf::Geometry::MESH:
       out.kind = Geometry::Kind::kMesh;
-      out.mesh_file = resolve_mesh(mesh.filename, file);
-      out.mesh_scale = to_eigen(mesh.scale);
+      out.mesh_file = resolve_mesh(*element.attribute("filename"), file);
+      out.mesh_scale = to_eigen(dynamic_cast<const urdf::Mesh&>(shape).scale);
       break;
-    }
     case urdf::Geometry::BOX:
       out.kind = Geometry::Kind::kBox;
       out.box_size_m = to_eigen(dynamic_cast<const urdf::Box&>(shape).dim);
       break;
     case urdf::Geometry::CYLINDER: {
       const auto& cylinder = dynamic_cast<const urdf::Cylinder&>(shape);
-      out.kind = Geometry::Kind::kCylinder;
+      out.kind = element.name == "capsule" ? Geometry::Kind::kCapsule : Geometry::Kind::kCylinder;
       out.radius_m = cylinder.radius;
       out.length_m = cylinder.length;
       break;
@@ -107,21 +110,48 @@ Geometry to_geometry(const urdf::Geometry& shape, const urdf::Pose& origin,
   return out;
 }
 
-Link to_link(const urdf::Link& link, const std::filesystem::path& file) {
-  Link out;
-  out.name = link.name;
-  for (const auto& visual : link.visual_array)
-    out.visual.push_back(to_geometry(*visual->geometry, visual->origin, file));
-  for (const auto& collision : link.collision_array)
-    out.collision.push_back(to_geometry(*collision->geometry, collision->origin, file));
-  if (link.inertial) out.mass_kg = link.inertial->mass;
+/// Throws InputError unless urdfdom has read all shapes that it was given: it drops what it cannot
+/// read.
+template <typename Shapes>
+std::vector<Geometry> to_geometries(const Shapes& shapes, std::string_view tag,
+                                    const std::vector<XmlElement>& elements, const UrdfUse& use,
+                                    int link, const std::filesystem::path& file) {
+  std::vector<int> owners;
+  for (int i = elements[static_cast<size_t>(link)].first_child; i >= 0;
+       i = elements[static_cast<size_t>(i)].next_sibling)
+    if (elements[static_cast<size_t>(i)].name == tag && !use.skipped[static_cast<size_t>(i)])
+      owners.push_back(i);
+  if (owners.size() != shapes.size())
+    throw InputError(at_line(file.string(), elements[static_cast<size_t>(link)].line),
+                     fmt::format("{} <{}> that urdfdom reads", owners.size(), tag),
+                     fmt::format("{} from it", shapes.size()));
+  std::vector<Geometry> out;
+  for (size_t i = 0; i < owners.size(); ++i)
+    out.push_back(to_geometry(*shapes[i]->geometry, shapes[i]->origin, elements, owners[i], file));
   return out;
 }
 
-Joint to_joint(const urdf::Joint& joint) {
+/// `element` is the <link> that urdfdom read as `link`.
+Link to_link(const urdf::Link& link, const std::vector<XmlElement>& elements, const UrdfUse& use,
+             int element, const std::filesystem::path& file) {
+  Link out;
+  out.name = link.name;
+  out.visual = to_geometries(link.visual_array, "visual", elements, use, element, file);
+  out.collision = to_geometries(link.collision_array, "collision", elements, use, element, file);
+  const int inertial = child_of(elements, element, "inertial");
+  const int mass = inertial < 0 ? -1 : child_of(elements, inertial, "mass");
+  if (mass >= 0)
+    out.mass_kg =
+        finite_numbers(*elements[static_cast<size_t>(mass)].attribute("value")).value().front();
+  return out;
+}
+
+/// `element` is the <joint> that urdfdom read as `joint`.
+Joint to_joint(const urdf::Joint& joint, const std::vector<XmlElement>& elements, int element) {
   Joint out;
   out.name = joint.name;
   out.parent_from_joint = to_eigen(joint.parent_to_joint_origin_transform);
+  turn_by_quaternion(elements, element, out.parent_from_joint);
   switch (joint.type) {
     case urdf::Joint::REVOLUTE:
       out.kind = Joint::Kind::kRevolute;
@@ -147,12 +177,51 @@ Joint to_joint(const urdf::Joint& joint) {
   return out;
 }
 
+bool is_spherical(const XmlElement& joint) { return *joint.attribute("type") == "spherical"; }
+
+/// NAME_x, which no other thing of the robot is called.
+std::string name_along(const std::string& name, char axis,
+                       const std::map<std::string, int>& others) {
+  std::string along = name + "_" + axis;
+  while (others.count(along) != 0) along += axis;
+  return along;
+}
+
+/// A spherical joint is three that turn, one after the other: about x, y and z of its frame.
+Joint turn_of(const Joint& spherical, char axis, const std::map<std::string, int>& joints) {
+  Joint out;
+  out.name = name_along(spherical.name, axis, joints);
+  out.kind = Joint::Kind::kContinuous;
+  if (axis == 'x') out.parent_from_joint = spherical.parent_from_joint;
+  out.axis = Eigen::Vector3d::Unit(axis - 'x');
+  out.lower = -std::numbers::pi;
+  out.upper = std::numbers::pi;
+  return out;
+}
+
+/// What lies between them.
+Link frame_of(const Joint& spherical, char axis, const std::map<std::string, int>& links) {
+  Link out;
+  out.name = name_along(spherical.name, axis, links);
+  return out;
+}
+
+/// The robot's own <link> or <joint> tags that are read, by name.
+std::map<std::string, int> named(const std::vector<XmlElement>& elements, const UrdfUse& use,
+                                 std::string_view tag) {
+  std::map<std::string, int> out;
+  for (size_t i = 1; i < elements.size(); ++i)
+    if (elements[i].parent == 0 && elements[i].name == tag && !use.skipped[i])
+      out.emplace(*elements[i].attribute("name"), static_cast<int>(i));
+  return out;
+}
+
 /// Joints in depth-first order from the root, siblings as they stand in the file.
 std::vector<std::string> joints_from_root(const std::vector<XmlElement>& elements,
-                                          const urdf::ModelInterface& model) {
+                                          const UrdfUse& use, const urdf::ModelInterface& model) {
   std::map<std::string, std::vector<std::string>> below;  // by parent link, last one first
   for (size_t i = elements.size(); i-- > 1;) {
-    if (elements[i].parent != 0 || elements[i].name != "joint") continue;
+    if (elements[i].parent != 0 || elements[i].name != "joint" || use.skipped[i]) continue;
     const auto joint = model.joints_.find(*elements[i].attribute("name"));
     if (joint != model.joints_.end())
       below[joint->second->parent_link_name].push_back(joint->first);
@@ -168,46 +237,37 @@ std::vector<std::string> joints_from_root(const std::vector<XmlElement>& element
   return order;
 }
 
-int shapes_in(const std::vector<XmlElement>& elements) {
-  int count = 0;
-  for (const XmlElement& element : elements) {
-    if (element.name != "visual" && element.name != "collision") continue;
-    const XmlElement& owner = elements[static_cast<size_t>(element.parent)];
-    count += owner.name == "link" && owner.parent == 0 ? 1 : 0;
-  }
-  return count;
+/// Both readings of the same names have to agree.
+void require_names(const urdf::ModelInterface& model, const std::map<std::string, int>& links,
+                   const std::map<std::string, int>& joints, const std::string& file,
+                   const std::string& errors) {
+  bool agrees = model.links_.size() == links.size() && model.joints_.size() == joints.size();
+  for (const auto& [name, link] : model.links_) agrees = agrees && links.count(name) != 0;
+  for (const auto& [name, joint] : model.joints_) agrees = agrees && joints.count(name) != 0;
+  if (!agrees)
+    throw InputError(
+        file, fmt::format("{} links and {} joints from urdfdom", links.size(), joints.size()),
+        fmt::format("{} and {}, or other names{}{}", model.links_.size(), model.joints_.size(),
+                    errors.empty() ? "" : ": ", errors));
 }
 
-/// What both readings of the same text have to agree on; urdfdom drops what it cannot read.
-void check_nothing_lost(const std::vector<XmlElement>& elements, const Robot& robot,
-                        const std::string& file, const std::string& errors) {
-  int links = 0;
-  for (const XmlElement& element : elements) links += element.parent == 0 && element.name == "link";
-  int shapes = 0;
-  for (const Link& link : robot.links)
-    shapes += static_cast<int>(link.visual.size() + link.collision.size());
-  const int shapes_expected = shapes_in(elements);
-  if (static_cast<int>(robot.links.size()) == links && shapes == shapes_expected) return;
-  throw InputError(file,
-                   fmt::format("{} links with {} shapes from urdfdom", links, shapes_expected),
-                   fmt::format("{} with {}{}{}", robot.links.size(), shapes,
-                               errors.empty() ? "" : ": ", errors));
-}
-
-/// urdfdom reads entities in its own way: what it made of the names is checked, too.
-void check_names(const Robot& robot, const std::string& file) {
-  const auto check = [&file](const char* of, const std::string& name) {
-    const std::string defect = defect_of_name(name);
-    if (!defect.empty()) throw InputError(file, fmt::format("a name for each {}", of), defect);
-  };
-  check("robot", robot.name);
-  for (const Link& link : robot.links) check("link", link.name);
-  for (const Joint& joint : robot.joints) check("joint", joint.name);
+/// A name that poses nothing refuses nothing.
+std::string name_of_robot(const XmlElement& robot, const std::filesystem::path& file,
+                          std::vector<std::string>& notes) {
+  const std::string* name = robot.attribute("name");
+  const std::string defect = name == nullptr ? "none" : defect_of_name(*name);
+  if (defect.empty()) return *name;
+  const bool is_blank = name == nullptr || name->find_first_not_of(' ') == std::string::npos;
+  std::string other = name_after(is_blank ? file.stem().string() : *name);
+  if (!defect_of_name(other).empty()) other = "robot";
+  notes.push_back(fmt::format("a name of the robot: {}, so that it is called '{}'", defect, other));
+  return other;
 }
 
 }  // namespace
 
-Robot parse_urdf(const std::string& whole, const std::filesystem::path& file) {
+Robot parse_urdf(const std::string& whole, const std::filesystem::path& file,
+                 std::vector<std::string>* assumptions) {
   std::vector<std::string> notes;
   std::string text = whole;
   // Programs in C that write a string with its end do this.
@@ -222,41 +282,60 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file) {
     text = std::move(used);
     elements = scan_xml(text, file.string(), kUrdfCaps);
   }
-  check_urdf(elements, file.string());
+  const UrdfUse use = check_urdf(elements, file.string());
   Messages messages;
-  const auto model = parse_quietly(with_plain_values(text, elements, text.data()), messages);
+  const auto model = parse_quietly(plain_urdf(elements, use), messages);
   messages.errors = one_line(messages.errors);
   if (!model || !model->getRoot())
     throw InputError(file.string(), "a URDF that urdfdom reads",
                      messages.errors.empty() ? "one that it refuses" : messages.errors);
+  const std::map<std::string, int> links = named(elements, use, "link");
+  const std::map<std::string, int> joints = named(elements, use, "joint");
+  require_names(*model, links, joints, file.string(), messages.errors);
 
   Robot robot;
-  robot.name = model->getName();
-  robot.links.push_back(to_link(*model->getRoot(), file));
-  std::map<std::string, int> link_index{{robot.links[0].name, 0}};
+  robot.name = name_of_robot(elements[0], file, notes);
+  const std::string& root = model->getRoot()->name;
+  robot.links.push_back(to_link(*model->getRoot(), elements, use, links.at(root), file));
+  std::map<std::string, int> link_index{{root, 0}};
   std::map<std::string, int> joint_index;
-  const auto order = joints_from_root(elements, *model);
-  for (const std::string& name : order) {
+  for (const std::string& name : joints_from_root(elements, use, *model)) {
     const urdf::Joint& joint = *model->joints_.at(name);
-    Joint out = to_joint(joint);
-    out.parent_link = link_index.at(joint.parent_link_name);
-    out.child_link = static_cast<int>(robot.links.size());
-    link_index[joint.child_link_name] = out.child_link;
-    joint_index[name] = static_cast<int>(robot.joints.size());
-    robot.links.push_back(to_link(*model->links_.at(joint.child_link_name), file));
-    robot.joints.push_back(std::move(out));
+    const std::string& child = joint.child_link_name;
+    const Joint out = to_joint(joint, elements, joints.at(name));
+    const Link link = to_link(*model->links_.at(child), elements, use, links.at(child), file);
+    int parent = link_index.at(joint.parent_link_name);
+    const auto add_below = [&](Joint&& added, Link&& below) {
+      added.parent_link = std::exchange(parent, static_cast<int>(robot.links.size()));
+      added.child_link = parent;
+      robot.joints.push_back(std::move(added));
+      robot.links.push_back(std::move(below));
+    };
+    if (is_spherical(elements[static_cast<size_t>(joints.at(name))]))
+      for (const char axis : {'x', 'y', 'z'})
+        add_below(turn_of(out, axis, joints),
+                  axis == 'z' ? Link(link) : frame_of(out, axis, links));
+    else
+      add_below(Joint(out), Link(link));
+    link_index[child] = parent;
+    joint_index[name] = static_cast<int>(robot.joints.size()) - 1;
   }
   for (Joint& joint : robot.joints) {
-    const auto& mimic = model->joints_.at(joint.name)->mimic;
+    const auto read = model->joints_.find(joint.name);
+    if (read == model->joints_.end()) continue;  // one of three that a spherical joint became
+    const auto& mimic = read->second->mimic;
     if (!mimic || joint.kind == Joint::Kind::kFixed) continue;
     joint.mimic = {joint_index.at(mimic->joint_name), mimic->multiplier, mimic->offset};
   }
-  check_nothing_lost(elements, robot, file.string(), messages.errors);
-  check_names(robot, file.string());
   robot.notes = std::move(notes);
-  const std::vector<std::string> unused = unused_in_urdf(elements);
-  robot.notes.insert(robot.notes.end(), unused.begin(), unused.end());
-  if (!messages.errors.empty()) robot.notes.push_back("urdfdom says: " + escaped(messages.errors));
+  const auto add = [&robot](const std::vector<std::string>& more) {
+    robot.notes.insert(robot.notes.end(), more.begin(), more.end());
+  };
+  add(use.notes);
+  add(unused_in_urdf(elements));
+  if (!messages.errors.empty()) add({"urdfdom says: " + escaped(messages.errors)});
+  if (assumptions != nullptr)
+    assumptions->insert(assumptions->end(), use.assumptions.begin(), use.assumptions.end());
   return robot;
 }
 
@@ -278,6 +357,23 @@ std::string read_urdf_text(const std::filesystem::path& file) {
 
 Robot read_urdf(const std::filesystem::path& file) {
   return parse_urdf(read_urdf_text(file), file);
+}
+
+bool is_urdf(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return false;
+  std::ifstream in(file, std::ios::binary);
+  std::string head;
+  // A page says whether it is XML at all; notices of copyright may be long.
+  for (const size_t bytes : {size_t{4096}, size_t{1} << 20}) {
+    const size_t had = head.size();
+    head.resize(bytes);
+    in.read(head.data() + had, static_cast<std::streamsize>(bytes - had));
+    head.resize(had + static_cast<size_t>(in.gcount()));
+    if (root_tag_of(head) == "robot") return true;
+    if (head.find_first_not_of(" \t\r\n\xef\xbb\xbf") != head.find('<')) return false;
+  }
+  return false;
 }
 
 }  // namespace throng

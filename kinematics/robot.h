@@ -13,14 +13,15 @@ namespace throng {
 
 /// One <visual> or <collision> shape of a link. Lengths in metres.
 struct Geometry {
-  enum class Kind { kMesh, kBox, kCylinder, kSphere };
+  enum class Kind { kMesh, kBox, kCylinder, kSphere, kCapsule };
   Kind kind = Kind::kBox;
   Eigen::Isometry3d link_from_geometry = Eigen::Isometry3d::Identity();
   std::filesystem::path mesh_file;  ///< kMesh: resolved, package:// and relative
   Eigen::Vector3d mesh_scale = Eigen::Vector3d::Ones();  ///< kMesh
   Eigen::Vector3d box_size_m = Eigen::Vector3d::Zero();  ///< kBox: full edge lengths
-  double radius_m = 0;                                   ///< kCylinder, kSphere
-  double length_m = 0;                                   ///< kCylinder: along z, centred
+  double radius_m = 0;                                   ///< kCylinder, kCapsule, kSphere
+  /// kCylinder, kCapsule (without its two half spheres): along z, centred.
+  double length_m = 0;
 };
 
 struct Link {
@@ -49,21 +50,27 @@ struct Joint {
 };
 
 struct Robot {
-  std::string name;
-  std::vector<Link> links;         ///< parents before children; links[0] is the root
-  std::vector<Joint> joints;       ///< joints[i].child_link == i + 1
-  std::vector<std::string> notes;  ///< what the URDF says that we skip or do not use, a line each
+  std::string name;           ///< the file's, without its extension, where the URDF has none
+  std::vector<Link> links;    ///< parents before children; links[0] is the root
+  std::vector<Joint> joints;  ///< joints[i].child_link == i + 1
+  /// What the URDF says that we skip or do not use, a line each.
+  std::vector<std::string> notes;
 };
 
 /// Reads and checks a URDF file. The text is checked for size, depth, two parents, loops, zero
-/// axes, negative mass, lower > upper, empty names and so on before urdfdom sees it. Throws
-/// InputError naming file, line where known, expected and found.
+/// axes, negative mass, lower > upper, empty names and so on, and urdfdom sees only what is read of
+/// it. Throws InputError naming file, line where known, expected and found.
 Robot read_urdf(const std::filesystem::path& file);
+
+/// Whether a regular file is an XML text with the root element <robot>, whatever it is called.
+bool is_urdf(const std::filesystem::path& file);
 
 /// The text of a URDF file, its size checked. Throws InputError.
 std::string read_urdf_text(const std::filesystem::path& file);
 
 /// The same as read_urdf() from text; `file` names it in errors and anchors relative mesh paths.
-Robot parse_urdf(const std::string& text, const std::filesystem::path& file);
+/// What the URDF leaves open, and how it is read, is added to `assumptions`, a line each.
+Robot parse_urdf(const std::string& text, const std::filesystem::path& file,
+                 std::vector<std::string>* assumptions = nullptr);
 
 }  // namespace throng

@@ -3,14 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "kinematics/mesh_path.h"
+#include "kinematics/xacro_check.h"
 
 namespace throng {
 namespace {
@@ -18,19 +20,25 @@ namespace {
 class Check {
  public:
   Check(const std::vector<XmlElement>& elements, const std::string& file)
-      : elements_(elements), file_(file) {}
+      : elements_(elements), file_(file) {
+    use_.skipped.resize(elements.size());
+  }
 
-  void run() {
+  UrdfUse run() {
     check_root();
+    refuse_xacro(elements_, file_);
     for_children(0, [&](int child) {
       if (at(child).name == "link") add(child, links_, "link", kMaxLinks);
       if (at(child).name == "joint") add(child, joints_, "joint", kMaxLinks);
     });
     if (links_.empty()) fail(0, "at least one <link>", "none");
-    for (const auto& [name, link] : links_) check_link(link);
+    cut_at_free_joints();
+    for (const auto& [name, link] : links_) check_link(name, link);
     for (const auto& [name, joint] : joints_) check_joint(name, joint);
     for (const auto& [name, joint] : joints_) check_mimic(name, joint);
     check_tree();
+    tell_assumptions();
+    return std::move(use_);
   }
 
  private:
@@ -84,12 +92,92 @@ class Check {
   void check_root() const {
     if (at(0).name != "robot")
       fail(0, "<robot> as the outermost tag", fmt::format("<{}>", at(0).name.substr(0, 60)));
-    for (int i = 0; i < static_cast<int>(elements_.size()); ++i)
-      if (at(i).name.substr(0, 6) == "xacro:")
-        fail(i, "plain URDF",
-             fmt::format("<{}>; expand it first: xacro FILE > robot.urdf",
-                         at(i).name.substr(0, 60)));
-    check_name(0);
+  }
+
+  const std::string& link_name(int link) const { return *at(link).attribute("name"); }
+
+  bool has_shape(int link) const {
+    return child_of(elements_, link, "visual") >= 0 || child_of(elements_, link, "collision") >= 0;
+  }
+
+  /// A <link> of the robot that <parent> or <child> names, or -1.
+  int named_end(int joint, std::string_view end) const {
+    const int element = child_of(elements_, joint, end);
+    const std::string* name = element < 0 ? nullptr : at(element).attribute("link");
+    const auto link = name == nullptr ? links_.end() : links_.find(*name);
+    return link == links_.end() ? -1 : link->second;
+  }
+
+  bool is_free(int joint) const {
+    const std::string* type = at(joint).attribute("type");
+    return type != nullptr && (*type == "floating" || *type == "planar");
+  }
+
+  /// The links from `link` downwards.
+  std::set<int> links_below(int link, const std::map<int, std::vector<int>>& children) const {
+    std::set<int> below{link};
+    std::vector<int> pending{link};
+    while (!pending.empty()) {
+      const auto next = children.find(pending.back());
+      pending.pop_back();
+      if (next == children.end()) continue;
+      for (const int child : next->second)
+        if (below.insert(child).second) pending.push_back(child);
+    }
+    return below;
+  }
+
+  /// An avatar's root moves freely. So a joint of several degrees of freedom between a frame of the
+  /// world and the robot says nothing new: the robot is what lies below, where nothing else has a
+  /// shape. Likewise a part without shapes may hang on one.
+  void cut_at_free_joints() {
+    std::map<int, std::vector<int>> children;
+    std::vector<int> free;
+    for (const auto& [name, joint] : joints_) {
+      const int parent = named_end(joint, "parent");
+      const int child = named_end(joint, "child");
+      if (parent < 0 || child < 0) continue;
+      children[parent].push_back(child);
+      if (is_free(joint)) free.push_back(joint);
+    }
+    std::sort(free.begin(), free.end());
+    for (const int joint : free) {
+      if (use_.skipped[static_cast<size_t>(joint)]) continue;
+      const std::set<int> below = links_below(named_end(joint, "child"), children);
+      if (below.count(named_end(joint, "parent")) != 0) continue;  // a loop, which is refused
+      size_t shapes_below = 0;
+      size_t shapes_elsewhere = 0;
+      for (const auto& [name, link] : links_)
+        if (has_shape(link)) ++(below.count(link) != 0 ? shapes_below : shapes_elsewhere);
+      if ((shapes_below > 0) == (shapes_elsewhere > 0)) continue;
+      keep_one_side(joint, below, shapes_below > 0);
+    }
+  }
+
+  void keep_one_side(int joint, const std::set<int>& below, bool keeps_below) {
+    for (const auto& [name, other] : joints_) {  // one that also joins both sides stays, refused
+      const bool is_below = below.count(named_end(other, "parent")) != 0;
+      if (other != joint && is_below != (below.count(named_end(other, "child")) != 0)) return;
+    }
+    const std::string base = in_quotes(link_name(named_end(joint, "child")));
+    use_.notes.push_back(fmt::format(
+        "joint {} of type {}, line {}: skipped with all {}, where nothing has a shape{}",
+        in_quotes(*at(joint).attribute("name")), in_quotes(*at(joint).attribute("type")),
+        at(joint).line, keeps_below ? "above " + base : "from " + base + " on",
+        keeps_below ? "; the robot's root is " + base + ", and moves freely" : ""));
+    const auto skip = [&](int element) { use_.skipped[static_cast<size_t>(element)] = true; };
+    const auto goes = [&](int link) { return (below.count(link) != 0) != keeps_below; };
+    skip(joint);
+    for (const auto& [name, other] : joints_)
+      if (other != joint && named_end(other, "child") >= 0 && goes(named_end(other, "child")))
+        skip(other);
+    std::erase_if(joints_, [&](const auto& entry) {
+      return use_.skipped[static_cast<size_t>(entry.second)];
+    });
+    for (const auto& [name, link] : links_)
+      if (goes(link)) skip(link);
+    std::erase_if(
+        links_, [&](const auto& entry) { return use_.skipped[static_cast<size_t>(entry.second)]; });
   }
 
   void add(int element, Named& into, std::string_view what, int cap) const {
@@ -107,32 +195,53 @@ class Check {
     const int origin = child_of(elements_, owner, "origin");
     if (origin < 0) return;
     if (at(origin).attribute("xyz")) numbers(origin, "xyz", 3, kMaxLength_m);
-    if (at(origin).attribute("rpy")) numbers(origin, "rpy", 3, kMaxAngle_rad);
+    const bool turns = at(origin).attribute("rpy") != nullptr;
+    if (turns) numbers(origin, "rpy", 3, kMaxAngle_rad);
+    if (!at(origin).attribute("quat_xyzw")) return;
+    if (turns) fail(origin, "rpy= or quat_xyzw= in <origin>", "both");
+    const auto q = numbers(origin, "quat_xyzw", 4, 1e6);
+    if (std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) < 1e-6)
+      fail(origin,
+           "a quaternion that is not zero in quat_xyzw=", in_quotes(required(origin, "quat_xyzw")));
   }
 
-  void check_link(int link) {
+  void check_link(const std::string& name, int link) {
+    const bool has_collision = child_of(elements_, link, "collision") >= 0;
     for_children(link, [&](int child) {
-      const std::string_view name = at(child).name;
-      if (name == "visual" || name == "collision") {
+      const std::string_view tag = at(child).name;
+      if (tag == "visual" || tag == "collision") {
         if (++shapes_ > kMaxShapes)
           fail(child, fmt::format("at most {} shapes", kMaxShapes), "more");
-        check_shape(child);
+        if (tag == "visual" && has_collision)
+          skip_unsound(name, child);
+        else
+          check_shape(child);
       }
-      if (name == "inertial") check_inertial(child);
+      if (tag == "inertial") check_inertial(child);
     });
   }
 
+  /// What is only drawn, and not used beside collision geometry, refuses no robot.
+  void skip_unsound(const std::string& link, int visual) {
+    try {
+      check_shape(visual);
+    } catch (const InputError& error) {
+      use_.skipped[static_cast<size_t>(visual)] = true;
+      constexpr size_t kMostNotes = 40;  // a page
+      if (++unsound_visuals_ > kMostNotes) return;
+      use_.notes.push_back(fmt::format(
+          "<visual> of link {}, line {}: skipped, its <collision> counts: {}", in_quotes(link),
+          at(visual).line, std::string(error.what()).substr(error.where().size() + 2)));
+    }
+  }
+
+  /// The mass is all that is read.
   void check_inertial(int inertial) const {
-    check_origin(inertial);
     const int mass = child_of(elements_, inertial, "mass");
-    if (mass < 0) fail(inertial, "<mass value=...> in <inertial>", "none");
+    if (mass < 0) return;
     constexpr double kAnyMass = 1e9;
     if (numbers(mass, "value", 1, kAnyMass)[0] < 0)
       fail(mass, "a mass that is not negative", in_quotes(required(mass, "value")));
-    const int inertia = child_of(elements_, inertial, "inertia");
-    if (inertia < 0) fail(inertial, "<inertia ixx=...> in <inertial>", "none");
-    for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
-      numbers(inertia, name, 1, HUGE_VAL);
   }
 
   void positive(int element, std::string_view attribute, size_t count) const {
@@ -157,15 +266,24 @@ class Check {
     } else if (kind == "cylinder") {
       positive(shape, "radius", 1);
       positive(shape, "length", 1);
+    } else if (kind == "capsule") {
+      positive(shape, "radius", 1);
+      if (numbers(shape, "length", 1, kMaxLength_m)[0] < 0)  // at 0 it is a sphere
+        fail(shape, "a length of <capsule> that is not negative",
+             in_quotes(required(shape, "length")));
     } else if (kind == "mesh") {
-      if (required(shape, "filename").empty())
+      const std::string& uri = required(shape, "filename");
+      if (uri.find_first_not_of(' ') == std::string::npos)
         fail(shape, "a file name for this <mesh>", "an empty one");
+      if (!is_mesh_uri(uri))
+        fail(shape, "a mesh path, file://, package:// or model://", in_quotes(uri));
       if (at(shape).attribute("scale"))
         for (const double scale : numbers(shape, "scale", 3, kMaxMeshScale))
           if (std::abs(scale) < 1 / kMaxMeshScale)
             fail(shape, "a mesh scale that is not zero", in_quotes(required(shape, "scale")));
     } else {
-      fail(shape, "<mesh>, <box>, <cylinder> or <sphere>", fmt::format("<{}>", kind.substr(0, 60)));
+      fail(shape, "<mesh>, <box>, <cylinder>, <sphere> or <capsule>",
+           fmt::format("<{}>", kind.substr(0, 60)));
     }
   }
 
@@ -176,9 +294,10 @@ class Check {
            fmt::format("{}: it has several degrees of freedom; the root link moves freely already, "
                        "and elsewhere a chain of single joints says the same",
                        in_quotes(type)));
-    static const std::vector<std::string> known{"fixed", "revolute", "continuous", "prismatic"};
+    static const std::vector<std::string> known{"fixed", "revolute", "continuous", "prismatic",
+                                                "spherical"};
     if (std::find(known.begin(), known.end(), type) == known.end())
-      fail(joint, "a joint type fixed, revolute, continuous or prismatic",
+      fail(joint, "a joint type fixed, revolute, continuous, prismatic or spherical",
            in_quotes(type) + did_you_mean(type, known));
     return type;
   }
@@ -213,31 +332,75 @@ class Check {
            fmt::format("two for {}: joints {} and {}", in_quotes(*at(child).attribute("name")),
                        in_quotes(*at(entry->second).attribute("name")), in_quotes(name)));
     parent_link_[child] = parent;
-    if (const int axis = child_of(elements_, joint, "axis"); axis >= 0 && kind != "fixed") {
+    if (const int axis = child_of(elements_, joint, "axis");
+        axis >= 0 && kind != "fixed" && kind != "spherical") {
       const auto xyz = numbers(axis, "xyz", 3, 1e6);
       if (std::hypot(xyz[0], xyz[1], xyz[2]) < 1e-6)
         fail(axis, "a joint axis that is not zero", in_quotes(required(axis, "xyz")));
     }
-    check_limit(joint, kind);
+    if (kind == "spherical") add_spherical(name, joint);
+    if (kind == "revolute" || kind == "prismatic") check_limit(name, joint, kind);
   }
 
-  void check_limit(int joint, const std::string& kind) const {
+  /// It becomes three joints with two more links, whose names are longer.
+  void add_spherical(const std::string& name, int joint) {
+    constexpr size_t kMostBytes = kMaxNameBytes - 8;
+    if (name.size() > kMostBytes)
+      fail(joint, fmt::format("a name of at most {} bytes for a spherical joint", kMostBytes),
+           fmt::format("one of {}", name.size()));
+    spherical_.emplace(joint, name);
+    if (links_.size() + 2 * spherical_.size() > static_cast<size_t>(kMaxLinks))
+      fail(joint, fmt::format("at most {} links, two more for each spherical joint", kMaxLinks),
+           "more");
+  }
+
+  /// A joint that follows another has no say in how far it moves.
+  bool follows(int joint) const { return child_of(elements_, joint, "mimic") >= 0; }
+
+  void check_limit(const std::string& name, int joint, const std::string& kind) {
     const int limit = child_of(elements_, joint, "limit");
-    const bool needs_limit = kind == "revolute" || kind == "prismatic";
-    if (limit < 0 && needs_limit)
-      fail(joint, fmt::format("<limit lower=... upper=...> for a {} joint", kind), "none");
-    if (limit < 0) return;
-    for (const char* name : {"effort", "velocity"}) numbers(limit, name, 1, HUGE_VAL);
+    if (limit < 0) {
+      if (!follows(joint)) (kind == "revolute" ? unlimited_ : held_).emplace(joint, name);
+      return;
+    }
     const double most = kind == "prismatic" ? kMaxLength_m : kMaxAngle_rad;
-    const double lower = number_or(limit, "lower", 0, needs_limit ? most : HUGE_VAL);
-    const double upper = number_or(limit, "upper", 0, needs_limit ? most : HUGE_VAL);
-    if (needs_limit && lower > upper)
+    const double lower = number_or(limit, "lower", 0, most);
+    const double upper = number_or(limit, "upper", 0, most);
+    if (lower > upper)
       fail(limit, "lower <= upper", fmt::format("lower {:g}, upper {:g}", lower, upper));
+    if (!at(limit).attribute("lower") && !at(limit).attribute("upper") && !follows(joint))
+      stuck_.emplace(joint, name);
+  }
+
+  void assume(const std::map<int, std::string>& joints, std::string_view what) {
+    if (joints.empty()) return;
+    constexpr size_t kMostNames = 4;
+    std::string names;
+    size_t count = 0;
+    for (const auto& [joint, name] : joints)
+      if (++count <= kMostNames)
+        names +=
+            fmt::format("{}{} (line {})", count > 1 ? ", " : "", in_quotes(name), at(joint).line);
+    if (count > kMostNames) names += fmt::format(" and {} more", count - kMostNames);
+    use_.assumptions.push_back(fmt::format("{}: {}", what, names));
+  }
+
+  void tell_assumptions() {
+    assume(spherical_, "spherical joints are read as three continuous ones, about x, y and z");
+    assume(unlimited_, "revolute joints without <limit> turn as continuous ones do");
+    assume(held_, "prismatic joints without <limit> stay at 0 m");
+    assume(stuck_,
+           "joints whose <limit> has neither lower nor upper, which are then 0, do not move");
+  }
+
+  bool is_of_one_number(int joint) const {
+    const std::string kind = kind_of(joint);
+    return kind != "fixed" && kind != "spherical";
   }
 
   void check_mimic(const std::string& name, int joint) const {
     int mimic = child_of(elements_, joint, "mimic");
-    if (mimic < 0 || kind_of(joint) == "fixed") return;
+    if (mimic < 0 || !is_of_one_number(joint)) return;
     for (const char* factor : {"multiplier", "offset"}) number_or(mimic, factor, 0, kMaxLength_m);
     // Follows the leaders; more steps than joints means that they run in a circle.
     for (size_t steps = 0; mimic >= 0; ++steps) {
@@ -245,9 +408,9 @@ class Check {
       const auto entry = joints_.find(leader);
       if (entry == joints_.end())
         fail(mimic, "the name of a <joint> to mimic", in_quotes(leader) + near(leader, joints_));
-      if (kind_of(entry->second) == "fixed")
+      if (!is_of_one_number(entry->second))
         fail(mimic, "a joint that moves to mimic",
-             fmt::format("{}, which is fixed", in_quotes(leader)));
+             fmt::format("{}, which is {}", in_quotes(leader), kind_of(entry->second)));
       if (steps > joints_.size() || leader == name)
         fail(child_of(elements_, joint, "mimic"), "a mimic chain that ends at a free joint",
              fmt::format("a circle through {}", in_quotes(name)));
@@ -268,12 +431,15 @@ class Check {
     if (root < 0) fail(0, "a root link", "none: the joints form a loop");
     for (const auto& [name, link] : links_) {
       int depth = 0;
-      for (int up = link; up != root; up = parent_link_.at(up))
+      size_t steps = 0;
+      for (int up = link; up != root; up = parent_link_.at(up)) {
+        depth += spherical_.count(joint_above_.at(up)) != 0 ? 3 : 1;
         // A loop is longer than any chain, so this names it unless there are more links than that.
-        if (++depth > static_cast<int>(links_.size()))
+        if (++steps > links_.size())
           fail(link,
                fmt::format("every link below the root {}", in_quotes(*at(root).attribute("name"))),
                fmt::format("a loop of joints above {}", in_quotes(name)));
+      }
       if (depth > kMaxChainDepth)
         fail(link, fmt::format("chains of at most {} joints", kMaxChainDepth),
              fmt::format("{} above {}", depth, in_quotes(name)));
@@ -284,43 +450,12 @@ class Check {
   const std::string& file_;
   Named links_;
   Named joints_;
+  UrdfUse use_;
   int shapes_ = 0;
+  size_t unsound_visuals_ = 0;
+  std::map<int, std::string> unlimited_, held_, stuck_, spherical_;  ///< joints by element
   std::map<int, int> joint_above_;
   std::map<int, int> parent_link_;
-};
-
-struct Use {
-  std::string_view tag;
-  std::string_view note;  ///< empty: used, or told under its owner
-};
-
-constexpr std::array kKnownTags{
-    Use{"link", ""},
-    Use{"joint", ""},
-    Use{"origin", ""},
-    Use{"parent", ""},
-    Use{"child", ""},
-    Use{"axis", ""},
-    Use{"limit", ""},
-    Use{"mimic", ""},
-    Use{"visual", ""},
-    Use{"collision", ""},
-    Use{"geometry", ""},
-    Use{"mesh", ""},
-    Use{"box", ""},
-    Use{"cylinder", ""},
-    Use{"sphere", ""},
-    Use{"mass", ""},
-    Use{"inertial", "the mass is read, the inertia is not used"},
-    Use{"inertia", ""},
-    Use{"material", "colours and textures are not used"},
-    Use{"dynamics", "friction and damping are not used"},
-    Use{"calibration", "not used"},
-    Use{"safety_controller", "soft limits are not used, <limit> is"},
-    Use{"transmission", "drives are not simulated"},
-    Use{"gazebo", "extensions for Gazebo are not used"},
-    Use{"ros2_control", "controllers are not used"},
-    Use{"sensor", "sensors are not simulated"},
 };
 
 }  // namespace
@@ -343,37 +478,8 @@ std::optional<std::vector<double>> finite_numbers(std::string_view text) {
   }
 }
 
-void check_urdf(const std::vector<XmlElement>& elements, const std::string& file) {
-  Check(elements, file).run();
-}
-
-std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements) {
-  std::map<std::string, std::pair<int, std::string_view>> counts;
-  std::vector<bool> told(elements.size(), false);  // an unused tag speaks for all inside it
-  for (size_t i = 1; i < elements.size(); ++i) {
-    const size_t parent = static_cast<size_t>(elements[i].parent);
-    told[i] = told[parent];
-    if (told[i]) continue;
-    const auto* known = std::find_if(kKnownTags.begin(), kKnownTags.end(),
-                                     [&](const Use& use) { return use.tag == elements[i].name; });
-    if (known != kKnownTags.end() && known->note.empty()) continue;
-    const bool understood = known != kKnownTags.end();
-    told[i] = elements[i].name != "inertial";
-    const std::string key = fmt::format("<{}>", escaped(elements[i].name.substr(0, 60)));
-    auto& entry = counts.emplace(key, std::pair{0, understood ? known->note : "not understood"})
-                      .first->second;
-    ++entry.first;
-  }
-  constexpr size_t kMostTags = 60;  // a page; the rest is a number
-  std::vector<std::string> notes;
-  for (const auto& [tag, count] : counts) {
-    if (notes.size() == kMostTags) {
-      notes.push_back(fmt::format("and {} more tags: not understood", counts.size() - kMostTags));
-      break;
-    }
-    notes.push_back(fmt::format("{} x{}: {}", tag, count.first, count.second));
-  }
-  return notes;
+UrdfUse check_urdf(const std::vector<XmlElement>& elements, const std::string& file) {
+  return Check(elements, file).run();
 }
 
 }  // namespace throng

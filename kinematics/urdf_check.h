@@ -1,5 +1,6 @@
-// The checks a URDF has to pass before urdfdom sees it, each complaint with its line.
-// One rule: whatever urdfdom or KDL would crash on, or accept and get wrong, is refused here.
+// The checks a URDF has to pass before urdfdom sees what is read of it, each complaint with its
+// line. One rule: whatever urdfdom or KDL would crash on, or accept and get wrong, is refused here;
+// what no posed shape depends on refuses nothing.
 #pragma once
 
 #include <optional>
@@ -33,10 +34,14 @@ inline constexpr double kMaxMeshScale = 1e6;
 /// All numbers of a white-space separated list, or nothing if one of them is not a finite number.
 std::optional<std::vector<double>> finite_numbers(std::string_view text);
 
-/// Throws InputError "file:line: ..." at the first defect.
-void check_urdf(const std::vector<XmlElement>& elements, const std::string& file);
+/// What is read of a URDF that is sound.
+struct UrdfUse {
+  std::vector<bool> skipped;             ///< by element: links, joints and shapes that are left out
+  std::vector<std::string> notes;        ///< a line for each such element or group of them
+  std::vector<std::string> assumptions;  ///< see parse_urdf()
+};
 
-/// What a URDF says that we make no use of, aggregated by tag, a line each.
-std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements);
+/// Throws InputError "file:line: ..." at the first defect.
+UrdfUse check_urdf(const std::vector<XmlElement>& elements, const std::string& file);
 
 }  // namespace throng

@@ -53,7 +53,7 @@ class Idle {
       is_idle = edges && *edges < 2;  // a plate has a surface, a line has none
     } else if (kind == "sphere") {
       is_idle = sizes_above_zero(shape, "radius", 1) == size_t{0};
-    } else if (kind == "cylinder") {
+    } else if (kind == "cylinder" || kind == "capsule") {
       is_idle = sizes_above_zero(shape, "radius", 1) == size_t{0} &&
                 sizes_above_zero(shape, "length", 1).has_value();
     }

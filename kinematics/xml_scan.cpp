@@ -247,6 +247,24 @@ std::vector<XmlElement> scan_xml(std::string_view text, const std::string& file,
   return Scanner(text, file, caps).run();
 }
 
+std::string_view root_tag_of(std::string_view text) {
+  const auto skip = [&text](std::string_view start, std::string_view end) {
+    if (!text.starts_with(start)) return false;
+    const size_t found = text.find(end, start.size());
+    text.remove_prefix(found == std::string_view::npos ? text.size() : found + end.size());
+    return true;
+  };
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  do {
+    while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  } while (skip("<!--", "-->") || skip("<?", "?>") || skip("<!", ">"));
+  if (!text.starts_with("<")) return {};
+  text.remove_prefix(1);
+  size_t end = 0;
+  while (end < text.size() && !ends_name(text[end])) ++end;
+  return end < text.size() ? text.substr(0, end) : std::string_view();
+}
+
 int child_of(const std::vector<XmlElement>& elements, int parent, std::string_view name) {
   int child = elements[static_cast<size_t>(parent)].first_child;
   while (child >= 0 && elements[static_cast<size_t>(child)].name != name)

@@ -39,6 +39,10 @@ struct XmlCaps {
 std::vector<XmlElement> scan_xml(std::string_view text, const std::string& file,
                                  const XmlCaps& caps);
 
+/// The name of the first start tag of `text`, which may be the head of a longer one; empty if the
+/// text begins otherwise than an XML text does, or ends before.
+std::string_view root_tag_of(std::string_view text);
+
 /// First child of that name, or -1.
 int child_of(const std::vector<XmlElement>& elements, int parent, std::string_view name);
 

@@ -6,6 +6,7 @@
 
 #include <assimp/Importer.hpp>
 #include <exception>
+#include <string_view>
 
 #include "avatars/mesh/assimp_files.h"
 #include "base/files/foreign.h"
@@ -104,6 +105,18 @@ Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max
     throw Refusal(fmt::format("a {} mesh", extension.substr(1)), importer.GetErrorString());
   }
   return Collector(*scene, max_vertices, max_triangles).collect();
+}
+
+char ignored_up_axis(const RegularFile& file) {
+  const std::vector<uint8_t> bytes = file.bytes();
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const size_t tag = text.find("<up_axis");
+  const size_t begin = tag == std::string_view::npos ? tag : text.find('>', tag);
+  if (begin == std::string_view::npos) return 0;
+  const std::string_view axis = text.substr(begin + 1, text.find('<', begin) - begin - 1);
+  for (const char name : {'X', 'Y'})
+    if (axis.find(std::string{name} + "_UP") != std::string_view::npos) return name;
+  return 0;
 }
 
 }  // namespace throng

@@ -14,4 +14,8 @@ namespace throng {
 Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max_vertices,
                          size_t max_triangles);
 
+/// 'X' or 'Y' where a Collada file states that up axis, of which triangles_by_assimp() takes no
+/// notice; otherwise 0.
+char ignored_up_axis(const RegularFile& file);
+
 }  // namespace throng

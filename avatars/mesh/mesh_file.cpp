@@ -10,6 +10,7 @@
 #include "avatars/mesh/assimp_mesh.h"
 #include "avatars/mesh/tri.h"
 #include "base/errors.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -57,10 +58,11 @@ Mesh welded(const Mesh& soup) {
   return mesh;
 }
 
-/// The child's answer: both counts, then the vertices, then the triangles.
+/// The child's answer: this, then the vertices, then the triangles.
 struct Counts {
   uint64_t vertices = 0;
   uint64_t triangles = 0;
+  uint64_t up_axis = 0;  ///< see ignored_up_axis()
   size_t bytes() const {
     return sizeof(Counts) + vertices * sizeof(Eigen::Vector3f) +
            triangles * sizeof(Eigen::Vector3i);
@@ -81,8 +83,8 @@ void take(const uint8_t*& from, size_t count, T* to) {
   from += count * sizeof(T);
 }
 
-std::vector<uint8_t> packed(const Mesh& mesh) {
-  const Counts counts{mesh.vertices.size(), mesh.triangles.size()};
+std::vector<uint8_t> packed(const Mesh& mesh, char up_axis) {
+  const Counts counts{mesh.vertices.size(), mesh.triangles.size(), static_cast<uint64_t>(up_axis)};
   std::vector<uint8_t> out(counts.bytes());
   uint8_t* to = out.data();
   put(&counts, 1, to);
@@ -91,7 +93,7 @@ std::vector<uint8_t> packed(const Mesh& mesh) {
   return out;
 }
 
-Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name) {
+Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name, char& up_axis) {
   const auto refuse = [&] {
     throw InputError(name, "a mesh", "one of which assimp makes nonsense");
   };
@@ -100,8 +102,9 @@ Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name) {
   const uint8_t* from = bytes.data();
   take(from, 1, &counts);
   if (counts.vertices > kMaxVertices || counts.triangles > kMaxTriangles ||
-      counts.bytes() != bytes.size())
+      counts.bytes() != bytes.size() || counts.up_axis > 'Y')
     refuse();
+  up_axis = static_cast<char>(counts.up_axis);
   Mesh mesh;
   mesh.vertices.resize(counts.vertices);
   mesh.triangles.resize(counts.triangles);
@@ -135,7 +138,8 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits) {
+Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits,
+               std::vector<std::string>* notes) {
   const std::string extension = lower_case(file.extension().string());
   if (extension == ".tri") return read_tri(file).mesh;
   const ForeignParser assimp = {
@@ -143,11 +147,18 @@ Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits) {
       .expected = extension.empty() ? "a mesh file" : fmt::format("a {} mesh", extension.substr(1)),
       .way_out = "export it again, for example as .stl or .tri"};
   const auto parse = [&](const RegularFile& opened) {
-    return packed(triangles_by_assimp(opened, limits.max_file_bytes, kMaxVertices, kMaxTriangles));
+    return packed(triangles_by_assimp(opened, limits.max_file_bytes, kMaxVertices, kMaxTriangles),
+                  extension == ".dae" ? ignored_up_axis(opened) : 0);
   };
-  Mesh mesh = welded(
-      checked(unpacked(parse_apart(file, assimp, limits, parse), file.string()), file.string()));
+  char up_axis = 0;
+  Mesh mesh = welded(checked(
+      unpacked(parse_apart(file, assimp, limits, parse), file.string(), up_axis), file.string()));
   if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
+  if (notes != nullptr && (up_axis == 'X' || up_axis == 'Y'))
+    notes->push_back(
+        fmt::format("mesh '{}' states {}_UP, which is ignored as URDF viewers do: z of its "
+                    "coordinates is z of its frame",
+                    escaped(file.filename().string()), up_axis));
   return mesh;
 }
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "avatars/mesh/mesh.h"
 #include "base/files/foreign.h"
@@ -11,8 +13,10 @@
 namespace throng {
 
 /// Applies the file's node transforms, splits polygons into triangles and joins equal vertices;
-/// drops colours, normals, lines. `limits` are those of assimp's process. Throws InputError naming
-/// the file, whatever its bytes are.
-Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits = {});
+/// drops colours, normals, lines. `limits` are those of assimp's process. What the file states and
+/// is not honoured is added to `notes`, a line each. Throws InputError naming the file, whatever
+/// its bytes are.
+Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits = {},
+               std::vector<std::string>* notes = nullptr);
 
 }  // namespace throng

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "base/elementary.h"
 
@@ -14,6 +15,33 @@ namespace {
 
 /// Makes up for rounding to float, so that "encloses" holds to the last bit.
 constexpr double kRoundingMargin = 1 + 1e-6;
+
+/// A prism or more, of 24 sides around what a profile encloses that turns about z: (distance from
+/// z, height) of its corners from below, flat at both ends.
+Mesh turned_mesh(const std::vector<Eigen::Vector2d>& profile_m) {
+  constexpr int kSides = 24;
+  const double inwards = sin_cos(std::numbers::pi / kSides).cos;
+  const auto last = static_cast<int>(profile_m.size() - 1) * kSides;
+  Mesh mesh;
+  for (const Eigen::Vector2d& corner_m : profile_m)
+    for (int i = 0; i < kSides; ++i) {
+      const SinCos angle = sin_cos(2 * std::numbers::pi * i / kSides);
+      const double outer = kRoundingMargin * corner_m.x() / inwards;
+      mesh.vertices.emplace_back(
+          Eigen::Vector3d(outer * angle.cos, outer * angle.sin, corner_m.y()).cast<float>());
+    }
+  for (int i = 0; i < kSides; ++i) {
+    const int next = (i + 1) % kSides;
+    for (int ring = 0; ring < last; ring += kSides) {
+      mesh.triangles.emplace_back(ring + i, ring + next, ring + kSides + next);
+      mesh.triangles.emplace_back(ring + i, ring + kSides + next, ring + kSides + i);
+    }
+    if (i == 0 || next == 0) continue;  // caps: fans around corner 0
+    mesh.triangles.emplace_back(0, next, i);
+    mesh.triangles.emplace_back(last, last + i, last + next);
+  }
+  return mesh;
+}
 
 }  // namespace
 
@@ -32,24 +60,23 @@ Mesh box_mesh(const Eigen::Vector3d& size_m) {
 }
 
 Mesh cylinder_mesh(double radius_m, double length_m) {
-  constexpr int kSides = 24;
-  const double outer = kRoundingMargin * radius_m / sin_cos(std::numbers::pi / kSides).cos;
-  Mesh mesh;
-  for (const double z : {-0.5 * length_m, 0.5 * length_m})
-    for (int i = 0; i < kSides; ++i) {
-      const SinCos angle = sin_cos(2 * std::numbers::pi * i / kSides);
-      mesh.vertices.emplace_back(
-          Eigen::Vector3d(outer * angle.cos, outer * angle.sin, z).cast<float>());
-    }
-  for (int i = 0; i < kSides; ++i) {
-    const int next = (i + 1) % kSides;
-    mesh.triangles.emplace_back(i, next, kSides + next);
-    mesh.triangles.emplace_back(i, kSides + next, kSides + i);
-    if (i == 0 || next == 0) continue;  // caps: fans around corner 0
-    mesh.triangles.emplace_back(0, next, i);
-    mesh.triangles.emplace_back(kSides, kSides + i, kSides + next);
+  const double half_m = 0.5 * length_m;
+  return turned_mesh({{radius_m, -half_m}, {radius_m, half_m}});
+}
+
+Mesh capsule_mesh(double radius_m, double length_m) {
+  // Tangents of a quarter of a circle: its edges lie between those at 0 and at 90 degrees.
+  constexpr int kRings = 5;
+  constexpr double kStep_rad = 0.5 * std::numbers::pi / kRings;
+  const double corner_m = radius_m / sin_cos(0.5 * kStep_rad).cos;
+  std::vector<Eigen::Vector2d> profile_m;
+  for (int ring = -kRings; ring < kRings; ++ring) {
+    const SinCos angle = sin_cos((ring + 0.5) * kStep_rad);
+    profile_m.emplace_back(
+        corner_m * angle.cos,
+        kRoundingMargin * (corner_m * angle.sin + std::copysign(0.5 * length_m, angle.sin)));
   }
-  return mesh;
+  return turned_mesh(profile_m);
 }
 
 Mesh sphere_mesh(double radius_m) {

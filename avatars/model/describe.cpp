@@ -127,6 +127,8 @@ std::string describe_model(const Model& model) {
   out += model.robot.notes.empty() ? "\nnothing in the file was left unused\n"
                                    : "\nnot used or not understood:\n";
   for (const std::string& note : model.robot.notes) out += "  " + note + "\n";
+  for (const std::string& assumption : model.assumptions)
+    out += fmt::format("note: {}\n", assumption);
   return out;
 }
 
@@ -138,6 +140,17 @@ std::string describe_urdf(const std::filesystem::path& file, bool& complete) {
   out += "\nshapes that cannot be read; a scene refuses this model until they can:\n";
   for (const std::string& line : unreadable) out += "  " + line + "\n";
   return out;
+}
+
+std::vector<std::string> notes_on(std::span<const std::shared_ptr<const Model>> models) {
+  std::vector<std::string> notes;
+  for (const std::shared_ptr<const Model>& model : models)
+    for (const std::string& assumption : model->assumptions) {
+      std::string note = fmt::format("model '{}': {}", model->name, assumption);
+      if (std::find(notes.begin(), notes.end(), note) == notes.end())
+        notes.push_back(std::move(note));
+    }
+  return notes;
 }
 
 std::string describe_tri(const TriFile& tri, const std::string& file_name) {

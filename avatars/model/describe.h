@@ -3,7 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "avatars/mesh/tri.h"
 #include "avatars/model/model.h"
@@ -20,5 +23,8 @@ std::string describe_urdf(const std::filesystem::path& file, bool& complete);
 
 /// Dialect, counts, bounding box, closedness, volume.
 std::string describe_tri(const TriFile& tri, const std::string& file_name);
+
+/// What the URDFs of some models leave open and how it is read, a line each and none twice.
+std::vector<std::string> notes_on(std::span<const std::shared_ptr<const Model>> models);
 
 }  // namespace throng

@@ -36,12 +36,15 @@ struct Shape {
   std::string source;
 };
 
-Shape shape_of(const Geometry& geometry, const std::string& where) {
+Shape shape_of(const Geometry& geometry, const std::string& where,
+               std::vector<std::string>& notes) {
   switch (geometry.kind) {
     case Geometry::Kind::kBox:
       return {box_mesh(geometry.box_size_m), "box"};
     case Geometry::Kind::kCylinder:
       return {cylinder_mesh(geometry.radius_m, geometry.length_m), "cylinder"};
+    case Geometry::Kind::kCapsule:
+      return {capsule_mesh(geometry.radius_m, geometry.length_m), "capsule"};
     case Geometry::Kind::kSphere:
       return {sphere_mesh(geometry.radius_m), "sphere"};
     case Geometry::Kind::kMesh:
@@ -54,7 +57,8 @@ Shape shape_of(const Geometry& geometry, const std::string& where) {
         "a package above the URDF, in $ROS_PACKAGE_PATH or in $AMENT_PREFIX_PATH (a folder of its "
         "name, or one with its package.xml)",
         fmt::format("none for '{}'", path));
-  return {read_mesh(geometry.mesh_file), escaped(geometry.mesh_file.filename().string())};
+  return {read_mesh(geometry.mesh_file, {}, &notes),
+          escaped(geometry.mesh_file.filename().string())};
 }
 
 void append(const Shape& shape, const Geometry& geometry, Part& part) {
@@ -91,14 +95,15 @@ void require_near(std::span<const Eigen::Vector3f> vertices, const std::string& 
               vertex.x(), vertex.y(), vertex.z()));
 }
 
-Part part_of(const Link& link, int index, const std::string& where) {
+Part part_of(const Link& link, int index, const std::string& where,
+             std::vector<std::string>& notes) {
   Part part;
   part.name = link.name;
   part.link = index;
   bool has_cloud = false;
   bool has_surface = false;
   for (const Geometry& geometry : geometry_of(link)) {
-    const Shape shape = shape_of(geometry, where);
+    const Shape shape = shape_of(geometry, where, notes);
     const size_t first = part.mesh.vertices.size();
     (shape.mesh.is_point_cloud() ? has_cloud : has_surface) = true;
     append(shape, geometry, part);
@@ -163,18 +168,24 @@ uint64_t hash_of(const std::string& urdf, const std::vector<Part>& parts) {
 }
 
 /// The parts that can be read; what cannot goes to `unreadable`, or is thrown where that is null.
+/// What is ignored in a mesh goes to `assumptions`.
 std::vector<Part> parts_of(const Robot& robot, const std::string& where,
-                           std::vector<std::string>* unreadable) {
+                           std::vector<std::string>* unreadable,
+                           std::vector<std::string>& assumptions) {
+  std::vector<std::string> notes;
   std::vector<Part> parts;
   for (size_t i = 0; i < robot.links.size(); ++i) {
     if (geometry_of(robot.links[i]).empty()) continue;
     try {
-      parts.push_back(part_of(robot.links[i], static_cast<int>(i), where));
+      parts.push_back(part_of(robot.links[i], static_cast<int>(i), where, notes));
     } catch (const InputError& error) {
       if (!unreadable) throw;
       unreadable->push_back(fmt::format("link '{}': {}", robot.links[i].name, error.what()));
     }
   }
+  for (std::string& note : notes)  // a mesh may be several links'
+    if (std::find(assumptions.begin(), assumptions.end(), note) == assumptions.end())
+      assumptions.push_back(std::move(note));
   if (parts.empty() && !unreadable)
     throw InputError(where, "at least one link with geometry", "none");
   if (parts.size() > kMaxModelParts)
@@ -187,8 +198,9 @@ std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
                                       std::vector<std::string>* unreadable) {
   const std::string where = urdf_file.string();
   const std::string text = read_urdf_text(urdf_file);
-  Robot robot = parse_urdf(text, urdf_file);
-  std::vector<Part> parts = parts_of(robot, where, unreadable);
+  std::vector<std::string> assumptions;
+  Robot robot = parse_urdf(text, urdf_file, &assumptions);
+  std::vector<Part> parts = parts_of(robot, where, unreadable, assumptions);
   std::vector<int> links;
   for (const Part& part : parts) links.push_back(part.link);
   FlatModel kinematics(robot, links);
@@ -199,6 +211,7 @@ std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
   if (std::abs(box.min().z()) < kNoStep * box.sizes().z()) box.min().z() = 0;
   Model model{robot.name, std::move(robot), std::move(parts), std::move(kinematics), 0, hash};
   model.start_box_m = box;
+  model.assumptions = std::move(assumptions);
   model.is_person =
       Walker::find(PosableModel(model), GaitStyle::kPlain).has_value() && box.max().z() > 0;
   if (!box.isEmpty()) model.height_m = box.max().z() - (model.is_person ? 0 : box.min().z());

@@ -36,6 +36,9 @@ struct Model {
   bool is_person = false;
   /// Around all parts with every joint at zero, or as near as its limits let it (root's frame).
   Eigen::AlignedBox3f start_box_m{};
+  /// What its files leave open or state in vain, and how they are read, a line each: runs show
+  /// these.
+  std::vector<std::string> assumptions{};
 
   int part_count() const { return static_cast<int>(parts.size()); }
   /// How high the root is over the ground it stands on, at scale 1: a person's lies on it, a robot

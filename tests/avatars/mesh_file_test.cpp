@@ -73,6 +73,27 @@ float volume_of(const Mesh& mesh) {
   return out;
 }
 
+TEST_F(MeshFiles, AnUpAxisThatIsIgnoredIsNoted) {
+  std::ifstream in(THRONG_SOURCE_DIR
+                   "/tests/kinematics/fixtures/humanoid_description/meshes/torso.dae");
+  const std::string z_up((std::istreambuf_iterator<char>(in)), {});
+  const size_t at = z_up.find("Z_UP");
+  ASSERT_NE(at, std::string::npos);
+  const Mesh expected = read_mesh(write("z.dae", z_up));
+  for (const char axis : {'X', 'Y', 'Z'}) {
+    std::string text = z_up;
+    text[at] = axis;
+    std::vector<std::string> notes;
+    const Mesh mesh = read_mesh(write("a.DAE", text), {}, &notes);
+    EXPECT_EQ(mesh.vertices, expected.vertices);
+    if (axis == 'Z')
+      EXPECT_THAT(notes, testing::IsEmpty());
+    else
+      EXPECT_THAT(notes, testing::ElementsAre(HasSubstr(
+                             fmt::format("mesh 'a.DAE' states {}_UP, which is ignored", axis))));
+  }
+}
+
 TEST_F(MeshFiles, EveryFormatGivesTheSameShape) {
   int compared = 0;
   for (const MeshSeed& each : mesh_seeds()) {

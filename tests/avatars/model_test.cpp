@@ -191,6 +191,16 @@ TEST_F(Files, shapes_of_a_link_are_merged) {
   EXPECT_TRUE(is_closed(model->parts[0].mesh));
 }
 
+TEST_F(Files, a_capsule_is_a_closed_part_with_its_half_spheres) {
+  const auto model = load_model(
+      write("r.urdf", one_link("<collision><origin xyz='0 0 2'/><geometry><capsule radius='0.5' "
+                               "length='2'/></geometry></collision>")));
+  EXPECT_EQ(model->parts[0].source, "capsule");
+  EXPECT_TRUE(is_closed(model->parts[0].mesh));
+  EXPECT_NEAR(model->start_box_m.min().z(), 0.5, 1e-4);
+  EXPECT_NEAR(model->start_box_m.max().z(), 3.5, 1e-4);
+}
+
 TEST_F(Files, packages_are_searched_upwards_then_in_the_ros_package_path) {
   const auto urdf = [](const char* uri) {
     return one_link(std::string("<visual><geometry><mesh filename='")

@@ -34,7 +34,8 @@ double farthest_vertex(const Mesh& mesh) {
 }
 
 TEST(Primitives, are_closed_and_outward) {
-  for (const Mesh& mesh : {box_mesh({1, 2, 3}), cylinder_mesh(0.5, 2), sphere_mesh(0.3)}) {
+  for (const Mesh& mesh : {box_mesh({1, 2, 3}), cylinder_mesh(0.5, 2), sphere_mesh(0.3),
+                           capsule_mesh(0.2, 1), capsule_mesh(0.2, 0)}) {
     EXPECT_TRUE(is_closed(mesh));
     EXPECT_GT(signed_volume_m3(mesh), 0);
   }
@@ -63,6 +64,30 @@ TEST(Primitives, a_cylinder_encloses_the_true_one_and_stands_out_by_less_than_1_
     EXPECT_LT(farthest_vertex(mesh), std::hypot(1.01 * radius_m, 0.25));
     EXPECT_LT(signed_volume_m3(mesh), 1.02 * std::numbers::pi * radius_m * radius_m * 0.5);
   }
+}
+
+TEST(Primitives, a_capsule_encloses_the_true_one_and_stands_out_by_less_than_3_percent) {
+  for (const double radius_m : {0.001, 0.3, 7.0})
+    for (const double length_m : {0.0, 0.5, 30.0}) {
+      const Mesh mesh = capsule_mesh(radius_m, length_m);
+      // How far each face's plane is from the nearer middle of a half sphere, outwards.
+      for (const Eigen::Vector3i& t : mesh.triangles) {
+        const Eigen::Vector3d a = mesh.vertices[static_cast<size_t>(t[0])].cast<double>();
+        const Eigen::Vector3d b = mesh.vertices[static_cast<size_t>(t[1])].cast<double>();
+        const Eigen::Vector3d c = mesh.vertices[static_cast<size_t>(t[2])].cast<double>();
+        const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+        for (const double end : {-0.5 * length_m, 0.5 * length_m})
+          EXPECT_GE(normal.dot(a - Eigen::Vector3d(0, 0, end)), radius_m);
+      }
+      for (const Eigen::Vector3f& vertex : mesh.vertices) {
+        Eigen::Vector3d off = vertex.cast<double>();
+        off.z() -= std::clamp(off.z(), -0.5 * length_m, 0.5 * length_m);
+        EXPECT_LT(off.norm(), 1.03 * radius_m + 1e-6 * length_m);
+      }
+      const double true_m3 =
+          std::numbers::pi * radius_m * radius_m * (length_m + 4. / 3 * radius_m);
+      EXPECT_LT(signed_volume_m3(mesh), 1.04 * true_m3);
+    }
 }
 
 }  // namespace
