@@ -22,8 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kInfoFooter = R"(
-The reader is chosen by the extension: .tri, .urdf, .yaml or .yml, .lcmlog. Any other file is a recording
-of people, known by its content: see docs/recordings.md.
+A file whose root element is <robot> is a URDF, whatever it is called. Otherwise the reader is chosen by the
+extension: .tri, .yaml or .yml, .lcmlog. Any other file is a recording of people, known by its content: see
+docs/recordings.md.
 
 Examples:
   throng info avatars/models/adult/head.tri
@@ -42,7 +43,7 @@ std::string lower_extension(const fs::path& file) {
 
 std::string description_of(const std::string& name, const RecordingFlags& flags) {
   const fs::path file(name);
-  const std::string extension = lower_extension(file);
+  const std::string extension = is_urdf(file) ? ".urdf" : lower_extension(file);
   const bool is_bundled = extension.empty() && !fs::exists(file);
   if (extension == ".tri" || extension == ".urdf" || extension == ".yaml" || extension == ".yml" ||
       extension == ".lcmlog" || is_bundled)

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "apps/commands/info.h"
+#include "avatars/model/describe.h"
 #include "base/append.h"
 #include "scenes/file/scene.h"
 #include "scenes/ways/flow_field.h"
@@ -135,6 +136,15 @@ void add_obstacle(std::string& text, const Obstacle& obstacle) {
          obstacle.centre_m.x(), obstacle.centre_m.y());
 }
 
+/// What the models of a scene leave open.
+void add_notes(std::string& text, const Scene& scene) {
+  std::vector<std::shared_ptr<const Model>> models;
+  for (const Group& group : scene.groups)
+    if (group.body != nullptr) models.push_back(group.body);
+  if (scene.box && scene.box->body != nullptr) models.push_back(scene.box->body);
+  for (const std::string& note : notes_on(models)) append(text, "note: {}\n", note);
+}
+
 }  // namespace
 
 std::string describe_scene(const std::string& path_or_name) {
@@ -158,6 +168,7 @@ std::string describe_scene(const std::string& path_or_name) {
            "{:g} rad/s\n",
            box.count, box.body->name, box.edge_m, box.min_speed_mps, box.max_speed_mps,
            box.max_spin_radps);
+    add_notes(text, scene);
     return text;
   }
   // Nobody looks for a way where all were recorded.
@@ -179,6 +190,7 @@ std::string describe_scene(const std::string& path_or_name) {
   for (const std::string& note : scene.notes) append(text, "  note: {}\n", note);
   if (!scene.doors.empty()) text += "\nDoors:\n";
   for (const Door& door : scene.doors) add_door(text, door);
+  add_notes(text, scene);
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "base/errors.h"
+#include "kinematics/robot.h"
 #include "scenes/recorded/recording.h"
 
 namespace throng {
@@ -74,6 +75,9 @@ std::string_view text_of(std::string_view head) {
 std::optional<FileKind> known_kind(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
+  if (is_urdf(file))
+    return FileKind{"a URDF",
+                    "`throng info` reads it, and a scene names it as the model of a group", false};
   const std::string head = head_of(file);
   if (is_recording(file)) return FileKind{"a recording", "`throng info` describes it", true};
   for (const Signature& signature : kSignatures)
@@ -82,12 +86,7 @@ std::optional<FileKind> known_kind(const fs::path& file) {
   const std::string_view text = text_of(head);
   if (lower_extension(file) == ".tri" || text.starts_with("TRI"))
     return FileKind{"a .tri mesh", "`throng info` reads it", false};
-  if (text.starts_with("<"))
-    return text.find("<robot") != std::string_view::npos
-               ? FileKind{"a URDF",
-                          "`throng info` reads it, and a scene names it as the model of a group",
-                          false}
-               : FileKind{"XML", "", false};
+  if (text.starts_with("<")) return FileKind{"XML", "", false};
   if (text.starts_with("{") && text.find("\"throng\"") != std::string_view::npos)
     return FileKind{"results that --json wrote", "", false};
   return std::nullopt;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "avatars/model/describe.h"
 #include "avatars/stepping/standing.h"
 #include "base/elementary.h"
 #include "base/stopwatch.h"
@@ -104,6 +105,7 @@ struct Simulation::State {
 
   void archive(Archive& a);
   void describe_run();
+  void gather_notes();
   void cut_blocks();
   std::vector<std::shared_ptr<const BodyType>> types() const;
   void update_postures();
@@ -128,6 +130,7 @@ struct Simulation::State {
   std::unique_ptr<YieldingStage> yielding;  ///< null: nobody gives way
   std::unique_ptr<Culler> culler;
   RunInfo info;
+  std::vector<std::string> notes;
   std::optional<PartTally> part_tally;  ///< once the run has ended
   Frame frame;
   FrameTimes times;
@@ -160,6 +163,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   options.culler.filter = filter_of(scene, info);
   culler = std::make_unique<Culler>(types(), options.culler, workers);
   options.tables.reset();  // what nobody shares goes
+  gather_notes();
 }
 
 std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
@@ -211,6 +215,11 @@ void Simulation::State::describe_run() {
   info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + count);
   info.scale_of_avatar.assign(bodies.scales.begin(), bodies.scales.begin() + count);
   world->describe(info);
+}
+
+void Simulation::State::gather_notes() {
+  notes = world->notes();
+  for (std::string& note : notes_on(models)) notes.push_back(std::move(note));
 }
 
 void Simulation::State::cut_blocks() {
@@ -284,7 +293,7 @@ Simulation::~Simulation() = default;
 
 const RunInfo& Simulation::info() const { return state_->info; }
 const Scene& Simulation::scene() const { return state_->scene; }
-const std::vector<std::string>& Simulation::notes() const { return state_->world->notes(); }
+const std::vector<std::string>& Simulation::notes() const { return state_->notes; }
 int Simulation::unplaced() const { return state_->world->unplaced(); }
 const SteeringCounters& Simulation::steering() const { return state_->world->steering(); }
 const TrafficCounters& Simulation::traffic() const { return state_->world->traffic(); }

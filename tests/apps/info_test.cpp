@@ -146,5 +146,84 @@ TEST(Info, BundledScenesAreListedAndDescribed) {
   }
 }
 
+std::string scene_of(const std::string& model) {
+  return "ground: {min_m: [-9, -9], max_m: [9, 9]}\ngroups:\n- {name: g, count: 2, model: " +
+         model +
+         ", spawn: {min_m: [-8, -8], max_m: [8, 8]}, goals: [{min_m: [2, 2], max_m: [5, 5]}]}\n";
+}
+
+TEST(Info, AUrdfIsOneWhateverItIsCalled) {
+  const ScratchFolder folder;
+  const std::string urdf =
+      "<robot name=\"crate\"><link name=\"base\"><collision><geometry><box size=\"1 1 1\"/>"
+      "</geometry></collision></link></robot>";
+  const std::string prolog = "<?xml version=\"1.0\"?>\n<!-- " + std::string(9000, '=') + " -->\n";
+  for (const char* name : {"robot_description.xml", "robot.txt", "robot", "robot.csv", "robot.URDF",
+                           "robot.urdf.xacro", "robot.yaml", "robot.tri"})
+    for (const std::string& before : {std::string(), prolog, "\xef\xbb\xbf" + prolog}) {
+      SCOPED_TRACE(name);
+      write_file(folder / name, before + urdf);
+      const Outcome info = shell(std::string("throng info ") + name, folder);
+      EXPECT_EQ(info.exit_code, 0) << info.err;
+      EXPECT_THAT(info.out, HasSubstr("model 'crate': 1 links"));
+      const Outcome run = shell(std::string("throng run ") + name, folder);
+      EXPECT_EQ(run.exit_code, 2) << run.err;
+      EXPECT_THAT(run.err, HasSubstr("expected a scene, found a URDF; "));
+    }
+  write_file(folder / "scene.yaml", scene_of("robot_description.xml"));
+  const Outcome run = shell("throng run scene.yaml --seconds 0.1 --lcm off --log off", folder);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(shell("throng bench --model robot.txt --avatars 20 --frames 1 --engines none", folder)
+                .exit_code,
+            0);
+  write_file(folder / "world.xml", "<sdf><robot/></sdf>");
+  EXPECT_THAT(shell("throng info world.xml", folder).err, HasSubstr("found XML"));
+}
+
+TEST(Info, AnUnexpandedXacroFileSaysWhatToDo) {
+  const ScratchFolder folder;
+  write_file(
+      folder / "robot.urdf.xacro",
+      "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n<xacro:arg name=\"a\"/></robot>");
+  write_file(folder / "robot.xml", "<robot name=\"r\">\n<link name=\"${prefix}base\"/></robot>");
+  write_file(folder / "scene.yaml", scene_of("robot.xml"));
+  for (const char* command : {"throng info robot.urdf.xacro", "throng info robot.xml",
+                              "throng run scene.yaml --lcm off --log off"}) {
+    const Outcome outcome = shell(command, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_THAT(outcome.err, HasSubstr(":2: expected plain URDF, found ")) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("expand it first: xacro FILE")) << command;
+    EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+  }
+}
+
+TEST(Info, WhatAUrdfLeavesOpenIsANote) {
+  const ScratchFolder folder;
+  const auto part = [](const std::string& name, const std::string& shape) {
+    return "<link name=\"" + name + "\"><collision><geometry>" + shape +
+           "</geometry></collision></link>";
+  };
+  const std::string torso =
+      repository("tests/kinematics/fixtures/humanoid_description/meshes/torso.dae");
+  shell("sed 's/Z_UP/Y_UP/' " + torso + " >y.dae; grep -q Y_UP y.dae", folder);
+  write_file(folder / "arm.urdf",
+             "<robot name=\"arm\">" + part("base", "<mesh filename=\"y.dae\"/>") +
+                 part("hand", "<mesh filename=\"y.dae\"/>") +
+                 "<joint name=\"elbow\" type=\"revolute\"><parent link=\"base\"/><child "
+                 "link=\"hand\"/></joint></robot>");
+  write_file(folder / "scene.yaml", scene_of("arm.urdf"));
+  const std::string joint = "revolute joints without <limit> turn as continuous ones do: 'elbow'";
+  const std::string mesh = "mesh 'y.dae' states Y_UP, which is ignored";
+  const Outcome info = shell("throng info arm.urdf", folder);
+  EXPECT_THAT(info.out, HasSubstr("\nnote: " + joint)) << info.err;
+  EXPECT_THAT(info.out, HasSubstr("\nnote: " + mesh));
+  const Outcome run =
+      shell("throng run scene.yaml --seconds 0.1 --lcm off --log off --json run.json", folder);
+  EXPECT_THAT(run.err, HasSubstr("note: model 'arm': " + joint));
+  EXPECT_THAT(run.err, HasSubstr("note: model 'arm': " + mesh));
+  EXPECT_EQ(run.err.find(mesh), run.err.rfind(mesh)) << "said once";
+  EXPECT_THAT(read_file(folder / "run.json"), HasSubstr(joint));
+}
+
 }  // namespace
 }  // namespace throng
