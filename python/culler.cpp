@@ -3,6 +3,10 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <limits>
 #include <memory>
 
 #include "avatars/model/model.h"
@@ -10,6 +14,7 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/facts_dict.h"
+#include "python/interrupts.h"
 #include "python/part_matrices.h"
 #include "python/posed_parts.h"
 #include "python/run_request.h"
@@ -81,8 +86,10 @@ ShapePtr shape_of_parts(const py::list& parts, std::vector<std::string> names, b
 /// anew with larger spheres, and goes on.
 class OwnCuller {
  public:
-  OwnCuller(std::vector<ShapePtr> shapes, const CullerOptions& options, int threads)
+  OwnCuller(std::vector<ShapePtr> shapes, const PartVolumes& volumes, const CullerOptions& options,
+            int threads)
       : shapes_(shapes.begin(), shapes.end()),
+        volumes_(volumes),
         options_(options),
         workers_(threads),
         parts_(shapes_),
@@ -115,7 +122,15 @@ class OwnCuller {
   int64_t frame() const { return frame_; }
   const std::vector<std::shared_ptr<const BodyShape>>& shapes() const { return shapes_; }
 
-  bool is_busy = false;
+  /// How long the last step took, by the clock.
+  double step_s = std::numeric_limits<double>::infinity();
+  /// A step goes on, in another thread or after Ctrl-C.
+  std::atomic<bool> is_busy{false};
+  void expect_idle() const {
+    if (is_busy)
+      throw std::runtime_error(
+          "a step of this culler still goes on, in another thread or interrupted: one at a time");
+  }
 
  private:
   bool grow() {
@@ -133,8 +148,11 @@ class OwnCuller {
     for (size_t type = 0; type < shapes_.size(); ++type) {
       RootSphere sphere;
       sphere.radius_m = reach_m_[type];
+      std::vector<PartShape> parts = shapes_[type]->parts;
+      for (size_t part = 0; part < parts.size() && !volumes_.named.empty(); ++part)
+        parts[part].volume = volumes_.of(shapes_[type]->part_names[part]);
       types.push_back(
-          std::make_shared<BodyType>(shapes_[type]->parts, sphere, shapes_[type]->is_static));
+          std::make_shared<BodyType>(std::move(parts), sphere, shapes_[type]->is_static));
     }
     culler_ = std::make_unique<Culler>(std::move(types), options_, workers_);
   }
@@ -144,6 +162,7 @@ class OwnCuller {
   }
 
   std::vector<std::shared_ptr<const BodyShape>> shapes_;
+  PartVolumes volumes_;
   CullerOptions options_;
   Workers workers_;
   PosedParts parts_;
@@ -171,64 +190,114 @@ void require_bodies(const OwnCuller& culler, const Numbers<int64_t>& ids,
     if (type < 0 || type >= static_cast<int64_t>(culler.shapes().size()))
       throw InputError(fmt::format("types[{}]", i),
                        fmt::format("0 to {}", culler.shapes().size() - 1), fmt::format("{}", type));
-    if (!(scales.data()[i] > 0 && scales.data()[i] < 1e6))
+    if (!(static_cast<float>(scales.data()[i]) > 0 && scales.data()[i] < 1e6))
       throw InputError(fmt::format("scales[{}]", i), "a number above 0",
                        fmt::format("{}", scales.data()[i]));
   }
 }
 
-py::array latest_events(const OwnCuller& culler) {
+std::vector<EventRow> latest_events(const OwnCuller& culler) {
   const auto from = culler.events().begin() + static_cast<std::ptrdiff_t>(culler.latest());
-  return array_of(std::vector<EventRow>(from, culler.events().end()));
+  return {from, culler.events().end()};
 }
+
+using CullerPtr = std::shared_ptr<OwnCuller>;
+
+/// A step of so few bodies takes about as long as the last, however they are posed.
+constexpr size_t kFew = 100;
+constexpr double kShort_s = 1e-3;
 
 /// Others may run Python meanwhile, but not this culler.
 class Turn {
  public:
-  explicit Turn(OwnCuller& culler) : culler_(culler) {
-    if (culler.is_busy)
-      throw std::runtime_error("another thread uses this culler: one at a time, or one each");
-    culler.is_busy = true;
+  explicit Turn(CullerPtr culler) : culler_(std::move(culler)) {
+    culler_->expect_idle();
+    culler_->is_busy = true;
   }
-  ~Turn() { culler_.is_busy = false; }
+  ~Turn() { culler_->is_busy = false; }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+  OwnCuller& culler() const { return *culler_; }
 
  private:
-  OwnCuller& culler_;
+  CullerPtr culler_;
 };
 
-py::array step(OwnCuller& culler, const DoubleArray& matrices, const Numbers<int64_t>& ids,
+/// What a step takes. It may go on where nobody waits for it.
+struct StepWork {
+  explicit StepWork(const CullerPtr& culler) : turn(culler) {}
+  Turn turn;
+  std::vector<double> matrices;
+  size_t stride = 0;
+  std::vector<uint32_t> ids;
+  std::vector<uint16_t> types;
+  std::vector<float> scales;
+};
+
+py::array step(const CullerPtr& culler, const DoubleArray& matrices, const Numbers<int64_t>& ids,
                const Numbers<int64_t>& types, const DoubleArray& scales) {
-  require_bodies(culler, ids, types, scales);
+  culler->expect_idle();
+  require_bodies(*culler, ids, types, scales);
   const auto rows = matrices.ndim() == 3 ? matrices.shape(1) : 0;
   if (matrices.ndim() != 3 || (rows != 3 && rows != 4) || matrices.shape(2) != 4)
     throw InputError("poses", "matrices of 3 or 4 rows and 4 columns", "another shape");
-  const std::vector<uint32_t> id(ids.data(), ids.data() + ids.size());
-  const std::vector<uint16_t> type(types.data(), types.data() + types.size());
-  const std::vector<float> scale(scales.data(), scales.data() + scales.size());
-  {
-    const Turn turn(culler);
-    const std::span<const double> all(matrices.data(), static_cast<size_t>(matrices.size()));
-    const py::gil_scoped_release others;
-    culler.step(all, static_cast<size_t>(rows) * 4, id, type, scale);
-  }
-  return latest_events(culler);
+  auto work = std::make_shared<StepWork>(culler);
+  work->matrices.assign(matrices.data(), matrices.data() + matrices.size());
+  work->stride = static_cast<size_t>(rows) * 4;
+  work->ids.assign(ids.data(), ids.data() + ids.size());
+  work->types.assign(types.data(), types.data() + types.size());
+  work->scales.assign(scales.data(), scales.data() + scales.size());
+  // Taken within the turn: the next may begin as soon as this one is over.
+  const auto events = std::make_shared<std::vector<EventRow>>();
+  const bool is_short = work->ids.size() <= kFew && culler->step_s < kShort_s;
+  std::function<void(WorkSigns&)> stepping = [held = std::move(work), events](WorkSigns&) {
+    OwnCuller& mine = held->turn.culler();
+    const auto start = std::chrono::steady_clock::now();
+    mine.step(held->matrices, held->stride, held->ids, held->types, held->scales);
+    mine.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    *events = latest_events(mine);
+  };
+  if (is_short)
+    run_here(stepping);
+  else
+    run_apart(std::move(stepping), py::none(), Unwanted::kLingers);
+  return array_over(events);
 }
 
-std::unique_ptr<OwnCuller> made(std::vector<ShapePtr> shapes, const std::string& part_volume,
-                                bool exact, const std::string& pair_search,
-                                std::optional<int64_t> threads, const NearOptions& near) {
+CullerPtr made(std::vector<ShapePtr> shapes, py::dict given) {
   if (shapes.empty()) throw InputError("bodies", "at least one kind of body", "none");
-  py::dict given;
-  given["part_volume"] = part_volume;
-  given["pair_search"] = pair_search;
+  const auto taken = [&given](const char* name) { return given.attr("pop")(name).cast<double>(); };
+  const double body_near_m = taken("body_near");
+  const double step_s = taken("step_s");
+  const double most_m = static_cast<double>(kMostNear_m);
+  require_number("body_near", body_near_m, 0, most_m, false,
+                 fmt::format("metres from 0 to {}", most_m));
+  require_number("step_s", step_s, 0, 1e6, true, "a number of seconds above 0");
   const RunRequest request = request_of(given);
+  const PartVolumes volumes = part_volumes_of(request.source.part_volume, "part_volume");
+  std::vector<std::string> part_names;
+  for (const ShapePtr& shape : shapes)
+    part_names.insert(part_names.end(), shape->part_names.begin(), shape->part_names.end());
+  require_parts(volumes, std::move(part_names));
   CullerOptions options = request.simulation.culler;
-  options.part_volume = volume_of(part_volume).value();
-  options.exact = exact;
-  options.near = near;
-  const int workers = checked_threads(threads);
-  const py::gil_scoped_release others;
-  return std::make_unique<OwnCuller>(std::move(shapes), options, workers);
+  options.near = {static_cast<float>(request.source.near_m.value_or(0)),
+                  static_cast<float>(body_near_m), step_s, request.source.contact_points};
+  options.part_volume = volumes.fallback;
+  options.exact = request.source.exact;
+  const int threads = request.simulation.threads;
+  return result_apart<CullerPtr>([shapes = std::move(shapes), volumes, options, threads] {
+    return std::make_shared<OwnCuller>(shapes, volumes, options, threads);
+  });
+}
+
+/// Of a culler that is idle.
+template <typename Function>
+auto idle(const Function& function) {
+  return [function](const OwnCuller& culler) {
+    culler.expect_idle();
+    return function(culler);
+  };
 }
 
 }  // namespace
@@ -240,50 +309,40 @@ void bind_culler(py::module_& module) {
                              [](const BodyShape& shape) { return shape.parts.size(); });
   module.def("body_of_model", shape_of_model);
   module.def("body_of_parts", shape_of_parts);
-  py::class_<OwnCuller>(module, "Culler")
-      .def(py::init([](std::vector<ShapePtr> shapes, const std::string& part_volume, bool exact,
-                       const std::string& pair_search, std::optional<int64_t> threads, float near_m,
-                       float body_near_m, bool contact_points, double step_s) {
-             return made(std::move(shapes), part_volume, exact, pair_search, threads,
-                         {near_m, body_near_m, step_s, contact_points});
-           }),
-           py::arg("bodies"), py::arg("part_volume"), py::arg("exact"), py::arg("pair_search"),
-           py::arg("threads"), py::arg("near_m"), py::arg("body_near_m"), py::arg("contact_points"),
-           py::arg("step_s"))
-      .def("contact_points",
-           [](const OwnCuller& culler) {
+  py::class_<OwnCuller, CullerPtr>(module, "Culler")
+      .def(py::init(&made), py::arg("bodies"), py::arg("options"))
+      .def("contact_points", idle([](const OwnCuller& culler) {
              return array_of(contact_point_rows(culler.culler().contact_points()));
-           })
-      .def(
-          "near",
-          [](const OwnCuller& culler) { return array_of(near_rows(culler.culler().near_pairs())); })
-      .def("near_bodies",
-           [](const OwnCuller& culler) {
+           }))
+      .def("near", idle([](const OwnCuller& culler) {
+             return array_of(near_rows(culler.culler().near_pairs()));
+           }))
+      .def("near_bodies", idle([](const OwnCuller& culler) {
              return array_of(near_rows(culler.culler().near_bodies()));
-           })
+           }))
       .def("step", step)
       .def("finish",
-           [](OwnCuller& culler) {
+           [](const CullerPtr& culler) {
              const Turn turn(culler);
-             culler.finish();
-             return latest_events(culler);
+             culler->finish();
+             return array_of(latest_events(*culler));
            })
-      .def("pairs",
-           [](const OwnCuller& culler) {
+      .def("pairs", idle([](const OwnCuller& culler) {
              std::vector<PairRow> rows;
              for (const PairKey& pair : culler.culler().pairs())
                rows.push_back({pair.a(), pair.b(), static_cast<uint8_t>(pair.part_a()),
                                static_cast<uint8_t>(pair.part_b())});
              return array_of(std::move(rows));
-           })
-      .def("events", [](const OwnCuller& culler) { return array_of(culler.events()); })
+           }))
+      .def("events", idle([](const OwnCuller& culler) { return array_of(culler.events()); }))
       .def("contacts",
            [](const OwnCuller& culler, double step_s) {
+             culler.expect_idle();
              return array_of(contacts_of(culler.events(), step_s, culler.frame()));
            })
-      .def_property_readonly("frame", &OwnCuller::frame)
+      .def_property_readonly("frame", idle([](const OwnCuller& culler) { return culler.frame(); }))
       .def_property_readonly(
-          "hash", [](const OwnCuller& culler) { return hash_text(culler.culler().hash()); });
+          "hash", idle([](const OwnCuller& culler) { return hash_text(culler.culler().hash()); }));
 }
 
 }  // namespace throng

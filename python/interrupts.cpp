@@ -1,7 +1,11 @@
 #include "python/interrupts.h"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -14,6 +18,8 @@ namespace {
 
 /// Until a signal is seen, at most.
 constexpr auto kPatience = std::chrono::milliseconds(50);
+/// For work that nobody wants any more.
+constexpr auto kMoment = std::chrono::milliseconds(100);
 
 struct Job {
   WorkSigns signs;
@@ -33,16 +39,27 @@ struct Job {
     is_over = true;
     changed.notify_all();
   }
-  bool wait() {
+  bool wait(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex);
-    return changed.wait_for(lock, kPatience, [this] { return is_over; });
+    return changed.wait_for(lock, patience, [this] { return is_over; });
   }
 };
 
+struct LeftJob {
+  std::shared_ptr<Job> job;
+  std::thread thread;
+};
+
 /// Those who have been left, until the interpreter ends. With the interpreter's lock held.
-std::vector<std::thread>& left() {
-  static std::vector<std::thread> threads;
-  return threads;
+std::vector<LeftJob>& left() {
+  static std::vector<LeftJob> jobs;
+  return jobs;
+}
+
+/// Destructors of what is static would pull the ground from under a thread that still works.
+void leave_now(int exit_code, void*) {
+  std::fflush(nullptr);
+  _exit(exit_code);
 }
 
 /// With the interpreter's lock held. Throws what Python raised.
@@ -57,7 +74,8 @@ void look_up(const Job& job, const py::object& progress, int64_t& told) {
 
 }  // namespace
 
-void run_apart(std::function<void(WorkSigns&)> work, const py::object& progress, bool looks) {
+void run_apart(std::function<void(WorkSigns&)> work, const py::object& progress,
+               Unwanted unwanted) {
   const auto job = std::make_shared<Job>();
   std::thread thread([job, work = std::move(work)]() mutable { job->run(work); });
   int64_t told = -1;
@@ -65,18 +83,19 @@ void run_apart(std::function<void(WorkSigns&)> work, const py::object& progress,
     for (bool is_over = false; !is_over;) {
       {
         const py::gil_scoped_release others;
-        is_over = job->wait();
+        is_over = job->wait(kPatience);
       }
       if (!is_over || !job->failure) look_up(*job, progress, told);
     }
   } catch (...) {
     job->signs.stop = true;
-    if (looks) {
+    bool is_over = unwanted == Unwanted::kStops;
+    {
       const py::gil_scoped_release others;
-      thread.join();
-    } else {
-      left().push_back(std::move(thread));
+      if (unwanted == Unwanted::kLingers) is_over = job->wait(kMoment);
+      if (is_over) thread.join();
     }
+    if (!is_over) left().push_back({job, std::move(thread)});
     throw;
   }
   {
@@ -87,10 +106,19 @@ void run_apart(std::function<void(WorkSigns&)> work, const py::object& progress,
 }
 
 void join_left() {
-  std::vector<std::thread> threads;
-  threads.swap(left());
+  std::vector<LeftJob> jobs;
+  jobs.swap(left());
   const py::gil_scoped_release others;
-  for (std::thread& thread : threads) thread.join();
+  bool goes_on = false;
+  for (LeftJob& each : jobs) {
+    if (each.job->wait(goes_on ? std::chrono::milliseconds(0) : kMoment)) {
+      each.thread.join();
+    } else {
+      each.thread.detach();
+      goes_on = true;
+    }
+  }
+  if (goes_on) on_exit(leave_now, nullptr);
 }
 
 }  // namespace throng

@@ -23,14 +23,6 @@ namespace fs = std::filesystem;
 namespace throng {
 namespace {
 
-/// Work of one result that nobody can stop half-way, but anybody may stop waiting for.
-template <typename Result, typename Work>
-Result apart(const Work& work) {
-  const auto made = std::make_shared<std::optional<Result>>();
-  run_apart([made, work](WorkSigns&) { made->emplace(work()); }, py::none(), false);
-  return std::move(**made);
-}
-
 py::dict read(const fs::path& file, std::optional<double> fps, bool places,
               const py::object& progress) {
   if (fps)
@@ -38,7 +30,7 @@ py::dict read(const fs::path& file, std::optional<double> fps, bool places,
   const auto log = std::make_shared<LogArrays>();
   run_apart(
       [log, file, fps, places](WorkSigns& signs) { *log = read_log(file, fps, places, signs); },
-      progress, true);
+      progress, Unwanted::kStops);
   RunRecorder recorder(fps, places);
   recorder.events = std::move(log->events);
   recorder.places = std::move(log->places);
@@ -58,7 +50,7 @@ py::dict read(const fs::path& file, std::optional<double> fps, bool places,
 }
 
 py::dict check(const fs::path& file) {
-  const auto report = apart<LogReport>([file] { return check_log(file); });
+  const auto report = result_apart<LogReport>([file] { return check_log(file); });
   py::dict out;
   out["sound"] = report.is_sound();
   out["finished"] = report.finished;
@@ -100,7 +92,7 @@ py::array render_frame(const fs::path& log, int64_t number, int width, int heigh
   if (number < 0) throw InputError("frame", "a number from 0", fmt::format("{}", number));
   const PictureOptions options{width, height, point_of("target_m", target_m),
                                point_of("eye_m", eye_m)};
-  auto image = apart<Image>([=] {
+  auto image = result_apart<Image>([=] {
     RecordedFrame frame(log, number);
     return picture_of(frame, options);
   });
@@ -108,7 +100,7 @@ py::array render_frame(const fs::path& log, int64_t number, int width, int heigh
 }
 
 void write_page(const fs::path& log, const fs::path& html, double limit_mb) {
-  apart<int>([=] {
+  result_apart<int>([=] {
     write_replay(log, html, page_html(), limit_mb);
     return 0;
   });

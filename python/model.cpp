@@ -22,10 +22,9 @@ namespace {
 using ModelPtr = std::shared_ptr<Model>;  // never changed: pybind11 holds no pointers to const
 
 std::shared_ptr<Model> opened(const std::filesystem::path& urdf) {
-  const auto made = std::make_shared<std::shared_ptr<const Model>>();
   const std::filesystem::path file = urdf == "adult" ? adult_urdf() : urdf;
-  run_apart([file, made](WorkSigns&) { *made = load_model(file); }, py::none(), false);
-  return std::const_pointer_cast<Model>(*made);
+  return std::const_pointer_cast<Model>(
+      result_apart<std::shared_ptr<const Model>>([file] { return load_model(file); }));
 }
 
 std::vector<std::string> joint_names(const Model& model) {
@@ -87,7 +86,7 @@ void require_rows(const char* name, const DoubleArray& array, py::ssize_t rows,
 
 void require_finite(const char* name, const DoubleArray& array) {
   for (py::ssize_t i = 0; i < array.size(); ++i)
-    if (!std::isfinite(array.data()[i]))
+    if (!std::isfinite(static_cast<float>(array.data()[i])))  // which joints and turns become
       throw InputError(name, "finite numbers", fmt::format("{} at place {}", array.data()[i], i));
 }
 
@@ -119,45 +118,66 @@ std::vector<RootFrame> roots_of(py::ssize_t rows, const std::optional<DoubleArra
   return roots;
 }
 
-py::array poses(const Model& model, const DoubleArray& joints,
+/// All that kinematics of many postures needs; it may go on where nobody waits for it.
+struct PoseWork {
+  ModelPtr model;
+  std::vector<float> postures;
+  std::vector<double> positions_m;  ///< three a root, or none
+  std::vector<RootFrame> roots;
+
+  std::vector<double> matrices() const {
+    const auto parts = static_cast<size_t>(model->part_count());
+    std::vector<PartPose> poses(roots.size() * parts);
+    forward_kinematics(model->kinematics, postures, roots, poses);
+    std::vector<double> out(16 * poses.size());
+    for (size_t i = 0; i < poses.size(); ++i)
+      put_matrix(
+          poses[i],
+          positions_m.empty()
+              ? Eigen::Vector3d(0, 0, 0)
+              : Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(&positions_m[i / parts * 3])),
+          &out[16 * i]);
+    return out;
+  }
+};
+
+py::array poses(const ModelPtr& model, const DoubleArray& joints,
                 const std::optional<DoubleArray>& positions_m,
                 const std::optional<DoubleArray>& rotations_xyzw,
                 const std::optional<DoubleArray>& scales) {
   const py::ssize_t rows = joints.ndim() == 2 ? joints.shape(0) : 1;
-  if (joints.ndim() != 1 || joints.shape(0) != model.kinematics.column_count())
-    require_rows("joints", joints, rows, model.kinematics.column_count());
+  if (joints.ndim() != 1 || joints.shape(0) != model->kinematics.column_count())
+    require_rows("joints", joints, rows, model->kinematics.column_count());
   require_finite("joints", joints);
   if (positions_m) {
     require_rows("positions_m", *positions_m, rows, 3);
     require_finite("positions_m", *positions_m);
   }
   const std::vector<RootFrame> roots = roots_of(rows, rotations_xyzw, scales);
-  const auto parts = static_cast<size_t>(model.part_count());
-  const std::vector<float> postures(joints.data(), joints.data() + joints.size());
-  std::vector<double> out(roots.size() * parts * 16);
-  {
-    const double* const positions = positions_m ? positions_m->data() : nullptr;
-    const py::gil_scoped_release others;
-    std::vector<PartPose> poses(roots.size() * parts);
-    forward_kinematics(model.kinematics, postures, roots, poses);
-    for (size_t i = 0; i < poses.size(); ++i)
-      put_matrix(
-          poses[i],
-          positions == nullptr
-              ? Eigen::Vector3d(0, 0, 0)
-              : Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(positions + i / parts * 3)),
-          &out[16 * i]);
-  }
+  const auto parts = static_cast<size_t>(model->part_count());
+  const auto work = std::make_shared<PoseWork>();
+  work->model = model;
+  work->postures.assign(joints.data(), joints.data() + joints.size());
+  if (positions_m)
+    work->positions_m.assign(positions_m->data(), positions_m->data() + positions_m->size());
+  work->roots = roots_of(rows, rotations_xyzw, scales);
+  constexpr size_t kFew = 10'000;  // a millisecond or two: a thread of its own is not worth it
+  std::vector<double> out =
+      work->roots.size() * parts < kFew
+          ? work->matrices()
+          : result_apart<std::vector<double>>([work] { return work->matrices(); });
   return array_of(std::move(out), {rows, static_cast<py::ssize_t>(parts), 4, 4});
 }
 
+/// With notes.
 py::tuple mesh_arrays(const std::filesystem::path& file) {
-  Mesh mesh;
-  {
-    const py::gil_scoped_release others;
-    mesh = read_mesh(file);
-  }
-  return py::make_tuple(vertices(mesh), triangles(mesh));
+  using Read = std::pair<Mesh, std::vector<std::string>>;
+  const auto [mesh, notes] = result_apart<Read>([file] {
+    Read read;
+    read.first = read_mesh(file, {}, &read.second);
+    return read;
+  });
+  return py::make_tuple(vertices(mesh), triangles(mesh), notes);
 }
 
 }  // namespace
@@ -169,6 +189,7 @@ void bind_model(py::module_& module) {
       .def_readonly("height_m", &Model::height_m)
       .def_readonly("is_person", &Model::is_person)
       .def_property_readonly("reach_m", [](const Model& model) { return reach_of(model); })
+      .def_property_readonly("notes", [](const Model& model) { return model.assumptions; })
       .def_property_readonly("joint_names", joint_names)
       .def_property_readonly("part_names", part_names)
       .def_property_readonly("joint_lower",

@@ -35,11 +35,10 @@ struct RecordedRow {
 using RecordingPtr = std::shared_ptr<Recording>;
 
 RecordingPtr opened(const py::dict& dict) {
-  RunRequest request = request_of(dict);
-  const auto made = std::make_shared<std::shared_ptr<const Recording>>();
+  const RunRequest request = request_of(dict);
   const RecordingOptions options = recording_options(request.source.name, request.source.recording);
-  run_apart([options, made](WorkSigns&) { *made = read_recording(options); }, py::none(), false);
-  return std::const_pointer_cast<Recording>(*made);
+  return std::const_pointer_cast<Recording>(result_apart<std::shared_ptr<const Recording>>(
+      [options] { return read_recording(options); }));
 }
 
 py::array people(const Recording& recording) {
@@ -50,20 +49,21 @@ py::array people(const Recording& recording) {
   return array_of(std::move(rows));
 }
 
-py::array samples(const Recording& recording) {
-  std::vector<SampleRow> rows;
-  {
-    const py::gil_scoped_release others;
-    rows.reserve(static_cast<size_t>(recording.facts().samples));
-    std::vector<Sample> track;
-    for (size_t person = 0; person < recording.people().size(); ++person) {
-      recording.read(person, track);
-      for (const Sample& sample : track)
-        rows.push_back({recording.people()[person].id, sample.time_s, sample.position_m.x(),
-                        sample.position_m.y(), sample.z_m, sample.heading_rad});
-    }
-  }
-  return array_of(std::move(rows));
+py::array samples(const RecordingPtr& recording) {
+  const auto rows = std::make_shared<std::vector<SampleRow>>();
+  run_apart(
+      [rows, recording](WorkSigns& signs) {
+        rows->reserve(static_cast<size_t>(recording->facts().samples));
+        std::vector<Sample> track;
+        for (size_t person = 0; person < recording->people().size() && !signs.stop; ++person) {
+          recording->read(person, track);
+          for (const Sample& sample : track)
+            rows->push_back({recording->people()[person].id, sample.time_s, sample.position_m.x(),
+                             sample.position_m.y(), sample.z_m, sample.heading_rad});
+        }
+      },
+      py::none(), Unwanted::kStops);
+  return array_over(rows);
 }
 
 py::dict facts(const Recording& recording) {
@@ -88,12 +88,8 @@ py::tuple of(const Spread& spread) {
   return py::make_tuple(spread.low, spread.median, spread.high);
 }
 
-py::dict summary(const Recording& recording) {
-  RecordingSummary found;
-  {
-    const py::gil_scoped_release others;
-    found = summary_of(recording);
-  }
+py::dict summary(const RecordingPtr& recording) {
+  const auto found = result_apart<RecordingSummary>([recording] { return summary_of(*recording); });
   py::dict out;
   out["mean_people"] = found.mean_people;
   out["most_people"] = found.most_people;
@@ -152,7 +148,7 @@ Comparison compare(const py::dict& a, const py::dict& b,
     if (from == to) throw InputError("line", "two points", "the same point twice");
     work->line = Passage{from, to};
   }
-  run_apart([work](WorkSigns& signs) { compare_runs(*work, signs); }, progress, true);
+  run_apart([work](WorkSigns& signs) { compare_runs(*work, signs); }, progress, Unwanted::kLingers);
   return std::move(work->found);
 }
 
@@ -174,16 +170,20 @@ py::dict tables(const Comparison& found) {
 }
 
 /// SVG by the figure's id, title before it. Needs gnuplot.
-py::dict figures(const Comparison& found, const fs::path& folder) {
-  std::vector<std::tuple<std::string, std::string, std::string>> drawn;
-  {
-    const py::gil_scoped_release others;
-    require_gnuplot();
-    for (const Figure& figure : comparison_figures(found.a, found.b))
-      drawn.emplace_back(figure.id, figure.title, draw(figure, folder));
-  }
+py::dict figures(const std::shared_ptr<Comparison>& found, const fs::path& folder) {
+  using Drawn = std::vector<std::tuple<std::string, std::string, std::string>>;
+  const auto drawn = std::make_shared<Drawn>();
+  run_apart(
+      [drawn, found, folder](WorkSigns& signs) {
+        require_gnuplot();
+        for (const Figure& figure : comparison_figures(found->a, found->b)) {
+          if (signs.stop) return;
+          drawn->emplace_back(figure.id, figure.title, draw(figure, folder));
+        }
+      },
+      py::none(), Unwanted::kStops);
   py::dict out;
-  for (const auto& [id, title, svg] : drawn) out[py::str(id)] = py::make_tuple(title, svg);
+  for (const auto& [id, title, svg] : *drawn) out[py::str(id)] = py::make_tuple(title, svg);
   return out;
 }
 
@@ -207,7 +207,7 @@ void bind_recording(py::module_& module) {
       .def("samples", samples)
       .def("facts", facts)
       .def("summary", summary);
-  py::class_<Comparison>(module, "Comparison")
+  py::class_<Comparison, std::shared_ptr<Comparison>>(module, "Comparison")
       .def("tables", tables)
       .def("text", [](const Comparison& found) { return comparison_text(found.a, found.b); })
       .def("figures", figures)

@@ -53,6 +53,11 @@ void refuse_inputs(const RunRequest& request, const Scene& scene) {
     }
 }
 
+bool writes_files(const RunRequest& request) {
+  return !(request.log.empty() && request.html.empty() && request.contacts.empty() &&
+           request.separation.empty() && request.trace_hash.empty() && request.trajectory.empty());
+}
+
 /// Frames from states to states of the log.
 double state_every(const RunRequest& request, double step_s) {
   if (!request.states_hz) return 1;
@@ -156,8 +161,10 @@ py::dict dict_of(const SeparationTotals& totals) {
 py::dict run_scene(const py::dict& options, const py::object& progress) {
   const auto work = std::make_shared<RunWork>();
   work->request = request_of(options);
-  run_apart([work](WorkSigns&) { prepare(*work); }, py::none(), false);
-  run_apart([work](WorkSigns& signs) { run_to_end(*work, signs); }, progress, true);
+  run_apart([work](WorkSigns&) { prepare(*work); }, py::none(), Unwanted::kEnds);
+  // A file is worth waiting for until it is complete.
+  run_apart([work](WorkSigns& signs) { run_to_end(*work, signs); }, progress,
+            writes_files(work->request) ? Unwanted::kStops : Unwanted::kLingers);
   py::dict out = throng::dict_of(std::move(work->recorder->facts));
   std::vector<std::string> notes = work->source.notes;
   const std::vector<std::string>& more = work->simulation->notes();

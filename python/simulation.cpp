@@ -18,6 +18,8 @@ namespace py = pybind11;
 namespace throng {
 namespace {
 
+using Numbers = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
+
 /// One frame of a run, for as long as it is the latest.
 struct FrameView {
   std::shared_ptr<SteppedRun> run;
@@ -88,10 +90,29 @@ struct FrameView {
       for (const PairEvent& event : f.events) out.push_back(event_row(number, event));
     });
   }
-  py::array near() const { return array_of(near_rows(frame().near_pairs)); }
-  py::array contact_points() const { return array_of(contact_point_rows(frame().contact_points)); }
-  py::array near_people() const { return array_of(near_rows(frame().near_people)); }
-  py::array part_poses(const std::vector<uint32_t>& people) const;
+  py::array near() const {
+    const Frame& f = frame();
+    require(run->scene().near_m > 0, "without near=M, and its scene has no near_m");
+    return array_of(near_rows(f.near_pairs));
+  }
+  py::array contact_points() const {
+    const Frame& f = frame();
+    require(run->scene().contact_points,
+            "without contact_points=True, and its scene does not ask for them");
+    return array_of(contact_point_rows(f.contact_points));
+  }
+  py::array near_people() const {
+    const Frame& f = frame();
+    require(run->scene().person_near_m > 0, "without person_near=M, and its scene has none");
+    return array_of(near_rows(f.near_people));
+  }
+  py::array part_poses(const Numbers& people) const;
+
+  /// An empty table would say that there is nothing.
+  static void require(bool is_there, const char* what) {
+    if (!is_there)
+      throw std::runtime_error(fmt::format("this simulation was made {}: there is no table", what));
+  }
 };
 
 /// Joint values of each avatar: one after the other, from where offsets say.
@@ -103,40 +124,61 @@ py::array posture_offsets(const SteppedRun& run) {
   return array_of(std::move(offsets));
 }
 
-py::array FrameView::part_poses(const std::vector<uint32_t>& people) const {
+py::array FrameView::part_poses(const Numbers& people) const {
   const Frame& f = frame();
   if (!run->has_postures())
     throw std::runtime_error("this simulation was made with postures=False: nobody else is posed");
   const RunInfo& info = run->info();
+  const auto known = static_cast<int64_t>(info.model_of_avatar.size());
+  std::vector<uint32_t> ids;
   size_t parts = 0;
-  for (size_t i = 0; i < people.size(); ++i) {
-    if (people[i] >= info.model_of_avatar.size())
-      throw py::index_error(fmt::format("people[{}]: expected an id below {}, found {}", i,
-                                        info.model_of_avatar.size(), people[i]));
-    const auto count =
-        static_cast<size_t>(info.models[info.model_of_avatar[people[i]]]->part_count());
+  for (py::ssize_t i = 0; i < people.size(); ++i) {
+    const int64_t id = people.data()[i];
+    if (id < 0)
+      throw InputError(fmt::format("people[{}]", i), fmt::format("an id from 0 to {}", known - 1),
+                       fmt::format("{}", id));
+    if (id >= known)
+      throw py::index_error(
+          fmt::format("people[{}]: expected an id below {}, found {}", i, known, id));
+    const Model& model = *info.models[info.model_of_avatar[static_cast<size_t>(id)]];
+    const auto count = static_cast<size_t>(model.part_count());
     if (i > 0 && count != parts)
       throw InputError(fmt::format("people[{}]", i), "people of one model", "another one");
     parts = count;
+    ids.push_back(static_cast<uint32_t>(id));
   }
-  std::vector<double> out(people.size() * parts * 16);
+  std::vector<double> out(ids.size() * parts * 16);
   std::vector<PartPose> poses(parts);
-  for (size_t i = 0; i < people.size(); ++i) {
-    throng::part_poses(info, f, people[i], poses);
+  for (size_t i = 0; i < ids.size(); ++i) {
+    throng::part_poses(info, f, ids[i], poses);
     for (size_t part = 0; part < parts; ++part)
-      put_matrix(poses[part], f.roots[people[i]].position_m, &out[(i * parts + part) * 16]);
+      put_matrix(poses[part], f.roots[ids[i]].position_m, &out[(i * parts + part) * 16]);
   }
-  const auto n = static_cast<py::ssize_t>(people.size());
+  const auto n = static_cast<py::ssize_t>(ids.size());
   return array_of(std::move(out), {n, static_cast<py::ssize_t>(parts), 4, 4});
 }
 
 std::shared_ptr<SteppedRun> opened(const py::dict& options) {
-  const auto request = std::make_shared<RunRequest>(request_of(options));
-  const auto made = std::make_shared<std::shared_ptr<SteppedRun>>();
-  run_apart(
-      [request, made](WorkSigns&) { *made = std::make_shared<SteppedRun>(std::move(*request)); },
-      py::none(), false);
-  return *made;
+  return result_apart<std::shared_ptr<SteppedRun>>(
+      [request = request_of(options)] { return std::make_shared<SteppedRun>(request); });
+}
+
+void require_finite(const char* name, const DoubleArray& values) {
+  for (py::ssize_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values.data()[i]))
+      throw InputError(name, "finite numbers", fmt::format("{}", values.data()[i]));
+}
+
+/// Not made a unit where a float holds it: what a frame told is told back to the last bit.
+Eigen::Quaternionf rotation_of(const DoubleArray& xyzw) {
+  Eigen::Quaterniond q(Eigen::Map<const Eigen::Vector4d>(xyzw.data()));
+  const double largest = q.coeffs().cwiseAbs().maxCoeff();
+  if (largest < 1e-6)
+    throw InputError("rotation_xyzw", "a quaternion that is not zero",
+                     fmt::format("({:g}, {:g}, {:g}, {:g})", q.x(), q.y(), q.z(), q.w()));
+  constexpr double kFitsFloat = 1e30;
+  if (largest > kFitsFloat) q.coeffs() /= largest;
+  return q.cast<float>();
 }
 
 int drive(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
@@ -146,18 +188,23 @@ int drive(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
     throw InputError(
         "drive", "a position of 3, a rotation of 4 and a velocity of 2 numbers",
         fmt::format("{}, {} and {}", position_m.size(), rotation_xyzw.size(), velocity_mps.size()));
+  if (!run.is_driven(avatar))
+    throw InputError("avatar", "one of a driven group", fmt::format("{}, which is none", avatar));
+  const Model& model = *run.info().models[run.info().model_of_avatar[avatar]];
+  if (joints.size() != 0 && joints.size() != model.kinematics.column_count())
+    throw InputError(
+        "joints", fmt::format("none, or {} of '{}'", model.kinematics.column_count(), model.name),
+        fmt::format("{}", joints.size()));
+  require_finite("position_m", position_m);
+  require_finite("rotation_xyzw", rotation_xyzw);
+  require_finite("joints", joints);
+  require_finite("velocity_mps", velocity_mps);
   DrivenPose pose;
   pose.root.position_m = Eigen::Map<const Eigen::Vector3d>(position_m.data());
-  pose.root.world_from_root =
-      Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(rotation_xyzw.data())).cast<float>();
+  pose.root.world_from_root = rotation_of(rotation_xyzw);
   pose.velocity_mps = Eigen::Map<const Eigen::Vector2d>(velocity_mps.data());
   pose.joints = {joints.data(), static_cast<size_t>(joints.size())};
-  const int clamped = run.drive(avatar, pose);
-  if (clamped < 0)
-    throw InputError(fmt::format("avatar {}", avatar),
-                     "one of a driven group, with its model's joints",
-                     fmt::format("another one, or {} joints", joints.size()));
-  return clamped;
+  return run.drive(avatar, pose);
 }
 
 }  // namespace
@@ -185,8 +232,8 @@ void bind_simulation(py::module_& module) {
       .def(py::init(&opened), py::arg("options"))
       .def("step",
            [](const std::shared_ptr<SteppedRun>& run) {
-             run->step();
-             return FrameView{run, run->latest().number};
+             const int64_t number = SteppedRun::step(run);
+             return FrameView{run, number};
            })
       .def("finish",
            [](SteppedRun& run) {

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <functional>
 #include <stdexcept>
 
+#include "python/interrupts.h"
+#include "scenes/run/checkpoint.h"
 #include "scenes/run/runner.h"
 
 namespace py = pybind11;
@@ -14,13 +17,22 @@ namespace throng {
 /// Where the interpreter's lock is given away, others find the run busy.
 class SteppedRun::Busy {
  public:
-  explicit Busy(SteppedRun& run) : run_(run) { run_.is_busy_ = true; }
-  ~Busy() { run_.is_busy_ = false; }
+  explicit Busy(std::shared_ptr<SteppedRun> run) : run_(std::move(run)) { run_->is_busy_ = true; }
+  ~Busy() { run_->is_busy_ = false; }
   Busy(const Busy&) = delete;
   Busy& operator=(const Busy&) = delete;
 
+  int64_t step() {
+    run_->frame_ = nullptr;
+    const auto start = std::chrono::steady_clock::now();
+    run_->frame_ = &run_->simulation_->step();
+    run_->step_ms_ =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return run_->frame_->number;
+  }
+
  private:
-  SteppedRun& run_;
+  std::shared_ptr<SteppedRun> run_;
 };
 
 SteppedRun::SteppedRun(RunRequest request) : request_(std::move(request)) {
@@ -34,19 +46,26 @@ SteppedRun::SteppedRun(RunRequest request) : request_(std::move(request)) {
 
 void SteppedRun::expect_idle() const {
   if (is_busy_)
-    throw std::runtime_error("another thread steps this simulation: one at a time, or one each");
+    throw std::runtime_error(
+        "a step of this simulation still goes on, in another thread or interrupted: one at a time");
 }
 
-void SteppedRun::step() {
-  expect_idle();
-  if (end_) throw std::runtime_error("this simulation is finished: no step follows");
-  const Busy busy(*this);
-  const py::gil_scoped_release others;
-  frame_ = nullptr;
-  const auto start = std::chrono::steady_clock::now();
-  frame_ = &simulation_->step();
-  step_ms_ =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+int64_t SteppedRun::step(const std::shared_ptr<SteppedRun>& run) {
+  run->expect_idle();
+  if (run->end_) throw std::runtime_error("this simulation is finished: no step follows");
+  auto busy = std::make_shared<Busy>(run);
+  // Told by the step: the next may begin as soon as this one is over.
+  const auto number = std::make_shared<int64_t>(-1);
+  constexpr double kShort_ms = 5;  // the next takes about as long as the last
+  const bool is_short = run->frame_ != nullptr && run->step_ms_ < kShort_ms;
+  std::function<void(WorkSigns&)> work = [held = std::move(busy), number](WorkSigns&) {
+    *number = held->step();
+  };
+  if (is_short)
+    run_here(work);
+  else
+    run_apart(std::move(work), py::none(), Unwanted::kLingers);
+  return *number;
 }
 
 void SteppedRun::finish() {
@@ -65,14 +84,14 @@ int SteppedRun::drive(uint32_t avatar, const DrivenPose& pose) {
 std::vector<uint8_t> SteppedRun::saved() {
   expect_idle();
   if (end_) throw std::runtime_error("this simulation is finished: nothing follows");
-  return simulation_->saved();
+  return format_checkpoint(checkpoint_of(*simulation_));
 }
 
 void SteppedRun::resume(std::span<const uint8_t> state) {
   expect_idle();
   if (simulation_->next_frame() != 0)
     throw std::runtime_error("a simulation resumes before its first step, or not at all");
-  simulation_->resume(state, "state");
+  throng::resume(*simulation_, parse_checkpoint(state, "state"), "state");
 }
 
 const Frame& SteppedRun::frame(int64_t number) const {
@@ -85,7 +104,15 @@ const Frame& SteppedRun::frame(int64_t number) const {
   return *frame_;
 }
 
-int64_t SteppedRun::next_frame() const { return simulation_->next_frame(); }
+int64_t SteppedRun::next_frame() const {
+  expect_idle();
+  return simulation_->next_frame();
+}
+
+double SteppedRun::step_ms() const {
+  expect_idle();
+  return step_ms_;
+}
 
 int64_t SteppedRun::frames() const {
   return frame_count(simulation_->scene().duration_s, simulation_->info().step_s);

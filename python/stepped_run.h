@@ -3,6 +3,7 @@
 // first asked for, and used again for a later frame only once nobody holds it any more.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,17 +47,17 @@ class SteppedRun {
  public:
   explicit SteppedRun(RunRequest request);
 
-  /// Throws, as does everything here, while another thread steps.
-  void step();
+  /// Returns the frame's number. Throws, as does everything here, while another thread steps. After
+  /// Ctrl-C a step that takes long ends by itself, and `run` is busy until then.
+  static int64_t step(const std::shared_ptr<SteppedRun>& run);
   void finish();
   int drive(uint32_t avatar, const DrivenPose& pose);
+  bool is_driven(uint32_t avatar) const { return simulation_->driven_pose(avatar) != nullptr; }
   std::vector<uint8_t> saved();
   void resume(std::span<const uint8_t> state);
 
   /// The frame of that number; throws if the run has gone on.
   const Frame& frame(int64_t number) const;
-  /// The one that the last step() gave.
-  const Frame& latest() const { return *frame_; }
   bool is_over() const { return end_.has_value(); }
   const std::vector<EventRow>& last_ends() const { return last_ends_; }
 
@@ -64,11 +65,13 @@ class SteppedRun {
   int64_t next_frame() const;
   /// How many the scene's duration has.
   int64_t frames() const;
+  /// The margins of near rows, and whether there are contact points; see Scene.
+  const Scene& scene() const { return simulation_->scene(); }
   bool has_postures() const { return request_.simulation.postures; }
   const std::vector<std::string>& notes() const { return notes_; }
   uint64_t hash() const;
   /// How long the library took for the last step, by the clock.
-  double step_ms() const { return step_ms_; }
+  double step_ms() const;
 
   FrameBuffer<double> positions;
   FrameBuffer<float> rotations, headings, speeds, postures;
@@ -87,7 +90,7 @@ class SteppedRun {
   std::optional<RunEnd> end_;
   std::vector<EventRow> last_ends_;
   double step_ms_ = 0;
-  bool is_busy_ = false;
+  std::atomic<bool> is_busy_{false};
 };
 
 }  // namespace throng

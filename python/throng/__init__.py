@@ -10,8 +10,13 @@
 Lengths are metres, times seconds, angles radians; z points up; quaternions are (x, y, z, w). Errors are
 InputError (a ValueError with .file and .line) and EnvironmentFault (an OSError).
 
-The classes of LCM messages (events_t, run_t, ...) are here, too, and need neither numpy nor a compiled half.
+The classes of LCM messages (events_t, run_t, ...) are here, too, and need no compiled half.
 """
+
+import importlib.util as _util
+
+if _util.find_spec("numpy") is None:
+    raise ImportError("throng needs numpy: python3-numpy of Debian, or pip install numpy", name="numpy")
 
 from ._errors import EnvironmentFault, Error, InputError
 from ._messages import *  # noqa: F403 - the classes that lcm-gen makes

@@ -1,10 +1,13 @@
 """Own bodies and own poses, without any scene."""
 
 import os
+import warnings
 
 import numpy
 
 from . import _core
+from ._errors import InputError
+from ._given import numbers, path_of, refused, shown, wholes
 from ._model import Model
 from ._table import Table
 
@@ -20,23 +23,55 @@ class Body:
     """
 
     def __init__(self, parts, names=None, static=False):
-        meshes = [_mesh(part) for part in parts]
+        if isinstance(parts, (str, bytes, os.PathLike)) or not hasattr(parts, "__iter__"):
+            raise refused("parts", "a list of parts", shown(parts))
+        meshes = [_mesh(f"parts[{i}]", part) for i, part in enumerate(parts)]
         names = [f"part {i}" for i in range(len(meshes))] if names is None else list(names)
-        if len(names) != len(meshes):
-            raise ValueError(f"names: expected one a part, {len(meshes)}, found {len(names)}")
-        self._body = _core.body_of_parts(meshes, names, static)
+        if len(names) != len(meshes) or not all(isinstance(name, str) for name in names):
+            raise refused("names", f"a name a part, {len(meshes)}", shown(names))
+        self._made_of = (meshes, names, bool(static))
+        self._body = _core.body_of_parts(*self._made_of)
+
+    def __reduce__(self):
+        return Body, self._made_of
 
     part_names = property(lambda self: self._body.part_names)
     part_count = property(lambda self: self._body.part_count)
 
 
-def _mesh(part):
-    if isinstance(part, (str, os.PathLike)):
-        vertices, triangles = _core.read_mesh(os.fspath(part))
+def _mesh(where, part):
+    """Vertices and triangles, or None."""
+    if isinstance(part, (str, bytes, os.PathLike)):
+        vertices, triangles, notes = _core.read_mesh(path_of(where, part))
+        for note in notes:
+            warnings.warn(note, stacklevel=4)
         return vertices, triangles if len(triangles) else None
-    if isinstance(part, tuple) and len(part) == 2:
-        return part
-    return part, None
+    vertices, triangles = part if isinstance(part, tuple) and len(part) == 2 else (part, None)
+    points = numbers(where, vertices, "N x 3 coordinates in metres, N at least 1", (None, 3))
+    if triangles is None:
+        return points, None
+    corners = numbers(where, triangles, "M x 3 indices of points", (None, 3) if numpy.size(triangles) else None)
+    return points, wholes(where, corners.reshape(-1), "indices of points").reshape(-1, 3)
+
+
+class _BodyNames:
+    """What the numbers of bodies and parts stand for in the tables of a culler."""
+
+    def __init__(self, part_names):
+        self.part_names = part_names
+        self.type_of_id = {}
+
+    def __call__(self, table):
+        return {
+            f"part_{side}_name": numpy.array(
+                [self._name(*pair) for pair in zip(table[side].tolist(), table[f"part_{side}"].tolist())], dtype=object
+            )
+            for side in "ab"
+        }
+
+    def _name(self, body, part):
+        names = self.part_names[self.type_of_id.get(body, 0)]
+        return names[part] if part < len(names) else "whole body"
 
 
 class Culler:
@@ -45,7 +80,8 @@ class Culler:
     Args:
         bodies: a Model or Body, or a list of them: the kinds of bodies.
         exact: triangles decide; otherwise a part is its volume, and pairs that nearly touch are reported, too.
-        part_volume: "ordop26", "obb", "aabb", ... pair_search: "grid", "sweep" or "brute". threads: [all].
+        part_volume: "ordop26", "obb", "aabb", ..., or by words of parts' names: "hand: obb, default: sphere".
+        pair_search: "grid", "sweep" or "brute". threads: [all].
         step_s: from step to step, for begin_s and end_s of contacts, and for closing speeds.
         near: every pair of parts of two bodies within so many metres is listed in `near`. body_near: of each two
             bodies within so many metres the nearest parts, in `near_bodies`.
@@ -57,13 +93,14 @@ class Culler:
     def __init__(self, bodies, exact=False, part_volume="ordop26", pair_search="grid", threads=None, step_s=1.0,
                  near=0.0, body_near=0.0, contact_points=False):
         kinds = list(bodies) if isinstance(bodies, (list, tuple)) else [bodies]
-        made = [_core.body_of_model(k._model) if isinstance(k, Model) else k._body for k in kinds]
+        made = [_body_of(kind) for kind in kinds]
+        body_near = numbers("body_near", body_near, "a number of metres", ()).item()
+        step_s = numbers("step_s", step_s, "a number of seconds above 0", ()).item()
+        options = {"part_volume": part_volume, "exact": exact, "pair_search": pair_search, "threads": threads,
+                   "near": near, "body_near": body_near, "contact_points": contact_points, "step_s": step_s}
+        self._culler = _core.Culler(made, options)
         self.step_s = step_s
-        self._part_names = [body.part_names for body in made]
-        self._counts = numpy.array([body.part_count for body in made])
-        self._culler = _core.Culler(made, part_volume, exact, pair_search, threads, near, body_near,
-                                    contact_points, step_s)
-        self._type_of_id = {}
+        self._names = _BodyNames([body.part_names for body in made])
 
     def step(self, poses, types=None, ids=None, scales=None):
         """Takes where everybody is now; returns what begins and ceases to touch (Table, see Run.events).
@@ -75,19 +112,33 @@ class Culler:
                 not there any more touches nothing. scales: N, how large bodies are [1].
         """
         if isinstance(poses, (list, tuple)):
-            count = len(poses)
-            matrices = numpy.concatenate([_matrices(body) for body in poses]) if count else numpy.zeros((0, 4, 4))
+            bodies = [_matrices(f"poses[{i}]", body) for i, body in enumerate(poses)]
+            count = len(bodies)
+            if len({body.shape[1] for body in bodies}) > 1:  # 3 x 4 beside 4 x 4
+                bodies = [body[:, :3] for body in bodies]
+            matrices = numpy.concatenate(bodies) if count else numpy.zeros((0, 4, 4))
         else:
-            poses = numpy.asarray(poses)
+            matrices = _matrices("poses", poses)
             count = len(poses)
-            matrices = _matrices(poses)
-        ids = numpy.arange(count) if ids is None else numpy.asarray(ids)
-        types = numpy.zeros(count, dtype=int) if types is None else numpy.asarray(types)
-        scales = numpy.ones(count) if scales is None else numpy.asarray(scales)
-        events = self._culler.step(matrices, ids, types, scales)
-        if len(self._part_names) > 1:
-            self._type_of_id.update(zip(ids.tolist(), types.tolist()))
+        ids = numpy.arange(count) if ids is None else wholes("ids", ids)
+        types = numpy.zeros(count, dtype=int) if types is None else wholes("types", types)
+        scales = numpy.ones(count) if scales is None else numbers("scales", scales, "a number a body", (None,))
+        if not len(ids) == len(types) == len(scales) == count:
+            raise refused("ids, types, scales", f"one of each a body, {count}",
+                          f"{len(ids)}, {len(types)} and {len(scales)}")
+        try:
+            events = self._culler.step(matrices, ids, types, scales)
+        except InputError:
+            raise  # nothing has happened
+        except KeyboardInterrupt:
+            self._remember(ids, types)  # the step ends by itself
+            raise
+        self._remember(ids, types)
         return Table(events, self._names)
+
+    def _remember(self, ids, types):
+        if len(self._names.part_names) > 1:
+            self._names.type_of_id.update(zip(ids.tolist(), types.tolist()))
 
     def finish(self):
         """Ends all that still touches; returns these ends."""
@@ -108,21 +159,17 @@ class Culler:
     frame = property(lambda self: self._culler.frame)
     hash = property(lambda self: self._culler.hash)
 
-    def _names(self, table):
-        def name(body, part):
-            names = self._part_names[self._type_of_id.get(body, 0)]
-            return names[part] if part < len(names) else "whole body"
 
-        return {
-            f"part_{side}_name": numpy.array(
-                [name(*pair) for pair in zip(table[side].tolist(), table[f"part_{side}"].tolist())], dtype=object
-            )
-            for side in "ab"
-        }
+def _body_of(kind):
+    if isinstance(kind, Model):
+        return _core.body_of_model(kind._model)
+    if isinstance(kind, Body):
+        return kind._body
+    raise refused("bodies", "a Model, a Body or a list of them; Model(FILE) reads a URDF", shown(kind))
 
 
-def _matrices(poses):
-    poses = numpy.asarray(poses, dtype=float)
-    if poses.ndim < 3 or poses.shape[-1] != 4 or poses.shape[-2] not in (3, 4):
-        raise ValueError(f"poses: expected matrices of 3 or 4 rows and 4 columns, found an array {poses.shape}")
-    return poses.reshape((-1, *poses.shape[-2:]))
+def _matrices(where, poses):
+    matrices = numbers(where, poses, "matrices of 3 or 4 rows and 4 columns")
+    if matrices.ndim < 3 or matrices.shape[-1] != 4 or matrices.shape[-2] not in (3, 4):
+        raise refused(where, "matrices of 3 or 4 rows and 4 columns", f"an array {matrices.shape}")
+    return matrices.reshape((-1, *matrices.shape[-2:]))

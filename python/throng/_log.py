@@ -5,6 +5,7 @@ import os
 import tempfile
 
 from . import _core
+from ._given import numbers, path_of, whole
 from ._run import Run, progress_of
 
 
@@ -14,8 +15,8 @@ def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
     trajectory_fps: places a second [all that the log has]. Of a damaged log what is sound is read;
     summary["left_out"] counts the rest, and check() judges it. Ctrl-C raises KeyboardInterrupt.
     """
-    facts = _core.read_log(os.fspath(file), trajectory_fps, trajectories, progress_of(progress))
-    return Run(facts, log=os.fspath(file))
+    facts = _core.read_log(path_of("file", file), trajectory_fps, trajectories, progress_of(progress))
+    return Run(facts, log=path_of("file", file))
 
 
 class LogReport(dict):
@@ -28,7 +29,7 @@ class LogReport(dict):
 
 def check(file):
     """Judges a log, as `throng check` does: numbering, gaps, checksums, that begins and ends pair up."""
-    return LogReport(_core.check(os.fspath(file)))
+    return LogReport(_core.check(path_of("file", file)))
 
 
 def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
@@ -36,7 +37,11 @@ def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
 
     eye_m, target_m: where from and what at (x, y, z) [the whole crowd].
     """
-    return _core.render(os.fspath(log), frame, width, height, eye_m, target_m)
+    return _core.render(
+        path_of("log", log), whole("frame", frame, 0), whole("width", width, 1), whole("height", height, 1),
+        *(value if value is None else numbers(name, value, "three numbers x, y, z in metres", (3,)).tolist()
+          for name, value in (("eye_m", eye_m), ("target_m", target_m))),
+    )
 
 
 class Page:
@@ -66,6 +71,6 @@ def view(log, limit_mb=25, height=540):
         return log.view()
     with tempfile.TemporaryDirectory() as folder:
         page = os.path.join(folder, "page.html")
-        _core.write_page(os.fspath(log), page, limit_mb)
+        _core.write_page(path_of("log", log), page, limit_mb)
         with open(page, encoding="utf-8") as file:
             return Page(file.read(), height)

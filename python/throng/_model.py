@@ -3,6 +3,7 @@
 import os
 
 from . import _core
+from ._given import numbers, path_of, whole
 
 
 class Model:
@@ -12,10 +13,15 @@ class Model:
         name, height_m, is_person; reach_m: from the root to the farthest point in any posture.
         joint_names (J), joint_lower and joint_upper (J, rad or m): joints that move by themselves.
         part_names (P): links with geometry.
+        notes: what the URDF leaves open and how it is read, a line each.
     """
 
     def __init__(self, urdf):
-        self._model = _core.Model(os.fspath(urdf))
+        self._urdf = path_of("urdf", urdf, "a URDF file, or 'adult'")
+        self._model = _core.Model(self._urdf)
+
+    def __reduce__(self):
+        return Model, (self._urdf if self._urdf == "adult" else os.path.abspath(self._urdf),)
 
     name = property(lambda self: self._model.name)
     height_m = property(lambda self: self._model.height_m)
@@ -25,6 +31,7 @@ class Model:
     joint_lower = property(lambda self: self._model.joint_lower)
     joint_upper = property(lambda self: self._model.joint_upper)
     part_names = property(lambda self: self._model.part_names)
+    notes = property(lambda self: self._model.notes)
     joint_count = property(lambda self: len(self._model.joint_names))
     part_count = property(lambda self: len(self._model.part_names))
 
@@ -39,15 +46,23 @@ class Model:
         Returns:
             N x P x 4 x 4, float64: matrices; a point p of a part lies at R (scale p) + t.
         """
-        return self._model.poses(joints, positions_m, rotations_xyzw, scales)
+        given = {"positions_m": positions_m, "rotations_xyzw": rotations_xyzw, "scales": scales}
+        rows = {name: None if value is None else numbers(name, value) for name, value in given.items()}
+        return self._model.poses(numbers("joints", joints), **rows)
 
     def vertices_m(self, part):
         """V x 3, float32: the mesh of part number `part` in its own frame."""
-        return self._model.vertices_m(part)
+        return self._model.vertices_m(self._part(part))
 
     def triangles(self, part):
         """T x 3, int32: indices into vertices_m(part), counter-clockwise from outside; none: points alone."""
-        return self._model.triangles(part)
+        return self._model.triangles(self._part(part))
+
+    def _part(self, part):
+        number = whole("part", part, 0)
+        if number >= self.part_count:
+            raise IndexError(f"part: expected 0 to {self.part_count - 1}, found {number}")
+        return number
 
     def __repr__(self):
         return f"<throng.Model {self.name}: {self.part_count} parts, {self.joint_count} joints>"

@@ -6,6 +6,7 @@ import tempfile
 import numpy
 
 from . import _core
+from ._given import path_of
 from ._run import options_of, progress_of, run
 from ._table import Table
 
@@ -23,9 +24,12 @@ class Recording:
     """
 
     def __init__(self, file, **options):
-        self._file = file
+        self._file = path_of("file", file)
         self._options = options
         self._recording = _core.Recording(options_of(file, options))
+
+    def __reduce__(self):
+        return _opened, (os.path.abspath(self._file), self._options)
 
     people = property(lambda self: Table(self._recording.people()))
     samples = property(lambda self: Table(self._recording.samples()))
@@ -35,6 +39,10 @@ class Recording:
     def run(self, **options):
         """Dresses its people in bodies and culls them: run() with this file."""
         return run(self._file, **{**self._options, **options})
+
+
+def _opened(file, options):
+    return Recording(file, **options)
 
 
 class Comparison:

@@ -7,6 +7,7 @@ import tempfile
 import numpy
 
 from . import _core
+from ._given import path_of
 from ._table import Table
 
 _LEVELS = numpy.array(["spheres", "boxes", "part volumes", "triangles"])
@@ -15,7 +16,7 @@ _LEVELS = numpy.array(["spheres", "boxes", "part volumes", "triangles"])
 def options_of(source, given):
     """What the compiled half takes: names as given, without what is None."""
     options = {name: value for name, value in given.items() if value is not None}
-    options["source"] = os.fspath(source)
+    options["source"] = path_of("source", source, "the name of a scene, or a path")
     return options
 
 
@@ -64,6 +65,8 @@ class Names:
 class Run:
     """What a run was, in arrays.
 
+    It can be pickled, with all its tables.
+
     Attributes:
         scene: its name; seed, run_id, step_s as well.
         hash: of all events, 16 hexadecimal digits, as `throng run` prints it; None of a log that is cut off.
@@ -108,6 +111,10 @@ class Run:
         if self._contacts is None:
             self._contacts = Table(self._find_contacts(), self.names.of_pairs)
         return self._contacts
+
+    def __getstate__(self):
+        self.contacts  # what finds them stays here
+        return {**self.__dict__, "_find_contacts": None}
 
     def view(self):
         """The page with this run in it, shown in a notebook. Needs run(..., view=True) or a log."""

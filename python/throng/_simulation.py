@@ -1,8 +1,13 @@
 """A run step by step."""
 
 from . import _core
+from ._given import numbers, refused, shown, whole, wholes
 from ._run import Names, options_of
 from ._table import Table
+
+# What run() takes for what it writes.
+_OF_RUNS = ("log", "states_hz", "publish_parts", "html", "trajectory", "trajectory_fps", "contacts", "separation",
+            "trace_hash")
 
 
 class Frame:
@@ -52,7 +57,7 @@ class Frame:
 
         A point p of a part of somebody of scale s lies at R (s p) + t.
         """
-        return self._frame.part_poses(list(people))
+        return self._frame.part_poses(wholes("people", people if hasattr(people, "__array__") else list(people)))
 
     def __repr__(self):
         return f"<throng.Frame {self.number}>"
@@ -63,10 +68,13 @@ class Simulation:
 
     Takes what run() takes, as far as it shapes frames; culling=False lets people walk and culls nobody,
     postures=False saves joint angles that nobody asks for. One thread at a time may step it; Python runs on
-    meanwhile.
+    meanwhile. Ctrl-C raises KeyboardInterrupt at once; a step that was begun ends by itself, and the next follows it.
     """
 
     def __init__(self, source, **options):
+        for name in _OF_RUNS:
+            if options.get(name) not in (None, False):
+                raise refused(name, "an option that shapes frames; run() writes and keeps", shown(options[name]))
         self._run = _core.Simulation(options_of(source, options))
         facts = self._run.facts
         self.names = Names(facts)
@@ -86,15 +94,17 @@ class Simulation:
         return Table(self._run.finish(), self.names.of_pairs)
 
     def save(self):
-        """All that later frames depend on, as bytes."""
+        """All that later frames depend on, as bytes: what a checkpoint file of `throng run` holds."""
         return self._run.save()
 
     def resume(self, state):
         """Goes on where save() was called in a simulation of the same source and options, before the first step.
 
-        Later frames, their events and the hash are the same to the bit.
+        Later frames, their events and the hash are the same to the bit. A state of another run is an InputError.
         """
-        self._run.resume(state)
+        if not isinstance(state, (bytes, bytearray, memoryview)):
+            raise refused("state", "the bytes that save() gave", shown(state))
+        self._run.resume(bytes(state))
 
     def __iter__(self):
         return self
@@ -109,7 +119,13 @@ class Simulation:
 
         Returns how many numbers were brought within what the scene and the joints allow.
         """
-        return self._run.drive(avatar, position_m, rotation_xyzw, joints, velocity_mps)
+        return self._run.drive(
+            whole("avatar", avatar, 0, len(self.people) - 1),
+            numbers("position_m", position_m, "3 numbers x, y, z", (3,)),
+            numbers("rotation_xyzw", rotation_xyzw, "a quaternion of 4 numbers x, y, z, w", (4,)),
+            numbers("joints", joints, "the joints in one row", (None,)),
+            numbers("velocity_mps", velocity_mps, "2 numbers x, y", (2,)),
+        )
 
     #: how many frames the scene's duration has
     frames = property(lambda self: self._run.frames)
@@ -123,4 +139,8 @@ class Simulation:
     posture_offsets = property(lambda self: self._run.posture_offsets)
 
     def __repr__(self):
-        return f"<throng.Simulation {self.scene}: {len(self.people)} people, next frame {self.next_frame}>"
+        try:
+            where = f"next frame {self.next_frame}"
+        except RuntimeError:
+            where = "stepping"
+        return f"<throng.Simulation {self.scene}: {len(self.people)} people, {where}>"

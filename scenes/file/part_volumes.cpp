@@ -78,21 +78,22 @@ PartVolumes part_volumes_of(std::string_view text, std::string_view where) {
 
 void require_parts(const PartVolumes& volumes,
                    std::span<const std::shared_ptr<const Model>> models) {
+  std::vector<std::string> names;
+  for (const auto& model : models)
+    for (const Part& part : model->parts) names.push_back(part.name);
+  require_parts(volumes, std::move(names));
+}
+
+void require_parts(const PartVolumes& volumes, std::vector<std::string> part_names) {
   for (const PartVolumes::Named& named : volumes.named) {
-    bool is_taken = false;
-    std::vector<std::string> names;
-    for (const auto& model : models)
-      for (const Part& part : model->parts) {
-        is_taken |= has_words(part.name, named.words);
-        names.push_back(part.name);
-      }
-    if (is_taken) continue;
-    const std::string nearest = did_you_mean(named.words, names);
-    if (names.size() > kMostNamesShown) {
-      names.resize(kMostNamesShown);
-      names.emplace_back("...");
+    const auto is_taken = [&](const std::string& name) { return has_words(name, named.words); };
+    if (std::any_of(part_names.begin(), part_names.end(), is_taken)) continue;
+    const std::string nearest = did_you_mean(named.words, part_names);
+    if (part_names.size() > kMostNamesShown) {
+      part_names.resize(kMostNamesShown);
+      part_names.emplace_back("...");
     }
-    throw InputError("part_volume", fmt::format("words of a part: {}", fmt::join(names, ", ")),
+    throw InputError("part_volume", fmt::format("words of a part: {}", fmt::join(part_names, ", ")),
                      fmt::format("'{}'{}", named.words, nearest));
   }
 }

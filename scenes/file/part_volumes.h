@@ -47,6 +47,9 @@ void add_part_volume(std::string_view words, std::string_view volume, std::strin
 void require_parts(const PartVolumes& volumes,
                    std::span<const std::shared_ptr<const Model>> models);
 
+/// The same of parts by their names.
+void require_parts(const PartVolumes& volumes, std::vector<std::string> part_names);
+
 /// What part_volume may be in one word.
 std::vector<std::string> volume_names();
 

@@ -106,19 +106,22 @@ Checkpoint checkpoint_of(Simulation& simulation) {
   return {simulation.info().run_id, simulation.next_frame(), simulation.saved()};
 }
 
-void resume(Simulation& simulation, const std::filesystem::path& file) {
-  const Checkpoint checkpoint = read_checkpoint(file);
+void resume(Simulation& simulation, const Checkpoint& checkpoint, const std::string& name) {
   const uint64_t run_id = simulation.info().run_id;
   if (checkpoint.run_id != run_id)
-    throw InputError(file.string(),
+    throw InputError(name,
                      fmt::format("a checkpoint of this run ({:016x}): the same scene, seed and "
                                  "options that change results",
                                  run_id),
                      fmt::format("one of run {:016x}", checkpoint.run_id));
-  simulation.resume(checkpoint.state, file.string());
+  simulation.resume(checkpoint.state, name);
   if (simulation.next_frame() != checkpoint.next_frame)
-    throw InputError(file.string(), fmt::format("frame {}", checkpoint.next_frame),
+    throw InputError(name, fmt::format("frame {}", checkpoint.next_frame),
                      fmt::format("frame {}", simulation.next_frame()));
+}
+
+void resume(Simulation& simulation, const std::filesystem::path& file) {
+  resume(simulation, read_checkpoint(file), file.string());
 }
 
 }  // namespace throng

@@ -36,6 +36,9 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
 Checkpoint checkpoint_of(Simulation& simulation);
+/// Puts a simulation that has not stepped where the checkpoint was taken. Throws InputError naming
+/// `name` if it is of another run.
+void resume(Simulation& simulation, const Checkpoint& checkpoint, const std::string& name);
 /// Reads a file and puts a simulation that has not stepped where it was taken. Throws InputError if
 /// it is damaged or of another run.
 void resume(Simulation& simulation, const std::filesystem::path& file);

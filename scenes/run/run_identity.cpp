@@ -24,6 +24,7 @@ void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t
   if (culler.deadline_ms) name.add("deadline, ms").add(*culler.deadline_ms);
   if (culler.deadline_tests) name.add("deadline, tests").add(*culler.deadline_tests);
   if (culler.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(culler.strategy));
+  if (!options.culling) name.add("no culling");
   info.run_id = name.value();
   info.instance = random_instance();
   info.culler = options.culler;

@@ -1,6 +1,7 @@
 """Own bodies in own poses: nothing that touches is missed, whoever poses it."""
 
 import itertools
+import pickle
 import threading
 import unittest
 
@@ -133,6 +134,112 @@ class Boxes(Case):
                 throng.Body(parts)
         with self.assertRaises(throng.InputError):
             throng.Culler(throng.Body([BOX]), exact=True)  # points have no triangles
+
+    def test_are_refused_in_words_whatever_is_given_for_them(self):
+        for bodies in ("adult", None, 3, ["adult"], [throng.Body([BOX]), None], throng.Body):
+            with self.subTest(bodies=bodies), self.assertRaisesRegex(throng.InputError, "^bodies: expected a Model, a Body"):
+                throng.Culler(bodies)
+        with self.assertRaisesRegex(throng.InputError, "^bodies: expected at least one"):
+            throng.Culler([])
+        culler = self.culler()
+        for where, given in [
+            (r"ids\[0\]", {"ids": [-1]}),
+            (r"ids\[0\]", {"ids": [0.5]}),
+            (r"ids\[0\]", {"ids": [numpy.nan]}),
+            (r"ids\[0\]", {"ids": [2**40]}),
+            ("ids", {"ids": ["a"]}),
+            ("ids", {"ids": [[0]]}),
+            ("ids", {"ids": 0}),
+            ("ids", {"ids": [True]}),
+            (r"types\[0\]", {"types": [-1]}),
+            (r"types\[0\]", {"types": [0.5]}),
+            ("types", {"types": "a"}),
+            (r"scales\[0\]", {"scales": [-1]}),
+            (r"scales\[0\]", {"scales": [numpy.nan]}),
+            (r"scales\[0\]", {"scales": [1e-50]}),
+            ("scales", {"scales": [1j]}),
+            ("scales", {"scales": [[1]]}),
+            ("poses", {"poses": None}),
+            ("poses", {"poses": "abc"}),
+            ("poses", {"poses": numpy.eye(4)}),
+            ("poses", {"poses": at((0, 0, 0)).astype(complex)}),
+            (r"poses\[0\]", {"poses": [[1, 2]]}),
+            (r"poses\[0\]", {"poses": [[[1, 2], [3]]]}),
+            (r"poses\[0\]", {"poses": ["a"]}),
+        ]:
+            with self.subTest(given=given), self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*found "):
+                culler.step(**{"poses": at((0, 0, 0)), **given})
+        self.assertEqual(culler.frame, 0)
+        culler.step(at((0, 0, 0)), ids=[3.0], types=numpy.array([0], dtype=numpy.uint8), scales=[True])
+        for where, options in [
+            ("near", {"near": "a"}),
+            ("body_near", {"body_near": "a"}),
+            ("body_near", {"body_near": -1}),
+            ("body_near", {"body_near": numpy.nan}),
+            ("step_s", {"step_s": 0}),
+            ("step_s", {"step_s": numpy.inf}),
+            ("threads", {"threads": 0}),
+            ("part_volume", {"part_volume": "ordop25"}),
+            ("part_volume", {"part_volume": "hand: obb"}),
+            ("part_volume", {"part_volume": "part: ordop25"}),
+            ("pair_search", {"pair_search": "tree"}),
+        ]:
+            with self.subTest(options=options), self.assertRaisesRegex((throng.InputError, TypeError), f"^{where}: expected .*found "):
+                self.culler(**options)
+        for parts, where in [
+            ("mesh.tri", "parts"),
+            (3, "parts"),
+            ([3], r"parts\[0\]"),
+            ([[[0, 0]]], r"parts\[0\]"),
+            ([[["a", "b", "c"]]], r"parts\[0\]"),
+            ([(BOX, [[0, 1, 2.5]])], r"parts\[0\]"),
+            ([(BOX, [[0, 1]])], r"parts\[0\]"),
+            ([(BOX, [[0, 1, -1]])], r"parts\[0\]"),
+            ([BOX * 1e300], r"parts\[0\]"),
+        ]:
+            with self.subTest(parts=parts), self.assertRaisesRegex(throng.InputError, f"^{where}.*: expected .*found "):
+                throng.Body(parts)
+        with self.assertRaisesRegex(throng.InputError, "^names: expected a name a part, 1, found"):
+            throng.Body([BOX], names=["a", "b"])
+
+    def test_may_have_another_volume_for_each_part(self):
+        corners = numpy.array([(x, y, z) for x in (-1, 1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)])
+        body = throng.Body([corners, corners], names=["left_hand", "trunk"])
+        places = at((0, 0, 0), (50, 0, 0), (-0.6, 0.6, 0), (49.4, 0.6, 0))
+        places[:, 0, :2, :2] = numpy.array([(1, -1), (1, 1)]) / 2**0.5  # so that their upright boxes overlap
+        places = places.reshape(2, 2, 4, 4)
+        for volume, parts in [("sphere", {0, 1}), ("obb", set()), ("hand: obb, default: sphere", {1}),
+                              ("hand: sphere, trunk: obb", {0})]:
+            with self.subTest(volume=volume):
+                culler = throng.Culler(body, part_volume=volume)
+                culler.step(places)
+                self.assertEqual({pair[2] for pair in key(culler.pairs)}, parts)
+                self.assertEqual({pair[3] for pair in key(culler.pairs)}, parts)
+        self.assertIsNotNone(throng.Culler(throng.Model("adult"), part_volume="hand: obb, default: sphere"))
+
+    def test_and_their_tables_can_be_pickled(self):
+        body = pickle.loads(pickle.dumps(throng.Body([(BOX, BOX_TRIANGLES)], names=["cube"])))
+        culler = throng.Culler(body, exact=True, near=3)
+        culler.step(at((0, 0, 0), (0.5, 0, 0), (2, 0, 0)))
+        for table in (culler.pairs, culler.events, culler.contacts, culler.near):
+            again = pickle.loads(pickle.dumps(table))
+            self.assertSameTable(again, table)
+            self.assertEqual(again.to_pandas().part_a_name[0], "cube")
+
+    def test_become_data_frames_with_their_points(self):
+        culler = self.culler(exact=True, near=3, body_near=3)
+        culler.step(at((0, 0, 0), (2, 0, 0)))
+        for table in (culler.near, culler.near_bodies):
+            frame = table.to_pandas()
+            self.assertEqual(len(frame), 1)
+            for name in ("a_x_m", "a_y_m", "a_z_m", "b_x_m", "normal_x", "normal_y", "normal_z", "lo_m", "part_a_name"):
+                self.assertIn(name, frame.columns)
+            self.assertEqual(frame.b_x_m[0], table["b_m"][0, 0])
+        culler = self.culler(exact=True, contact_points=True)
+        culler.step(at((0, 0, 0), (0.75, 0, 0)))
+        frame = culler.contact_points.to_pandas()
+        numpy.testing.assert_array_equal(frame[["point_x_m", "point_y_m", "point_z_m"]], culler.contact_points["point_m"])
+        numpy.testing.assert_array_equal(frame[["direction_x", "direction_y", "direction_z"]], culler.contact_points["direction"])
 
     def test_may_be_culled_while_others_run_python(self):
         culler = self.culler()

@@ -1,5 +1,6 @@
 """Kinematics in batches agree with the chain of joints, one by one."""
 
+import pickle
 import unittest
 import xml.etree.ElementTree
 
@@ -82,7 +83,43 @@ class Kinematics(Case):
                 self.arm.poses(joints, **options)
 
 
+    def test_refuse_in_words_what_is_no_number(self):
+        for joints, options, where in [
+            ("abc", {}, "joints"),
+            (None, {}, "joints"),
+            ([[1], [1, 2]], {}, "joints"),
+            (numpy.zeros((1, 2), dtype=complex), {}, "joints"),
+            (numpy.full((1, 2), 1e300), {}, "joints"),
+            (numpy.zeros((1, 2, 1)), {}, "joints"),
+            (numpy.zeros((1, 2)), {"positions_m": "a"}, "positions_m"),
+            (numpy.zeros((1, 2)), {"rotations_xyzw": [0, 0, 0, 1]}, "rotations_xyzw"),
+            (numpy.zeros((1, 2)), {"scales": ["large"]}, "scales"),
+            (numpy.zeros((1, 2)), {"scales": 1}, "scales"),
+        ]:
+            with self.subTest(joints=joints, **options), self.assertRaisesRegex(throng.InputError, f"^{where}: expected "):
+                self.arm.poses(joints, **options)
+        for part in (-1, 0.5, "hand", None):
+            with self.subTest(part=part), self.assertRaisesRegex(throng.InputError, "^part: expected a whole number"):
+                self.arm.vertices_m(part)
+
+    def test_are_the_same_in_another_process(self):
+        again = pickle.loads(pickle.dumps(self.arm))
+        self.assertEqual((again.name, again.joint_names, again.part_names), ("arm", ["shoulder", "slide"], self.arm.part_names))
+        self.assertEqual(pickle.loads(pickle.dumps(throng.Model("adult"))).name, throng.Model("adult").name)
+
+
 class Models(Case):
+    def test_say_what_a_urdf_leaves_open(self):
+        file = self.folder / "robot_description.xml"
+        file.write_text(ARM.replace('<limit lower="-2" upper="2" effort="1" velocity="1"/>', "").replace('name="arm"', 'name=""'))
+        model = throng.Model(file)
+        self.assertEqual(model.name, "robot_description")
+        self.assertRegex("".join(model.notes), "revolute joints without <limit>.*'shoulder'")
+        self.assertEqual(throng.Model("adult").notes, [])
+        for urdf in (3, None, b"nowhere.urdf", ""):
+            with self.subTest(urdf=urdf), self.assertRaises(throng.InputError):
+                throng.Model(urdf)
+
     def test_have_the_joints_parts_and_meshes_of_the_urdf(self):
         adult = throng.Model("adult")
         tree = xml.etree.ElementTree.parse(SOURCES / "avatars/models/adult/adult.urdf").getroot()

@@ -1,6 +1,8 @@
 """A run from Python is the command's run, in arrays."""
 
+import copy
 import json
+import pickle
 import sqlite3
 import subprocess
 import sys
@@ -138,6 +140,26 @@ class Runs(Case):
         self.assertEqual(frame.part_a_name[0], run.names.parts[0][frame.part_a[0]])
         self.assertEqual(len(run.people.to_pandas()), 500)
 
+    def test_can_be_pickled_with_all_their_names(self):
+        run = throng.run("plaza", seconds=0.5)
+        for again in (pickle.loads(pickle.dumps(run)), copy.deepcopy(run)):
+            self.assertEqual((again.hash, again.run_id, again.summary, again.notes), (run.hash, run.run_id, run.summary, run.notes))
+            for name in ("people", "events", "contacts", "trajectories", "counters"):
+                self.assertSameTable(getattr(again, name), getattr(run, name))
+            self.assertEqual(again.names.parts, run.names.parts)
+            numpy.testing.assert_array_equal(
+                again.names.part(again.contacts["a"], again.contacts["part_a"]),
+                run.names.part(run.contacts["a"], run.contacts["part_a"]),
+            )
+            self.assertEqual(repr(again), repr(run))
+        for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
+            for table in (run.people, run.events[:10], run.contacts):
+                again = pickle.loads(pickle.dumps(table, protocol))
+                self.assertIsInstance(again, throng.Table)
+                self.assertSameTable(again, table)
+                self.assertEqual(list(again.to_pandas().columns), list(table.to_pandas().columns))
+                self.assertTrue((again.to_pandas() == table.to_pandas()).all(axis=None) or table is run.contacts)
+
     def test_tell_how_far_they_are(self):
         told = []
         run = throng.run("plaza", seconds=20 / SLOWNESS, progress=lambda done, frames: told.append((done, frames)))
@@ -155,8 +177,9 @@ class Runs(Case):
 
 INTERRUPTED = """
 import signal, sys, time, threading, os
-import throng
+import numpy, throng
 throng.run, throng.Simulation  # loads what is loaded when it is wanted
+adult = throng.Model("adult")
 def interrupt():
     time.sleep({after_s})
     print(time.monotonic(), flush=True)
@@ -167,6 +190,12 @@ try:
 except KeyboardInterrupt:
     print(time.monotonic(), flush=True)
 """
+
+
+CROWDED = (
+    "random = numpy.random.default_rng(1); points = random.normal(size=(60, 3));"
+    "culler = throng.Culler(throng.Body([points]), threads=1); poses = numpy.tile(numpy.eye(4), (3000, 1, 1, 1))"
+)
 
 
 class CtrlC(Case):
@@ -184,9 +213,34 @@ class CtrlC(Case):
             ("throng.run('plaza', seconds=36000)", 2.5 * SLOWNESS),
             ("for frame in throng.Simulation('plaza', seconds=36000): pass", 2.5 * SLOWNESS),
             ("throng.Simulation('city_square', avatars=100000)", 0.3),
+            ("throng.compare('plaza', 'plaza', seconds=3600)", 2.5 * SLOWNESS),
+            # Steps of many seconds: what they began ends by itself, or with the process.
+            (CROWDED + "; [culler.step(poses) for _ in range(1000)]", 2.5 * SLOWNESS),
+            ("[_ for _ in throng.Simulation('plaza', seconds=36000, exact=True, near=2, threads=1)]", 2.5 * SLOWNESS),
+            ("joints = numpy.zeros((10**6, adult.joint_count)); [adult.poses(joints) for _ in range(100)]", 2.5 * SLOWNESS),
         ]:
             with self.subTest(work=work):
                 self.assertLess(self.seconds_to_stop(work, after_s), 0.5 * SLOWNESS)
+
+    def test_leaves_a_culler_that_is_busy_until_its_step_is_over(self):
+        code = CROWDED.replace("3000", "400") + """
+import os, signal, threading, time
+threading.Timer(0.05, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    culler.step(poses); time.sleep(1)
+except KeyboardInterrupt:
+    pass
+while True:
+    try:
+        pairs = len(culler.pairs)
+        break
+    except RuntimeError as error:
+        assert "interrupted" in str(error), error
+        time.sleep(0.01)
+print(culler.frame, pairs, len(culler.step(poses)))
+"""
+        done = subprocess.run([sys.executable, "-c", "import numpy, throng; " + code], capture_output=True, text=True)
+        self.assertEqual(done.stdout.split(), ["1", str(400 * 399 // 2), "0"], done.stderr)
 
     def test_leaves_a_sound_log(self):
         self.seconds_to_stop("throng.run('plaza', seconds=36000, log='stopped.lcmlog')", 2.5 * SLOWNESS)

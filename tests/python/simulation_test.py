@@ -6,7 +6,7 @@ import unittest
 
 import numpy
 import throng
-from expectations import SOURCES, Case
+from expectations import SOURCES, Case, command_hash
 
 DRIVEN = """name: driven robot
 ground: {{min_m: [-8, -8], max_m: [8, 8]}}
@@ -100,6 +100,107 @@ class Steps(Case):
         simulation = throng.Simulation("corridor")
         with self.assertRaises(throng.InputError):
             simulation.drive(0, (0, 0, 0))
+
+    def test_drive_nowhere_that_is_no_place(self):
+        scene = self.folder / "robot.yaml"
+        scene.write_text(DRIVEN.format(model=SOURCES / "examples/picker.urdf"))
+        simulation = throng.Simulation(scene)
+        before = simulation.step().positions_m.copy()
+        nan, inf = float("nan"), float("inf")
+        joints = throng.Model(SOURCES / "examples/picker.urdf").joint_count
+        for where, given in [
+            ("position_m", {"position_m": (nan, 0, 0)}),
+            ("position_m", {"position_m": (0, inf, 0)}),
+            ("position_m", {"position_m": (0, 0)}),
+            ("position_m", {"position_m": "abc"}),
+            ("rotation_xyzw", {"rotation_xyzw": (0, 0, 0, 0)}),
+            ("rotation_xyzw", {"rotation_xyzw": (0, 0, 1e-9, 0)}),
+            ("rotation_xyzw", {"rotation_xyzw": (0, 0, nan, 1)}),
+            ("rotation_xyzw", {"rotation_xyzw": (0, 0, -inf, 1)}),
+            ("rotation_xyzw", {"rotation_xyzw": (0, 0, 1)}),
+            ("joints", {"joints": [nan] * joints}),
+            ("joints", {"joints": [0.1] * (joints + 1)}),
+            ("joints", {"joints": ["a"] * joints}),
+            ("velocity_mps", {"velocity_mps": (nan, 0)}),
+            ("velocity_mps", {"velocity_mps": (0, 0, 0)}),
+            ("velocity_mps", {"velocity_mps": (1j, 0)}),
+            ("avatar", {"avatar": -1}),
+            ("avatar", {"avatar": 1}),
+            ("avatar", {"avatar": 0.5}),
+            ("avatar", {"avatar": "robot"}),
+        ]:
+            with self.subTest(given=given), self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*found "):
+                simulation.drive(**{"avatar": 0, "position_m": (0, 0, 0), **given})
+        numpy.testing.assert_array_equal(simulation.step().positions_m, before)
+        self.assertEqual(simulation.drive(0, (1, 0, 0), (0, 0, 1e300, 1e300)), 0)
+        rotation = simulation.step().rotations_xyzw[0]
+        numpy.testing.assert_allclose(rotation, (0, 0, 0.5**0.5, 0.5**0.5), atol=1e-6)
+
+    def test_do_not_go_on_where_another_run_was_saved(self):
+        options = dict(avatars=60, seed=3, steering="speed", part_volume="ordop18", exact=False)
+        saved = throng.Simulation("plaza", **options)
+        for _ in range(3):
+            saved.step()
+        state = saved.save()
+        for other in (
+            {"seed": 4},
+            {"avatars": 61},
+            {"steering": "orca"},
+            {"part_volume": "obb"},
+            {"part_volume": "hands: sphere, default: ordop18"},
+            {"exact": True},
+            {"between": "people: obstacles"},
+            {"parts": "hands: head"},
+            {"near": 0.1},
+            {"person_near": 0.1},
+            {"deadline_tests": 1000},
+            {"strategy": "two-pass"},
+            {"culling": False},
+        ):
+            with self.subTest(other=other), self.assertRaisesRegex(throng.InputError, "^state: expected .* this run"):
+                throng.Simulation("plaza", **{**options, **other}).resume(state)
+        with self.assertRaisesRegex(throng.InputError, "this run"):
+            throng.Simulation("corridor").resume(state)
+        for damaged in (state[:-1], state[:100], state[:200] + bytes([state[200] ^ 1]) + state[201:], b"", None, "a"):
+            with self.subTest(damaged=damaged and len(damaged)), self.assertRaisesRegex(throng.InputError, "^state: "):
+                throng.Simulation("plaza", **options).resume(damaged)
+        for same in ({"threads": 2}, {"pair_search": "sweep"}, {"simd": "scalar"}, {"postures": False}, {"seconds": 99}):
+            simulation = throng.Simulation("plaza", **{**options, **same})
+            simulation.resume(bytearray(state))
+            self.assertEqual(simulation.next_frame, 3)
+
+    def test_save_what_the_command_resumes(self):
+        simulation = throng.Simulation("corridor", seed=5)
+        for _ in range(6):
+            simulation.step()
+        (self.folder / "six.checkpoint").write_bytes(simulation.save())
+        words = ["--seed", 5, "--seconds", 0.2, "--resume", "six.checkpoint"]
+        self.assertEqual(command_hash("corridor", *words, folder=self.folder), command_hash("corridor", *words[:4], folder=self.folder))
+
+    def test_have_no_table_of_what_they_do_not_look_for(self):
+        frame = throng.Simulation("corridor", exact=True).step()
+        for name, option in (("near", "near=M"), ("near_people", "person_near=M"), ("contact_points", "contact_points=True")):
+            with self.subTest(name=name), self.assertRaisesRegex(RuntimeError, option):
+                getattr(frame, name)
+        near = throng.Simulation("corridor", near=0.2).step()
+        self.assertGreaterEqual(len(near.near), 0)
+        with self.assertRaisesRegex(RuntimeError, "person_near"):
+            near.near_people
+
+    def test_take_no_file_to_write(self):
+        for option in ({"log": "a.lcmlog"}, {"html": "a.html"}, {"trajectory": "a.csv"}, {"states_hz": 3}):
+            with self.subTest(option=option), self.assertRaisesRegex(throng.InputError, f"^{list(option)[0]}: expected "):
+                throng.Simulation("corridor", **option)
+
+    def test_pose_nobody_who_is_not_there(self):
+        frame = throng.Simulation("corridor", avatars=10).step()
+        for people in ([-1], [0.5], ["a"], [[1]], [numpy.nan], [2**70]):
+            with self.subTest(people=people), self.assertRaisesRegex(throng.InputError, "^people"):
+                frame.part_poses(people)
+        with self.assertRaisesRegex(IndexError, "below 10, found 10"):
+            frame.part_poses([10])
+        self.assertEqual(frame.part_poses(numpy.array([3.0, 4])).shape[0], 2)
+        self.assertEqual(frame.part_poses(i for i in (1, 2)).shape[0], 2)
 
 
 class Arrays(Case):

@@ -45,6 +45,18 @@ class Stubs(Case):
             public = {member for member in vars(real) if not member.startswith("_")}
             self.assertLessEqual(public, stubbed, name)
 
+    def test_call_the_classes_of_messages_classes(self):
+        classes = {name for name in vars(throng) if name.endswith("_t")}
+        self.assertIn("events_t", classes)
+        stubbed = {
+            alias.asname: (node.module, node.level, alias.name)
+            for node in STUBS.body if isinstance(node, ast.ImportFrom) and node.level for alias in node.names
+        }
+        # `import name as name` of a stub says that it has the name itself, and not the module of that name.
+        self.assertEqual(stubbed, {name: (name, 1, name) for name in classes})
+        self.assertTrue(all(inspect.isclass(getattr(throng, name)) for name in classes))
+        self.assertNotIn("__getattr__", self.named)  # which would take any name, misspelt or not
+
     def test_come_with_docstrings(self):
         for name in throng.__all__:
             self.assertTrue(inspect.getdoc(getattr(throng, name)), name)
@@ -57,6 +69,15 @@ class Messages(Case):
 
         code = "from throng import events_t, run_t; import sys; events_t._get_packed_fingerprint(); assert 'numpy' not in sys.modules"
         subprocess.run([sys.executable, "-c", code], check=True)
+
+    def test_are_not_all_that_there_is_so_that_numpy_has_to_be_there(self):
+        import subprocess
+        import sys
+
+        code = "import sys; sys.modules['numpy'] = None; import throng"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr.splitlines()[-1], "^ImportError: throng needs numpy")
 
 
 if __name__ == "__main__":
