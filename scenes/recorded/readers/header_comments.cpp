@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <utility>
+#include <vector>
 
 #include "base/text.h"
 #include "scenes/recorded/readers/column_name.h"
@@ -12,6 +14,9 @@
 
 namespace throng {
 namespace {
+
+/// Of "unit of length": prose is longer.
+constexpr size_t kLongestSubject = 24;
 
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -194,31 +199,40 @@ void HeaderComments::read_units(const std::string& text, int64_t number) {
     const std::string unit = unit_in_description(text, Quantity::kLength);
     if (unit_named(unit)) return units_.state_all(unit, source, number);
   }
-  size_t at = text.find("unit");
+  const size_t at = text.find("unit");
   if (at == std::string::npos || (at > 0 && is_letter(text[at - 1]))) return;
-  const std::string_view before = trimmed(std::string_view(text).substr(0, at));
   std::string_view rest = std::string_view(text).substr(at + 4);
   if (rest.starts_with('s')) rest.remove_prefix(1);
-  rest = trimmed(rest);
   const size_t sign = rest.find_first_of(":=");
-  if (sign == std::string_view::npos || (sign > 0 && !rest.starts_with("of "))) return;
-  const std::string_view subject = sign > 0 ? trimmed(rest.substr(3, sign - 3)) : before;
-  std::string list(trimmed(rest.substr(sign + 1)));
+  std::string_view subject = trimmed(rest.substr(0, sign)), list;
+  if (sign != std::string_view::npos)
+    list = trimmed(rest.substr(sign + 1));
+  else if (at == 0 && unit_named(bare_unit(rest)))
+    list = std::exchange(subject, "");  // "unit (cm)"
+  if (list.empty() || subject.size() > kLongestSubject) return;
+  // What the unit is of stands before it or behind: "length unit", "unit of length".
+  if (subject.starts_with("of ")) subject.remove_prefix(3);
+  if (subject.empty()) subject = trimmed(std::string_view(text).substr(0, at));
+  while (subject.starts_with('_')) subject.remove_prefix(1);
   // Others may be units of what is not read.
   const bool is_about_lengths = subject.empty() || is_about_positions(subject);
-  std::replace_if(
-      list.begin(), list.end(), [](char c) { return c == ',' || c == ';'; }, '\n');
-  for (std::string_view left = list; !left.empty();) {
-    const size_t end = left.find('\n');
-    const std::string unit = bare_unit(left.substr(0, end));
-    left.remove_prefix(end == std::string_view::npos ? left.size() : end + 1);
+  while (!list.empty()) {
+    const size_t end = list.find_first_of(",;");
+    const std::string unit = bare_unit(list.substr(0, end));
+    list.remove_prefix(end == std::string_view::npos ? list.size() : end + 1);
+    // Another statement: "unit: cm, fps: 25".
+    if (unit.find_first_of(":=") != std::string::npos) return;
     if (!unit.empty() && (is_about_lengths || unit_named(unit)))
       units_.state_all(unit, source, number);
   }
 }
 
 void HeaderComments::read(std::string_view line, int64_t number) {
-  const std::string text = lower(content_of(line));
+  // JSON says it in quotes and braces.
+  std::string text = lower(content_of(line));
+  std::erase(text, '"');
+  if (text.starts_with('{') && text.ends_with('}')) text = text.substr(1, text.size() - 2);
+  text = std::string(trimmed(text));
   if (text.empty()) return;
   read_rate(text, number);
   // Capitals tell words apart: "xCm".

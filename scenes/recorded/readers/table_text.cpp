@@ -220,9 +220,8 @@ class Rows final : public LineTaker {
     if (!scales_.has_heading && std::abs(value) > kWidestHeading_rad)
       builder_.refuse(
           line,
-          fmt::format("headings from -2 pi to 2 pi rad in the column '{}', which has no "
-                      "unit",
-                      names_[columns_[ColumnRole::kHeading]]),
+          fmt::format("headings from -2 pi to 2 pi rad in the column {}, which has no unit",
+                      in_quotes(names_[columns_[ColumnRole::kHeading]])),
           fmt::format("{}; --heading-unit deg or rad says what they are in",
                       in_quotes(text(ColumnRole::kHeading))));
     return static_cast<float>(scales_.heading.si(value));

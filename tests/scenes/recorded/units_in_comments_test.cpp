@@ -34,6 +34,14 @@ TEST_F(UnitsInComments, CommentsStateThem) {
         "# unit: cm\n",
         "# units: [cm]\n",
         "# unit of length: cm\n",
+        "# unit (cm)\n",
+        "# units [cm]\n",
+        "# unit_length: cm\n",
+        "# length_unit: cm\n",
+        "# {\"fps\": 25, \"unit\": \"cm\"}\n",
+        "# {\"unit\": \"cm\", \"fps\": 25}\n",
+        "# unit cm\n",
+        "# Unit = centimetres\n",
         "# length unit = cm\n",
         "#X,Y,Z: the agents coordinates (in centimetres)\n#ID\tFR\tX\tY\tZ\n",
         "# x, y, z: positions of heads [cm]\n",
@@ -69,9 +77,10 @@ TEST_F(UnitsInComments, CommentsStateThem) {
   EXPECT_THAT(refusal("# framerate: 25\n# unit: m\n# id frame x/cm y/cm\n" + rows),
               AllOf(StartsWith("recording:3: "), HasSubstr("m for x"), HasSubstr("'cm'")));
   // Prose states nothing.
-  for (const char* comments : {"# x y and frame of each id, in the world frame\n",
-                               "#ANGLE: orientation of the ellipse (in degrees)\n",
-                               "# made in a unit test [v2]\n", "# positions (of heads)\n"})
+  for (const char* comments :
+       {"# x y and frame of each id, in the world frame\n",
+        "#ANGLE: orientation of the ellipse (in degrees)\n", "# made in a unit test [v2]\n",
+        "# unit tests: 5\n", "# positions (of heads)\n"})
     EXPECT_THAT(refusal(std::string("# framerate: 25\n") + comments + rows), HasSubstr("--unit cm"))
         << comments;
 }
