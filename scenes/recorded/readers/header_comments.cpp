@@ -47,13 +47,29 @@ std::string unit_at_end(std::string_view text) {
   return unit_named(unit) ? unit : "";
 }
 
-/// True for the words that positions as a whole are called by.
-bool is_about_positions(std::string_view text) {
+/// What a description is about as a whole; none if it is about something else.
+std::optional<Quantity> subject_of(std::string_view text) {
   for (const std::string_view article : {"all ", "the "})
     if (text.starts_with(article)) text = trimmed(text.substr(article.size()));
-  for (const std::string_view word : {"coordinate", "position", "length"})
-    if (text.starts_with(word)) return true;
-  return false;
+  for (const std::string_view word :
+       {"coordinate", "position", "length", "trajector", "data", "value", "distance"})
+    if (text.starts_with(word)) return Quantity::kLength;
+  return text.starts_with("time") ? std::optional(Quantity::kTime) : std::nullopt;
+}
+
+/// Calls `take` for each of the statements in a line: "x in cm, y in m".
+template <typename Take>
+void for_each_clause(std::string_view text, const Take& take) {
+  while (!text.empty()) {
+    size_t end = text.size(), next = text.size();
+    for (const std::string_view sign : {", ", ";", " and "})
+      if (const size_t at = text.find(sign); at < end) {
+        end = at;
+        next = at + sign.size();
+      }
+    if (const std::string_view clause = trimmed(text.substr(0, end)); !clause.empty()) take(clause);
+    text.remove_prefix(next);
+  }
 }
 
 /// Roles of "x,y,z", "X and Y"; empty if a word of it is none.
@@ -65,6 +81,11 @@ std::vector<ColumnRole> roles_of(std::string_view list) {
   std::vector<ColumnRole> out;
   for (const std::string_view word : words_of(words)) {
     if (word == "and") continue;
+    if (word == "xyz" || word == "xy") {
+      out = {ColumnRole::kX, ColumnRole::kY};
+      if (word == "xyz") out.push_back(ColumnRole::kZ);
+      continue;
+    }
     const std::optional<ColumnRole> role = role_named(word);
     // "X,Y,v" describes speeds as well.
     if (role)
@@ -97,7 +118,9 @@ std::string unit_in_description(std::string_view text, Quantity quantity) {
       return unit;
     // Prose stands in round brackets as well.
     const bool is_meant = text[at] == '[' || lower(whole).starts_with("in ");
-    if (is_meant && has_one_word(unit) && unknown.empty()) unknown = unit;
+    // "[1]" is a reference.
+    const bool has_letter = std::any_of(unit.begin(), unit.end(), is_letter);
+    if (is_meant && has_letter && has_one_word(unit) && unknown.empty()) unknown = unit;
   }
   return unknown.empty() ? unit_at_end(text) : unknown;
 }
@@ -177,31 +200,37 @@ void HeaderComments::read_names(std::string_view text, int64_t number) {
   names_line_ = number;
 }
 
-/// "X,Y,Z: the agents coordinates (in metres)", "COORDCENTX: coordinate of the centre [m]".
+/// "X,Y,Z: the agents coordinates (in metres)", "COORDCENTX: coordinate of the centre [m]", "x in
+/// cm".
 void HeaderComments::read_description(std::string_view text, int64_t number) {
-  const size_t colon = text.find(':');
-  std::vector<ColumnRole> roles;
-  if (colon != std::string_view::npos) roles = roles_of(text.substr(0, colon));
-  // "x, y in cm"
-  if (colon == std::string_view::npos)
-    if (const size_t in = text.rfind(" in "); in != std::string_view::npos)
-      roles = roles_of(text.substr(0, in));
-  for (const ColumnRole role : roles)
+  const size_t colon = text.find_first_of(":=");
+  const size_t end = colon != std::string_view::npos
+                         ? colon
+                         : std::min(text.find_first_of(kOpeningBrackets), text.rfind(" in "));
+  if (end == std::string_view::npos) return;
+  const std::string source = "the comment " + in_quotes(text);
+  const auto unit_of = [&](Quantity quantity) {
+    const std::string rest = bare_unit(text.substr(std::min(end + 1, text.size())));
+    const bool is_unit = colon != std::string_view::npos ? unit_named(rest).has_value()
+                                                         : text[end] == ' ' && has_one_word(rest);
+    return is_unit ? rest : unit_in_description(text, quantity);
+  };
+  for (const ColumnRole role : roles_of(text.substr(0, end)))
     if (const std::optional<Quantity> quantity = quantity_of(role))
-      units_.state(role, unit_in_description(text, *quantity), "the comment " + in_quotes(text),
-                   number);
+      units_.state(role, unit_of(*quantity), source, number);
+  if (const std::optional<Quantity> quantity = subject_of(text)) {
+    const std::string unit = unit_of(*quantity);
+    const std::optional<Unit> found = unit_named(unit);
+    if (found && found->quantity == *quantity) units_.state_all(unit, source, number);
+  }
 }
 
-/// "unit: cm", "units: m, s", "length unit = m", "all coordinates in cm".
-void HeaderComments::read_units(const std::string& text, int64_t number) {
+/// "unit: cm", "units: m, s", "length unit = m".
+void HeaderComments::read_units(std::string_view text, int64_t number) {
   const std::string source = "the comment " + in_quotes(text);
-  if (is_about_positions(text)) {
-    const std::string unit = unit_in_description(text, Quantity::kLength);
-    if (unit_named(unit)) return units_.state_all(unit, source, number);
-  }
   const size_t at = text.find("unit");
   if (at == std::string::npos || (at > 0 && is_letter(text[at - 1]))) return;
-  std::string_view rest = std::string_view(text).substr(at + 4);
+  std::string_view rest = text.substr(at + 4);
   if (rest.starts_with('s')) rest.remove_prefix(1);
   const size_t sign = rest.find_first_of(":=");
   std::string_view subject = trimmed(rest.substr(0, sign)), list;
@@ -212,10 +241,10 @@ void HeaderComments::read_units(const std::string& text, int64_t number) {
   if (list.empty() || subject.size() > kLongestSubject) return;
   // What the unit is of stands before it or behind: "length unit", "unit of length".
   if (subject.starts_with("of ")) subject.remove_prefix(3);
-  if (subject.empty()) subject = trimmed(std::string_view(text).substr(0, at));
+  if (subject.empty()) subject = trimmed(text.substr(0, at));
   while (subject.starts_with('_')) subject.remove_prefix(1);
   // Others may be units of what is not read.
-  const bool is_about_lengths = subject.empty() || is_about_positions(subject);
+  const bool is_about_lengths = subject.empty() || subject_of(subject) == Quantity::kLength;
   while (!list.empty()) {
     const size_t end = list.find_first_of(",;");
     const std::string unit = bare_unit(list.substr(0, end));
@@ -238,8 +267,13 @@ void HeaderComments::read(std::string_view line, int64_t number) {
   // Capitals tell words apart: "xCm".
   read_names(content_of(line), number);
   if (names_line_ == number && !names_.empty()) return;
-  read_description(text, number);
-  read_units(text, number);
+  const auto read_statement = [&](std::string_view statement) {
+    read_description(statement, number);
+    read_units(statement, number);
+  };
+  // "X, Y, Z: in cm" is one statement, "X: in cm, Y: in m" are two.
+  if (std::count(text.begin(), text.end(), ':') <= 1) read_statement(text);
+  for_each_clause(text, read_statement);
 }
 
 }  // namespace throng

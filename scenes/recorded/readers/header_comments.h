@@ -38,7 +38,7 @@ class HeaderComments {
   void add_rate(std::string_view text, int64_t number);
   void read_names(std::string_view text, int64_t number);
   void read_description(std::string_view text, int64_t number);
-  void read_units(const std::string& text, int64_t number);
+  void read_units(std::string_view text, int64_t number);
 
   std::optional<Rate> rate_;
   std::optional<Rate> other_rate_;  ///< stated as well, and not the same

@@ -33,6 +33,16 @@ TEST_F(UnitsInComments, CommentsStateThem) {
         "# id frame x / cm y / cm z / cm\n",
         "# unit: cm\n",
         "# units: [cm]\n",
+        "# x: cm, y: cm, z: cm\n",
+        "# x in cm, y in cm and z in cm\n",
+        "# coordinates: cm\n",
+        "# lengths in cm, times in s\n",
+        "# all values in cm\n",
+        "# x, y, z [cm]\n",
+        "#XYZ: coordinates (in cm)\n",
+        "# X: to the east (in cm); Y: to the north (in cm)\n",
+        "# x (cm), y (cm), z (cm)\n",
+        "# unit: cm, fps: 25\n",
         "# unit of length: cm\n",
         "# unit (cm)\n",
         "# units [cm]\n",
@@ -66,11 +76,16 @@ TEST_F(UnitsInComments, CommentsStateThem) {
               Eigen::Vector2d(300, 400))
         << comments;
   EXPECT_EQ(first_of("# framerate: 25\n# id frame x/cm y/m z/m\n" + rows), Eigen::Vector2d(3, 400));
+  for (const char* comments :
+       {"# x in cm, y in m\n", "# X: to the east (in cm), Y: to the north (in m)\n",
+        "# x: cm; y: m\n", "# x [cm] and y [m]\n", "# X: east [cm]\n# Y: north [m]\n"})
+    EXPECT_EQ(first_of(std::string("# framerate: 25\n") + comments + rows), Eigen::Vector2d(3, 400))
+        << comments;
   EXPECT_EQ(first_of("# framerate: 25\n# id frame x [in] y [in]\n" + rows),
             Eigen::Vector2d(300 * 0.0254, 400 * 0.0254));
-  for (const char* comments :
-       {"# id frame x/px y/px\n", "# id frame x [furlong] y [furlong]\n", "# unit: px\n",
-        "#X,Y,Z: coordinates (in pixels)\n", "# id frame x (in px) y (in px)\n"})
+  for (const char* comments : {"# id frame x/px y/px\n", "# id frame x [furlong] y [furlong]\n",
+                               "# unit: px\n", "#X,Y,Z: coordinates (in pixels)\n",
+                               "# x, y in furlongs\n", "# id frame x (in px) y (in px)\n"})
     EXPECT_THAT(refusal(std::string("# framerate: 25\n") + comments + rows),
                 AllOf(StartsWith("recording:2: expected a unit of length"), HasSubstr("--unit")))
         << comments;
