@@ -81,17 +81,11 @@ void complete_obstacle(Reading& reading, const Fields& fields, Obstacle& obstacl
   obstacle.centre_m.z() += is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
   const Rectangle& ground = reading.scene.ground;
   const std::vector<Eigen::Vector2d> footprint = footprint_of(obstacle);
-  const std::vector<Eigen::Vector2d> on_ground = clipped(footprint, ground);
-  if (on_ground.empty())
+  if (clipped(footprint, ground).empty())
     throw InputError(fields.where(),
                      fmt::format("obstacle '{}' on the ground ({})", obstacle.name, show(ground)),
                      fmt::format("all of it beside, {}; move it or make the ground larger",
                                  show(bounds_of(footprint))));
-  if (on_ground != footprint)
-    reading.scene.notes.push_back(
-        fmt::format("obstacle '{}' reaches over the edge of the ground: its footprint is cut off "
-                    "there, all of its mesh is tested for contacts",
-                    obstacle.name));
 }
 
 void add_mesh(Hasher& hash, const Obstacle& obstacle) {

@@ -1,5 +1,7 @@
 #include "scenes/file/scene_keys.h"
 
+#include <fmt/format.h>
+
 #include <iterator>
 
 #include "base/errors.h"
@@ -10,6 +12,7 @@
 #include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
+#include "scenes/file/shapes.h"
 
 namespace throng {
 namespace {
@@ -103,9 +106,32 @@ void read_groups(Reading& reading, Fields& fields, Scene& scene) {
   std::move(recorded.begin(), recorded.end(), std::back_inserter(scene.groups));
 }
 
+/// Of the obstacles from `first` on those that reach over the edge of the ground.
+void note_cut_obstacles(Scene& scene, size_t first) {
+  const Obstacle* first_cut = nullptr;
+  size_t count = 0;
+  for (size_t i = first; i < scene.obstacles.size(); ++i) {
+    const std::vector<Eigen::Vector2d> footprint = footprint_of(scene.obstacles[i]);
+    if (clipped(footprint, scene.ground) == footprint) continue;
+    if (count++ == 0) first_cut = &scene.obstacles[i];
+  }
+  if (count == 1)
+    scene.notes.push_back(
+        fmt::format("obstacle '{}' reaches over the edge of the ground: its footprint is cut off "
+                    "there, all of its mesh is tested for contacts",
+                    first_cut->name));
+  if (count > 1)
+    scene.notes.push_back(
+        fmt::format("{} obstacles reach over the edge of the ground, the first is '{}': their "
+                    "footprints are cut off there, all of their meshes are tested for contacts",
+                    count, first_cut->name));
+}
+
 void read_obstacles(Reading& reading, Fields& fields, Scene& scene) {
   expect_at_most(kMaxObstacles, "obstacles", fields);
+  const size_t first = scene.obstacles.size();
   read_items(obstacle_keys(), "obstacles", false, reading, fields, scene.obstacles);
+  note_cut_obstacles(scene, first);
   require_few(fields.where(), reading.people + static_cast<int64_t>(scene.obstacles.size()));
 }
 

@@ -387,6 +387,12 @@ TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
                 testing::HasSubstr("s.yaml:7: expected obstacle 'x' on the ground ([0, 0] to [20, "
                                    "10]), found all of it beside, "));
   EXPECT_EQ(with("position_m: [5000, 5], size_m: [10000, 1, 1]").notes.size(), 1u);
+  EXPECT_EQ(with("position_m: [0, 5], size_m: [1, 1, 1]}, {name: y, kind: cylinder, position_m: "
+                 "[9, 10], diameter_m: 1, height_m: 1")
+                .notes,
+            std::vector<std::string>{
+                "2 obstacles reach over the edge of the ground, the first is 'x': their footprints "
+                "are cut off there, all of their meshes are tested for contacts"});
 }
 
 TEST_F(SceneFile, WhatBlocksNobodyHangsOverTheTallest) {
