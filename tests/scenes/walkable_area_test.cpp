@@ -100,6 +100,16 @@ TEST(WalkableArea, PiecesThatNobodyFitsInDoNotCount) {
   EXPECT_EQ(trajectory_area(scene, {}).pieces, 1u);
 }
 
+TEST(WalkableArea, HoldsTheIslandInAHoleOfARecordingsArea) {
+  Scene scene = ground_of(5);
+  scene.area = {{{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}, {{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}}},
+                {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, {}}};
+  const auto area = walkable_area(scene);
+  ASSERT_EQ(area.size(), 2u);
+  EXPECT_NEAR(signed_area_m2(area[0].outline) + signed_area_m2(area[0].holes.at(0)), 48, 1e-3);
+  EXPECT_NEAR(signed_area_m2(area[1].outline), 4, 1e-3);
+}
+
 TEST(WalkableArea, OfACoveredGroundIsEmpty) {
   Scene scene = ground_of(1);
   scene.obstacles = {box(0, 0, 4, 4)};
