@@ -343,8 +343,8 @@ test('a run that comes over LCM is shown, and people move', async (t) => {
   await until(page, "document.querySelector('#notice').textContent.includes('Waiting')");
   const hint = await page.locator('#notice').innerText();
   assert.ok(hint.includes(`listening to ${lcm}`) && hint.includes(`--lcm '${lcm}'`), hint);
-  // LCM's own player sends the log at the speed of the run.
-  const run = spawn('lcm-logplayer', [`--lcm-url=${lcm}`, log], {stdio: 'ignore'});
+  // LCM's own player sends the log, slowly: the first picture of a busy machine takes seconds.
+  const run = spawn('lcm-logplayer', [`--lcm-url=${lcm}`, `--speed=0.3`, log], {stdio: 'ignore'});
   children.push(run);
   await until(page, 'window.throng.state().frame >= 0');
   const seen = await state(page);
