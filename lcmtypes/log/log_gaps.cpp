@@ -36,7 +36,11 @@ bool LogGaps::next(LogReader& log, LogEvent& event) {
 void LogGaps::note(const LogEvent& event) {
   const std::optional<Channel> channel = channel_of(event.channel);
   MessageHeader header;
-  if (!channel || !read_header(*channel, event.data, header).empty()) return;
+  if (!channel) return;
+  const bool has_header = read_header(*channel, event.data, header).empty();
+  if (has_header && *channel == Channel::kChecks) compare(event, header);
+  spans_.add(*channel, event, has_header ? &header : nullptr);
+  if (!has_header) return;
   if (!has_run_) {
     has_run_ = true;
     run_id_ = header.run_id;
@@ -48,6 +52,14 @@ void LogGaps::note(const LogEvent& event) {
   next_seq = std::max(next_seq, header.seq + 1);
   has_end_ = has_end_ || *channel == Channel::kEnd;
   if (*channel == Channel::kCounters) last_frame_ = std::max(last_frame_, header.frame);
+}
+
+/// With what the run says of the messages before.
+void LogGaps::compare(const LogEvent& event, const MessageHeader& header) {
+  checks_t said;
+  if (!decode(event.data, said).empty() || said.check_kind != kCheckKind) return;
+  damaged_spans_ += spans_.differences(said, event, header).size();
+  spans_.adopt(said, event);
 }
 
 std::string LogGaps::found_no_description() const {
@@ -76,6 +88,10 @@ std::string LogGaps::describe(double step_s) const {
   if (damaged_bytes_ > 0)
     add(fmt::format("The log is damaged: {} of it could not be read.",
                     counted(damaged_bytes_, "byte")));
+  if (damaged_spans_ > 0)
+    add(fmt::format(
+        "The log is damaged: {} not what was written; `throng check` names them.",
+        counted(damaged_spans_, "stretch of messages is", "stretches of messages are")));
   if (missing_ > 0) add(fmt::format("The log lacks {} of its run.", counted(missing_, "message")));
   return text;
 }

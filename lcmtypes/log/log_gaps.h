@@ -1,6 +1,6 @@
 // LogGaps reads the whole messages of a log and notes what of its run is missing.
 // Invariant: a log that it calls whole ends with the end of its run, and nothing lies before it
-// that is no message or whose number proves a message missing.
+// that is no message, is not what the checks say, or has a number that proves a message missing.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lcmtypes/codec/channels.h"
+#include "lcmtypes/log/check_spans.h"
 #include "lcmtypes/log/log_reader.h"
 
 namespace throng {
@@ -40,9 +41,12 @@ class LogGaps {
 
  private:
   void note(const LogEvent& event);
+  void compare(const LogEvent& event, const MessageHeader& header);
 
   bool is_torn_ = false, has_end_ = false, has_run_ = false;
   uint64_t damaged_bytes_ = 0;
+  CheckSpans spans_;
+  size_t damaged_spans_ = 0;
   int64_t missing_ = 0, last_frame_ = -1;
   int64_t run_id_ = 0, instance_ = 0;
   std::array<int64_t, kChannelCount> next_seq_{};

@@ -311,6 +311,23 @@ TEST_F(RecordedCrowd, GoesOnBehindATornLength) {
   EXPECT_EQ(head_of(*LogPlayer(index, geometry).frame(kFrames - 1)).frame, kFrames - 1);
 }
 
+TEST_F(RecordedCrowd, SaysThatAMessageIsNotWhatWasWritten) {
+  record({.avatars = 10, .pairs = 30});
+  std::vector<uint8_t> bytes = bytes_of(log_.path());
+  LogReader reader(log_.path());
+  LogEvent event;
+  while (reader.next(event) == LogReader::Status::kEvent &&
+         (event.offset < bytes.size() / 2 || event.channel != name_of(Channel::kStates)))
+    continue;
+  bytes[event.offset + event.bytes - 9] ^= 1;  // of a number: the message is read without a word
+  write_bytes(log_.path(), bytes);
+  LogIndex index(log_.path());
+  index.wait();
+  EXPECT_NE(index.problem().find("1 stretch of messages is not what was written"),
+            std::string::npos)
+      << index.problem();
+}
+
 TEST_F(RecordedCrowd, SaysWhatACutLogLacks) {
   record({.avatars = 10, .pairs = 30});
   const std::vector<uint8_t> sound = bytes_of(log_.path());
