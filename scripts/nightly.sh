@@ -37,11 +37,11 @@ generator() { # PROGRAM COUNT: a test program that makes its input up
   bash scripts/build.sh release throng "$1" && "build/release/$1" "$2"
 }
 
-no_miss() { # SEED: of parts alone, of people who walk, stand and give way, and of pairs within a margin
-  bash scripts/build.sh release no_miss no_miss_people no_miss_near && echo "seed $1" &&
+no_miss() { # SEED: of parts alone, of people who walk, stand and give way, of pairs within a margin, and of hulls
+  bash scripts/build.sh release no_miss no_miss_people no_miss_near odd_hulls_sweep && echo "seed $1" &&
     build/release/no_miss 10000000 "$1" && build/release/no_miss_people 10000000 "$1" touching &&
     build/release/no_miss_people 100000 "$1" &&
-    build/release/no_miss_near 2000000 "$1"
+    build/release/no_miss_near 2000000 "$1" && build/release/odd_hulls_sweep 100000 "$1"
 }
 
 outside() {

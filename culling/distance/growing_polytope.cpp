@@ -2,92 +2,159 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 
 namespace throng {
 namespace {
 
-/// A face lower than this share of the polytope's size has no plane worth the name.
-constexpr double kThin = 1e-10;
-/// What lies this share of the size above a plane may as well lie in it.
-constexpr double kRounding = 1e-13;
+__extension__ using Wide = __int128;
+
+/// Coordinates have this many bits: a difference one more, a product of two differences 80, their
+/// sums in a cross product 81 and those of its product with a third difference 123 of Wide's 127.
+constexpr int kBits = 39;
+
+struct Cross {
+  Wide x, y, z;
+};
+
+/// In units of the grid. Exact: all are whole numbers, and differences fit a double.
+std::array<int64_t, 3> whole(const Eigen::Vector3d& difference, double grid_m) {
+  return {static_cast<int64_t>(difference.x() / grid_m),
+          static_cast<int64_t>(difference.y() / grid_m),
+          static_cast<int64_t>(difference.z() / grid_m)};
+}
+
+Cross exact_cross(const std::array<int64_t, 3>& u, const std::array<int64_t, 3>& v) {
+  const auto at = [&](size_t i, size_t j) { return Wide{u[i]} * v[j] - Wide{u[j]} * v[i]; };
+  return {at(1, 2), at(2, 0), at(0, 1)};
+}
 
 }  // namespace
 
-void GrowingPolytope::start(const std::array<Eigen::Vector3d, 4>& corners) {
-  points_.assign(corners.begin(), corners.end());
+double GrowingPolytope::grid_m(double reach_m) {
+  assert(reach_m > 0 && std::isfinite(reach_m));
+  int exponent = 0;
+  std::frexp(reach_m, &exponent);
+  return std::ldexp(1.0, exponent - kBits);
+}
+
+void GrowingPolytope::start(const std::array<Eigen::Vector3d, 4>& corners, double reach_m) {
+  grid_m_ = grid_m(reach_m);
+  points_.clear();
+  for (const Eigen::Vector3d& corner : corners) points_.push_back(on_grid(corner, grid_m_));
   faces_.clear();
-  size_m_ = 0;
-  for (const Eigen::Vector3d& corner : corners)
-    size_m_ = std::max(size_m_, corner.cwiseAbs().maxCoeff());
-  if ((corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]) > 0)
+  distances_.clear();
+  seen_for_.clear();
+  free_.clear();
+  begins_at_.assign(4, 0);
+  put(0, 1, 2);
+  if (side(0, points_[3]) > 0) {
     std::swap(points_[1], points_[2]);
-  faces_ = {face(0, 1, 2), face(0, 2, 3), face(0, 3, 1), face(1, 3, 2)};
+    faces_.clear();
+    distances_.clear();
+    seen_for_.clear();
+    put(0, 1, 2);
+  }
+  assert(side(0, points_[3]) < 0 && "the four corners lie in a plane");
+  put(0, 2, 3);
+  put(0, 3, 1);
+  put(1, 3, 2);
+  faces_[0].neighbours = {2, 3, 1};
+  faces_[1].neighbours = {0, 3, 2};
+  faces_[2].neighbours = {1, 3, 0};
+  faces_[3].neighbours = {2, 1, 0};
 }
 
-GrowingPolytope::Face GrowingPolytope::face(uint32_t a, uint32_t b, uint32_t c) const {
-  const Eigen::Vector3d& p = points_[a];
-  const Eigen::Vector3d& q = points_[b];
-  const Eigen::Vector3d& r = points_[c];
-  Face out;
-  out.corners = {a, b, c};
-  const Eigen::Vector3d cross = (q - p).cross(r - p);
-  const double twice_area = cross.norm();
-  const double longest =
-      std::sqrt(std::max({(q - p).squaredNorm(), (r - p).squaredNorm(), (r - q).squaredNorm()}));
-  if (twice_area <= longest * kThin * size_m_) return out;
-  out.normal = cross / twice_area;
-  out.distance = std::max({out.normal.dot(p), out.normal.dot(q), out.normal.dot(r)});
-  return out;
+/// A face in a free slot, without its neighbours.
+uint32_t GrowingPolytope::put(uint32_t a, uint32_t b, uint32_t c) {
+  uint32_t slot;
+  if (free_.empty()) {
+    slot = static_cast<uint32_t>(faces_.size());
+    faces_.emplace_back();
+    distances_.emplace_back();
+    seen_for_.emplace_back();
+  } else {
+    slot = free_.back();
+    free_.pop_back();
+  }
+  Face& face = faces_[slot];
+  face.corners = {a, b, c};
+  const Eigen::Vector3d &p = points_[a], &q = points_[b], &r = points_[c];
+  const Cross cross = exact_cross(whole(q - p, grid_m_), whole(r - p, grid_m_));
+  face.cross = {static_cast<double>(cross.x), static_cast<double>(cross.y),
+                static_cast<double>(cross.z)};
+  face.normal = face.cross.normalized();
+  distances_[slot] = std::max({face.normal.dot(p), face.normal.dot(q), face.normal.dot(r)});
+  seen_for_[slot] = 0;
+  return slot;
 }
 
-void GrowingPolytope::remove(size_t index) {
-  const std::array<uint32_t, 3> corners = faces_[index].corners;
-  for (size_t i = 0; i < 3; ++i) removed_.push_back({corners[i], corners[(i + 1) % 3]});
-  faces_[index] = faces_.back();
-  faces_.pop_back();
+int GrowingPolytope::exact_side(const Face& face, const Eigen::Vector3d& on_grid) const {
+  const Eigen::Vector3d& p = points_[face.corners[0]];
+  const Cross cross = exact_cross(whole(points_[face.corners[1]] - p, grid_m_),
+                                  whole(points_[face.corners[2]] - p, grid_m_));
+  const std::array<int64_t, 3> d = whole(on_grid - p, grid_m_);
+  const Wide sum = cross.x * d[0] + cross.y * d[1] + cross.z * d[2];
+  return (sum > 0) - (sum < 0);
 }
 
-/// A thin face goes with any of its neighbours: left alone, it would be a fin.
-void GrowingPolytope::remove_thin_beside_removed() {
-  const auto is_beside_removed = [&](const Face& each) {
-    for (size_t i = 0; i < 3; ++i)
-      for (const Edge& edge : removed_)
-        if (edge.to == each.corners[i] && edge.from == each.corners[(i + 1) % 3]) return true;
-    return false;
-  };
-  for (size_t i = 0; i < faces_.size();) {
-    if (faces_[i].is_thin() && is_beside_removed(faces_[i])) {
-      remove(i);
-      i = 0;  // which may be another one's neighbour
-    } else {
-      ++i;
+/// All faces in front of which the point lies are connected, and the edges around them are a ring.
+void GrowingPolytope::find_horizon(const Eigen::Vector3d& point, uint32_t face) {
+  const auto number = static_cast<uint32_t>(points_.size());
+  removed_.assign(1, face);
+  seen_for_[face] = number;
+  horizon_.clear();
+  for (size_t next = 0; next < removed_.size(); ++next) {
+    const Face& seen = faces_[removed_[next]];
+    for (size_t i = 0; i < 3; ++i) {
+      const uint32_t beyond = seen.neighbours[i];
+      if (seen_for_[beyond] == number) continue;
+      if (side(beyond, point) > 0) {
+        seen_for_[beyond] = number;
+        removed_.push_back(beyond);
+      } else {
+        horizon_.push_back({seen.corners[i], seen.corners[(i + 1) % 3], beyond});
+      }
     }
   }
 }
 
-bool GrowingPolytope::add(const Eigen::Vector3d& point) {
-  size_m_ = std::max(size_m_, point.cwiseAbs().maxCoeff());
+bool GrowingPolytope::add(const Eigen::Vector3d& point, uint32_t face) {
+  const Eigen::Vector3d there = on_grid(point, grid_m_);
+  added_.clear();
   removed_.clear();
-  bool some_thin = false;
-  for (size_t i = 0; i < faces_.size();) {
-    const Face& each = faces_[i];
-    some_thin |= each.is_thin();
-    if (each.normal.dot(point) > each.distance + kRounding * size_m_)
-      remove(i);
-    else
-      ++i;
+  if (side(face, there) <= 0) return false;
+  find_horizon(there, face);
+  const auto number = static_cast<uint32_t>(points_.size());
+  points_.push_back(there);
+  begins_at_.push_back(0);
+  for (const uint32_t each : removed_) distances_[each] = kFree;
+  free_.insert(free_.end(), removed_.rbegin(), removed_.rend());
+  for (const Edge& edge : horizon_) {
+    const uint32_t slot = put(edge.from, edge.to, number);
+    added_.push_back(slot);
+    begins_at_[edge.from] = slot;
+    faces_[slot].neighbours[0] = edge.beyond;
+    Face& beyond = faces_[edge.beyond];
+    const size_t i = static_cast<size_t>(
+        std::find(beyond.corners.begin(), beyond.corners.end(), edge.to) - beyond.corners.begin());
+    assert(i < 3 && beyond.corners[(i + 1) % 3] == edge.from);
+    beyond.neighbours[i] = slot;
   }
-  if (removed_.empty()) return false;
-  if (some_thin) remove_thin_beside_removed();
-  const auto added = static_cast<uint32_t>(points_.size());
-  points_.push_back(point);
-  for (const Edge& edge : removed_) {
-    const bool is_inner = std::any_of(removed_.begin(), removed_.end(), [&](const Edge& other) {
-      return other.from == edge.to && other.to == edge.from;
-    });
-    if (!is_inner) faces_.push_back(face(edge.from, edge.to, added));
+  for (const uint32_t slot : added_) {
+    const uint32_t next = begins_at_[faces_[slot].corners[1]];
+    faces_[slot].neighbours[1] = next;
+    faces_[next].neighbours[2] = slot;
   }
   return true;
+}
+
+bool GrowingPolytope::add(const Eigen::Vector3d& point) {
+  const Eigen::Vector3d there = on_grid(point, grid_m_);
+  for (uint32_t face = 0; face < faces_.size(); ++face)
+    if (is_face(face) && side(face, there) > 0) return add(point, face);
+  return false;
 }
 
 }  // namespace throng

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/pose.h"
@@ -32,6 +34,8 @@ class ConvexHull {
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const;
   /// How far any point lies along it.
   double extent(const Eigen::Vector3d& direction) const;
+  /// How far from the origin of the part's frame the farthest point is.
+  double reach_m() const { return reach_m_; }
   /// By how much at most a point reaches beyond the corners, along any unit direction.
   double beyond_corners_m() const { return beyond_corners_m_; }
   /// No point lies farther along a direction of any length; the farthest by less than a hair.
@@ -42,9 +46,11 @@ class ConvexHull {
  private:
   Eigen::Matrix<double, Eigen::Dynamic, 3> points_;
   int corner_count_ = 0;
-  double beyond_corners_m_ = 0;
+  double beyond_corners_m_ = 0, reach_m_ = 0;
   SupportMap supports_;
 };
+
+struct PlacedPoints;
 
 /// A hull where it is in a frame that both share. Scale and pose as in base/pose.h.
 struct PlacedHull {
@@ -74,8 +80,22 @@ class DepthFinder {
   size_t corners_used() const { return inside_.points().size(); }
 
  private:
+  struct Fineness;
+  Depth find(const PlacedPoints& a, const PlacedPoints& b, const Fineness& fineness);
+  uint32_t lowest_face();
+
+  struct Face {
+    double distance;
+    uint32_t slot;
+    /// Heaps of the standard library have their last element in front.
+    friend bool operator<(const Face& p, const Face& q) {
+      return std::pair(q.distance, q.slot) < std::pair(p.distance, p.slot);
+    }
+  };
+
   GrowingPolytope inside_;             ///< of the differences of points of A and of B
   std::vector<Eigen::Vector3d> on_a_;  ///< the point of A of each
+  std::vector<Face> lowest_;           ///< a heap of its faces, and of some that are gone
 };
 
 }  // namespace throng

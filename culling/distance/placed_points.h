@@ -23,6 +23,8 @@ struct PlacedPoints {
   double extent(const Eigen::Vector3d& direction) const {
     return hull.extent(linear.transpose() * direction) + direction.dot(shift);
   }
+  /// How far from where the part's origin is placed the farthest point is, but for rounding.
+  double reach_m() const { return scale * hull.reach_m(); }
   /// By how much at most a point reaches beyond support(), along any unit direction.
   double beyond_support_m() const { return scale * hull.beyond_corners_m(); }
 

@@ -1,8 +1,10 @@
 #include "culling/distance/support_map.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace throng {
 namespace {
@@ -17,6 +19,34 @@ struct Cone {
   Vector3d middle;
   double sine;
 };
+
+/// Whether a corner is behind another along every direction of a cone, by the way from the other.
+struct Behind {
+  explicit Behind(const Cone& cone) : middle(cone.middle), sine2(cone.sine * cone.sine) {}
+  bool operator()(double x, double y, double z) const {
+    const double along = middle.x() * x + middle.y() * y + middle.z() * z;
+    return (along < 0) & (along * along > sine2 * (x * x + y * y + z * z));
+  }
+  Vector3d middle;
+  double sine2;
+};
+
+/// Corners that are compared each with each: beyond, the time would grow with their square.
+constexpr size_t kFewToCompare = 256;
+
+constexpr double kEighth = std::numbers::pi / 4;
+
+/// Unit directions around the middle of a cone, within it and beyond.
+std::vector<Vector3d> directions_of(const Cone& cone) {
+  std::vector<Vector3d> out;
+  const Vector3d u = cone.middle.unitOrthogonal(), v = cone.middle.cross(u);
+  for (const double tilt : {0.5 * cone.sine, 2 * cone.sine, 6 * cone.sine})
+    for (int turn = 0; turn < 8; ++turn)
+      out.push_back(
+          (cone.middle + tilt * (std::cos(turn * kEighth) * u + std::sin(turn * kEighth) * v))
+              .normalized());
+  return out;
+}
 
 Cone cone_of(size_t cell, int side) {
   const size_t per_face = static_cast<size_t>(side) * static_cast<size_t>(side);
@@ -61,24 +91,48 @@ SupportMap::SupportMap(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points,
 }
 
 /// A corner is left out where another is farther along every direction of the cell: the angle from
-/// the way between them to the cell's middle exceeds a right angle by more than the cell's own.
+/// the way between them to the cell's middle exceeds a right angle by more than the cell's own. It
+/// is compared with all others where they are few, else with the farthest along some directions.
 void SupportMap::add_cell(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points,
                           Eigen::Index corners, size_t cell) {
   const Cone cone = cone_of(cell, kSide);
-  const auto is_behind = [&](Eigen::Index one, Eigen::Index other) {
-    const Vector3d between = points.row(one) - points.row(other);
-    return between.dot(cone.middle) < -cone.sine * between.norm();
-  };
   start_.push_back(static_cast<uint32_t>(corners_.size()));
   Eigen::Index farthest = 0;
   (points.topRows(corners) * cone.middle).maxCoeff(&farthest);
-  std::vector<Eigen::Index> left;
-  for (Eigen::Index corner = 0; corner < corners; ++corner)
-    if (!is_behind(corner, farthest)) left.push_back(corner);
-  for (const Eigen::Index corner : left)
-    if (std::none_of(left.begin(), left.end(),
-                     [&](Eigen::Index other) { return is_behind(corner, other); }))
-      corners_.push_back(static_cast<uint16_t>(corner));
+  std::vector<Vector3d> places;
+  std::vector<uint16_t> left;
+  const Behind is_behind(cone);
+  const double *x = points.data(), *y = x + points.rows(), *z = y + points.rows();
+  for (Eigen::Index corner = 0; corner < corners; ++corner) {
+    if (is_behind(x[corner] - x[farthest], y[corner] - y[farthest], z[corner] - z[farthest]))
+      continue;
+    left.push_back(static_cast<uint16_t>(corner));
+    places.emplace_back(x[corner], y[corner], z[corner]);
+  }
+  const auto leave_out_behind = [&](const std::vector<Vector3d>& others) {
+    size_t count = 0;
+    const std::vector<Vector3d> all = places;
+    for (size_t i = 0; i < left.size(); ++i) {
+      if (std::ranges::any_of(others, [&](const Vector3d& other) {
+            const Vector3d between = all[i] - other;
+            return is_behind(between.x(), between.y(), between.z());
+          }))
+        continue;
+      left[count] = left[i];
+      places[count++] = all[i];
+    }
+    left.resize(count);
+    places.resize(count);
+  };
+  if (left.size() > kFewToCompare) {
+    std::vector<Vector3d> ahead;
+    for (const Vector3d& direction : directions_of(cone))
+      ahead.push_back(*std::ranges::max_element(
+          places, {}, [&](const Vector3d& place) { return place.dot(direction); }));
+    leave_out_behind(ahead);
+  }
+  if (left.size() <= kFewToCompare) leave_out_behind(std::vector(places));
+  corners_.insert(corners_.end(), left.begin(), left.end());
 }
 
 }  // namespace throng

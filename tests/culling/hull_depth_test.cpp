@@ -220,21 +220,25 @@ TEST(HullDepth, CornersOfAHullHoldAllOfItsPoints) {
 HullDirections hull_directions(const Cloud& cloud) {
   GrowingPolytope hull;
   size_t i = 1;
+  double reach = 0;
+  for (const Eigen::Vector3d& p : cloud) reach = std::max(reach, p.norm());
   const auto volume = [&](size_t j, size_t k, size_t l) {
     return std::fabs((cloud[j] - cloud[0]).cross(cloud[k] - cloud[0]).dot(cloud[l] - cloud[0]));
   };
   while (volume(i, i + 1, i + 2) < 1e-7) ++i;
-  hull.start({cloud[0], cloud[i], cloud[i + 1], cloud[i + 2]});
+  hull.start({cloud[0], cloud[i], cloud[i + 1], cloud[i + 2]}, reach);
   for (const Eigen::Vector3d& p : cloud) hull.add(p);
   HullDirections out;
-  for (const GrowingPolytope::Face& face : hull.faces()) {
+  for (uint32_t slot = 0; slot < hull.faces().size(); ++slot) {
+    if (!hull.is_face(slot)) continue;
+    const GrowingPolytope::Face& face = hull.faces()[slot];
     for (size_t c = 0; c < 3; ++c)
       if (face.corners[c] < face.corners[(c + 1) % 3])
         out.edges.push_back(
             {hull.points()[face.corners[c]], hull.points()[face.corners[(c + 1) % 3]]});
-    if (face.is_thin()) continue;
     out.normals.push_back(face.normal);
-    for (const Eigen::Vector3d& p : cloud) EXPECT_LE(face.normal.dot(p), face.distance + 1e-9);
+    for (const Eigen::Vector3d& p : cloud)
+      EXPECT_LE(face.normal.dot(p), hull.distances()[slot] + 1e-9);
   }
   return out;
 }
