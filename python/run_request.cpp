@@ -101,7 +101,7 @@ void take_source(Given& given, RunSourceOptions& source) {
   given.take("between", "pairs of groups, as in 'robots: people'", source.between);
   if (!source.between.empty()) pair_rules_of(source.between, "between");
   given.take("parts", "words of parts, as in 'hands: head'", source.parts);
-  if (!source.parts.empty()) pair_rules_of(source.parts, "parts");
+  if (!source.parts.empty()) part_rules_of(source.parts, "parts");
   given.number("near", 0, most_m, false, margin, source.near_m);
   given.number("person_near", 0, most_m, false, margin, source.person_near_m);
   RecordingFlags& flags = source.recording;

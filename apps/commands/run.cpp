@@ -382,6 +382,9 @@ int run_scene(const RunOptions& options) {
   for (const std::string& note : simulation.notes()) say("note: {}\n", note);
   Pacer pacer(options.pace);
   std::unique_ptr<OwnChannels> own = own_channels(options, simulation.info());
+  const std::vector<std::string> own_notes =
+      own == nullptr ? std::vector<std::string>() : own->notes();
+  for (const std::string& note : own_notes) say("note: {}\n", note);
   Driving driving(options.driving, simulation.info(), options.lcm, options.pace > 0);
   resume_where_asked(options.checkpoints, simulation);
   driving.begin(simulation);
@@ -412,6 +415,7 @@ int run_scene(const RunOptions& options) {
   report.plan_factor = source.plan_factor;
   report.notes = std::move(source.notes);
   report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
+  report.notes.insert(report.notes.end(), own_notes.begin(), own_notes.end());
   report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
   return report_end(options, report, listeners, checkpoints);
 }

@@ -118,7 +118,7 @@ void require_known(const RunSourceOptions& options) {
   };
   if (!options.part_volume.empty()) part_volumes_of(options.part_volume, "--part-volume");
   if (!options.between.empty()) pair_rules_of(options.between, "--between");
-  if (!options.parts.empty()) pair_rules_of(options.parts, "--parts");
+  if (!options.parts.empty()) part_rules_of(options.parts, "--parts");
   require("--steering", options.steering, steering_names());
   require("--step", options.step, step_names());
   require("--unit", options.recording.unit, unit_names());
@@ -144,7 +144,7 @@ RunSource open_run_source(const RunSourceOptions& options) {
   if (options.person_near_m) out.scene.person_near_m = *options.person_near_m;
   if (options.contact_points) out.scene.contact_points = true;
   if (!options.between.empty()) out.scene.between = pair_rules_of(options.between, "--between");
-  if (!options.parts.empty()) out.scene.parts = pair_rules_of(options.parts, "--parts");
+  if (!options.parts.empty()) out.scene.parts = part_rules_of(options.parts, "--parts");
   out.notes.insert(out.notes.begin(), out.scene.notes.begin(), out.scene.notes.end());
   for (std::string& note : separation_notes(out.scene)) out.notes.push_back(std::move(note));
   return out;

@@ -11,6 +11,7 @@
 #include "base/errors.h"
 #include "lcmtypes/codec/near_rows.h"
 #include "lcmtypes/codec/pair_columns.h"
+#include "scenes/run/named_bodies.h"
 
 namespace throng {
 namespace {
@@ -49,8 +50,8 @@ OwnChannel own_channel_of(const std::string& text) {
 
 OwnChannels::OwnChannels(const RunInfo& run, std::span<const OwnChannel> asked)
     : buffer_(kMaxMessageBytes) {
-  const int64_t avatars = run.avatar_count();
-  const int64_t bodies = avatars + static_cast<int64_t>(run.scene->obstacles.size());
+  const NamedBodies named(run);
+  const int64_t bodies = run.avatar_count() + static_cast<int64_t>(run.scene->obstacles.size());
   for (const OwnChannel& own : asked) {
     Party& party = parties_.emplace_back();
     Told& told = told_.emplace_back();
@@ -58,27 +59,26 @@ OwnChannels::OwnChannels(const RunInfo& run, std::span<const OwnChannel> asked)
     party.events.channel = own.channel + "_EVENTS";
     party.near.channel = own.channel + "_NEAR";
     party.stamp.channel = own.channel + "_STAMP";
-    const auto group = std::find(run.groups.begin(), run.groups.end(), own.who);
     const int64_t body = body_of(own.who);
-    told.bodies = own.who == "all" ? bodies : 1;
-    if (group != run.groups.end()) {
-      party.is_own.resize(static_cast<size_t>(avatars));
-      for (size_t i = 0; i < party.is_own.size(); ++i)
-        party.is_own[i] = run.group_of_avatar[i] == group - run.groups.begin();
-      told.bodies = std::count(party.is_own.begin(), party.is_own.end(), 1);
-    } else if (own.who != "all") {
-      if (body < 0 || body >= bodies)
-        throw InputError(
-            "--tell",
-            fmt::format("a group of {}, a body from 0 to {}, or all{}", run.scene->name, bodies - 1,
-                        did_you_mean(own.who, run.groups)),
-            fmt::format("'{}'", own.who));
-      party.is_own.resize(static_cast<size_t>(avatars));
-      if (body < avatars)
-        party.is_own[static_cast<size_t>(body)] = 1;
-      else
-        party.obstacle = body;
+    const bool is_body = body >= 0 && body < bodies;
+    party.is_own = named.of(own.who);
+    if (is_body) {
+      std::ranges::fill(party.is_own, uint8_t{0});
+      party.is_own[static_cast<size_t>(body)] = 1;
     }
+    told.bodies = std::ranges::count(party.is_own, 1);
+    const std::string namesake =
+        is_body || NamedBodies::is_kind(own.who) ? named.namesake(own.who) : "";
+    if (told.bodies == 0 && own.who != kAll)
+      throw InputError("--tell",
+                       fmt::format("a group of {}, a body from 0 to {}, or all{}", run.scene->name,
+                                   bodies - 1, did_you_mean(own.who, named.names())),
+                       fmt::format("'{}'{}", own.who,
+                                   namesake.empty() ? "" : ", which no body is; " + namesake));
+    if (!namesake.empty())
+      notes_.push_back(fmt::format("--tell: '{}' means {}; {}", own.who,
+                                   is_body ? "the body of this number" : "all of that kind",
+                                   namesake));
   }
 }
 
@@ -88,9 +88,8 @@ void OwnChannels::begin(const RunInfo& run) {
 }
 
 bool OwnChannels::names(const Party& party, const PairKey& pair) {
-  if (party.is_own.empty()) return true;
   const auto is_own = [&party](uint32_t body) {
-    return body < party.is_own.size() ? party.is_own[body] != 0 : body == party.obstacle;
+    return body < party.is_own.size() && party.is_own[body] != 0;
   };
   return is_own(pair.a()) || is_own(pair.b());
 }

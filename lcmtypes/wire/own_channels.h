@@ -16,9 +16,9 @@
 
 namespace throng {
 
-/// Somebody, and where to tell of it.
+/// Bodies, and where to publish what names one of them.
 struct OwnChannel {
-  std::string who;      ///< a group, the number of a body, or "all"
+  std::string who;      ///< the number of a body, or a name, see NamedBodies
   std::string channel;  ///< followed by _EVENTS, _NEAR and _STAMP
 };
 
@@ -27,7 +27,7 @@ OwnChannel own_channel_of(const std::string& text);
 
 class OwnChannels final : public Sink {
  public:
-  /// Throws InputError if nobody of this run is called so.
+  /// Throws InputError if no body of this run is called so.
   OwnChannels(const RunInfo& run, std::span<const OwnChannel> asked);
   /// From now on; it outlives this.
   void publish_by(LcmSink& sink) { sink_ = &sink; }
@@ -44,6 +44,8 @@ class OwnChannels final : public Sink {
   };
   /// One a channel.
   const std::vector<Told>& told() const { return told_; }
+  /// A line for each name that a group or an obstacle has, too, which is not meant.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   struct Numbered {
@@ -51,8 +53,7 @@ class OwnChannels final : public Sink {
     int64_t seq = 0;
   };
   struct Party {
-    std::vector<uint8_t> is_own;  // by avatar; empty: everybody
-    int64_t obstacle = -1;        // a body that is none
+    std::vector<uint8_t> is_own;  // by body
     Numbered events, near, stamp;
   };
   static bool names(const Party& party, const PairKey& pair);
@@ -64,6 +65,7 @@ class OwnChannels final : public Sink {
   LcmSink* sink_ = nullptr;
   std::vector<Party> parties_;
   std::vector<Told> told_;
+  std::vector<std::string> notes_;
   int64_t run_id_ = 0, instance_ = 0, utime_us_ = 0, frame_ = 0;
   // Reused; their vectors keep their capacity.
   std::vector<PairEvent> own_events_;

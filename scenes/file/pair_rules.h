@@ -17,8 +17,13 @@ using PairRules = std::vector<PairRule>;
 /// On the right of a rule that names one side only: all.
 inline constexpr std::string_view kAll = "all";
 
-/// "robots: people, doors: people". Throws InputError, which begins with `where`.
+/// Before the name of a group or of an obstacle, whatever else the name may mean.
+inline constexpr std::string_view kGroupPrefix = "group:", kObstaclePrefix = "obstacle:";
+
+/// "robots: people, group:doors: people". Throws InputError, which begins with `where`.
 PairRules pair_rules_of(std::string_view text, std::string_view where);
+/// The same of parts, whose names have no prefixes.
+PairRules part_rules_of(std::string_view text, std::string_view where);
 std::string to_text(const PairRules& rules);
 
 }  // namespace throng

@@ -337,11 +337,12 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
             add_keys(separation_keys(), hash, *scene.separation);
           });
   separation.is_default = [](const Scene& scene) { return !scene.separation; };
-  const auto pairs = [](const char* name, std::string meaning, PairRules Scene::*rules) {
+  const auto pairs = [](const char* name, std::string meaning, PairRules Scene::*rules,
+                        PairRules (*rules_of)(std::string_view, std::string_view)) {
     Key<Scene> key = own_key<Scene>(name, std::move(meaning), "all", {.kind = Rule::Kind::kText})
-                         .reading([name, rules](Reading&, Fields& fields, Scene& scene) {
+                         .reading([name, rules, rules_of](Reading&, Fields& fields, Scene& scene) {
                            if (const YamlNode* node = fields.find(name))
-                             scene.*rules = pair_rules_of(fields.text(name), fields.where(*node));
+                             scene.*rules = rules_of(fields.text(name), fields.where(*node));
                          })
                          .hashing([rules](Hasher& hash, const Scene& scene) {
                            hash.add(to_text(scene.*rules));
@@ -355,12 +356,13 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
           "between",
           "the pairs of groups whose contacts and distances are asked for, as in `robots: people, "
           "people: doors`; a name alone is with all; beside groups and obstacles `people`, "
-          "`robots`, `obstacles` and `all`; see [near.md](near.md#whom)",
-          &Scene::between),
+          "`robots`, `obstacles` and `all`, which mean all of that kind also where a group is "
+          "called so, then `group:people`; see [near.md](near.md#whom)",
+          &Scene::between, pair_rules_of),
       pairs("parts",
             "the pairs of parts that are asked for, by words of their names, as in `hands: head`; "
             "words alone are with all parts",
-            &Scene::parts),
+            &Scene::parts, part_rules_of),
       number("near_m",
              "pairs of parts that are not farther apart are listed with an interval that holds "
              "their distance, see [near.md](near.md); at most 100, 0: none",

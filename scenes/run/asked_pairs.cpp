@@ -9,29 +9,25 @@
 #include "avatars/model/model.h"
 #include "base/errors.h"
 #include "scenes/file/part_words.h"
+#include "scenes/run/named_bodies.h"
 
 namespace throng {
 namespace {
 
 using Sides = PairFilter::Sides;
 
-constexpr std::string_view kPeople = "people", kRobots = "robots", kObstacles = "obstacles";
 constexpr size_t kMostNamesShown = 16;
 
-/// Gives every name of the rules' sides to what it means; is_of(name, i) for each of `count`.
+/// Gives every name of the rules' sides to what it means: of(name) has a flag each.
 /// Returns the first name that means nothing, "" if there is none.
-template <typename IsOf>
-std::string give_sides(const PairRules& rules, size_t count, std::vector<Sides>& sides,
-                       const IsOf& is_of) {
+template <typename Of>
+std::string give_sides(const PairRules& rules, std::vector<Sides>& sides, const Of& of) {
   std::string nobody;
   const auto give = [&](const std::string& name, Sides side) {
-    bool is_somebody = false;
-    for (size_t i = 0; i < count; ++i) {
-      if (name != kAll && !is_of(name, i)) continue;
-      sides[i] |= side;
-      is_somebody = true;
-    }
-    if (!is_somebody && nobody.empty()) nobody = name;
+    const std::vector<uint8_t> meant = of(name);
+    for (size_t i = 0; i < sides.size(); ++i)
+      if (meant[i] != 0) sides[i] |= side;
+    if (nobody.empty() && std::ranges::count(meant, 0) == std::ssize(meant)) nobody = name;
   };
   for (size_t i = 0; i < rules.size(); ++i) {
     give(rules[i].left, PairFilter::left_of(static_cast<int>(i)));
@@ -41,8 +37,8 @@ std::string give_sides(const PairRules& rules, size_t count, std::vector<Sides>&
 }
 
 [[noreturn]] void refuse(const char* key, std::string what, std::vector<std::string> names,
-                         const std::string& name) {
-  const std::string nearest = did_you_mean(name, names);
+                         const std::string& name, const std::string& remark = "") {
+  const std::string nearest = remark.empty() ? did_you_mean(name, names) : remark;
   if (names.size() > kMostNamesShown) {
     names.resize(kMostNamesShown);
     names.emplace_back("...");
@@ -52,24 +48,20 @@ std::string give_sides(const PairRules& rules, size_t count, std::vector<Sides>&
 }
 
 std::vector<Sides> sides_of_bodies(const Scene& scene, const RunInfo& info) {
-  const size_t avatars = info.model_of_avatar.size(), count = avatars + scene.obstacles.size();
-  std::vector<Sides> sides(count);
-  const auto has_group = [&](const std::string& name) {
-    return std::find(info.groups.begin(), info.groups.end(), name) != info.groups.end();
-  };
-  const auto is_of = [&](const std::string& name, size_t id) {
-    if (id >= avatars) return name == kObstacles || scene.obstacles[id - avatars].name == name;
-    if (has_group(name)) return info.groups[info.group_of_avatar[id]] == name;
-    const bool is_person = info.models[info.model_of_avatar[id]]->is_person;
-    return (name == kPeople && is_person) || (name == kRobots && !is_person);
-  };
-  if (const std::string nobody = give_sides(scene.between, count, sides, is_of); !nobody.empty()) {
-    std::vector<std::string> names(info.groups);
-    names.insert(names.end(), {std::string(kPeople), std::string(kRobots), std::string(kObstacles),
-                               std::string(kAll)});
-    refuse("between", "groups of the run, or", names, nobody);
+  std::vector<Sides> sides(info.model_of_avatar.size() + scene.obstacles.size());
+  const NamedBodies named(info);
+  const std::string nobody =
+      give_sides(scene.between, sides, [&](const std::string& name) { return named.of(name); });
+  if (nobody.empty()) return sides;
+  const std::string namesake = NamedBodies::is_kind(nobody) ? named.namesake(nobody) : "";
+  std::vector<std::string> names = named.names();
+  if (nobody.starts_with(kGroupPrefix)) {
+    names.clear();
+    for (const std::string& group : info.groups)
+      names.push_back(fmt::format("{}{}", kGroupPrefix, group));
   }
-  return sides;
+  refuse("between", "groups of the run, or", names, nobody,
+         namesake.empty() ? "" : ", which no body is; " + namesake);
 }
 
 std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo& info) {
@@ -84,9 +76,11 @@ std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo
     sides.emplace_back(1);
   }
   std::vector<Sides> flat(names.size());
-  const std::string nobody = give_sides(
-      scene.parts, names.size(), flat,
-      [&](const std::string& name, size_t part) { return has_words(names[part], name); });
+  const std::string nobody = give_sides(scene.parts, flat, [&](const std::string& name) {
+    std::vector<uint8_t> has;
+    for (const std::string& part : names) has.push_back(name == kAll || has_words(part, name));
+    return has;
+  });
   if (!nobody.empty()) refuse("parts", "words of a part", names, nobody);
   size_t next = 0;
   for (std::vector<Sides>& of_type : sides)
@@ -122,6 +116,18 @@ PairFilter filter_of(const Scene& scene, const RunInfo& info) {
   if (!scene.parts.empty()) filter.of_part = sides_of_parts(scene, info);
   require_robots_and_people(scene, info, filter);
   return filter;
+}
+
+std::vector<std::string> filter_notes(const Scene& scene, const RunInfo& info) {
+  std::set<std::string> names;
+  for (const PairRule& rule : scene.between)
+    for (const std::string& name : {rule.left, rule.right})
+      if (NamedBodies::is_kind(name)) names.insert(name);
+  std::vector<std::string> notes;
+  for (const std::string& name : names)
+    if (const std::string namesake = NamedBodies(info).namesake(name); !namesake.empty())
+      notes.push_back(fmt::format("between: '{}' means all of that kind; {}", name, namesake));
+  return notes;
 }
 
 }  // namespace throng

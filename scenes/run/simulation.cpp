@@ -161,6 +161,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
                                                workers);
   }
   options.culler.filter = filter_of(scene, info);
+  notes = world->notes();
+  for (std::string& note : filter_notes(scene, info)) notes.push_back(std::move(note));
   culler = std::make_unique<Culler>(types(), options.culler, workers);
   options.tables.reset();  // what nobody shares goes
   gather_notes();

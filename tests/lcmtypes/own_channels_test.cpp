@@ -171,6 +171,28 @@ TEST(OwnChannels, ManyRowsComeInChunks) {
   EXPECT_GT(listened.heard.next_seq[1], 1);
 }
 
+TEST(OwnChannels, AWordForAKindMeansAllOfItAndANumberABody) {
+  const SyntheticRun run({.avatars = 20});
+  RunInfo info = run.info();
+  const auto told = [&info](const std::string& who) {
+    const OwnChannels own(info, std::vector<OwnChannel>{{who, "MINE"}});
+    return std::pair(own.told().front().bodies, own.notes());
+  };
+  const int64_t of_group = told(info.groups[0]).first;
+  ASSERT_LT(of_group, 20);
+  const auto [bodies, notes] = told("all");
+  EXPECT_TRUE(notes.empty());
+  EXPECT_EQ(told("group:" + info.groups[0]).first, of_group);
+  info.groups[0] = "all";
+  EXPECT_EQ(told("all").first, bodies);
+  EXPECT_THAT(told("all").second, testing::ElementsAre(testing::HasSubstr("'group:all'")));
+  EXPECT_EQ(told("group:all"), std::pair(of_group, std::vector<std::string>()));
+  info.groups[0] = "7";
+  EXPECT_EQ(told("7").first, 1);
+  EXPECT_THAT(told("7").second, testing::ElementsAre(testing::HasSubstr("'group:7'")));
+  EXPECT_EQ(told("group:7").first, of_group);
+}
+
 TEST(OwnChannels, WhoIsNotThereAndWhatIsNoChannelIsRefused) {
   const SyntheticRun run({.avatars = 20});
   const auto refusal = [&run](const std::string& text) {

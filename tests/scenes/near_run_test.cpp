@@ -5,6 +5,7 @@
 
 #include "base/errors.h"
 #include "scenes/file/part_words.h"
+#include "scenes/run/asked_pairs.h"
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 
@@ -166,6 +167,63 @@ TEST(AskedPairs, OfGroupsAreThoseOfTheWholeRunSifted) {
   EXPECT_EQ(seen(scene, kAnybody), own) << "a name alone is with all";
 }
 
+/// What a run says of its filter.
+std::vector<std::string> notes_of(const Scene& scene) {
+  std::vector<std::string> out;
+  const Simulation run(scene, {});
+  for (const std::string& note : run.notes())
+    if (note.starts_with("between: ")) out.push_back(note);
+  return out;
+}
+
+TEST(AskedPairs, OfAKindAreAllOfItWhateverGroupsAndObstaclesAreCalled) {
+  const auto is_person = [](const Named& one) { return !one.is_robot && !one.is_obstacle; };
+  Scene plain = hall();
+  const std::vector<std::string> all =
+      seen(plain, [&](const Named& a, const Named& b) { return a.is_robot && is_person(b); });
+  const std::vector<std::string> eastbound = seen(
+      plain, [&](const Named& a, const Named& b) { return a.is_robot && b.body == "eastbound"; });
+  ASSERT_LT(eastbound.size(), all.size());
+  EXPECT_TRUE(notes_of(plain).empty());
+  for (const std::string_view name : {"people", "robots", "obstacles", "all"}) {
+    Scene scene = hall();
+    for (Group& group : scene.groups)
+      if (group.name == "eastbound") group.name = name;
+    EXPECT_TRUE(notes_of(scene).empty()) << "nobody asks for anything";
+    scene.between = pair_rules_of("robots: people", "test");
+    EXPECT_EQ(seen(scene, kAnybody), all) << name;
+    EXPECT_EQ(notes_of(scene).size(), name == "people" || name == "robots" ? 1u : 0u) << name;
+    scene.between = pair_rules_of(fmt::format("robots: group:{}", name), "test");
+    EXPECT_EQ(seen(scene, kAnybody), eastbound) << name;
+    scene.between = pair_rules_of(fmt::format("group:{}:group:robot", name), "test");
+    EXPECT_EQ(seen(scene, kAnybody), eastbound) << name;
+    scene.between = pair_rules_of(std::string(name), "test");
+    ASSERT_EQ(notes_of(scene).size(), 1u) << name;
+    EXPECT_EQ(notes_of(scene).front(),
+              fmt::format("between: '{0}' means all of that kind; the group of this name is "
+                          "'group:{0}'",
+                          name));
+  }
+  Scene scene = hall();
+  scene.obstacles.back().name = "people";
+  scene.between = pair_rules_of("robots: people", "test");
+  EXPECT_EQ(seen(scene, kAnybody), all) << "and no obstacle of that name";
+  EXPECT_NE(notes_of(scene).front().find("'obstacle:people'"), std::string::npos);
+}
+
+TEST(AskedPairs, OfAGroupAreWrittenWithAPrefixOrWithout) {
+  const auto text = [](const char* given) { return to_text(pair_rules_of(given, "test")); };
+  EXPECT_EQ(text("group:people"), "group:people: all");
+  EXPECT_EQ(text(" group:people : robots"), "group:people: robots");
+  EXPECT_EQ(text("robots:group:people, obstacle:all:group:all"),
+            "robots: group:people, obstacle:all: group:all");
+  EXPECT_EQ(text("group: people"), "group: people") << "a group that is called group";
+  EXPECT_EQ(text(text("group:a: obstacle:b").c_str()), "group:a: obstacle:b");
+  for (const char* wrong : {"group:", "robots: group:", "group:a:b:c", "group:a: group:b: c"})
+    EXPECT_THROW(pair_rules_of(wrong, "--between"), InputError) << wrong;
+  EXPECT_EQ(to_text(part_rules_of("group:hand", "test")), "group: hand") << "parts have no groups";
+}
+
 TEST(AskedPairs, OfPartsAreThoseOfTheWholeRunSifted) {
   Scene scene = plaza(0.2, 0);
   scene.exact = false;
@@ -210,6 +268,9 @@ TEST(AskedPairs, OfNobodyAreRefused) {
   };
   EXPECT_NE(refusal("robbots: people", "").find("did you mean 'robots'"), std::string::npos)
       << refusal("robbots: people", "");
+  EXPECT_NE(refusal("group:robots: people", "").find("did you mean 'group:robot'"),
+            std::string::npos)
+      << refusal("group:robots: people", "");
   EXPECT_NE(refusal("", "tail").find("words of a part"), std::string::npos);
   EXPECT_EQ(refusal("robots: people", "hands"), "");
   for (const char* text : {"", "a:", ":b", "a: b: c", "a,,b", " , "})
