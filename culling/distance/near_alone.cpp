@@ -6,7 +6,7 @@ namespace throng {
 
 NearAlone::NearAlone(BodyTypes types, const CullerOptions& options, Workers& workers,
                      NearSearch& near)
-    : workers_(workers), near_(near), shared_(types, options, workers, options.near.most_m()) {}
+    : workers_(workers), near_(near), shared_(types, options, workers, margins_of(options.near)) {}
 
 void NearAlone::run(const BodiesView& bodies, const PoseSource& source, StageCounters& counters) {
   Stopwatch watch;
@@ -21,7 +21,8 @@ void NearAlone::run(const BodiesView& bodies, const PoseSource& source, StageCou
   near_.begin_frame(shared_.parts(), bodies, broad.block_count());
   workers_.for_blocks(static_cast<int>(broad.block_count()), [&](int block, int worker) {
     near_.begin(worker, posed_);
-    near_.add(worker, broad.block(static_cast<size_t>(block)));
+    near_.add(worker, broad.block(static_cast<size_t>(block)),
+              broad.inner(static_cast<size_t>(block)));
     near_.bound(worker, static_cast<size_t>(block));
     near_.finish(worker, static_cast<size_t>(block), {});
   });

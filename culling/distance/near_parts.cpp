@@ -44,6 +44,15 @@ HullGap gap_of_hulls(const PartPair& pair) {
 double lo_m(const HullGap& gap) { return gap.lo_m * (1 - kShare) - kRounding_m; }
 double hi_m(const HullGap& gap) { return gap.corners_m * (1 + kShare) + kRounding_m; }
 
+/// Of parts that do not touch: within what is known already, whatever the margin is.
+std::optional<SurfaceGap> gap_of_surfaces(const PartPair& pair, const NearCandidate& candidate,
+                                          const HullGap& hulls, NearCounters& counters) {
+  const double known_m = std::max({0.0, static_cast<double>(candidate.lo_m), lo_m(hulls)});
+  return surface_gap(surface_of(pair.a), surface_of(pair.b), pair.a_to_b_m,
+                     std::min(static_cast<double>(candidate.hi_m), hi_m(hulls)),
+                     {hulls.direction, known_m, hulls.points_m.on_a}, counters.primitives);
+}
+
 bool touches(const PartPair& pair, Touch known, NearCounters& counters) {
   if (known != Touch::kUnasked) return known == Touch::kYes;
   return parts_touch(pair, counters.primitives);
@@ -63,11 +72,11 @@ std::vector<Eigen::Vector3f> BodyType::Volumes::points_on(const PartShape& part)
   return out;
 }
 
-void fit_for_near(const BodyType& type, bool exact) {
+void fit_for_near(const BodyType& type) {
   type.volumes().tables();
   type.volumes().nearby_points();
   type.volumes().hulls();
-  if (exact) type.volumes().surfaces();
+  if (type.has_triangles()) type.volumes().surfaces();
 }
 
 void NearParts::begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m) {
@@ -114,6 +123,19 @@ void narrow_by_hulls(const PartPair& pair, NearCandidate& candidate) {
   candidate.hi_m = std::min(candidate.hi_m, static_cast<float>(hi_m(gap)));
 }
 
+void narrow_by_triangles(const PartPair& pair, NearCandidate& candidate, NearCounters& counters) {
+  const HullGap hulls = gap_of_hulls(pair);
+  const double known_m = std::max(static_cast<double>(candidate.lo_m), lo_m(hulls));
+  if (known_m <= 0 && touches(pair, candidate.touch, counters)) {
+    candidate.lo_m = candidate.hi_m = 0;
+    return;
+  }
+  const std::optional<SurfaceGap> gap = gap_of_surfaces(pair, candidate, hulls, counters);
+  if (!gap) return;
+  candidate.lo_m = std::max(candidate.lo_m, rounded_down(gap->lo_m));
+  candidate.hi_m = std::min(candidate.hi_m, rounded_up(gap->hi_m));
+}
+
 NearVerdict NearDecider::decide(const PartPair& pair, const NearCandidate& candidate,
                                 double within_m, NearCounters& counters) {
   ++counters.exact_tests;
@@ -122,11 +144,8 @@ NearVerdict NearDecider::decide(const PartPair& pair, const NearCandidate& candi
   const double known_m = std::max(static_cast<double>(candidate.lo_m), lo_m(hulls));
   if (known_m > within_m) return {};
   if (known_m <= 0 && touches(pair, candidate.touch, counters)) return touching(pair, counters);
-  const double most_m = std::min({within_m, static_cast<double>(candidate.hi_m), hi_m(hulls)});
-  const std::optional<SurfaceGap> gap = surface_gap(
-      surface_of(pair.a), surface_of(pair.b), pair.a_to_b_m, most_m,
-      {hulls.direction, std::max(0.0, known_m), hulls.points_m.on_a}, counters.primitives);
-  if (!gap) return {};
+  const std::optional<SurfaceGap> gap = gap_of_surfaces(pair, candidate, hulls, counters);
+  if (!gap || gap->lo_m > within_m) return {};
   NearVerdict out{true,
                   false,
                   gap->lo_m,

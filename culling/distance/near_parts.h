@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "base/grow_buffer.h"
@@ -17,7 +19,19 @@
 namespace throng {
 
 /// Makes what is read here of a type; once, before steps.
-void fit_for_near(const BodyType& type, bool exact);
+void fit_for_near(const BodyType& type);
+
+/// The float next to a bound that holds it.
+inline float rounded_down(double x) {
+  const float near = static_cast<float>(x);
+  return static_cast<double>(near) > x ? std::nextafter(near, 0.0f) : near;
+}
+inline float rounded_up(double x) {
+  const float near = static_cast<float>(x);
+  return static_cast<double>(near) < x
+             ? std::nextafter(near, std::numeric_limits<float>::infinity())
+             : near;
+}
 
 /// What triangles have said already.
 enum class Touch : uint8_t { kUnasked, kNo, kYes };
@@ -27,6 +41,7 @@ struct NearCandidate {
   float lo_m, hi_m;
   uint8_t part_a, part_b;
   Touch touch;
+  bool is_inner;  ///< within the inner margin of a search with two
   uint16_t parts() const { return static_cast<uint16_t>(PairKey::parts_of(part_a, part_b)); }
 };
 
@@ -40,8 +55,9 @@ struct NearCounters {
 class NearParts {
  public:
   void begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m);
-  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
-    parts_.add(frame, pairs);
+  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs,
+           std::span<const uint8_t> inner) {
+    parts_.add(frame, pairs, inner);
   }
   /// Candidates by boxes, then what or-DOPs and points say of them.
   void find_candidates(const PartStageFrame& frame) { parts_.find(frame); }
@@ -73,8 +89,11 @@ class NearParts {
   GrowBuffer<uint8_t> overlaps_;
 };
 
-/// Both bounds by the convex hulls: within 0.2 mm of each other where the parts are convex.
+/// Both bounds by the convex hulls: within 0.2 mm of each other where the parts are convex and a
+/// corner of each is nearest to the other.
 void narrow_by_hulls(const PartPair& pair, NearCandidate& candidate);
+/// Both bounds by the triangles, which both parts have: within 1 mm of each other.
+void narrow_by_triangles(const PartPair& pair, NearCandidate& candidate, NearCounters& counters);
 
 /// What triangles say of a candidate.
 struct NearVerdict {
@@ -89,6 +108,7 @@ struct NearVerdict {
 /// Asks the triangles. One a thread: keeps memory.
 class NearDecider {
  public:
+  /// What is proven of a pair that is near does not depend on `within_m`.
   NearVerdict decide(const PartPair& pair, const NearCandidate& candidate, double within_m,
                      NearCounters& counters);
   /// Of those that touch alone; all others are not near.

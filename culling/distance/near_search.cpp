@@ -12,25 +12,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Wider intervals by volumes are narrowed by hulls.
+/// Wider intervals by volumes are narrowed by hulls, and where that is not enough by triangles.
 constexpr float kWide_m = 0.1f;
 
 template <typename T>
 void append(GrowBuffer<T>& to, size_t& count, const T& what) {
   to.grow(count + 1, count);
   to[count++] = what;
-}
-
-float rounded_down(double x) {
-  const float near = static_cast<float>(x);
-  return static_cast<double>(near) > x ? std::nextafter(near, 0.0f) : near;
-}
-
-float rounded_up(double x) {
-  const float near = static_cast<float>(x);
-  return static_cast<double>(near) < x
-             ? std::nextafter(near, std::numeric_limits<float>::infinity())
-             : near;
 }
 
 std::array<double, 3> to_array(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -74,30 +62,41 @@ void for_pairs(std::span<const Candidate> candidates, const Visit& visit) {
 
 /// Writes those that their volumes do not prove farther apart than `within_m`; returns how many.
 /// There is room for all. No branch: which are near is hard to foretell.
-template <typename TouchOf>
+template <typename TouchOf, typename InnerOf>
 size_t write_near(const NearParts& parts, size_t first, size_t end, float within_m,
-                  NearCandidate* out, const TouchOf& touch_of) {
+                  NearCandidate* out, const TouchOf& touch_of, const InnerOf& inner_of) {
   const Candidate* const candidates = parts.candidates().data();
   const GapBounds* const bounds = parts.bounds().data();
   size_t count = 0;
   for (size_t i = first; i < end; ++i) {
-    out[count] = {bounds[i].lo_m, bounds[i].hi_m, candidates[i].part_a, candidates[i].part_b,
-                  touch_of(i)};
+    out[count] = {bounds[i].lo_m,       bounds[i].hi_m, candidates[i].part_a,
+                  candidates[i].part_b, touch_of(i),    inner_of(i)};
     count += bounds[i].lo_m <= within_m;
   }
   return count;
 }
 
 Touch unasked(size_t) { return Touch::kUnasked; }
+bool is_within(size_t) { return true; }
 
 }  // namespace
+
+Margins margins_of(const NearOptions& near) {
+  Margins out{near.most_m(), std::min(near.near_m, near.body_near_m)};
+  if (out.inner_m == out.reach_m) out.inner_m = 0;
+  return out;
+}
 
 NearSearch::NearSearch(BodyTypes types, const CullerOptions& options, Workers& workers)
     : types_(types),
       options_(options),
+      margins_(margins_of(options.near)),
       workers_(workers),
       parts_(static_cast<size_t>(workers.threads())) {
-  for (const auto& type : types) fit_for_near(*type, options_.exact);
+  for (const auto& type : types) {
+    fit_for_near(*type);
+    has_surfaces_.push_back(type->has_triangles());
+  }
 }
 
 void NearSearch::begin_frame(const PartStageFrame& frame, const BodiesView& bodies, size_t tasks) {
@@ -116,8 +115,8 @@ void NearSearch::begin(int worker, const PosedBodies& bodies) {
   parts_[static_cast<size_t>(worker)].begin(frame_, bodies, options_.near.most_m());
 }
 
-void NearSearch::add(int worker, std::span<const SlotPair> pairs) {
-  parts_[static_cast<size_t>(worker)].add(frame_, pairs);
+void NearSearch::add(int worker, std::span<const SlotPair> pairs, std::span<const uint8_t> inner) {
+  parts_[static_cast<size_t>(worker)].add(frame_, pairs, inner);
 }
 
 void NearSearch::bound(int worker, size_t index) {
@@ -159,7 +158,8 @@ void NearSearch::list_intervals(const NearParts& parts, Task& task) {
   size_t count = 0;
   for_pairs(parts.candidates(), [&](uint32_t pair, size_t first, size_t end) {
     const BodyPair& bodies = parts.pairs()[pair];
-    const size_t near = write_near(parts, first, end, options_.near.near_m, room + count, unasked);
+    const size_t near =
+        write_near(parts, first, end, options_.near.near_m, room + count, unasked, is_within);
     const size_t left = narrow(bodies, {room + count, near}, task);
     task.intervals.added(left);
     task.intervals.end_run(bodies);
@@ -167,13 +167,16 @@ void NearSearch::list_intervals(const NearParts& parts, Task& task) {
   });
 }
 
-/// What volumes leave wide hulls tell better. Returns how many are near, which come first.
+/// Hulls bound what volumes leave wide, and triangles what hulls leave: at a wall no corner is
+/// near. Returns how many are near, which come first.
 size_t NearSearch::narrow(const BodyPair& bodies, std::span<NearCandidate> candidates,
-                          const Task& task) const {
+                          Task& task) const {
   bool is_narrowed = false;
   for (NearCandidate& c : candidates) {
     if (c.hi_m - c.lo_m <= kWide_m) continue;
-    narrow_by_hulls(part_pair(frame_, task.posed->poses(), bodies, c.part_a, c.part_b), c);
+    const PartPair parts = part_pair(frame_, task.posed->poses(), bodies, c.part_a, c.part_b);
+    narrow_by_hulls(parts, c);
+    narrow_wide(bodies, parts, c, task);
     is_narrowed = true;
   }
   if (!is_narrowed) return candidates.size();
@@ -183,17 +186,29 @@ size_t NearSearch::narrow(const BodyPair& bodies, std::span<NearCandidate> candi
   return static_cast<size_t>(end - candidates.begin());
 }
 
+void NearSearch::narrow_wide(const BodyPair& bodies, const PartPair& parts,
+                             NearCandidate& candidate, Task& task) const {
+  if (candidate.hi_m - candidate.lo_m <= kWide_m) return;
+  if (has_surfaces_[bodies.type_a] != 0 && has_surfaces_[bodies.type_b] != 0)
+    narrow_by_triangles(parts, candidate, task.counters);
+}
+
 void NearSearch::take_candidates(const NearParts& parts, std::span<const uint8_t> touches,
                                  Task& task) {
   const auto touch_of = [touches](size_t i) {
     if (touches.empty()) return Touch::kUnasked;
     return touches[i] ? Touch::kYes : Touch::kNo;
   };
+  const auto inner_of = [&](size_t i) {
+    return margins_.inner_m == 0 ||
+           (parts.bounds()[i].lo_m <= margins_.inner_m &&
+            parts.parts().is_inner(frame_, parts.candidates()[i], margins_.inner_m));
+  };
   task.pair_count = task.candidate_count = 0;
   task.candidates.grow(parts.candidates().size(), 0);
   for_pairs(parts.candidates(), [&](uint32_t of, size_t first, size_t end) {
     NearCandidate* const near = task.candidates.data() + task.candidate_count;
-    const size_t count = write_near(parts, first, end, options_.near.most_m(), near, touch_of);
+    const size_t count = write_near(parts, first, end, margins_.reach_m, near, touch_of, inner_of);
     if (count == 0) return;
     const auto less = [](const NearCandidate& p, const NearCandidate& q) {
       return p.lo_m < q.lo_m;
@@ -226,6 +241,50 @@ void NearSearch::plan_budget() {
   }
 }
 
+/// Of two bodies the nearest pair of parts, where a margin asks for it.
+class NearSearch::NearestParts {
+ public:
+  NearestParts(const NearSearch& search, const Pair& pair)
+      : bodies_(pair.bodies),
+        needs_inner_(search.options_.near.body_near_m == search.margins_.inner_m) {
+    const bool has_static =
+        search.types_[bodies_.type_a]->is_static() || search.types_[bodies_.type_b]->is_static();
+    margin_m_ = has_static ? 0 : search.options_.near.body_near_m;
+    nearest_.lo_m = nearest_.hi_m = std::numeric_limits<float>::max();
+  }
+
+  /// What is farther apart is not the nearest; below 0: none is asked for.
+  float within_m() const { return margin_m_ > 0 ? std::min(margin_m_, nearest_.hi_m) : -1; }
+  bool may_be(const NearCandidate& c) const {
+    return c.lo_m <= within_m() && (c.is_inner || !needs_inner_);
+  }
+  void take(const NearPair& row) {
+    least_m_ = std::min(least_m_, row.lo_m);
+    if (std::pair(row.hi_m, row.pair) < std::pair(nearest_.hi_m, nearest_.pair)) nearest_ = row;
+  }
+  void list(Task& task) {
+    nearest_.lo_m = least_m_;
+    if (margin_m_ > 0 && least_m_ <= margin_m_) task.nearest.add(nearest_);
+    task.nearest.end_run(bodies_);
+  }
+
+ private:
+  const BodyPair& bodies_;
+  bool needs_inner_;
+  float margin_m_;
+  NearPair nearest_;
+  float least_m_ = std::numeric_limits<float>::max();  ///< no two parts are nearer
+};
+
+/// The candidates of two bodies, the one that may be nearest first.
+std::span<NearCandidate> NearSearch::sorted(const Pair& pair, Task& task) {
+  const std::span<NearCandidate> out(task.candidates.data() + pair.first, pair.count);
+  std::ranges::sort(out, [](const NearCandidate& p, const NearCandidate& q) {
+    return std::pair(p.lo_m, p.parts()) < std::pair(q.lo_m, q.parts());
+  });
+  return out;
+}
+
 void NearSearch::decide(Task& task) {
   task.rows.clear();
   task.nearest.clear();
@@ -233,66 +292,73 @@ void NearSearch::decide(Task& task) {
   for (size_t i = 0; i < task.pair_count; ++i) {
     Pair& pair = task.pairs[i];
     if (options_.deadline_ms && pair.is_decided) pair.is_decided = Clock::now() < until_;
-    if (pair.is_decided || options_.near.body_near_m > 0)
+    if (pair.is_decided) {
       list(pair, task);
-    else if (options_.near.near_m > 0)
-      list_undecided(pair, task);
+      continue;
+    }
+    if (options_.near.near_m > 0) list_undecided(pair, task);
+    if (options_.near.body_near_m > 0) list_nearest_undecided(pair, task);
   }
+}
+
+/// Whether a row of a pair of parts may be listed, by its volumes: the same with and without
+/// another margin.
+bool NearSearch::is_listed(const NearCandidate& candidate) const {
+  return candidate.lo_m <= options_.near.near_m &&
+         (candidate.is_inner || options_.near.near_m != margins_.inner_m);
 }
 
 /// By volumes alone, which prove of nothing that it touches.
 void NearSearch::list_undecided(const Pair& pair, Task& task) {
-  NearCandidate* const first = task.candidates.data() + pair.first;
-  const size_t near = narrow(pair.bodies, {first, pair.count}, task);
-  for (const NearCandidate& c : std::span(first, near))
-    task.rows.add(interval_of(pair.bodies.body_a, pair.bodies.body_b, c).row());
+  for (const NearCandidate& each : std::span(task.candidates.data() + pair.first, pair.count)) {
+    if (!is_listed(each)) continue;
+    NearCandidate c = each;
+    if (narrow(pair.bodies, {&c, 1}, task) == 1)
+      task.rows.add(interval_of(pair.bodies.body_a, pair.bodies.body_b, c).row());
+  }
   task.rows.end_run(pair.bodies);
 }
 
-/// The rows of two bodies, where they are narrowed. The candidates that may be nearest come first:
-/// all within near_m, then as long as one can be nearer than the nearest yet.
+/// Candidates as list() sorts them, for the nearest of two bodies: as long as one can be nearer
+/// than the nearest yet.
+void NearSearch::list_nearest_undecided(const Pair& pair, Task& task) {
+  NearestParts nearest(*this, pair);
+  for (NearCandidate& c : sorted(pair, task)) {
+    if (c.lo_m > nearest.within_m()) break;
+    if (!nearest.may_be(c)) continue;
+    const PartPair parts = part_pair(frame_, task.posed->poses(), pair.bodies, c.part_a, c.part_b);
+    narrow_by_hulls(parts, c);
+    narrow_wide(pair.bodies, parts, c, task);
+    nearest.take(interval_of(pair.bodies.body_a, pair.bodies.body_b, c).row());
+  }
+  nearest.list(task);
+}
+
+/// The rows of two bodies that triangles decide. The candidates that may be nearest come first.
 void NearSearch::list(const Pair& pair, Task& task) {
-  const bool has_static =
-      types_[pair.bodies.type_a]->is_static() || types_[pair.bodies.type_b]->is_static();
-  const float body_near_m = has_static ? 0 : options_.near.body_near_m;
-  NearCandidate* const first = task.candidates.data() + pair.first;
-  NearCandidate* const end = first + pair.count;
-  std::sort(first, end, [](const NearCandidate& p, const NearCandidate& q) {
-    return std::pair(p.lo_m, p.parts()) < std::pair(q.lo_m, q.parts());
-  });
-  NearPair nearest;
-  nearest.lo_m = nearest.hi_m = std::numeric_limits<float>::max();
-  float least_m = std::numeric_limits<float>::max();  // no two parts are nearer
-  for (NearCandidate* c = first; c != end; ++c) {
-    const bool is_listed = c->lo_m <= options_.near.near_m;
-    const float of_bodies_m = std::min(body_near_m, nearest.hi_m);
-    if (!is_listed && (body_near_m == 0 || c->lo_m > of_bodies_m)) break;
-    const PartPair parts =
-        part_pair(frame_, task.posed->poses(), pair.bodies, c->part_a, c->part_b);
-    NearPair row;
-    if (pair.is_decided) {
-      const float within_m = std::max(is_listed ? options_.near.near_m : 0, of_bodies_m);
-      const NearVerdict verdict = verdict_of(parts, *c, within_m, task);
-      if (!verdict.is_near) continue;
-      row = decided(task, pair.bodies, *c, verdict);
-      if (verdict.touches && options_.near.contact_points)
-        task.contacts.add({row.pair, row.point_a_m, row.normal, row.depth_m});
-    } else {
-      narrow_by_hulls(parts, *c);
-      row = interval_of(pair.bodies.body_a, pair.bodies.body_b, *c).row();
-    }
-    if (options_.near.near_m > 0 && row.lo_m <= options_.near.near_m) task.rows.add(row);
-    least_m = std::min(least_m, row.lo_m);
-    if (std::pair(row.hi_m, row.pair) < std::pair(nearest.hi_m, nearest.pair)) nearest = row;
+  NearestParts nearest(*this, pair);
+  const double near_m = static_cast<double>(options_.near.near_m);
+  for (const NearCandidate& c : sorted(pair, task)) {
+    if (c.lo_m > std::max(options_.near.near_m, nearest.within_m())) break;
+    const bool listed = is_listed(c), may_be_nearest = nearest.may_be(c);
+    if (!listed && !may_be_nearest) continue;
+    const PartPair parts = part_pair(frame_, task.posed->poses(), pair.bodies, c.part_a, c.part_b);
+    const float within_m =
+        std::max(listed ? options_.near.near_m : 0, may_be_nearest ? nearest.within_m() : 0);
+    const NearVerdict verdict = verdict_of(parts, c, within_m, task);
+    if (!verdict.is_near) continue;
+    const NearPair row = decided(task, pair.bodies, c, verdict);
+    if (verdict.touches && options_.near.contact_points)
+      task.contacts.add({row.pair, row.point_a_m, row.normal, row.depth_m});
+    if (listed && options_.near.near_m > 0 && verdict.lo_m <= near_m) task.rows.add(row);
+    if (may_be_nearest) nearest.take(row);
   }
   const auto by_pair = [](const auto& p, const auto& q) { return p.pair < q.pair; };
   std::ranges::sort(task.rows.open(), by_pair);
   std::ranges::sort(task.contacts.open(), by_pair);
-  nearest.lo_m = least_m;
-  if (body_near_m > 0 && nearest.lo_m <= body_near_m) task.nearest.add(nearest);
   task.rows.end_run(pair.bodies);
   task.contacts.end_run(pair.bodies);
-  task.nearest.end_run(pair.bodies);
+  nearest.list(task);
 }
 
 NearVerdict NearSearch::verdict_of(const PartPair& parts, const NearCandidate& candidate,

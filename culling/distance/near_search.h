@@ -14,9 +14,13 @@
 #include "culling/distance/found_rows.h"
 #include "culling/distance/near_parts.h"
 #include "culling/distance/past_poses.h"
+#include "culling/stages/broad_phase.h"
 #include "culling/stages/pass.h"
 
 namespace throng {
+
+/// What bodies are searched within.
+Margins margins_of(const NearOptions& near);
 
 class NearSearch {
  public:
@@ -31,7 +35,8 @@ class NearSearch {
   /// A task: begin() with the posed bodies, add() pairs of their slots, bound(), finish(). Under a
   /// deadline the bodies stay posed until end_frame().
   void begin(int worker, const PosedBodies& bodies);
-  void add(int worker, std::span<const SlotPair> pairs);
+  /// `inner`: as BroadPhase has it of the pairs.
+  void add(int worker, std::span<const SlotPair> pairs, std::span<const uint8_t> inner);
   void bound(int worker, size_t task);
   /// `touches`: of each candidate, where triangles have been asked already; else empty.
   void finish(int worker, size_t task, std::span<const uint8_t> touches);
@@ -96,13 +101,18 @@ class NearSearch {
                          Task& task) const;
   void list_intervals(const NearParts& parts, Task& task);
   void note_past(size_t index, const PosedBodies& posed);
-  size_t narrow(const BodyPair& bodies, std::span<NearCandidate> candidates,
-                const Task& task) const;
+  size_t narrow(const BodyPair& bodies, std::span<NearCandidate> candidates, Task& task) const;
+  void narrow_wide(const BodyPair& bodies, const PartPair& parts, NearCandidate& candidate,
+                   Task& task) const;
   void take_candidates(const NearParts& parts, std::span<const uint8_t> touches, Task& task);
   void plan_budget();
   void decide(Task& task);
+  class NearestParts;
+  static std::span<NearCandidate> sorted(const Pair& pair, Task& task);
+  bool is_listed(const NearCandidate& candidate) const;
   void list(const Pair& pair, Task& task);
   void list_undecided(const Pair& pair, Task& task);
+  void list_nearest_undecided(const Pair& pair, Task& task);
   EventSum take_rows();
   template <typename Item, typename Row, typename RowOf>
   EventSum take(FoundRows<Item> Task::*found, OrderedRows<Row, Item>& rows, uint64_t kind,
@@ -114,7 +124,9 @@ class NearSearch {
                     const NearVerdict& verdict) const;
 
   BodyTypes types_;
+  std::vector<uint8_t> has_surfaces_;  // by type
   CullerOptions options_;
+  Margins margins_;
   Workers& workers_;
   std::vector<NearParts> parts_;  // one a worker
   bool shares_boxes_ = false;

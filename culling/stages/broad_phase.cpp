@@ -1,11 +1,13 @@
 #include "culling/stages/broad_phase.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "base/stopwatch.h"
+#include "culling/kernels/kernels_scalar.h"
 
 namespace throng {
 namespace {
@@ -14,19 +16,29 @@ constexpr size_t kTaskBodies = 1024;
 constexpr size_t kMostLarge = 1024;  // large bodies are asked one by one
 constexpr float kLargeRatio = 2;     // times the mean sphere of what moves
 
+float half_of(float margin_m) { return 0.5f * margin_m * (1 + 0x1p-20f); }
+
 int tasks_of(size_t count) { return static_cast<int>((count + kTaskBodies - 1) / kTaskBodies); }
+
+bool reaches_box(const PlacedBody& body, const Eigen::Vector3f& low, const Eigen::Vector3f& high) {
+  const Eigen::Vector3f centre(body.x, body.y, body.z);
+  const float distance2 = (centre - centre.cwiseMax(low).cwiseMin(high)).squaredNorm();
+  return !(distance2 > body.radius * body.radius);
+}
 
 }  // namespace
 
 BroadPhase::BroadPhase(std::span<const std::shared_ptr<const BodyType>> types,
                        const Kernels& kernels, Workers& workers, PairSearch kind,
-                       const PairFilter& filter, float near_m)
+                       const PairFilter& filter, const Margins& margins)
     : types_(types),
       kernels_(kernels),
       workers_(workers),
       kind_(kind),
       filter_(filter),
-      half_near_m_(0.5f * near_m * (1 + 0x1p-20f)) {
+      half_near_m_(half_of(margins.reach_m)),
+      has_inner_(margins.inner_m > 0),
+      half_inner_m_(half_of(margins.inner_m)) {
   counters_.volume = "sphere";
   for (const auto& type : types) {
     const RootSphere& sphere = type->sphere();
@@ -43,7 +55,7 @@ void BroadPhase::run(const BodiesView& bodies, const PoseSource& source, Slots& 
   Stopwatch watch;
   body_count_ = bodies.ids.size();
   place(bodies, source);
-  split_by_size();
+  split_by_size(bodies);
   searcher_.build(kind_, {placed_.data(), body_count_}, {small_.data(), small_count_}, workers_);
   slots.begin_frame(bodies, searcher_.bodies(), {large_.data(), large_count_});
   counters_.updates = body_count_;
@@ -53,6 +65,7 @@ void BroadPhase::run(const BodiesView& bodies, const PoseSource& source, Slots& 
   if (blocks_.size() < block_count_) blocks_.resize(block_count_);
   search_small(slots);
   if (large_count_ > 0) search_large(source, slots);
+  if (has_inner_) find_inner(slots);
   counters_.test_ns = watch.lap_ns();
   listed_ = 0;
   for (size_t i = 0; i < block_count_; ++i) {
@@ -64,6 +77,7 @@ void BroadPhase::run(const BodiesView& bodies, const PoseSource& source, Slots& 
 
 void BroadPhase::place(const BodiesView& bodies, const PoseSource& source) {
   placed_.resize(body_count_);
+  if (has_inner_) placed_inner_.resize(body_count_);
   sizes_.resize(static_cast<size_t>(tasks_of(body_count_)));
   if (body_count_ == 0) return;
   // Relative to where one of the bodies is: small numbers, wherever the crowd walks.
@@ -82,8 +96,12 @@ void BroadPhase::place(const BodiesView& bodies, const PoseSource& source) {
       for (size_t i = 0; i < count; ++i) {
         const size_t body = batch + i;
         const TypeSize& type = sizes_of_type_[bodies.types[body]];
-        place_one(bodies.roots[body], bodies.scales[body], type, bounds[i], placed_[body]);
-        const float radius = placed_[body].radius;
+        place_one(bodies.roots[body], bodies.scales[body], type, bounds[i], half_near_m_,
+                  placed_[body]);
+        if (has_inner_)
+          place_one(bodies.roots[body], bodies.scales[body], type, bounds[i], half_inner_m_,
+                    placed_inner_[body]);
+        const float radius = own_radius(body, bodies);
         sizes.widest_m = std::max(sizes.widest_m, radius);
         sizes.radii += type.is_static ? 0 : static_cast<double>(radius);
         sizes.moving += !type.is_static;
@@ -94,7 +112,7 @@ void BroadPhase::place(const BodiesView& bodies, const PoseSource& source) {
 }
 
 void BroadPhase::place_one(const RootPose& root, float scale, const TypeSize& type,
-                           const RootBox& bounds, PlacedBody& out) const {
+                           const RootBox& bounds, float half_near_m, PlacedBody& out) const {
   const Eigen::Quaternionf& q = root.world_from_root;
   const Eigen::Matrix3f turn = q.toRotationMatrix();
   const Eigen::Vector3d from_origin = root.position_m - origin_m_;
@@ -105,7 +123,7 @@ void BroadPhase::place_one(const RootPose& root, float scale, const TypeSize& ty
   out.z = centre.z();
   // Coordinates are rounded when stored and when the search adds and subtracts them.
   const float margin =
-      scale * type.margin_m + 0x1p-22f * centre.cwiseAbs().maxCoeff() + half_near_m_;
+      scale * type.margin_m + 0x1p-22f * centre.cwiseAbs().maxCoeff() + half_near_m;
   out.radius = scale * type.radius_m + margin;
   const bool upright = q.x() == 0 && q.y() == 0;
   out.upright = upright ? std::min(out.radius, scale * type.upright_m + margin) : out.radius;
@@ -133,7 +151,17 @@ void BroadPhase::place_one(const RootPose& root, float scale, const TypeSize& ty
   }
 }
 
-void BroadPhase::split_by_size() {
+/// The radius of a placed body without a margin.
+float BroadPhase::own_radius(size_t body, const BodiesView& bodies) const {
+  const PlacedBody& placed = placed_[body];
+  if (half_near_m_ == 0) return placed.radius;
+  const TypeSize& type = sizes_of_type_[bodies.types[body]];
+  const float scale = bodies.scales[body];
+  const float far = std::max({std::fabs(placed.x), std::fabs(placed.y), std::fabs(placed.z)});
+  return scale * type.radius_m + (scale * type.margin_m + 0x1p-22f * far);
+}
+
+void BroadPhase::split_by_size(const BodiesView& bodies) {
   Sizes all;
   for (size_t i = 0; i < static_cast<size_t>(tasks_of(body_count_)); ++i) {
     all.radii += sizes_[i].radii;
@@ -151,11 +179,11 @@ void BroadPhase::split_by_size() {
   if (all.widest_m <= limit) {  // the usual crowd
     std::iota(small_.data(), small_.data() + body_count_, 0u);
     small_count_ = body_count_;
-    widest_m_ = all.widest_m;
+    widest_m_ = half_near_m_ == 0 ? all.widest_m : (all.widest_m + half_near_m_) * (1 + 0x1p-20f);
     return;
   }
   for (size_t i = 0; i < body_count_; ++i) {
-    if (placed_[i].radius > limit && large_count_ < kMostLarge) {
+    if (own_radius(i, bodies) > limit && large_count_ < kMostLarge) {
       large_[large_count_++] = static_cast<uint32_t>(i);
     } else {
       small_[small_count_++] = static_cast<uint32_t>(i);
@@ -202,7 +230,7 @@ void BroadPhase::search_large(const PoseSource& source, const Slots& slots) {
   posed_large_.pose({types_, kernels_, slots, source}, workers_);
   for (size_t slot = small_count_; slot < slots.count(); ++slot) {
     Eigen::Vector3f low, high;
-    box_of(slot, slots, low, high);
+    box_of(slot, slots, half_near_m_, low, high);
     meet_crowd(slot, low, high, slots);
     for (size_t other = slot + 1; other < slots.count(); ++other) {
       if (!is_asked(slot, other, slots)) continue;
@@ -212,8 +240,41 @@ void BroadPhase::search_large(const PoseSource& source, const Slots& slots) {
   }
 }
 
+void BroadPhase::find_inner(const Slots& slots) {
+  workers_.for_blocks(static_cast<int>(block_count_), [&](int index, int) {
+    Block& block = blocks_[static_cast<size_t>(index)];
+    block.inner.resize(block.count);
+    for (size_t i = 0; i < block.count; ++i) block.inner[i] = is_inner(block.pairs[i], slots);
+  });
+}
+
+/// By the test that lists a pair, to the bit.
+bool BroadPhase::is_inner(const SlotPair& pair, const Slots& slots) const {
+  const PlacedBody &a = placed_inner_[slots.body(pair.a)], &b = placed_inner_[slots.body(pair.b)];
+  const bool large_a = pair.a >= small_count_, large_b = pair.b >= small_count_;
+  if (large_a && large_b) return true;
+  if (large_a || large_b) {
+    Eigen::Vector3f low, high;
+    box_of(large_a ? pair.a : pair.b, slots, half_inner_m_, low, high);
+    return reaches_box(large_a ? b : a, low, high);
+  }
+  const auto both = [&](float PlacedBody::*column) { return std::array{a.*column, b.*column}; };
+  const auto x = both(&PlacedBody::x), y = both(&PlacedBody::y), z = both(&PlacedBody::z),
+             radius = both(&PlacedBody::radius), upright = both(&PlacedBody::upright),
+             mid_x = both(&PlacedBody::mid_x), mid_y = both(&PlacedBody::mid_y),
+             axis_x = both(&PlacedBody::axis_x), axis_y = both(&PlacedBody::axis_y),
+             half_x = both(&PlacedBody::half_x), half_y = both(&PlacedBody::half_y);
+  const SlotRun other{1, 2};
+  SlotPair found[1 + kPairSlack];
+  uint64_t spheres = 0;
+  return scalar_kernels().body_runs({x.data(), y.data(), z.data(), radius.data(), upright.data()},
+                                    {mid_x.data(), mid_y.data(), axis_x.data(), axis_y.data(),
+                                     half_x.data(), half_y.data()},
+                                    {0, 1}, &other, 1, found, &spheres) > 0;
+}
+
 /// The box of a large body, as the spheres are placed.
-void BroadPhase::box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low,
+void BroadPhase::box_of(size_t slot, const Slots& slots, float half_near_m, Eigen::Vector3f& low,
                         Eigen::Vector3f& high) const {
   const float* box = posed_large_.box_of(posed_large_.of_slot(static_cast<uint32_t>(slot)));
   const Eigen::Vector3f root = (slots[slot].root() - origin_m_).cast<float>();
@@ -221,7 +282,7 @@ void BroadPhase::box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low,
   high = root + Eigen::Vector3f(box[4], box[5], box[6]);
   // Rounding of the three sums; the crowd's radii hold their own.
   const Eigen::Vector3f slack = Eigen::Vector3f::Constant(
-      0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()) + half_near_m_);
+      0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()) + half_near_m);
   low -= slack;
   high += slack;
 }
@@ -232,10 +293,10 @@ float BroadPhase::depth_m(const SlotPair& pair, const Slots& slots) const {
   const bool large_a = pair.a >= small_count_, large_b = pair.b >= small_count_;
   if (!large_a && !large_b) return a.radius + b.radius - (centre_a - centre_b).norm();
   Eigen::Vector3f low, high;
-  box_of(large_a ? pair.a : pair.b, slots, low, high);
+  box_of(large_a ? pair.a : pair.b, slots, half_near_m_, low, high);
   if (large_a && large_b) {
     Eigen::Vector3f other_low, other_high;
-    box_of(pair.b, slots, other_low, other_high);
+    box_of(pair.b, slots, half_near_m_, other_low, other_high);
     return (high.cwiseMin(other_high) - low.cwiseMax(other_low)).minCoeff();
   }
   const Eigen::Vector3f& centre = large_a ? centre_b : centre_a;
@@ -250,9 +311,7 @@ void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen
       Block& block = blocks_[other / PairSearcher::kBlockSlots];
       ++block.found.tests;
       const PlacedBody& p = placed_[slots.body(other)];
-      const Eigen::Vector3f centre(p.x, p.y, p.z);
-      const float distance2 = (centre - centre.cwiseMax(low).cwiseMin(high)).squaredNorm();
-      if (distance2 > p.radius * p.radius) continue;
+      if (!reaches_box(p, low, high)) continue;
       if (!is_asked(slot, other, slots)) continue;
       add(block, slot, other);
     }
@@ -264,7 +323,8 @@ void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen
 uint32_t BroadPhase::times_grown() const {
   uint32_t sum = searcher_.times_grown() + placed_.times_grown() + sizes_.times_grown() +
                  small_.times_grown() + large_.times_grown() + posed_large_.times_grown();
-  for (const Block& block : blocks_) sum += block.pairs.times_grown();
+  sum += placed_inner_.times_grown();
+  for (const Block& block : blocks_) sum += block.pairs.times_grown() + block.inner.times_grown();
   return sum;
 }
 

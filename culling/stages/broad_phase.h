@@ -1,6 +1,8 @@
 // Broad phase: where every body stands, and the pairs of slots that may touch.
 // One rule: bodies of usual size go through the pair search; the few large ones (walls, stands)
 // meet the crowd with their boxes, because their spheres would touch everybody.
+// Invariant: which bodies are large, and what is listed within a margin, depends on no other
+// margin.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,12 +19,19 @@
 
 namespace throng {
 
+/// How near bodies and parts have to be.
+struct Margins {
+  float reach_m = 0;
+  /// Of two margins the smaller one; 0: there is one, or none.
+  float inner_m = 0;
+};
+
 class BroadPhase {
  public:
-  /// `near_m`: bodies that are within it of each other are listed, too; of all, those that the
-  /// filter asks for. Keeps a reference to it.
+  /// Bodies within the margins' reach of each other are listed, too; of all, those that the filter
+  /// asks for. Keeps a reference to it.
   BroadPhase(std::span<const std::shared_ptr<const BodyType>> types, const Kernels& kernels,
-             Workers& workers, PairSearch kind, const PairFilter& filter, float near_m);
+             Workers& workers, PairSearch kind, const PairFilter& filter, const Margins& margins);
 
   /// Places the bodies, fills `slots` in the order of the search and lists the pairs.
   void run(const BodiesView& bodies, const PoseSource& source, Slots& slots);
@@ -31,6 +40,12 @@ class BroadPhase {
   size_t block_count() const { return block_count_; }
   std::span<const SlotPair> block(size_t i) const {
     return {blocks_[i].pairs.data(), blocks_[i].count};
+  }
+
+  /// One a pair of the block: whether it would be listed with the inner margin as its reach; empty
+  /// where there is none.
+  std::span<const uint8_t> inner(size_t i) const {
+    return {blocks_[i].inner.data(), has_inner_ ? blocks_[i].count : 0};
   }
 
   /// How deep two bodies of a listed pair overlap by what listed them: their spheres, or a large
@@ -46,6 +61,7 @@ class BroadPhase {
  private:
   struct Block {
     GrowBuffer<SlotPair> pairs;
+    GrowBuffer<uint8_t> inner;
     size_t count = 0;
     PairSearcher::Found found;
   };
@@ -57,18 +73,22 @@ class BroadPhase {
   };
   /// Sums over the bodies of a task.
   struct Sizes {
-    double radii = 0;  ///< of what moves
+    double radii = 0;  ///< of what moves, without a margin, as the next but one
     size_t moving = 0;
     float widest_m = 0;
   };
 
   void place(const BodiesView& bodies, const PoseSource& source);
   void place_one(const RootPose& root, float scale, const TypeSize& type, const RootBox& bounds,
-                 PlacedBody& out) const;
-  void split_by_size();
+                 float half_near_m, PlacedBody& out) const;
+  float own_radius(size_t body, const BodiesView& bodies) const;
+  void split_by_size(const BodiesView& bodies);
   void search_small(const Slots& slots);
   void search_large(const PoseSource& source, const Slots& slots);
-  void box_of(size_t slot, const Slots& slots, Eigen::Vector3f& low, Eigen::Vector3f& high) const;
+  void find_inner(const Slots& slots);
+  bool is_inner(const SlotPair& pair, const Slots& slots) const;
+  void box_of(size_t slot, const Slots& slots, float half_near_m, Eigen::Vector3f& low,
+              Eigen::Vector3f& high) const;
   void meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                   const Slots& slots);
   void add(Block& block, size_t a, size_t b);
@@ -80,13 +100,16 @@ class BroadPhase {
   PairSearch kind_;
   const PairFilter& filter_;
   float half_near_m_;  // by how much every body is widened
+  bool has_inner_;
+  float half_inner_m_;  // by how much for the inner margin
   std::vector<TypeSize> sizes_of_type_;
   bool any_static_ = false;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();  // of the coordinates of placed_
   size_t body_count_ = 0;
-  GrowBuffer<PlacedBody> placed_;       // by body
-  GrowBuffer<Sizes> sizes_;             // by task of place()
-  GrowBuffer<uint32_t> small_, large_;  // bodies, ascending
+  GrowBuffer<PlacedBody> placed_;        // by body
+  GrowBuffer<PlacedBody> placed_inner_;  // the same for the inner margin
+  GrowBuffer<Sizes> sizes_;              // by task of place()
+  GrowBuffer<uint32_t> small_, large_;   // bodies, ascending
   size_t small_count_ = 0, large_count_ = 0;
   float widest_m_ = 0;  // at least the largest sphere among the small bodies
   PairSearcher searcher_;

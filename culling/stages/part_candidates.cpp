@@ -34,9 +34,11 @@ void PartCandidates::begin(const PartStageFrame& frame, const PosedBodies& bodie
 }
 
 /// Keeps the pairs whose boxes, in their poses, are near.
-void PartCandidates::add(const PartStageFrame& frame, std::span<const SlotPair> pairs) {
+void PartCandidates::add(const PartStageFrame& frame, std::span<const SlotPair> pairs,
+                         std::span<const uint8_t> inner) {
   Stopwatch watch;
   pairs_.grow(pair_count_ + pairs.size(), pair_count_);
+  if (!inner.empty()) inner_.grow(pair_count_ + pairs.size(), pair_count_);
   const size_t pairs_before = pair_count_;
   uint64_t parts = 0;
   for (const SlotPair& slots : pairs) {
@@ -46,6 +48,7 @@ void PartCandidates::add(const PartStageFrame& frame, std::span<const SlotPair> 
     const Eigen::Vector3f shift = (b->slot.root() - a->slot.root()).cast<float>();
     if (!bodies_are_near(bodies_->box_of(*a), bodies_->box_of(*b), shift.data(), boxes_.near_m))
       continue;
+    if (!inner.empty()) inner_[pair_count_] = inner[static_cast<size_t>(&slots - pairs.data())];
     pairs_[pair_count_] = {{shift.x(), shift.y(), shift.z(), a->slot.margin_m + b->slot.margin_m},
                            a->slot.scale,
                            b->slot.scale,
@@ -84,7 +87,9 @@ void PartCandidates::find(const PartStageFrame& frame) {
   counters_.box.test_ns += watch.lap_ns();
 }
 
-bool PartCandidates::boxes_overlap(const PartStageFrame& frame, const Candidate& candidate) const {
+/// As box_pairs() of the kernels, to the bit.
+bool PartCandidates::boxes_are_near(const PartStageFrame& frame, const Candidate& candidate,
+                                    float near_m) const {
   const BodyPair& pair = pairs_[candidate.pair];
   const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
   const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
@@ -92,8 +97,8 @@ bool PartCandidates::boxes_overlap(const PartStageFrame& frame, const Candidate&
   const float* b = boxes_.blocks + (size_t{pair.box_b} + 1) * kBoxLanes + candidate.part_b;
   bool apart = false;
   for (size_t axis = 0; axis < 3; ++axis) {
-    apart |= b[axis * padded_b] + pair.shift_m[axis] > a[(axis + 3) * padded_a];
-    apart |= b[(axis + 3) * padded_b] + pair.shift_m[axis] < a[axis * padded_a];
+    apart |= b[axis * padded_b] + pair.shift_m[axis] > a[(axis + 3) * padded_a] + near_m;
+    apart |= b[(axis + 3) * padded_b] + pair.shift_m[axis] < a[axis * padded_a] - near_m;
   }
   return !apart;
 }
@@ -130,14 +135,15 @@ void PartCandidates::sort_into_buckets() {
 
 void PartCandidates::reserve_like(const PartCandidates& other) {
   pairs_.match(other.pairs_);
+  inner_.match(other.inner_);
   candidates_.match(other.candidates_);
   bucket_start_.match(other.bucket_start_);
   order_.match(other.order_);
 }
 
 uint32_t PartCandidates::times_grown() const {
-  return pairs_.times_grown() + candidates_.times_grown() + bucket_start_.times_grown() +
-         order_.times_grown();
+  return pairs_.times_grown() + inner_.times_grown() + candidates_.times_grown() +
+         bucket_start_.times_grown() + order_.times_grown();
 }
 
 }  // namespace throng

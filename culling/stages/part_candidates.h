@@ -41,9 +41,11 @@ uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair);
 class PartCandidates {
  public:
   /// A task: begin() with the posed bodies, add() pairs of their slots, find(). Boxes that are
-  /// within `near_m` of each other along every axis are candidates.
+  /// within `near_m` of each other along every axis are candidates. `inner`: a flag a pair, or
+  /// none, see is_inner().
   void begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m = 0);
-  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs);
+  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs,
+           std::span<const uint8_t> inner = {});
   void find(const PartStageFrame& frame);
 
   /// Pairs of bodies whose boxes are near, and pairs of parts whose boxes are, in the order of
@@ -52,7 +54,13 @@ class PartCandidates {
   std::span<const Candidate> candidates() const { return {candidates_.data(), candidate_count_}; }
   PairKey key_of(const Candidate& candidate) const;
   /// Whatever near_m is.
-  bool boxes_overlap(const PartStageFrame& frame, const Candidate& candidate) const;
+  bool boxes_overlap(const PartStageFrame& frame, const Candidate& candidate) const {
+    return boxes_are_near(frame, candidate, 0);
+  }
+  /// Whether a search with the inner margin for near_m would have the candidate.
+  bool is_inner(const PartStageFrame& frame, const Candidate& candidate, float inner_m) const {
+    return inner_[candidate.pair] != 0 && boxes_are_near(frame, candidate, inner_m);
+  }
   /// Forgets all but the first.
   void keep_pairs(const PartStageFrame& frame, size_t count);
   void keep_candidates(size_t count) { candidate_count_ = count; }
@@ -71,12 +79,14 @@ class PartCandidates {
   uint32_t times_grown() const;
 
  private:
+  bool boxes_are_near(const PartStageFrame& frame, const Candidate& candidate, float near_m) const;
   void leave_out_unasked(const PairFilter& filter);
   void sort_into_buckets();
 
   const PosedBodies* bodies_ = nullptr;
   BoxFrame boxes_{};
   GrowBuffer<BodyPair> pairs_;
+  GrowBuffer<uint8_t> inner_;  // by pair, where add() has flags
   GrowBuffer<Candidate> candidates_;
   GrowBuffer<uint32_t> bucket_start_, order_;
   size_t pair_count_ = 0, candidate_count_ = 0;

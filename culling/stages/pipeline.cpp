@@ -17,7 +17,7 @@ Pipeline::Pipeline(BodyTypes types, const CullerOptions& options, Workers& worke
     : last_level_(last_level(options)),
       workers_(workers),
       near_(near),
-      shared_(types, options, workers, near == nullptr ? 0 : options.near.most_m()),
+      shared_(types, options, workers, near == nullptr ? Margins() : margins_of(options.near)),
       stages_(static_cast<size_t>(workers.threads())),
       posed_(static_cast<size_t>(workers.threads())) {
   if (options.by_part)
@@ -77,7 +77,7 @@ void Pipeline::refine(const PoseSource& source) {
     stage.begin(parts, bodies);
     if (near_) near_->begin(worker, bodies);
     for (size_t block = task.first; block < task.end; ++block) {
-      if (near_) near_->add(worker, shared_.broad().block(block));
+      if (near_) near_->add(worker, shared_.broad().block(block), shared_.broad().inner(block));
       if (!near_decides_) stage.add(parts, shared_.broad().block(block));
     }
     if (near_) near_->bound(worker, static_cast<size_t>(index));

@@ -17,7 +17,7 @@ std::vector<VolumeKind> volumes_of(BodyTypes types, VolumeKind volume) {
 }  // namespace
 
 SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers,
-                           float near_m)
+                           const Margins& margins)
     : types_(types),
       kernels_(kernels_for(options.simd)),
       volume_(options.part_volume),
@@ -25,7 +25,7 @@ SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Worker
       exact_(options.exact),
       filter_(options.filter),
       slots_(types),
-      broad_(types, kernels_, workers, options.pair_search, filter_, near_m) {
+      broad_(types, kernels_, workers, options.pair_search, filter_, margins) {
   if (volumes_.size() == 1) volume_ = volumes_.front();
   size_t shapes = 0;
   for (size_t type = 0; type < types.size(); ++type) {

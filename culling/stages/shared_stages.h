@@ -18,9 +18,9 @@ namespace throng {
 
 class SharedStages {
  public:
-  /// Keeps references to `types` and `workers`. `near_m`: bodies within it of each other are
-  /// searched, too.
-  SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers, float near_m = 0);
+  /// Keeps references to `types` and `workers`. Bodies within the margins are searched, too.
+  SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers,
+               const Margins& margins = {});
 
   /// Places the bodies of a frame and lists the pairs that may touch.
   void search(const BodiesView& bodies, const PoseSource& source) {

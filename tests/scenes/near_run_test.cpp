@@ -110,6 +110,131 @@ TEST(NearRun, NamesTheNearestPartsOfEachTwoPeople) {
   EXPECT_GT(rows, 50);
 }
 
+/// What a frame lists, whatever the speeds are.
+struct ListedRow {
+  PairKey pair;
+  float lo_m, hi_m;
+  PairLevel level;
+  bool operator==(const ListedRow&) const = default;
+};
+
+std::vector<ListedRow> rows_of(const NearRows& rows) {
+  std::vector<ListedRow> out;
+  for (const NearPair& row : rows) out.push_back({row.pair, row.lo_m, row.hi_m, row.level});
+  return out;
+}
+
+/// Both kinds of rows of some frames.
+struct ListedFrames {
+  std::vector<std::vector<ListedRow>> parts, people;
+  size_t rows() const {
+    size_t sum = 0;
+    for (const auto& frame : parts) sum += frame.size();
+    return sum;
+  }
+};
+
+ListedFrames listed(const Scene& scene, int threads) {
+  SimulationOptions options;
+  options.threads = threads;
+  Simulation run(scene, options);
+  ListedFrames out;
+  for (int i = 0; i < 8; ++i) {
+    const Frame& frame = run.step();
+    out.parts.push_back(rows_of(frame.near_pairs));
+    out.people.push_back(rows_of(frame.near_people));
+  }
+  return out;
+}
+
+/// The rows of the pairs that a filter asks for.
+ListedFrames sifted(const ListedFrames& all, const Scene& scene) {
+  const Simulation run(scene, {});
+  const PairFilter filter = filter_of(scene, run.info());
+  const auto type_of = [&](uint32_t body) -> size_t {
+    const std::vector<uint16_t>& models = run.info().model_of_avatar;
+    return body < models.size() ? models[body] : run.info().models.size() + body - models.size();
+  };
+  ListedFrames out;
+  for (const auto& frame : all.parts) {
+    std::vector<ListedRow>& kept = out.parts.emplace_back();
+    for (const ListedRow& row : frame)
+      if (filter.asks_bodies(row.pair.a(), row.pair.b()) &&
+          filter.asks_parts(type_of(row.pair.a()), row.pair.part_a(), type_of(row.pair.b()),
+                            row.pair.part_b()))
+        kept.push_back(row);
+  }
+  return out;
+}
+
+TEST(NearRun, RowsAtTheMarginDependOnNoOtherMarginAndNoFilter) {
+  for (const char* const name : {"robot_in_crowd", "plaza"})
+    for (uint64_t seed = 1; seed <= 2; ++seed)
+      for (const bool exact : {false, true}) {
+        SCOPED_TRACE(fmt::format("{}, seed {}, exact {}", name, seed, exact));
+        Scene scene = load_scene(name);
+        std::vector<std::string> notes;
+        scale_to(scene, 120, notes);
+        scene.seed = seed;
+        scene.exact = exact;
+        scene.near_m = 0.2;
+        const ListedFrames whole = listed(scene, 1);
+        ASSERT_GT(whole.rows(), 100u);
+        for (const double person_near_m : {0.0, 0.05, 0.9})
+          for (const auto& [between, parts] : {std::pair("", ""),
+                                               {"robots: people", ""},
+                                               {"", "hands: torso, head"},
+                                               {"people, robots: obstacles", "lower arms"}}) {
+            if (std::string_view(name) == "plaza" && *between != 0) continue;  // it has no robots
+            SCOPED_TRACE(fmt::format("person_near {}, '{}', '{}'", person_near_m, between, parts));
+            Scene other = scene;
+            other.person_near_m = person_near_m;
+            if (*between != 0) other.between = pair_rules_of(between, "test");
+            if (*parts != 0) other.parts = part_rules_of(parts, "test");
+            const ListedFrames found = listed(other, person_near_m == 0.9 ? 3 : 1),
+                               expected = sifted(whole, other);
+            for (size_t frame = 0; frame < expected.parts.size(); ++frame)
+              ASSERT_EQ(found.parts[frame], expected.parts[frame]) << "frame " << frame;
+          }
+        // And the nearest parts of two people on no margin of all parts.
+        scene.near_m = 0;
+        scene.person_near_m = 0.3;
+        const ListedFrames alone = listed(scene, 1);
+        for (const double near_m : {0.1, 0.8}) {
+          scene.near_m = near_m;
+          EXPECT_EQ(listed(scene, 1).people, alone.people) << "near " << near_m;
+        }
+      }
+}
+
+/// By volumes: the wall of a shop is 48 m long, and its corners are far from everybody.
+TEST(NearRun, RowsAtLargeObstaclesAreNoWiderThanPromised) {
+  Scene scene = load_scene("robot_in_crowd");
+  scene.near_m = 0.2;
+  Simulation by_volumes(scene, {});
+  scene.exact = true;
+  Simulation by_triangles(scene, {});
+  size_t at_obstacles = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Frame &wide = by_volumes.step(), &narrow = by_triangles.step();
+    const uint32_t avatars = static_cast<uint32_t>(by_volumes.info().avatar_count());
+    auto exact = narrow.near_pairs.begin();
+    for (const NearPair& row : wide.near_pairs) {
+      at_obstacles += row.pair.b() >= avatars;
+      ASSERT_LE(row.hi_m - row.lo_m, 0.1f) << "frame " << i << ": " << row.lo_m << ", " << row.hi_m;
+      while (exact != narrow.near_pairs.end() && (*exact).pair < row.pair) {
+        ADD_FAILURE() << "frame " << i << ": a row is missing at " << (*exact).lo_m;
+        ++exact;
+      }
+      if (exact == narrow.near_pairs.end() || (*exact).pair != row.pair) continue;
+      ASSERT_LE(row.lo_m, (*exact).hi_m + 1e-6f) << "frame " << i;
+      ASSERT_GE(row.hi_m, (*exact).lo_m - 1e-6f) << "frame " << i;
+      ++exact;
+    }
+  }
+  EXPECT_GT(at_obstacles, 500u);
+}
+
 struct Named {
   std::string body, part;
   bool is_robot, is_obstacle;
