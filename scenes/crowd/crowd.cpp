@@ -175,7 +175,7 @@ void Crowd::start_walking(size_t slot) {
   w.look_to_rad = w.look_radps = looks_rad_[id] = 0;
   w.anchor_step = steps_;
   w.queued_steps = 0;
-  walkers_.queuing[slot] = 0;
+  walkers_.queuing[slot] = walkers_.held_up[slot] = 0;
   w.held = 0;
   w.squeeze = squeezes_[id];
   walkers_.seen[slot].urge = walkers_.seen[slot].eagerness = 0;
@@ -216,6 +216,8 @@ void Crowd::archive(Archive& a) {
   });
   archive_by_id(
       a, [&](size_t slot) -> auto& { return walkers_.queuing[slot]; });
+  archive_by_id(
+      a, [&](size_t slot) -> auto& { return walkers_.held_up[slot]; });
   if (!a.is_reading()) return;
   for (size_t slot = 0; slot < grid_.order().size(); ++slot)
     walkers_[slot].velocity_mps = velocities_mps_[grid_.order()[slot]];

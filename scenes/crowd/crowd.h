@@ -131,6 +131,10 @@ class Crowd {
   void archive_by_id(Archive& a, const At& at);
   void check_read(Archive& a);
   bool is_queuing(size_t slot) const;
+  HeldUp held_up(size_t slot, double stuck_s) const;
+  bool is_slow(size_t slot) const;
+  template <typename HoldsUp>
+  bool is_behind_any(size_t slot, const HoldsUp& holds_up) const;
   double strangers_per_m2(size_t slot) const;
   void overlook_companions(size_t slot);
   double pace(size_t slot, const Eigen::Vector2d& way);

@@ -64,8 +64,12 @@ void Crowd::change_people() {
   const double now_s = options_.step_s * static_cast<double>(steps_);
   // By id, as what journeys know is.
   for_people(workers_, size(), [&](size_t begin, size_t end, int) {
-    for (size_t id = begin; id < end; ++id)
-      journeys_.follow(static_cast<uint32_t>(id), positions_m_[id], now_s);
+    for (size_t id = begin; id < end; ++id) {
+      const uint32_t slot = slot_of_[id];
+      const auto held_up =
+          slot == kNowhere ? HeldUp::kNot : static_cast<HeldUp>(walkers_.held_up[slot]);
+      journeys_.follow(static_cast<uint32_t>(id), positions_m_[id], now_s, held_up);
+    }
   });
   if (!ways_.occasions().empty()) {
     occasions_.watch(journeys_, now_s);
@@ -390,32 +394,58 @@ double Crowd::watch_progress(size_t slot) {
   }
   walkers_.queuing[slot] = is_queuing(slot);
   if (walkers_.queuing[slot] != 0) w.queued_steps += steps_a_period_;
-  return std::max(0.0,
-                  options_.step_s * static_cast<double>(steps_ - w.anchor_step - w.queued_steps));
+  const double stuck_s =
+      std::max(0.0, options_.step_s * static_cast<double>(steps_ - w.anchor_step - w.queued_steps));
+  walkers_.held_up[slot] = static_cast<uint8_t>(held_up(slot, stuck_s));
+  return stuck_s;
 }
 
-bool Crowd::is_queuing(size_t slot) const {
+HeldUp Crowd::held_up(size_t slot, double stuck_s) const {
   const uint32_t id = grid_.order()[slot];
-  if (journeys_.doing(id) == Doing::kQueuing) return true;
-  if (journeys_.doing(id) != Doing::kWalking) return false;
+  if (journeys_.walks_to_stay(id) && is_slow(slot)) {
+    const Stop& stop = journeys_.stop(id);
+    const bool is_behind = is_behind_any(slot, [&](uint32_t other) {
+      const Stop& its = journeys_.stop(grid_.order()[other]);
+      return journeys_.is_staying(grid_.order()[other]) && its.field == stop.field &&
+             (its.is_narrow() || !its.contains(walkers_[other].position_m));
+    });
+    if (is_behind) return HeldUp::kBehindStaying;
+  }
+  return stuck_s >= tuning::kPatience_s ? HeldUp::kStuck : HeldUp::kNot;
+}
+
+bool Crowd::is_slow(size_t slot) const {
   const double slow_mps = tuning::kQueueSpeed * walkers_[slot].free_speed_mps;
-  if (walkers_[slot].velocity_mps.squaredNorm() > slow_mps * slow_mps) return false;
+  return walkers_[slot].velocity_mps.squaredNorm() <= slow_mps * slow_mps;
+}
+
+/// Returns whether an agent for which `holds_up(slot)` is true is ahead of another within 60
+/// degrees, at a gap of tuning::kQueueGap_m at most.
+template <typename HoldsUp>
+bool Crowd::is_behind_any(size_t slot, const HoldsUp& holds_up) const {
   const Eigen::Vector2d& position = walkers_[slot].position_m;
-  const FlowField* field = &journeys_.field(id);
-  std::optional<Eigen::Vector2d> way;  // found when somebody near has the same
+  std::optional<Eigen::Vector2d> way;  // found when an agent near by holds up
   for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
     const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
     const Eigen::Vector2d offset = walkers_[other].position_m - position;
     const double reach_m = walkers_[slot].radius_m + walkers_[other].radius_m + tuning::kQueueGap_m;
     if (offset.squaredNorm() > reach_m * reach_m) return false;
-    // Ahead within 60 degrees, and with the same way to go.
-    const uint32_t other_id = grid_.order()[other];
-    if (journeys_.doing(other_id) != Doing::kWalking || &journeys_.field(other_id) != field)
-      continue;
-    if (!way) way = journeys_.direction(id, position);
+    if (!holds_up(other)) continue;
+    if (!way) way = journeys_.direction(grid_.order()[slot], position);
     if (way->dot(offset) > 0.5 * offset.norm()) return true;
   }
   return false;
+}
+
+bool Crowd::is_queuing(size_t slot) const {
+  const uint32_t id = grid_.order()[slot];
+  if (journeys_.doing(id) == Doing::kQueuing) return true;
+  if (journeys_.doing(id) != Doing::kWalking || !is_slow(slot)) return false;
+  const FlowField* field = &journeys_.field(id);
+  return is_behind_any(slot, [&](uint32_t other) {
+    const uint32_t other_id = grid_.order()[other];
+    return journeys_.doing(other_id) == Doing::kWalking && &journeys_.field(other_id) == field;
+  });
 }
 
 }  // namespace throng

@@ -125,6 +125,7 @@ struct AgentStates {
   std::vector<Seen> seen;
   /// 1: held up by others ahead who go the same way. Apart, as it is counted at every step.
   std::vector<uint8_t> queuing;
+  std::vector<uint8_t> held_up;  ///< a HeldUp
 
   /// Asks for what lies before `until` in an AgentState, and for what others see of them.
   THRONG_PREFETCH void prefetch(size_t slot, size_t until) const {
@@ -151,6 +152,7 @@ struct AgentStates {
     all.assign(count, {});
     seen.assign(count, {});
     queuing.assign(count, 0);
+    held_up.assign(count, 0);
   }
 
   /// The slots from `first` on take over all that is known of who had these slots before.
@@ -159,6 +161,7 @@ struct AgentStates {
       all[first + i] = from.all[from_slots[i]];
       seen[first + i] = from.seen[from_slots[i]];
       queuing[first + i] = from.queuing[from_slots[i]];
+      held_up[first + i] = from.held_up[from_slots[i]];
     }
   }
 };

@@ -103,6 +103,11 @@ inline constexpr double kEagerFor_s = 25.0;
 /// A target counts as reached within this; after so long in the goal's area, anyhow.
 inline constexpr double kArrival_m = 0.7;
 inline constexpr double kPatience_s = 3.0;
+/// Round a goal with no side longer than the first agents hinder each other or walk in circles (the
+/// heuristic does round a square of 0.6 m, and hits one of 0.8 m): its area then is all within the
+/// second of it.
+inline constexpr double kSmallGoal_m = 0.7;
+inline constexpr double kAroundSmall_m = 1.0;
 
 /// The shortest way is the same for all, and round a corner all would walk in one file along its
 /// inner edge. Each keeps to a side of their own, as far off the shortest way as the next wall is

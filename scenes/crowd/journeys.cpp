@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "scenes/crowd/crowd_tuning.h"
 #include "scenes/file/shapes.h"
+#include "scenes/ways/arrival.h"
 
 namespace throng {
 namespace {
@@ -34,6 +35,7 @@ Journeys::Journeys(const Ways& ways, const Detours& detours, std::span<const Per
   for (const Person& person : people) {
     trips_.push_back({.group = static_cast<uint32_t>(person.group)});
     delays_s_.push_back(person.delay_s);
+    radii_m_.push_back(person.radius_m);
     const auto id = static_cast<uint32_t>(firsts_.size());
     const bool follows =
         id > 0 && person.party != Person::kAlone && people[id - 1].party == person.party;
@@ -111,11 +113,39 @@ void Journeys::let_in(uint32_t id, uint32_t area, const Eigen::Vector2d& positio
   choose_target(id, position_m);
 }
 
-/// The areas of a goal with a queue are told apart.
-bool Journeys::is_inside(uint32_t id, const Eigen::Vector2d& position_m) const {
+/// Those that an agent may go into now.
+std::span<const Rectangle> Journeys::areas_of_goal(uint32_t id) const {
   const Stop& to = stop(id);
-  if (areas_.empty() || !to.queue) return to.contains(position_m);
-  return is_let_in(id) && to.goal.areas[areas_[id]].contains(position_m);
+  const std::span<const Rectangle> all(to.goal.areas);
+  if (areas_.empty() || !to.queue) return all;
+  return is_let_in(id) ? all.subspan(areas_[id], 1) : all.first(0);
+}
+
+bool Journeys::is_at_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
+  const std::span<const Rectangle> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+    return has_reached(ways_.walkable(), area, position_m, radii_m_[id]);
+  });
+}
+
+bool Journeys::is_round_small_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
+  const std::span<const Rectangle> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+    return area.size_m().maxCoeff() <= tuning::kSmallGoal_m &&
+           is_beside(ways_.walkable(), area, position_m, tuning::kAroundSmall_m);
+  });
+}
+
+bool Journeys::is_beside_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
+  const std::span<const Rectangle> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+    return is_beside(ways_.walkable(), area, position_m, radii_m_[id] + kWallKeepsOff_m);
+  });
+}
+
+bool Journeys::walks_to_stay(uint32_t id) const {
+  return trips_[id].doing == Doing::kWalking && is_last_stop(id) && !stop(id).queue &&
+         ways_.on_arrival(trips_[id].group) == OnArrival::kStay;
 }
 
 const FlowField& Journeys::queue_field(uint32_t id) const {
@@ -150,7 +180,8 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   if (to.field->reaches(beside)) targets_m_[id] = beside;
 }
 
-void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
+void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s,
+                      HeldUp held_up) {
   // Of those who wait, only the ones whose group has not been let go do not know how long.
   if (trips_[id].doing == Doing::kWaiting && until_s_[id] == kNever)
     until_s_[id] = std::max(now_s, sets_out_s_[trips_[id].group]) + delays_s_[id];
@@ -161,8 +192,12 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
   }
   if (trips_[id].doing != Doing::kWalking) return;
   const Stop& to = stop(id);
-  if (!is_inside(id, position_m)) return;
-  const bool is_last = trips_[id].stop + 1 == ways_.route(trips_[id].group).size();
+  // Agents that stay before a goal which nobody can enter are as good as its rim.
+  const bool is_at =
+      is_at_goal(id, position_m) || (held_up == HeldUp::kBehindStaying && walks_to_stay(id));
+  const bool gets_no_nearer = held_up == HeldUp::kStuck && is_beside_goal(id, position_m);
+  if (!is_at && !gets_no_nearer && !is_round_small_goal(id, position_m)) return;
+  const bool is_last = is_last_stop(id);
   const OnArrival after = ways_.on_arrival(trips_[id].group);
   const bool leaves = is_last && after == OnArrival::kLeave;
   if (until_s_[id] == kNever) {
@@ -173,7 +208,8 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
   const bool stays = to.goal.wait_s.max > 0 || (is_last && after == OnArrival::kStay);
   const double near_m = stays ? kStop_m : tuning::kArrival_m;
   const bool is_there = (targets_m_[id] - position_m).norm() < near_m;
-  if (is_there || to.goal.pass || (leaves && !stays) || now_s >= until_s_[id])
+  const bool is_enough = is_there || to.goal.pass || (leaves && !stays);
+  if ((is_at && is_enough) || gets_no_nearer || now_s >= until_s_[id])
     arrive(id, position_m, now_s);
 }
 
@@ -232,7 +268,7 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
                                     const OwnSide& side) const {
   if (trips_[id].doing == Doing::kQueuing || seeks_queue(id)) return guides_[id].way;
   if (trips_[id].doing != Doing::kWalking) return Eigen::Vector2d::Zero();
-  if (!is_inside(id, position_m)) {
+  if (!is_at_goal(id, position_m)) {
     const Eigen::Vector2d way = way_along(field(id), position_m, side);
     if (way.squaredNorm() > 0) return bend(id, position_m, way);
   }

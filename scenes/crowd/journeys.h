@@ -30,6 +30,13 @@ enum class Doing : uint8_t {
   kGone,
 };
 
+/// Why an agent that walks does not get on, as the crowd around it shows.
+enum class HeldUp : uint8_t {
+  kNot,
+  kStuck,          ///< no progress for tuning::kPatience_s, queuing not counted
+  kBehindStaying,  ///< an agent ahead stays for good before the same goal, or in a narrow one
+};
+
 /// How somebody keeps off the shortest way.
 struct OwnSide {
   double to_left_m = 0;                              ///< less than nothing: to the right
@@ -68,7 +75,7 @@ class Journeys {
   }
 
   /// Once a decision: arrives, waits, goes on. Touches nobody else's state.
-  void follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
+  void follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s, HeldUp held_up);
 
   /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
   /// Whoever keeps to the left of the shortest way walks as somebody does who is so far to their
@@ -87,6 +94,16 @@ class Journeys {
   Doing doing(uint32_t id) const { return trips_[id].doing; }
   /// The least id of the party; of somebody without companions, the own.
   uint32_t first_of_party(uint32_t id) const { return firsts_[id]; }
+  /// Returns whether an agent at this place has reached the goal it walks to, see has_reached(). It
+  /// may still look for a place there. The areas of a goal with a queue are told apart.
+  bool is_at_goal(uint32_t id, const Eigen::Vector2d& position_m) const;
+  /// Returns whether an agent walks to its last goal, without a queue, to stay there.
+  bool walks_to_stay(uint32_t id) const;
+  /// Returns whether an agent is at its last goal for good.
+  bool is_staying(uint32_t id) const {
+    return trips_[id].doing == Doing::kStaying ||
+           (trips_[id].doing == Doing::kWaiting && trips_[id].next == Doing::kStaying);
+  }
   /// How many goals somebody has been at.
   uint32_t visits(uint32_t id) const { return visits_[id]; }
   bool is_present(uint32_t id) const {
@@ -135,7 +152,12 @@ class Journeys {
  private:
   void set_out(uint32_t id, const Eigen::Vector2d& position_m);
   void arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
-  bool is_inside(uint32_t id, const Eigen::Vector2d& position_m) const;
+  std::span<const Rectangle> areas_of_goal(uint32_t id) const;
+  bool is_round_small_goal(uint32_t id, const Eigen::Vector2d& position_m) const;
+  bool is_beside_goal(uint32_t id, const Eigen::Vector2d& position_m) const;
+  bool is_last_stop(uint32_t id) const {
+    return trips_[id].stop + 1 == ways_.route(trips_[id].group).size();
+  }
   double draw_wait_s(uint32_t id) const;
   const FlowField& queue_field(uint32_t id) const;
   std::optional<size_t> bent_way(uint32_t id) const;
@@ -158,6 +180,7 @@ class Journeys {
   // By person.
   std::vector<Trip> trips_;
   std::vector<double> delays_s_;
+  std::vector<double> radii_m_;   ///< of the discs
   std::vector<uint32_t> firsts_;  ///< of the party, beside whose places theirs are; or themselves
   std::vector<double>
       until_s_;  ///< end of waiting; of walking inside a goal: when to take any place

@@ -223,7 +223,8 @@ Parties::Member Parties::member(uint32_t id, const Journeys& journeys,
   const Stop& stop = journeys.stop(id);
   Member m{.id = id, .visits = journeys.visits(id), .at_m = at_m, .field = &journeys.field(id)};
   m.way = journeys.direction(id, at_m);
-  m.is_on_way = journeys.doing(id) == Doing::kWalking && !stop.contains(at_m);
+  m.is_on_way = journeys.doing(id) == Doing::kWalking && !stop.contains(at_m) &&
+                !journeys.is_at_goal(id, at_m);
   return m;
 }
 

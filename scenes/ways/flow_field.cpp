@@ -5,6 +5,8 @@
 #include <limits>
 #include <queue>
 
+#include "scenes/ways/arrival.h"
+
 namespace throng {
 namespace {
 
@@ -24,6 +26,8 @@ constexpr double kNarrowest_m = 0.43;
 /// Two cells whose way may lead through a gap that is too narrow: walls are at most so near to
 /// them.
 constexpr double kTight_m = 0.35;
+/// The radius of the disc of a person of 1.70 m.
+constexpr double kPerson_m = 0.22;
 /// People walk to a place of their own before a gap, not to wherever its corner holds them up: from
 /// so many cells.
 constexpr int kApproach = 2;
@@ -89,7 +93,8 @@ double eikonal(double x, double y, double step_m) {
 
 }  // namespace
 
-FlowGrid::FlowGrid(const Walkable& walkable) : origin_m_(walkable.ground().min_m) {
+FlowGrid::FlowGrid(const Walkable& walkable)
+    : walkable_(&walkable), origin_m_(walkable.ground().min_m) {
   const Eigen::Vector2d size = walkable.ground().size_m();
   cell_m_ = std::max(kFinestCell_m, std::sqrt(size.prod() / kMaxCells));
   cells_per_m_ = 1 / cell_m_;
@@ -215,6 +220,12 @@ Eigen::Vector2d FlowGrid::place_m(size_t cell) const {
   return narrow == nullptr ? centre_m(cell) : *narrow;
 }
 
+bool FlowGrid::reaches(size_t cell, const Rectangle& area) const {
+  // The first free cell before a wall lies within its margin and a cell.
+  const double off_m = std::max(kPerson_m + kWallKeepsOff_m, margin_m(cell_m_) + cell_m_);
+  return has_reached(*walkable_, area, place_m(cell), kPerson_m, off_m - kPerson_m);
+}
+
 std::array<ptrdiff_t, 4> FlowGrid::ways_from(size_t cell) const {
   const auto at = static_cast<ptrdiff_t>(cell);
   const auto columns = static_cast<ptrdiff_t>(columns_);
@@ -254,13 +265,21 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
   using Entry = std::pair<float, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (size_t cell = 0; cell < cells_.size(); ++cell) {
-    if (!grid_->is_free(cell)) continue;
     // The cell's distance to a rectangle, so that small goals between cell centres count too.
     const Eigen::Vector2d centre = grid_->centre_m(cell);
     double away = 1e300;
     for (const Rectangle& area : areas)
       away = std::min(away, (centre - area.nearest_m(centre)).norm());
-    if (away > 0.71 * grid_->cell_m()) continue;
+    const bool is_free = grid_->is_free(cell), is_far = away > 0.71 * grid_->cell_m();
+    if (is_far || (!is_free && away > 0)) {
+      const auto is_reached = [&](const Rectangle& area) { return grid_->reaches(cell, area); };
+      const auto area = std::find_if(areas.begin(), areas.end(), is_reached);
+      if (area != areas.end())
+        aims_.emplace_back(cell, area->nearest_m(centre));
+      else if (is_far)
+        continue;
+    }
+    if (!is_free) continue;
     cells_[cell].distance_m = static_cast<float>(away);
     queue.emplace(cells_[cell].distance_m, cell);
   }
@@ -351,6 +370,12 @@ void FlowField::aim_through_gaps() {
     const Eigen::Vector2d from = grid_->place_m(cell), to = grid_->place_m(second);
     aims_.emplace_back(cell, grid_->is_free_between(from, to) ? to : grid_->place_m(next));
   }
+  // A goal that no cell lies in is aimed at first.
+  const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::stable_sort(aims_.begin(), aims_.end(), by_cell);
+  aims_.erase(std::unique(aims_.begin(), aims_.end(),
+                          [](const auto& a, const auto& b) { return a.first == b.first; }),
+              aims_.end());
 }
 
 /// The nearest to the goal of a cell and those that one can walk to from it.

@@ -22,6 +22,7 @@ namespace throng {
 /// The cells of the ground, and which of them a person's centre may pass through.
 class FlowGrid {
  public:
+  /// Keeps a reference to `walkable`.
   explicit FlowGrid(const Walkable& walkable);
 
   int columns() const { return columns_; }
@@ -35,6 +36,9 @@ class FlowGrid {
   Eigen::Vector2d centre_m(size_t cell) const;
   /// Where one passes through a free cell: its centre, or in a narrow gap the middle of the gap.
   Eigen::Vector2d place_m(size_t cell) const;
+  /// Returns whether an agent in a cell has reached an area that no cell lies in, see
+  /// has_reached().
+  bool reaches(size_t cell, const Rectangle& area) const;
   /// The cells left, right, below and above that one can walk to; -1 where none is.
   std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
   /// True if the straight way from point to point leads through free cells alone (to a tenth of
@@ -73,6 +77,7 @@ class FlowGrid {
   void join(const Walkable& walkable, size_t from, size_t to);
   bool is_narrow(size_t cell) const;
 
+  const Walkable* walkable_;
   Eigen::Vector2d origin_m_;
   double cell_m_ = 0, cells_per_m_ = 0;
   int columns_ = 0;
@@ -143,7 +148,8 @@ class FlowField {
   const FlowGrid* grid_;
   std::vector<Cell> cells_;
   std::vector<uint8_t> is_closed_;  ///< the way of each cell, or empty: there is no closed door
-  /// In and before narrow gaps, the place to walk to; ascending by cell.
+  /// In and before narrow gaps, and before a goal that no free cell lies in, the place to walk to;
+  /// ascending by cell.
   std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
 };
 

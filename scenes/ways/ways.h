@@ -5,6 +5,7 @@
 // nothing about it changes after construction but that doors open and close.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -45,6 +46,12 @@ struct Stop {
   std::optional<uint32_t> queue;
 
   bool contains(const Eigen::Vector2d& point) const { return goal.contains(point); }
+  /// Returns whether agents stand in no more than one row in an area of the goal.
+  bool is_narrow() const {
+    constexpr double kTwoRows_m = 0.7;
+    return std::any_of(goal.areas.begin(), goal.areas.end(),
+                       [](const Rectangle& area) { return area.size_m().minCoeff() < kTwoRows_m; });
+  }
   /// The area of the goal that is nearest as the crow flies.
   const Rectangle& area_near(const Eigen::Vector2d& point) const;
 };
