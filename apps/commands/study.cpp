@@ -243,12 +243,21 @@ StudyWork as_work(const StudyPlan& plan, Work& work) {
 
 StudyPlan plan_of(const StudyCommand& options) { return StudyPlan(read_study(options.file)); }
 
+void print_notes(const StudyPlan& plan) {
+  constexpr size_t kMaxNotes = 8;  // the column plan_growth has the rest
+  const std::vector<std::string>& notes = plan.notes();
+  const size_t shown = std::min(notes.size(), kMaxNotes);
+  for (size_t i = 0; i < shown; ++i) say("note: {}\n", notes[i]);
+  if (notes.size() > shown) say("note: and {} more\n", counted(notes.size() - shown, "note"));
+}
+
 int study_alone(const StudyCommand& options) {
   const Shard shard = shard_of(options.shard_text);
   const StudyPlan plan = plan_of(options);
   OutputPlan outputs = planned_outputs(options);
   outputs.reads("the study", options.file);
   for (const StudyScene& scene : plan.study().scenes) outputs.reads("a scene", scene.file);
+  print_notes(plan);
   const StopSignal stop;
   const OpenOutputs open = outputs.open();
   Work work(options, plan, shard);
@@ -262,6 +271,7 @@ int study_alone(const StudyCommand& options) {
 int lead(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan) {
   OutputPlan outputs = planned_outputs(options);
   outputs.reads("the study", options.file);
+  print_notes(plan);
   const StopSignal stop;
   const OpenOutputs open = outputs.open();
   Work work(options, plan, {});

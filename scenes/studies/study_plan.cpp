@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <set>
 
 #include "base/errors.h"
 #include "base/hasher.h"
@@ -28,6 +29,7 @@ StudyPlan::StudyPlan(Study study) : study_(std::move(study)) {
   for (const int64_t seed : study_.seeds) hash.add(static_cast<uint64_t>(seed));
   for (const std::string& column : columns()) hash.add(column);
   const size_t points = study_.points();
+  std::set<std::string> noted;
   for (size_t scene = 0; scene < study_.scenes.size(); ++scene) {
     hash.add(study_.scenes[scene].name);
     for (size_t point = 0; point < points; ++point) {
@@ -38,6 +40,8 @@ StudyPlan::StudyPlan(Study study) : study_(std::move(study)) {
         blame(scene, point);
       }
       if (study_.seeds.empty()) own_seeds_.push_back(run.scene.seed);
+      for (std::string& note : run.notes)
+        if (noted.insert(note).second) notes_.push_back(std::move(note));
       hash.add(content_hash_of(run.scene)).add(run.scene.duration_s);
       hash.add(name_of(run.culler.strategy)).add(run.culler.deadline_tests.value_or(UINT64_MAX));
       const std::vector<size_t> rows = rows_of(point);
@@ -104,9 +108,9 @@ PlannedRun StudyPlan::planned(size_t scene, size_t point, LoadedModels& models) 
     }
   }
   const StudyOptions read = read_study_options(Fields(file, options, "options of a run"));
-  PlannedRun run{read_scene(source.file, tree, models), read.culler};
-  std::vector<std::string> notes;
-  apply(read.choices, run.scene, notes);
+  PlannedRun run{read_scene(source.file, tree, models), read.culler, 1, {}};
+  run.notes = run.scene.notes;
+  run.plan_growth = apply(read.choices, run.scene, run.notes);
   return run;
 }
 

@@ -16,6 +16,8 @@ namespace throng {
 struct PlannedRun {
   Scene scene;
   CullerOptions culler;
+  double plan_growth = 1;  ///< factor by which `avatars` enlarged the sides of the plan
+  std::vector<std::string> notes;
 };
 
 class StudyPlan {
@@ -26,6 +28,8 @@ class StudyPlan {
 
   size_t runs() const { return study_.runs(); }
   const Study& study() const { return study_; }
+  /// What the runs do otherwise than their files say, each once: enlarged plans, for example.
+  const std::vector<std::string>& notes() const { return notes_; }
   /// Of all that the study asks for, scenes and models included, wherever they lie: two plans of
   /// the same identity have the same table.
   uint64_t identity() const { return identity_; }
@@ -49,6 +53,7 @@ class StudyPlan {
   LoadedModels models_;
   std::vector<uint64_t> own_seeds_;  ///< by scene and point, where the study names no seeds
   uint64_t identity_ = 0;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace throng

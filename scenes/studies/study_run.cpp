@@ -124,13 +124,15 @@ class Cells {
   std::vector<std::string> cells_;
 };
 
-std::vector<std::string> measures_of(const RunSummary& summary, const Measuring& measuring) {
+std::vector<std::string> measures_of(const RunSummary& summary, const Measuring& measuring,
+                                     double plan_growth) {
   Cells cells;
   const TrafficCounters& traffic = summary.traffic;
   int stranded = 0;
   for (const Stranding& stranding : summary.strandings) stranded += stranding.people;
   cells.number(summary.simulated_s);
   cells.whole(static_cast<uint64_t>(summary.avatars));
+  cells.number(plan_growth);
   cells.whole(static_cast<uint64_t>(summary.unplaced));
   for (const uint64_t count :
        {traffic.entered, traffic.left, traffic.present, traffic.waiting, traffic.to_come})
@@ -167,6 +169,8 @@ const std::vector<StudyMeasure>& study_measures() {
     std::vector<StudyMeasure> all = {
         {"simulated_s", Kind::kNumber, "how long the run was"},
         {"people", Kind::kWhole, "everybody there may ever be"},
+        {"plan_growth", Kind::kNumber,
+         "factor by which `avatars` enlarged the sides of the plan; 1: not at all"},
         {"unplaced", Kind::kWhole, "people who found no place at the start"},
         {"entered", Kind::kWhole, "those of the start included"},
         {"left", Kind::kWhole, "people who left, at their last goal"},
@@ -225,7 +229,7 @@ std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads
     const RunSummary summary =
         throng::run(simulation, {&sink, 1}, [&](const Frame&) { return keep_going(); });
     if (summary.stopped_early) return std::nullopt;
-    StudyRow row{run, measures_of(summary, measuring), {}};
+    StudyRow row{run, measures_of(summary, measuring, planned.plan_growth), {}};
     for (const double value : {set_up_s, seconds_since(start), thread_s() - start_s,
                                summary.realtime_factor, peak_rss_mb()})
       row.times.push_back(fmt::format("{:.4g}", value));

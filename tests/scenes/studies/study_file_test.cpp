@@ -87,6 +87,18 @@ parameters:
   EXPECT_EQ(cells.size(), plan.runs()) << "each run once";
 }
 
+TEST_F(StudyFile, NotesOnceWhichPlansAvatarsEnlarge) {
+  const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
+seeds: [1, 2]
+parameters:
+  avatars: [7, 400]
+)");
+  EXPECT_THAT(plan.notes(),
+              ElementsAre(HasSubstr("400 people need more room: the plan of 'square' grew")));
+  EXPECT_EQ(plan.planned(0).plan_growth, 1);
+  EXPECT_GT(plan.planned(2).plan_growth, 1.2);
+}
+
 TEST_F(StudyFile, NamesItemsByNumberByNameOrAll) {
   const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
 parameters:
