@@ -161,8 +161,6 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
                                                workers);
   }
   options.culler.filter = filter_of(scene, info);
-  notes = world->notes();
-  for (std::string& note : filter_notes(scene, info)) notes.push_back(std::move(note));
   culler = std::make_unique<Culler>(types(), options.culler, workers);
   options.tables.reset();  // what nobody shares goes
   gather_notes();
@@ -221,6 +219,7 @@ void Simulation::State::describe_run() {
 
 void Simulation::State::gather_notes() {
   notes = world->notes();
+  for (std::string& note : filter_notes(scene, info)) notes.push_back(std::move(note));
   for (std::string& note : notes_on(models)) notes.push_back(std::move(note));
 }
 
