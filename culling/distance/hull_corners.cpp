@@ -238,9 +238,8 @@ HullCorners hull_corners(const Points& points, double gap_m, size_t max_tests_pe
       out = CornerSearch(points, gap_m)
                 .find(spread.corners, max_tests_per_point * static_cast<size_t>(points.rows()));
   }
-  std::ranges::sort(out.indices);
-  const auto twice = std::ranges::unique(out.indices);
-  out.indices.erase(twice.begin(), twice.end());
+  std::sort(out.indices.begin(), out.indices.end());
+  out.indices.erase(std::unique(out.indices.begin(), out.indices.end()), out.indices.end());
   return out;
 }
 

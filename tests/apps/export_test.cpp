@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "tests/apps/cli.h"
+#include "tests/apps/workplace.h"
 
 namespace throng {
 namespace {
@@ -15,6 +17,29 @@ using testing::StartsWith;
 
 constexpr const char* kRun =
     "throng run bottleneck --avatars 40 --seconds 1 --lcm off --log a.lcmlog > run.txt; ";
+
+/// An event of an LCM log: its head of 28 bytes, then the channel, then the data.
+struct LogPiece {
+  size_t begin = 0, end = 0;  ///< bytes
+};
+
+/// All events of a channel.
+std::vector<LogPiece> pieces_of_channel(const std::string& log, const std::string& channel) {
+  constexpr size_t kHeadBytes = 28;
+  const auto number_at = [&log](size_t at) {
+    size_t value = 0;
+    for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(log[at + i]);
+    return value;
+  };
+  std::vector<LogPiece> pieces;
+  for (size_t at = 0; at + kHeadBytes <= log.size();) {
+    const size_t channel_bytes = number_at(at + 20);
+    const size_t end = at + kHeadBytes + channel_bytes + number_at(at + 24);
+    if (log.substr(at + kHeadBytes, channel_bytes) == channel) pieces.push_back({at, end});
+    at = end;
+  }
+  return pieces;
+}
 
 TEST(Export, WritesTablesOfChannels) {
   const ScratchFolder folder;
@@ -39,8 +64,74 @@ TEST(Export, ExportsATornLogAsFarAsItIsSound) {
                 "head -c -3000 a.lcmlog > torn.lcmlog; throng export torn.lcmlog --mcap t.mcap",
             folder);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("what is before is exported"));
+  EXPECT_THAT(outcome.err, HasSubstr("What was recorded is exported."));
   EXPECT_THAT(read_file(folder / "t.mcap"), testing::EndsWith("\x89MCAP0\r\n"));
+}
+
+TEST(Export, RefusesALogWithoutAWholeDescriptionBeforeItWritesAnything) {
+  Workplace place;
+  write_file(place / "h.lcmlog", read_file(place / "a.lcmlog").substr(0, 1000));
+  write_file(place / "keep.mcap", "precious\n");
+  write_file(place / "keep.csv", "precious\n");
+  for (const char* line :
+       {"throng export h.lcmlog --mcap keep.mcap", "throng export h.lcmlog --mcap new.mcap",
+        "throng export h.lcmlog --csv events --out keep.csv",
+        "throng export h.lcmlog --csv counters --out new.csv",
+        "throng export h.lcmlog --csv states"})
+    expect_refused(place, line, "h.lcmlog: expected a run's description, found none");
+}
+
+TEST(Export, RefusesALogOfSeveralRunsBeforeItWritesAnything) {
+  Workplace place;
+  const Outcome other = shell(
+      "throng run corridor --avatars 3 --seconds 0.1 --seed 7 --lcm off --log b.lcmlog && "
+      "cat a.lcmlog b.lcmlog > both.lcmlog",
+      place.folder());
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  write_file(place / "keep.mcap", "precious\n");
+  expect_refused(place, "throng export both.lcmlog --mcap keep.mcap",
+                 "both.lcmlog: expected one run, found several");
+}
+
+TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
+  const ScratchFolder folder;
+  ASSERT_EQ(shell(kRun, folder).exit_code, 0);
+  const std::string whole = read_file(folder / "a.lcmlog");
+  const std::vector<LogPiece> counters = pieces_of_channel(whole, "THRONG_COUNTERS");
+  ASSERT_EQ(counters.size(), 60u);
+  const LogPiece middle = counters[30];
+  std::string lacking = whole, unreadable = whole, altered = whole;
+  lacking.erase(middle.begin, middle.end - middle.begin);
+  unreadable[middle.begin] = 'X';
+  altered[middle.end - 1] = static_cast<char>(altered[middle.end - 1] ^ 1);
+  write_file(folder / "lacking.lcmlog", lacking);
+  write_file(folder / "unreadable.lcmlog", unreadable);
+  write_file(folder / "altered.lcmlog", altered);
+  struct Case {
+    const char* log;
+    const char* said;
+    int rows;
+  };
+  for (const Case& each :
+       {Case{"lacking.lcmlog", "The log lacks 1 message of its run.", 59},
+        Case{"unreadable.lcmlog", "The log is damaged: ", 59},
+        Case{"altered.lcmlog", "1 stretch of messages is not what was written", 60}}) {
+    const std::string log = each.log;
+    EXPECT_EQ(shell("throng check " + log, folder).exit_code, 1) << log;
+    for (const char* options : {"--csv counters --out t.csv", "--mcap t.mcap"}) {
+      const Outcome outcome = shell("throng export " + log + " " + options, folder);
+      EXPECT_EQ(outcome.exit_code, 1) << log << " " << options;
+      EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
+      EXPECT_THAT(outcome.err, StartsWith("note: " + log + ": ")) << options;
+      EXPECT_THAT(outcome.err, HasSubstr(each.said)) << options;
+      EXPECT_THAT(outcome.err, testing::EndsWith(" What was recorded is exported.\n")) << options;
+    }
+    EXPECT_EQ(line_count(read_file(folder / "t.csv")), 1 + each.rows) << log;
+    EXPECT_THAT(read_file(folder / "t.mcap"), testing::EndsWith("\x89MCAP0\r\n")) << log;
+  }
+  const Outcome fine = shell("throng export a.lcmlog --csv counters --out t.csv", folder);
+  EXPECT_EQ(fine.exit_code, 0);
+  EXPECT_EQ(fine.err, "");
 }
 
 TEST(Export, SaysWhatItDoesNotUnderstand) {

@@ -70,8 +70,15 @@ std::string unit_in_brackets(std::string_view text) {
   for (size_t at = text.find_first_of(kOpeningBrackets); at != std::string_view::npos;
        at = text.find_first_of(kOpeningBrackets, at + 1)) {
     const std::string_view inner = text.substr(at + 1);
+    // "[meter(s)]" has brackets within.
+    const size_t plural = inner.find("(s)");
     std::string unit = bare_unit(inner.substr(0, inner.find_first_of(kClosingBrackets)));
+    if (plural != std::string_view::npos && unit_named(bare_unit(inner.substr(0, plural))))
+      return bare_unit(inner.substr(0, plural));
     if (unit_named(unit)) return unit;
+    // "[s since start]", but "in" begins prose.
+    const std::string word = unit.substr(0, unit.find(' '));
+    if (word != "in" && unit_named(word)) return word;
     if (first.empty()) first = std::move(unit);
   }
   return first;

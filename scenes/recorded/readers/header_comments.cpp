@@ -15,9 +15,6 @@
 namespace throng {
 namespace {
 
-/// Of "unit of length": prose is longer.
-constexpr size_t kLongestSubject = 24;
-
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -29,9 +26,12 @@ std::string_view content_of(std::string_view line) {
   return trimmed(line);
 }
 
-/// Up to where the next statement of a line begins: a semicolon, or a comma and a blank.
+/// Up to where the next statement of a line begins: a semicolon, or a comma and a blank,
+/// unless a number follows, which then is a second rate.
 std::string_view statement(std::string_view text) {
-  return trimmed(text.substr(0, std::min(text.find(';'), text.find(", "))));
+  const size_t end = std::min({text.find(';'), text.find(", "), text.size()});
+  const std::string_view rest = trimmed(text.substr(std::min(end + 1, text.size())));
+  return trimmed(!rest.empty() && is_digit(rest.front()) ? text : text.substr(0, end));
 }
 
 bool has_one_word(std::string_view text) {
@@ -47,14 +47,39 @@ std::string unit_at_end(std::string_view text) {
   return unit_named(unit) ? unit : "";
 }
 
-/// What a description is about as a whole; none if it is about something else.
-std::optional<Quantity> subject_of(std::string_view text) {
+/// "in" between words is not an inch.
+bool is_plain_unit(std::string_view unit) { return unit != "in" && unit_named(unit).has_value(); }
+
+/// The quantity of all columns that a word names; none for words about anything else.
+std::optional<Quantity> quantity_of_all(std::string_view word) {
   for (const std::string_view article : {"all ", "the "})
-    if (text.starts_with(article)) text = trimmed(text.substr(article.size()));
-  for (const std::string_view word :
-       {"coordinate", "position", "length", "trajector", "data", "value", "distance"})
-    if (text.starts_with(word)) return Quantity::kLength;
-  return text.starts_with("time") ? std::optional(Quantity::kTime) : std::nullopt;
+    if (word.starts_with(article)) word = trimmed(word.substr(article.size()));
+  for (const std::string_view length :
+       {"length", "lengths", "distance", "distances", "coordinate", "coordinates", "position",
+        "positions", "trajectory", "trajectories", "values", "data", "measurement"})
+    if (word == length) return Quantity::kLength;
+  return word == "time" || word == "times" ? std::optional(Quantity::kTime) : std::nullopt;
+}
+
+/// A statement about all columns, as a whole: "positions are given in cm", "lengths: cm", "all
+/// coordinates [cm]". What says more is about something else: "position error (cm): 2".
+std::optional<std::string> unit_of_all(std::string_view text) {
+  while (text.ends_with('.')) text.remove_suffix(1);
+  const size_t end = std::min(text.find_first_of(":="), text.find_first_of(kOpeningBrackets));
+  const size_t cut = std::min(end, text.rfind(" in "));
+  if (cut == std::string_view::npos) return std::nullopt;
+  std::string_view subject = trimmed(text.substr(0, cut));
+  for (const std::string_view verb : {" given", " measured", " are", " is"})
+    if (subject.ends_with(verb)) subject = trimmed(subject.substr(0, subject.size() - verb.size()));
+  const std::optional<Quantity> found = quantity_of_all(subject);
+  if (!found) return std::nullopt;
+  std::string_view rest = text.substr(cut);
+  if (rest.front() == ':' || rest.front() == '=') rest.remove_prefix(1);
+  const std::string unit = bare_unit(rest);
+  const std::optional<Unit> known = unit_named(unit);
+  if (!known || known->quantity != *found || !(is_plain_unit(unit) || end == cut))
+    return std::nullopt;
+  return unit;
 }
 
 /// Calls `take` for each of the statements in a line: "x in cm, y in m".
@@ -94,6 +119,19 @@ std::vector<ColumnRole> roles_of(std::string_view list) {
       return {};
   }
   return out;
+}
+
+/// Whether the words before "frame rate" leave it that of the file: "playback fps" and "original
+/// frame rate" are others.
+bool is_own_rate(std::string_view before) {
+  before = trimmed(before);
+  const size_t blank = before.find_last_of(" \t");
+  const std::string_view word = blank == std::string_view::npos ? before : before.substr(blank + 1);
+  if (word.empty() || !is_letter(word.back())) return true;
+  for (const std::string_view own :
+       {"the", "camera", "video", "recording", "data", "with", "for", "at"})
+    if (word == own) return true;
+  return false;
 }
 
 /// True for words that no column is called by.
@@ -147,6 +185,7 @@ void HeaderComments::read_rate(const std::string& text, int64_t number) {
        {"framerate", "frame rate", "frame_rate", "frame-rate", "frames per second", "fps"}) {
     const size_t at = text.find(word);
     if (at == std::string::npos || (at > 0 && is_letter(text[at - 1]))) continue;
+    if (!is_own_rate(std::string_view(text).substr(0, at))) continue;
     std::string_view rest = trimmed(std::string_view(text).substr(at + word.size()));
     std::string unit;
     if (rest.starts_with("in ")) rest = trimmed(rest.substr(3));
@@ -196,6 +235,11 @@ void HeaderComments::read_names(std::string_view text, int64_t number) {
   if (all.empty() || !role_named(all.front()) || is_prose(all)) return;
   const TableColumns columns = columns_by_name(all, {}, "");
   if (!columns.missing().empty()) return;
+  // Two lines of names may not contradict each other.
+  if (!names_.empty()) {
+    const std::vector<std::string> before = names_between_blanks(names_, true);
+    units_.state(columns_by_name(before, {}, ""), before, names_line_);
+  }
   names_ = std::move(names);
   names_line_ = number;
 }
@@ -203,26 +247,52 @@ void HeaderComments::read_names(std::string_view text, int64_t number) {
 /// "X,Y,Z: the agents coordinates (in metres)", "COORDCENTX: coordinate of the centre [m]", "x in
 /// cm".
 void HeaderComments::read_description(std::string_view text, int64_t number) {
+  const std::string source = "the comment " + in_quotes(text);
+  if (const std::optional<std::string> unit = unit_of_all(text)) {
+    units_.state_all(*unit, source, number);
+    return;
+  }
   const size_t colon = text.find_first_of(":=");
   const size_t end = colon != std::string_view::npos
                          ? colon
                          : std::min(text.find_first_of(kOpeningBrackets), text.rfind(" in "));
   if (end == std::string_view::npos) return;
-  const std::string source = "the comment " + in_quotes(text);
-  const auto unit_of = [&](Quantity quantity) {
-    const std::string rest = bare_unit(text.substr(std::min(end + 1, text.size())));
-    const bool is_unit = colon != std::string_view::npos ? unit_named(rest).has_value()
-                                                         : text[end] == ' ' && has_one_word(rest);
-    return is_unit ? rest : unit_in_description(text, quantity);
+  const std::string_view rest = text.substr(std::min(end + 1, text.size()));
+  const auto unit_of = [&](Quantity quantity) -> std::string {
+    const std::string bare = bare_unit(rest);
+    if (colon == std::string_view::npos) {
+      // The unit ends the statement: what follows makes it prose, as "x in [0, 10]" is.
+      const bool is_bracket = text[end] != ' ';
+      if (is_bracket && text.substr(end).find_first_of(kClosingBrackets) + 1 != text.size() - end)
+        return "";
+      const bool is_word = !bare.empty() && std::all_of(bare.begin(), bare.end(), is_letter);
+      if (!is_bracket) return is_word ? bare : "";
+      return unit_in_description(text, quantity);
+    }
+    if (is_plain_unit(bare)) return bare;
+    // A number makes it a value: "time: 14 [h]". "3d" is none.
+    for (size_t i = 0; i < rest.size(); ++i)
+      if (is_digit(rest[i]) && (i + 1 == rest.size() || rest[i + 1] != 'd')) return "";
+    return unit_in_description(text, quantity);
   };
   for (const ColumnRole role : roles_of(text.substr(0, end)))
     if (const std::optional<Quantity> quantity = quantity_of(role))
       units_.state(role, unit_of(*quantity), source, number);
-  if (const std::optional<Quantity> quantity = subject_of(text)) {
-    const std::string unit = unit_of(*quantity);
-    const std::optional<Unit> found = unit_named(unit);
-    if (found && found->quantity == *quantity) units_.state_all(unit, source, number);
-  }
+}
+
+/// The units in an item of a list: "cm", "meters (m)", "1 m", "id frame m m". Empty: none is known.
+std::vector<std::string> units_in(std::string_view item) {
+  const std::string whole = bare_unit(item);
+  if (unit_named(whole)) return {whole};
+  const size_t bracket = whole.find_first_of(kOpeningBrackets);
+  const std::string before = bare_unit(whole.substr(0, bracket));
+  if (bracket != std::string::npos && unit_named(before)) return {before};
+  if (const std::string inner = unit_in_description(whole, Quantity::kLength); unit_named(inner))
+    return {inner};
+  std::vector<std::string> out;
+  for (const std::string_view word : words_of(whole))
+    if (is_plain_unit(word)) out.emplace_back(word);
+  return out;
 }
 
 /// "unit: cm", "units: m, s", "length unit = m".
@@ -238,21 +308,33 @@ void HeaderComments::read_units(std::string_view text, int64_t number) {
     list = trimmed(rest.substr(sign + 1));
   else if (at == 0 && unit_named(bare_unit(rest)))
     list = std::exchange(subject, "");  // "unit (cm)"
-  if (list.empty() || subject.size() > kLongestSubject) return;
-  // What the unit is of stands before it or behind: "length unit", "unit of length".
+  if (list.empty()) return;
+  // What the unit is of stands before it or behind: "length unit", "unit of length". Others are
+  // units of what is not read.
   if (subject.starts_with("of ")) subject.remove_prefix(3);
   if (subject.empty()) subject = trimmed(text.substr(0, at));
   while (subject.starts_with('_')) subject.remove_prefix(1);
-  // Others may be units of what is not read.
-  const bool is_about_lengths = subject.empty() || subject_of(subject) == Quantity::kLength;
+  while (subject.ends_with('_')) subject.remove_suffix(1);
+  const std::optional<Quantity> only = quantity_of_all(trimmed(subject));
+  if (!subject.empty() && !only) return;
+  bool is_first = true;
   while (!list.empty()) {
     const size_t end = list.find_first_of(",;");
-    const std::string unit = bare_unit(list.substr(0, end));
+    const std::string_view item = trimmed(list.substr(0, end));
     list.remove_prefix(end == std::string_view::npos ? list.size() : end + 1);
     // Another statement: "unit: cm, fps: 25".
-    if (unit.find_first_of(":=") != std::string::npos) return;
-    if (!unit.empty() && (is_about_lengths || unit_named(unit)))
-      units_.state_all(unit, source, number);
+    if (item.find_first_of(":=") != std::string_view::npos) return;
+    const std::vector<std::string> units = units_in(item);
+    for (const std::string& unit : units)
+      if (const std::optional<Unit> found = unit_named(unit); !only || found->quantity == *only)
+        units_.state_all(unit, source, number);
+    // A word that is no unit is refused, unless it says that there is none.
+    const std::string word = bare_unit(item);
+    const bool is_word = !word.empty() && std::all_of(word.begin(), word.end(), is_letter);
+    const bool says_none = word == "none" || word == "unknown" || word == "si" || word == "metric";
+    if (units.empty() && is_first && is_word && !says_none && only != Quantity::kTime)
+      units_.state_all(word, source, number);
+    is_first = false;
   }
 }
 

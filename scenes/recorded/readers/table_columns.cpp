@@ -134,12 +134,28 @@ std::array<std::string, kColumnRoles> parse_columns_option(std::string_view text
   return out;
 }
 
+/// "x_in" beside "x_out" is where an agent enters, and "t_min" beside "t_max" the least time:
+/// neither is a unit.
+void drop_ambiguous_suffixes(std::vector<ColumnName>& names) {
+  const auto drop = [&](std::string_view suffix, std::string_view opposite) {
+    const bool has_opposite = std::any_of(names.begin(), names.end(), [&](const ColumnName& name) {
+      return name.plain.ends_with(opposite);
+    });
+    if (!has_opposite) return;
+    for (ColumnName& name : names)
+      if (name.suffix == suffix) name.suffix.clear();
+  };
+  drop("in", "out");
+  drop("min", "max");
+}
+
 TableColumns columns_by_name(const std::vector<std::string>& names,
                              const std::array<std::string, kColumnRoles>& wanted,
                              const std::string& where) {
   TableColumns out;
   std::vector<ColumnName> column_names;
   for (const std::string& name : names) column_names.push_back(column_name(name));
+  drop_ambiguous_suffixes(column_names);
   for (size_t role = 0; role < kColumnRoles; ++role) {
     if (wanted[role].empty()) {
       out.at[role] = find_known(column_names, static_cast<ColumnRole>(role));

@@ -116,6 +116,49 @@ TEST_F(UnitsInComments, CommentsOfTablesStateThem) {
             Eigen::Vector2d(3, 4));
 }
 
+TEST_F(UnitsInComments, CommentsAboutSomethingElseStateNothing) {
+  const std::string rows = "id,t,x,y\n1,0,300,400\n1,1,300,400\n";
+  for (const char* comment : {"# time resolution (ms): 100",
+                              "# time step [ms]: 100",
+                              "# time [min]: 5",
+                              "# time (h): 14",
+                              "# position error (cm): 2",
+                              "# position accuracy [cm]: 2",
+                              "# coordinates of the door (cm): 100 200",
+                              "# length of corridor [cm]: 500",
+                              "# length (cm): 500",
+                              "# distance between marks [cm]: 50",
+                              "# coordinate grid [cm]: 50",
+                              "# height unit: cm",
+                              "# unit of height: cm",
+                              "# unit for body radius: cm",
+                              "# x = in, y = out",
+                              "# x (in) is where they come in",
+                              "# x in [0, 10], y in [0, 5]",
+                              "# heights in cm",
+                              "# positions were in cm, are now in m",
+                              "# coordinates (px) were calibrated",
+                              "# units: 12 people",
+                              "# unit: none",
+                              "# Units: SI",
+                              "# unit: meters (m)",
+                              "# unit: m (was cm)",
+                              "# unit: 1 m",
+                              "# units: id s m m"}) {
+    const auto recording = read(fmt::format("{}\n{}", comment, rows));
+    EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(300, 400)) << comment;
+    EXPECT_EQ(recording->facts().duration_s, 1) << comment;
+  }
+  EXPECT_EQ(first_of("# all lengths in cm; time in s; heights in mm\n" + rows),
+            Eigen::Vector2d(3, 4));
+  // Ordinary names beside their opposites.
+  EXPECT_THAT(refusal("id,t,x_in,y_in,x_out,y_out\n1,0,300,400,1,1\n1,1,300,400,1,1\n"),
+              HasSubstr("expected"));
+  // Two lines of names that differ.
+  EXPECT_THAT(refusal("# framerate: 10\n# id frame x/m y/m\n# id frame x/cm y/cm\n1 0 300 400\n"),
+              HasSubstr("expected"));
+}
+
 TEST_F(UnitsInComments, RatesInCommentsAreUnderstoodOrRefused) {
   const std::string rows = "# id frame x/m y/m\n1 0 3 4\n1 1 3 4\n";
   const std::pair<const char*, double> known[] = {
@@ -133,12 +176,14 @@ TEST_F(UnitsInComments, RatesInCommentsAreUnderstoodOrRefused) {
       {"# camera 3; framerate: 25 fps; unit: m", 25},
       {"# framerate: 30000/1001", 30000 / 1001.0},
       {"# made with a tool for fps 3\n# framerate: 25", 25},
+      {"# playback fps: 50\n# framerate: 25", 25},
       {"# framerate: 25\n# framerate: 25.00 fps", 25}};
   for (const auto& [comment, fps] : known)
     EXPECT_DOUBLE_EQ(read(fmt::format("{}\n{}", comment, rows))->facts().fps, fps) << comment;
   for (const char* comment :
        {"# framerate: 25 fps or so", "# framerate: fast", "# fps: 1,000", "# framerate: 1/25",
-        "# framerate: 25 16", "# framerate: 25 fps (every tenth)"}) {
+        "# framerate: 25 16", "# framerate: 25 fps (every tenth)", "# framerate: 10 Hz, 25 Hz",
+        "# framerate: 10;25"}) {
     EXPECT_THAT(refusal(fmt::format("{}\n{}", comment, rows)),
                 AllOf(StartsWith("recording:1: expected a frame rate as in 25"),
                       HasSubstr("--fps overrules")))
