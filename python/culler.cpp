@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
 
 #include "avatars/model/model.h"
 #include "base/errors.h"
+#include "base/limits.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/facts_dict.h"
@@ -47,9 +49,11 @@ PartShape part_of(
     throw InputError(where, "N x 3 coordinates in metres, N at least 1", "another shape");
   PartShape part;
   for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (const double at_m = points.data()[3 * i + axis]; !(std::abs(at_m) <= kMaxDescribed))
+        throw InputError(where, fmt::format("coordinates of at most {:g} m", kMaxDescribed),
+                         fmt::format("{:g} at point {}", at_m, i));
     part.points.push_back(Eigen::Map<const Eigen::Vector3d>(points.data() + 3 * i).cast<float>());
-    if (!part.points.back().allFinite())
-      throw InputError(where, "finite coordinates", fmt::format("another at point {}", i));
   }
   if (!triangles) return part;
   if (triangles->ndim() != 2 || triangles->shape(1) != 3)

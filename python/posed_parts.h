@@ -1,5 +1,6 @@
 // Bodies whose parts somebody posed already: own bodies, own poses.
-// One rule: a pose is checked before it is believed: finite, and a rotation without scale.
+// One rule: a pose is checked before it is believed: within kMaxPlace_m, and a rotation without
+// scale.
 #pragma once
 
 #include <memory>
@@ -10,6 +11,9 @@
 #include "culling/culler.h"
 
 namespace throng {
+
+/// Of a part's position, along each axis: places between parts stay far within float.
+inline constexpr double kMaxPlace_m = 1e9;
 
 /// A kind of body as somebody described it.
 struct BodyShape {

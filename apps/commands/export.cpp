@@ -3,6 +3,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
@@ -11,8 +12,10 @@
 #include "base/errors.h"
 #include "base/say.h"
 #include "base/text.h"
+#include "lcmtypes/codec/run_reader.h"
 #include "lcmtypes/export/csv_export.h"
 #include "lcmtypes/export/mcap_export.h"
+#include "lcmtypes/log/log_gaps.h"
 #include "lcmtypes/replay/file_kind.h"
 #include "scenes/file/scene_fields.h"
 
@@ -39,15 +42,43 @@ struct ExportOptions {
   double poses_hz = McapExportOptions{}.poses_hz;
 };
 
-/// What a log that is torn or damaged comes to: as far as it is sound.
-int ended(const std::string& problem) {
-  if (problem.empty()) return kExitFine;
-  if (StopSignal::requested()) {
-    say("stopped by {}\n", StopSignal::name());
-    return StopSignal::exit_code();
-  }
-  say("note: {}; what is before is exported\n", problem);
+int stopped() {
+  say("stopped by {}\n", StopSignal::name());
+  return StopSignal::exit_code();
+}
+
+/// The exit code of an export of a log that may not be whole.
+int ended(const std::string& log, const std::string& missing) {
+  if (missing.empty()) return kExitFine;
+  if (StopSignal::requested()) return stopped();
+  say("note: {}: {} What was recorded is exported.\n", log, missing);
   return kExitCheckFailed;
+}
+
+/// What cannot be exported is refused before anything is written: throws InputError if the log has
+/// no whole description of a run, or goes on with another run where only one fits.
+void require_run(const std::string& log, bool is_only_one) {
+  LogReader reader(log);
+  LogGaps gaps;
+  RunReader run;
+  LogEvent event;
+  bool has_run = false;
+  std::pair<int64_t, int64_t> first;  // which it is
+  while (!StopSignal::requested() && gaps.next(reader, event)) {
+    // Once it is described, only these tell of another run; states are not decoded.
+    if (has_run && event.channel != name_of(Channel::kRun) &&
+        event.channel != name_of(Channel::kEnd))
+      continue;
+    run.take(event.channel, event.data);
+    const std::pair<int64_t, int64_t> current(run.run_id(), run.instance());
+    if (has_run && current != first)
+      throw InputError(log, "one run", "several; `throng check` tells them apart");
+    has_run = run.run() != nullptr;
+    first = current;
+    if (has_run && !is_only_one) return;
+  }
+  if (!has_run && !StopSignal::requested())
+    throw InputError(log, "a run's description", gaps.found_no_description());
 }
 
 int to_mcap(const ExportOptions& options) {
@@ -61,22 +92,22 @@ int to_mcap(const ExportOptions& options) {
   show("{}: {} of poses, {} and {} of contacts, {:.1f} MB\n", options.mcap,
        counted(done.frames, "frame"), counted(done.begins, "begin"), counted(done.ends, "end"),
        static_cast<double>(done.bytes) * 1e-6);
-  return ended(done.problem);
+  return ended(options.log, done.missing);
 }
 
 int to_csv(const ExportOptions& options, const std::string& channel) {
   const auto keep_going = [] { return !StopSignal::requested() && !reader_has_left(); };
   if (options.out.empty()) {
-    const std::string problem = export_csv(
+    const std::string missing = export_csv(
         options.log, channel, [](std::string_view text) { show_text(text); }, keep_going);
-    return reader_has_left() ? kExitFine : ended(problem);
+    return reader_has_left() ? kExitFine : ended(options.log, missing);
   }
   std::ofstream out(options.out, std::ios::binary);
-  const std::string problem = export_csv(
+  const std::string missing = export_csv(
       options.log, channel, [&](std::string_view text) { out << text; }, keep_going);
   out.close();
   if (!out) throw EnvironmentError(fmt::format("{}: cannot write", options.out));
-  return ended(problem);
+  return ended(options.log, missing);
 }
 
 int export_log(const ExportOptions& options) {
@@ -95,7 +126,10 @@ int export_log(const ExportOptions& options) {
   plan.reads("the log", options.log);
   plan.writes({.option = "--mcap", .path = options.mcap, .writing = Writing::kAsItRuns});
   plan.writes({.option = "--out", .path = options.out, .writing = Writing::kAsItRuns});
+  plan.check();
   const StopSignal stop;
+  require_run(options.log, options.csv.empty());
+  if (StopSignal::requested()) return stopped();
   const OpenOutputs outputs = plan.open();
   return options.csv.empty() ? to_mcap(options) : to_csv(options, channel);
 }

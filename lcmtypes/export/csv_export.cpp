@@ -24,7 +24,10 @@ std::string quoted(const std::string& text) {
 
 double seconds(int64_t utime_us) { return 1e-6 * static_cast<double>(utime_us); }
 
-std::string names_of(const run_description_t& run, PairKey pair) {
+/// Without names where the run's description has not come yet.
+std::string names_of(const run_description_t* description, PairKey pair) {
+  if (description == nullptr) return fmt::format("{},{},,,,", pair.a(), pair.b());
+  const run_description_t& run = *description;
   return fmt::format("{},{},{},{},{},{}", pair.a(), pair.b(), quoted(body_name(run, pair.a())),
                      quoted(body_name(run, pair.b())),
                      quoted(part_name(run, pair.a(), pair.part_a())),
@@ -36,21 +39,21 @@ constexpr const char* kPairColumns = "a,b,name_a,name_b,part_a,part_b";
 void add_events(RunReader& run, const MessageHeader& header, std::string& out) {
   for (const PairEvent& event : run.new_events())
     append(out, "{},{:.6f},{},{},{}\n", header.frame, seconds(header.utime_us),
-           event.kind == EventKind::kBegin ? "begin" : "end", names_of(*run.run(), event.pair),
+           event.kind == EventKind::kBegin ? "begin" : "end", names_of(run.run(), event.pair),
            static_cast<int>(event.level));
 }
 
 void add_touching(RunReader& run, const MessageHeader& header, std::string& out) {
   for (const auto& [pair, level] : run.touching())
     append(out, "{},{:.6f},{},{}\n", header.frame, seconds(header.utime_us),
-           names_of(*run.run(), pair), static_cast<int>(level));
+           names_of(run.run(), pair), static_cast<int>(level));
 }
 
 void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
   const auto add = [&](std::span<const NearPair> rows, const char* of) {
     for (const NearPair& row : rows) {
       append(out, "{},{:.6f},{},{},{},{},{}", header.frame, seconds(header.utime_us), of,
-             names_of(*run.run(), row.pair), static_cast<int>(row.level), row.lo_m, row.hi_m);
+             names_of(run.run(), row.pair), static_cast<int>(row.level), row.lo_m, row.hi_m);
       if (row.level != PairLevel::kExact) {
         out += ",,,,,,,,,,,,\n";
         continue;
@@ -73,7 +76,7 @@ void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
 void add_contacts(RunReader& run, const MessageHeader& header, std::string& out) {
   for (const ContactPoint& row : run.contact_points()) {
     append(out, "{},{:.6f},{}", header.frame, seconds(header.utime_us),
-           names_of(*run.run(), row.pair));
+           names_of(run.run(), row.pair));
     for (const double x : row.point_m) append(out, ",{:.6f}", x);
     for (const float x : row.direction) append(out, ",{:.6f}", x);
     append(out, ",{:.6f}\n", row.depth_m);
@@ -187,23 +190,27 @@ std::string export_csv(const std::filesystem::path& log, const std::string& chan
   RunReader run;
   LogEvent event;
   std::string text = table.columns + "\n";
-  bool has_end = false;
-  LogReader::Status status = LogReader::Status::kEvent;
-  while ((status = reader.next(event)) == LogReader::Status::kEvent && keep_going()) {
+  LogGaps gaps;
+  double step_s = 0;
+  bool has_run = false, is_stopped = false;
+  while (gaps.next(reader, event)) {
+    is_stopped = !keep_going();
+    if (is_stopped) break;
     const RunReader::Update update = run.take(event.channel, event.data);
-    has_end = has_end || update == RunReader::Update::kEnd;
+    if (!has_run && run.run() != nullptr) {
+      has_run = true;
+      step_s = run.run()->step_s;
+    }
     if (update != table.update || run.header() == nullptr) continue;
     table.add(run, *run.header(), text);
     if (text.size() < kPiece) continue;
     write(text);
     text.clear();
   }
-  if (run.run() == nullptr)
-    throw InputError(log.string(), "a run's description", "none; is it a log of `throng run`?");
+  if (!has_run && !is_stopped)
+    throw InputError(log.string(), "a run's description", gaps.found_no_description());
   write(text);
-  if (status == LogReader::Status::kEvent) return "stopped";
-  if (status != LogReader::Status::kEnd) return reader.problem();
-  return has_end ? "" : kNoEnd;
+  return is_stopped ? "stopped" : gaps.describe(step_s);
 }
 
 }  // namespace throng

@@ -16,8 +16,8 @@ const std::vector<std::string>& csv_channels();
 /// "THRONG_EVENTS" is "events"; "" for what has no such table.
 std::string csv_channel(std::string_view name);
 
-/// Gives the text piece by piece. Returns where the log is torn or damaged, or "". Throws
-/// InputError.
+/// Gives the text piece by piece; damage is skipped. Returns what of the run the log lacks, in
+/// sentences, or "". Throws InputError if the log has no description of a run.
 std::string export_csv(const std::filesystem::path& log, const std::string& channel,
                        const std::function<void(std::string_view text)>& write,
                        const std::function<bool()>& keep_going);

@@ -55,6 +55,8 @@ class Exporter {
         contacts_(writer_.add_topic("/contacts", "throng.Contact", foxglove::kContactSchema)) {}
 
   void take(RunReader& run, RunReader::Update update, const MessageHeader* header) {
+    // Whom events are of is not known before the description, which may be damaged at first.
+    if (run.run() == nullptr) return;
     switch (update) {
       case RunReader::Update::kRun:
         if (has_run_)
@@ -64,6 +66,8 @@ class Exporter {
         obstacles(*run.run());
         break;
       case RunReader::Update::kEvents:
+        // The message that ends the frame before may be missing.
+        if (!waiting_.empty() && header->frame != frame_) end_frame(run);
         for (const PairEvent& event : run.new_events()) waiting_.push_back(event);
         time_us_ = header->utime_us;
         frame_ = header->frame;
@@ -233,24 +237,23 @@ McapExport export_mcap(const std::filesystem::path& log, const std::filesystem::
   RunReader run;
   Exporter exporter(file, options);
   LogEvent event;
-  LogReader::Status status = LogReader::Status::kEvent;
-  bool is_stopped = false, has_end = false;
-  while (!is_stopped && (status = reader.next(event)) == LogReader::Status::kEvent) {
+  LogGaps gaps;
+  double step_s = 0;
+  bool has_run = false, is_stopped = false;
+  while (!is_stopped && gaps.next(reader, event)) {
     const RunReader::Update update = run.take(event.channel, event.data);
-    has_end = has_end || update == RunReader::Update::kEnd;
+    if (!has_run && run.run() != nullptr) {
+      has_run = true;
+      step_s = run.run()->step_s;
+    }
     exporter.take(run, update, run.header());
     is_stopped = !keep_going(static_cast<double>(reader.offset()) /
                              static_cast<double>(std::max<uint64_t>(reader.size(), 1)));
   }
-  if (run.run() == nullptr)
-    throw InputError(log.string(), "a run's description", "none; is it a log of `throng run`?");
+  if (!has_run && !is_stopped)
+    throw InputError(log.string(), "a run's description", gaps.found_no_description());
   McapExport out = exporter.finish(run);
-  if (is_stopped)
-    out.problem = "stopped";
-  else if (status != LogReader::Status::kEnd)
-    out.problem = reader.problem();
-  else if (!has_end)
-    out.problem = kNoEnd;
+  out.missing = is_stopped ? "stopped" : gaps.describe(step_s);
   return out;
 }
 

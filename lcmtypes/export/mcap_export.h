@@ -17,11 +17,11 @@ struct McapExport {
   int64_t frames = 0;  ///< of which there are poses
   int64_t begins = 0, ends = 0;
   uint64_t bytes = 0;
-  std::string problem;  ///< where the log is torn or damaged, and the file ends; or ""
+  std::string missing;  ///< what of the run the log lacks, in sentences, or ""
 };
 
-/// `keep_going` is asked now and then with the share of the log that was read. Throws InputError if
-/// the file is no log of a run, EnvironmentError if nothing can be written.
+/// `keep_going` is asked now and then with the share of the log that was read. Damage is skipped.
+/// Throws InputError if the file is no log of one run, EnvironmentError if nothing can be written.
 McapExport export_mcap(const std::filesystem::path& log, const std::filesystem::path& file,
                        const McapExportOptions& options,
                        const std::function<bool(double share)>& keep_going);

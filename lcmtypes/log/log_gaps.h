@@ -25,9 +25,6 @@ struct LogDamage {
 /// others follow is damage: its length was hit.
 LogDamage skip_damage(LogReader& log, LogReader::Status status);
 
-/// Of a log that ends where an event ends, but before its run does.
-inline constexpr const char* kNoEnd = "the log is cut off: it ends without the end of its run";
-
 class LogGaps {
  public:
   /// The next whole event of `log`; damage before it is skipped and noted. False at the end.

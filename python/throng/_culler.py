@@ -9,7 +9,7 @@ from . import _core
 from ._errors import InputError
 from ._given import numbers, path_of, refused, shown, wholes
 from ._model import Model
-from ._table import Table
+from ._table import Table, has_columns
 
 
 class Body:
@@ -17,7 +17,7 @@ class Body:
 
     Args:
         parts: one a part: a mesh file (.tri, .ply, .stl, ...), a pair (vertices V x 3 in metres, triangles
-            T x 3), or vertices alone, whose hull counts. At most 255.
+            T x 3), or vertices alone, whose hull counts. At most 255. Coordinates of at most 1e6 m.
         names: of the parts.
         static: True for what never moves; two such bodies are never tested against each other.
     """
@@ -67,6 +67,7 @@ class _BodyNames:
                 [self._name(*pair) for pair in zip(table[side].tolist(), table[f"part_{side}"].tolist())], dtype=object
             )
             for side in "ab"
+            if has_columns(table, side, f"part_{side}")
         }
 
     def _name(self, body, part):
@@ -87,6 +88,7 @@ class Culler:
             bodies within so many metres the nearest parts, in `near_bodies`.
         contact_points: where parts touch and how deep, in `contact_points`; needs exact=True.
 
+    A table that was not asked for (`near`, `near_bodies`, `contact_points`) raises RuntimeError.
     A pair whose triangles intersect is always reported, however bodies are posed.
     """
 
@@ -99,6 +101,8 @@ class Culler:
         options = {"part_volume": part_volume, "exact": exact, "pair_search": pair_search, "threads": threads,
                    "near": near, "body_near": body_near, "contact_points": contact_points, "step_s": step_s}
         self._culler = _core.Culler(made, options)
+        # What is looked for, by the names of options.
+        self._looks_for = {"near=M": near, "body_near=M": body_near, "contact_points=True": contact_points}
         self.step_s = step_s
         self._names = _BodyNames([body.part_names for body in made])
 
@@ -107,7 +111,7 @@ class Culler:
 
         Args:
             poses: N x P x 4 x 4 (or 3 x 4), world_from_part; of bodies with different numbers of parts a list
-                of N arrays P x 4 x 4. Rotations without scale.
+                of N arrays P x 4 x 4. Rotations without scale, positions within 1e9 m of the origin along each axis.
             types: N, index into the kinds of bodies [0]. ids: N ascending numbers [0, 1, ...]; a body that is
                 not there any more touches nothing. scales: N, how large bodies are [1].
         """
@@ -140,18 +144,24 @@ class Culler:
         if len(self._names.part_names) > 1:
             self._names.type_of_id.update(zip(ids.tolist(), types.tolist()))
 
+    def _asked_for(self, option, rows):
+        """A table of what is looked for; an empty one would say that there is nothing."""
+        if not self._looks_for[option]:
+            raise RuntimeError(f"this culler was made without {option}: there is no table")
+        return Table(rows(), self._names)
+
     def finish(self):
         """Ends all that still touches; returns these ends."""
         return Table(self._culler.finish(), self._names)
 
     #: Table: a, b, part_a, part_b of all that touches after the last step
     pairs = property(lambda self: Table(self._culler.pairs(), self._names))
-    #: Table: how near parts are after the last step, see Frame.near
-    near = property(lambda self: Table(self._culler.near(), self._names))
-    #: Table: of each two bodies the nearest parts, see Frame.near
-    near_bodies = property(lambda self: Table(self._culler.near_bodies(), self._names))
-    #: Table: where parts touch after the last step, see Frame.contact_points
-    contact_points = property(lambda self: Table(self._culler.contact_points(), self._names))
+    #: Table: how near parts are after the last step, see Frame.near; needs near=M
+    near = property(lambda self: self._asked_for("near=M", self._culler.near))
+    #: Table: of each two bodies the nearest parts, see Frame.near; needs body_near=M
+    near_bodies = property(lambda self: self._asked_for("body_near=M", self._culler.near_bodies))
+    #: Table: where parts touch after the last step, see Frame.contact_points; needs contact_points=True
+    contact_points = property(lambda self: self._asked_for("contact_points=True", self._culler.contact_points))
     #: Table: of all steps so far, see Run.events
     events = property(lambda self: Table(self._culler.events(), self._names))
     #: Table: of all steps so far, see Run.contacts; end_s is nan while it lasts

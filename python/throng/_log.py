@@ -13,10 +13,24 @@ def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
     """A log that `throng run` or run(..., log=FILE) wrote, as arrays: a Run.
 
     trajectory_fps: places a second [all that the log has]. Of a damaged log what is sound is read;
-    summary["left_out"] counts the rest, and check() judges it. Ctrl-C raises KeyboardInterrupt.
+    summary["left_out"] counts the rest, notes say that something is missing, and check() judges it. Ctrl-C raises
+    KeyboardInterrupt.
     """
     facts = _core.read_log(path_of("file", file), trajectory_fps, trajectories, progress_of(progress))
+    facts["notes"] += _missing(**facts["summary"])
     return Run(facts, log=path_of("file", file))
+
+
+def _missing(frames, finished, left_out):
+    """What a log does not hold, a line each."""
+    notes = []
+    if left_out:
+        places, are = ("1 place", "is") if left_out == 1 else (f"{left_out} places", "are")
+        notes.append(f"{places} of the log cannot be read and {are} left out; check() says what and where")
+    if not finished:
+        count = "1 frame" if frames == 1 else f"{frames} frames"
+        notes.append(f"the log breaks off after {count}: the end of the run and its hash are missing")
+    return notes
 
 
 class LogReport(dict):

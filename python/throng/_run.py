@@ -7,10 +7,12 @@ import tempfile
 import numpy
 
 from . import _core
-from ._given import path_of
-from ._table import Table
+from ._given import path_of, refused, wholes
+from ._table import Table, has_columns
 
 _LEVELS = numpy.array(["spheres", "boxes", "part volumes", "triangles"])
+# What stands for all parts of a body.
+_WHOLE_BODY = 255
 
 
 def options_of(source, given):
@@ -29,36 +31,55 @@ class Names:
         self.parts = [list(names) for names in facts["part_names"]]
         self.obstacles = list(facts["obstacles"])
         self._model_of_person = facts["people"]["model"]
-        # One row a model, one for each obstacle, and what stands for a whole body at the end of each.
+        # One row a model, one for each obstacle, and what stands for a whole body at the end of each. The last row
+        # is of bodies that the run does not have.
         kinds = self.parts + [[name] for name in self.obstacles]
-        self._table = numpy.full((len(kinds), 256), "", dtype=object)
+        self._part_counts = numpy.array([len(names) for names in kinds], dtype=numpy.int64)
+        self._table = numpy.full((len(kinds) + 1, 256), "", dtype=object)
         for row, names in enumerate(kinds):
             self._table[row, : len(names)] = names
-            self._table[row, 255] = "whole body" if row < len(self.parts) else names[0]
+            self._table[row, _WHOLE_BODY] = "whole body" if row < len(self.parts) else names[0]
 
     def part(self, bodies, parts):
-        """Names of parts, one for each pair of a body's and a part's number."""
-        bodies = numpy.asarray(bodies, dtype=numpy.int64)
+        """Names of parts, one for each pair of a body's and a part's number; 255 is the whole body."""
+        bodies, parts = wholes("bodies", bodies), wholes("parts", parts)
+        if len(bodies) != len(parts):
+            raise refused("bodies, parts", "as many of one as of the other", f"{len(bodies)} and {len(parts)}")
+        count = len(self._model_of_person) + len(self.obstacles)
+        for i in numpy.flatnonzero((bodies < 0) | (bodies >= count))[:1]:
+            raise refused(f"bodies[{i}]", f"a body's number from 0, below {count}", bodies[i])
+        counts = self._part_counts[self._kinds(bodies)]
+        for i in numpy.flatnonzero((parts != _WHOLE_BODY) & ((parts < 0) | (parts >= counts)))[:1]:
+            raise refused(f"parts[{i}]", f"a part's number from 0, below {counts[i]}, or {_WHOLE_BODY}", parts[i])
+        return self._of_parts(bodies, parts)
+
+    def _kinds(self, bodies):
+        """Rows of the table."""
         people = len(self._model_of_person)
-        kinds = len(self.parts) + bodies - people
+        kinds = numpy.minimum(len(self.parts) + bodies - people, len(self._table) - 1)
         is_person = bodies < people
         kinds[is_person] = self._model_of_person[bodies[is_person]]
-        if len(self._table) == 0 or len(bodies) == 0:
-            return numpy.full(len(bodies), "", dtype=object)
-        return self._table[numpy.minimum(kinds, len(self._table) - 1), parts]
+        return kinds
+
+    def _of_parts(self, bodies, parts):
+        return self._table[self._kinds(bodies.astype(numpy.int64)), parts]
 
     def of_pairs(self, table):
-        out = {f"part_{side}_name": self.part(table[side], table[f"part_{side}"]) for side in "ab"}
-        if "level" in table.dtype.names:
+        out = {
+            f"part_{side}_name": self._of_parts(table[side], table[f"part_{side}"])
+            for side in "ab"
+            if has_columns(table, side, f"part_{side}")
+        }
+        if has_columns(table, "level"):
             out["level_name"] = _LEVELS[table["level"]]
         return out
 
     def of_people(self, table):
-        groups = numpy.array([*self.groups, ""], dtype=object)
-        models = numpy.array([*self.models, ""], dtype=object)
+        names = {"group": self.groups, "model": self.models}
         return {
-            "group_name": groups[numpy.minimum(table["group"], len(self.groups))],
-            "model_name": models[numpy.minimum(table["model"], len(self.models))],
+            f"{name}_name": numpy.array([*known, ""], dtype=object)[numpy.minimum(table[name], len(known))]
+            for name, known in names.items()
+            if has_columns(table, name)
         }
 
 

@@ -35,6 +35,8 @@ class Table(numpy.ndarray):
         """A pandas.DataFrame with a column for each field, and names where there are any.
 
         A point or a direction becomes three columns: a_m gives a_x_m, a_y_m and a_z_m; normal gives normal_x, ...
+        Of a table of some columns, ``table[["a", "part_a"]]``, those numbers are named whose columns are there: a
+        part's needs its body's, too.
         """
         try:
             import pandas
@@ -44,6 +46,11 @@ class Table(numpy.ndarray):
         for name, values in (self._names(self) if self._names else {}).items():
             frame[name] = pandas.Categorical(values)
         return frame
+
+
+def has_columns(table, *names):
+    """Whether all of them are there: somebody may have selected others."""
+    return all(name in table.dtype.names for name in names)
 
 
 def _columns(table):

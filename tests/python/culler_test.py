@@ -55,9 +55,21 @@ class Boxes(Case):
         numpy.testing.assert_allclose(row["direction"], (1, 0, 0), atol=1e-3)
         for centre in ((0, 0, 0), (0.75, 0.1, 0.2)):
             self.assertLessEqual(numpy.abs(row["point_m"] - centre).max(), 0.5 + 1e-6)
-        self.assertEqual(len(culler.near), 0)
         with self.assertRaises(throng.InputError):
             self.culler(contact_points=True)
+
+    def test_have_no_table_of_what_they_do_not_look_for(self):
+        options = {"near": ("near=M", 1), "near_bodies": ("body_near=M", 1), "contact_points": ("contact_points=True", True)}
+        for asked, (option, value) in options.items():
+            culler = self.culler(exact=True, **{option.split("=")[0]: value})
+            culler.step(at((0, 0, 0), (9, 0, 0)))
+            for name, (other, _) in options.items():
+                with self.subTest(asked=asked, name=name):
+                    if name == asked:
+                        self.assertEqual(len(getattr(culler, name)), 0)
+                        continue
+                    with self.assertRaisesRegex(RuntimeError, f"without {other}: there is no table"):
+                        getattr(culler, name)
 
     def test_touch_when_they_overlap_and_leave_when_they_do_not(self):
         culler = self.culler(exact=True, step_s=0.5)
@@ -134,6 +146,28 @@ class Boxes(Case):
                 throng.Body(parts)
         with self.assertRaises(throng.InputError):
             throng.Culler(throng.Body([BOX]), exact=True)  # points have no triangles
+
+    def test_are_refused_where_they_are_beyond_all_bounds(self):
+        culler = self.culler()
+        for far in (1.1e9, -1e12, 1e39, -1e300):
+            for axis in range(3):
+                place = numpy.zeros(3)
+                place[axis] = far
+                with self.subTest(place=place), self.assertRaisesRegex(
+                    throng.InputError, r"^poses\[1, 0\]: expected a position within 1e\+09 m of the origin, found "
+                ):
+                    culler.step(at((0, 0, 0), place))
+        self.assertEqual(culler.frame, 0)
+        culler.step(at((-1e9, 0, 0), (1e9, 1e9, 0), (1e9, 1e9, 0.5)))
+        self.assertEqual(key(culler.pairs), [(1, 2, 0, 0)])
+        for far in (1.1e6, -1e39, numpy.inf, numpy.nan):
+            points = BOX.copy()
+            points[3, 1] = far
+            with self.subTest(far=far), self.assertRaisesRegex(
+                throng.InputError, r"^parts\[1\]: expected coordinates of at most 1e\+06 m, found .* at point 3$"
+            ):
+                throng.Body([BOX, points])
+        throng.Body([BOX * 2e6])
 
     def test_are_refused_in_words_whatever_is_given_for_them(self):
         for bodies in ("adult", None, 3, ["adult"], [throng.Body([BOX]), None], throng.Body):
@@ -225,6 +259,15 @@ class Boxes(Case):
             again = pickle.loads(pickle.dumps(table))
             self.assertSameTable(again, table)
             self.assertEqual(again.to_pandas().part_a_name[0], "cube")
+
+    def test_become_data_frames_of_the_columns_that_are_selected(self):
+        culler = throng.Culler(throng.Body([(BOX, BOX_TRIANGLES)], names=["cube"]))
+        culler.step(at((0, 0, 0), (0.5, 0, 0)))
+        for columns, names in [(["a", "b"], []), (["part_a"], []), (["part_b", "b"], ["part_b_name"])]:
+            with self.subTest(columns=columns):
+                frame = culler.contacts[columns].to_pandas()
+                self.assertEqual(list(frame.columns), columns + names)
+                self.assertTrue((frame[names] == "cube").all(axis=None))
 
     def test_become_data_frames_with_their_points(self):
         culler = self.culler(exact=True, near=3, body_near=3)

@@ -55,6 +55,10 @@ class Logs(Case):
         self.assertIsNone(read.hash)
         self.assertFalse(read.summary["finished"])
         self.assertGreater(read.summary["left_out"], 0)
+        cannot_be_read, breaks_off = read.notes
+        self.assertRegex(cannot_be_read, r"^1 place of the log cannot be read and is left out; check\(\) ")
+        self.assertIn(f"breaks off after {len(read.counters)} frames", breaks_off)
+        self.assertEqual(throng.read_log(self.log).notes, [])
         self.assertSameTable(read.events, self.run.events[: len(read.events)])
         kinds = numpy.bincount(read.events["kind"], minlength=2)
         self.assertEqual(numpy.isnan(read.contacts["end_s"]).sum(), kinds[0] - kinds[1])

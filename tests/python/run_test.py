@@ -128,6 +128,51 @@ class Runs(Case):
         self.assertIn(run.names.part(contact["b"], contact["part_b"])[0], run.names.obstacles)
         self.assertEqual(len(run.names.groups), len(set(run.people["group"])))
 
+    def test_name_no_part_that_there_is_not(self):
+        run = throng.run("plaza", seconds=0.1)
+        names, bodies, parts = run.names, len(run.people) + len(run.names.obstacles), len(run.names.parts[0])
+        self.assertEqual(list(names.part([0, 0, bodies - 1, bodies - 1], [parts - 1, 255.0, 0, 255])),
+                         [names.parts[0][-1], "whole body", names.obstacles[-1], names.obstacles[-1]])
+        self.assertEqual(len(names.part([], [])), 0)
+        for where, given in [
+            (r"bodies\[1\]", ([0, -1], [0, 0])),
+            (r"bodies\[0\]", ([bodies], [0])),
+            (r"bodies\[0\]", ([0.5], [0])),
+            (r"bodies\[0\]", ([numpy.nan], [0])),
+            (r"bodies\[0\]", ([2**70], [0])),
+            ("bodies", (["a"], [0])),
+            ("bodies", (0, [0])),
+            (r"parts\[1\]", ([0, 0], [0, -1])),
+            (r"parts\[0\]", ([0], [parts])),
+            (r"parts\[0\]", ([0], [256])),
+            (r"parts\[0\]", ([bodies - 1], [1])),
+            (r"parts\[0\]", ([0], [1.5])),
+            ("parts", ([0], None)),
+            ("bodies, parts", ([0, 1], [0])),
+            ("bodies, parts", ([0, 1], [0, 1, 2])),
+            ("bodies, parts", ([], [0])),
+        ]:
+            with self.subTest(given=given), self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*, found "):
+                names.part(*given)
+
+    def test_become_data_frames_of_the_columns_that_are_selected(self):
+        run = throng.run("plaza", seconds=0.5)
+        for table, columns, names in [
+            (run.contacts, ["a", "b"], []),
+            (run.contacts, ["part_a", "part_b"], []),
+            (run.contacts, ["a", "part_a", "begin_s"], ["part_a_name"]),
+            (run.contacts, ["level"], ["level_name"]),
+            (run.events, ["frame", "b", "part_b", "level"], ["part_b_name", "level_name"]),
+            (run.people, ["id"], []),
+            (run.people, ["id", "model"], ["model_name"]),
+            (run.people, ["group"], ["group_name"]),
+        ]:
+            with self.subTest(columns=columns):
+                frame, whole = table[columns].to_pandas(), table.to_pandas()
+                self.assertEqual(list(frame.columns), columns + names)
+                for name in names:
+                    self.assertEqual(list(frame[name]), list(whole[name]))
+
     def test_become_data_frames_where_pandas_is_there(self):
         try:
             import pandas
