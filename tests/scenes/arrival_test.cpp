@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -110,6 +112,25 @@ TEST_P(Goals, AreReachedHoweverShallowOrLeaveAllStrandedAtOnce) {
       }
   printf("goals %s: %d runs, all arrived within %.1f s\n", std::string(name_of(GetParam())).c_str(),
          runs, longest_s);
+}
+
+/// Between two walls, and between a wall and the corner of a box that is turned by 45 degrees.
+TEST_P(Goals, AreReachedThroughOpeningsOfABodysWidth) {
+  for (const double width_m : {0.52, 0.57, 0.6, 0.65, 0.8})
+    for (const bool is_turned : {false, true}) {
+      SCOPED_TRACE(testing::Message() << width_m << " m wide" << (is_turned ? ", turned box" : ""));
+      Plan plan{"opening", {{2, 0}, {10, 1}}, {box(2.75, 2, 5.5, 0.2)}};
+      const double east_m = 5.5 + width_m;
+      if (is_turned) {
+        plan.obstacles.push_back(box(east_m + std::sqrt(0.5), 2, 1, 1, std::numbers::pi / 4));
+        plan.obstacles.push_back(box((east_m + 0.7 + 12) / 2, 2, 12 - east_m - 0.7, 0.2));
+      } else {
+        plan.obstacles.push_back(box((east_m + 12) / 2, 2, 12 - east_m, 0.2));
+      }
+      SmallWorld world(scene_of(plan, GetParam(), 7), 1);
+      leave(world, kPeople);
+      EXPECT_EQ(world.crowd.traffic().counters().left, kPeople);
+    }
 }
 
 /// How many stay.

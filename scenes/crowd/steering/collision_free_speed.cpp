@@ -57,8 +57,14 @@ TurnedAway turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction
     else
       push(slot < other ? -1.0f : 1.0f, 0, gap_m, share);
   }
+  // Walls turn aside and never back: the two posts of a narrow opening would let nobody in.
+  const Direction among_people = sum;
   for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
     push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w], 1);
+  const float back =
+      std::min(0.0f, (sum.x - among_people.x) * wish.x + (sum.y - among_people.y) * wish.y);
+  sum.x -= back * wish.x;
+  sum.y -= back * wish.y;
   const float length = std::sqrt(sum.x * sum.x + sum.y * sum.y);
   if (length > kTiny_mps) wish = {sum.x / length, sum.y / length};
   return {wish, most_urge * kMakesWay_mps};
