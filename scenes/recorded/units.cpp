@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -17,7 +18,8 @@ namespace {
 struct UnitRow {
   Quantity quantity;
   double in_si;
-  /// In small letters; the short name first. Latin-1 and both micro signs of Unicode are there.
+  /// As folded() leaves them; the short name first. Latin-1 and both micro signs of Unicode are
+  /// there.
   std::vector<std::string_view> spellings;
 };
 
@@ -33,7 +35,13 @@ const std::vector<UnitRow>& unit_table() {
       {Quantity::kLength, 1000, {"km", "kilometre", "kilometres", "kilometer", "kilometers"}},
       {Quantity::kLength, 0.3048, {"ft", "foot", "feet"}},
       {Quantity::kLength, 0.0254, {"in", "inch", "inches"}},
-      {Quantity::kLength, 0, {"px", "pixel", "pixels", "pix"}},
+      {Quantity::kLength, 0, {"px", "pixel", "pixels", "pix", "voxel", "voxels"}},
+      {Quantity::kLength, 0, {"Mm", "MM", "Mms", "MMs", "MMS"}},
+      {Quantity::kLength, 0, {"dm",      "decimetre", "decimetres", "decimeter", "decimeters",
+                              "um",      "\xC2\xB5m", "\xCE\xBCm",  "\xB5m",     "micron",
+                              "microns", "nm",        "nmi",        "mi",        "mile",
+                              "miles",   "yd",        "yds",        "yard",      "yards",
+                              "furlong", "furlongs",  "fathom",     "fathoms"}},
       {Quantity::kTime, 1, {"s", "sec", "secs", "second", "seconds"}},
       {Quantity::kTime,
        1e-3,
@@ -46,12 +54,15 @@ const std::vector<UnitRow>& unit_table() {
       {Quantity::kTime,
        1e-9,
        {"ns", "nsec", "nsecs", "nanos", "nanosec", "nanosecs", "nanosecond", "nanoseconds"}},
+      {Quantity::kTime, 0, {"Ms", "MS", "Msec", "MSEC", "Msecs", "MSECS"}},
+      {Quantity::kTime, 0, {"tick", "ticks", "jiffy", "jiffies", "fortnight", "fortnights"}},
       {Quantity::kTime, 60, {"min", "mins", "minute", "minutes"}},
       {Quantity::kTime, 3600, {"h", "hr", "hrs", "hour", "hours"}},
       {Quantity::kAngle, 1, {"rad", "rads", "radian", "radians"}},
       {Quantity::kAngle,
        std::numbers::pi / 180,
        {"deg", "degs", "degree", "degrees", "\xC2\xB0", "\xC2\xBA", "\xB0"}},
+      {Quantity::kAngle, 0, {"gon", "gons", "grad", "grads", "gradian", "gradians", "mrad"}},
       {Quantity::kSpeed, 1, {"m/s", "mps"}},
       {Quantity::kSpeed, 1 / 3.6, {"km/h", "kmh", "kph", "kmph"}},
       {Quantity::kSpeed, 0.3048, {"ft/s"}},
@@ -74,7 +85,7 @@ std::optional<Unit> speed_unit(std::string_view text) {
     const auto length = simple_unit(trimmed(text.substr(0, cut)));
     const auto time = simple_unit(trimmed(text.substr(cut + sign.size())));
     if (!length || !time || length->quantity != Quantity::kLength || length->in_si == 0 ||
-        time->quantity != Quantity::kTime)
+        time->quantity != Quantity::kTime || time->in_si == 0)
       return std::nullopt;
     return Unit{length->name + "/" + time->name, Quantity::kSpeed, length->in_si / time->in_si};
   }
@@ -171,7 +182,7 @@ std::optional<double> per_second(std::string_view text) {
   if (!rest.take_word({"per", "a"}) && !rest.take("/")) return std::nullopt;
   rest.take("1 ");
   const std::optional<Unit> unit = unit_named(rest.text());
-  if (!unit || unit->quantity != Quantity::kTime) return std::nullopt;
+  if (!unit || unit->quantity != Quantity::kTime || unit->in_si == 0) return std::nullopt;
   return 1 / unit->in_si;
 }
 
@@ -189,12 +200,41 @@ std::string_view name_of(Quantity quantity) {
   return kNames[static_cast<size_t>(quantity)];
 }
 
+std::string folded(std::string_view text) {
+  constexpr std::string_view kCaseMatters[] = {"mm", "mms", "ms", "msec", "msecs"};
+  std::string out = lower(text);
+  const auto is_letter = [&](size_t at) { return out[at] >= 'a' && out[at] <= 'z'; };
+  for (size_t begin = 0, end = 0; begin < out.size(); begin = end + 1) {
+    for (end = begin; end < out.size() && is_letter(end);) ++end;
+    const std::string_view word = std::string_view(out).substr(begin, end - begin);
+    if (end > begin && text[begin] == 'M' &&
+        std::find(std::begin(kCaseMatters), std::end(kCaseMatters), word) != std::end(kCaseMatters))
+      out.replace(begin, end - begin, text.substr(begin, end - begin));
+  }
+  return out;
+}
+
+bool has_small_letter(std::string_view text) {
+  return std::any_of(text.begin(), text.end(), [](char c) { return c >= 'a' && c <= 'z'; });
+}
+
+std::string without_capitals_throughout(std::string_view text) {
+  return has_small_letter(text) ? std::string(text) : lower(text);
+}
+
 std::optional<Unit> unit_named(std::string_view text) {
-  std::string name = lower(trimmed(text));
+  std::string name = folded(trimmed(text));
   // "in." and "sec."
   if (name.size() > 1 && name.ends_with('.')) name.pop_back();
   if (std::optional<Unit> unit = simple_unit(name)) return unit;
   return speed_unit(name);
+}
+
+std::vector<std::string_view> spelt_units() {
+  std::vector<std::string_view> out;
+  for (const UnitRow& row : unit_table())
+    out.insert(out.end(), row.spellings.begin(), row.spellings.end());
+  return out;
 }
 
 std::vector<std::string> unit_names_of(Quantity quantity) {
@@ -210,7 +250,7 @@ double UnitScale::nearest_whole(double value) {
 }
 
 std::optional<double> frame_rate_named(std::string_view text) {
-  std::string lowered = lower(trimmed(text));
+  std::string lowered = folded(trimmed(text));
   while (!lowered.empty() && (lowered.back() == '.' || lowered.back() == ';')) lowered.pop_back();
   Remainder rest(lowered);
   std::optional<double> value = rest.take_number();

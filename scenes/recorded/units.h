@@ -18,14 +18,23 @@ std::string_view name_of(Quantity quantity);
 struct Unit {
   std::string name;  ///< as --unit has it: "cm", "ms", "deg", "m/s"
   Quantity quantity = Quantity::kLength;
-  double in_si = 1;  ///< m, s, rad or m/s of one; 0: of pictures ("px"), which have no size
+  double in_si = 1;  ///< m, s, rad or m/s of one; 0: known and not read ("px", "mile", "Mm")
 };
 
-/// The unit that a text names as a whole, in any usual spelling and case: "cm", "Centimetres",
-/// "km/h", "°". None if it is no unit.
+/// The unit that a text names as a whole, in any usual spelling: "cm", "Centimetres", "km/h", "°".
+/// Capitals do not matter but in "Mm" and "Ms", which are no mm and no ms. None if it is no unit.
 std::optional<Unit> unit_named(std::string_view text);
 
-/// Short names of the units of a quantity, but for those that have no size.
+/// In small letters, but for "Mm", "MS" and the like, where a capital makes another unit of them.
+std::string folded(std::string_view text);
+bool has_small_letter(std::string_view text);
+/// A name or a comment as a whole: one that has no small letter is in small letters throughout.
+std::string without_capitals_throughout(std::string_view text);
+
+/// All words that name a unit.
+std::vector<std::string_view> spelt_units();
+
+/// Short names of the units of a quantity, but for those that are not read.
 std::vector<std::string> unit_names_of(Quantity quantity);
 
 /// Numbers of one unit in SI units: divided where the unit is a part of one, so that 79.035 cm are

@@ -65,9 +65,10 @@ class RowType {
   hid_t id() const { return type_.id(); }
   bool has_z() const { return columns_.has(ColumnRole::kZ); }
   const std::string& name_of(ColumnRole role) const { return names_[columns_[role]]; }
-  /// As its name states it; empty if it does not.
+  /// As its name states it; empty if it does not. A remark is taken for one.
   const std::string& unit_of(ColumnRole role) const {
-    return columns_.units[static_cast<size_t>(role)];
+    const std::string& unit = columns_.units[static_cast<size_t>(role)];
+    return unit.empty() ? columns_.remarks[static_cast<size_t>(role)] : unit;
   }
 
  private:

@@ -16,6 +16,8 @@ struct ColumnName {
   std::string text;   ///< as the file has it
   std::string plain;  ///< in small letters, without blanks, underscores and what is in brackets
   std::string unit;   ///< in brackets or behind a slash, any text; empty: none
+  /// Words in round brackets that are no unit and not like one: "head" of "x (head)".
+  std::string remark;
   /// The same if the last word is a unit ("x" and "cm" of "x_cm" and "xCm"); empty if it is none.
   /// Whether it is one depends on the column: "t_min" are minutes, "x_min" is a name.
   std::string plain_before_suffix, suffix;

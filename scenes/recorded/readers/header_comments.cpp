@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -17,6 +15,10 @@ namespace {
 
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// Letters from the first to the last, and one at least.
+bool is_word(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), is_letter);
+}
 
 /// Without signs of comments and blanks.
 std::string_view content_of(std::string_view line) {
@@ -265,8 +267,7 @@ void HeaderComments::read_description(std::string_view text, int64_t number) {
       const bool is_bracket = text[end] != ' ';
       if (is_bracket && text.substr(end).find_first_of(kClosingBrackets) + 1 != text.size() - end)
         return "";
-      const bool is_word = !bare.empty() && std::all_of(bare.begin(), bare.end(), is_letter);
-      if (!is_bracket) return is_word ? bare : "";
+      if (!is_bracket) return is_word(bare) || unit_named(bare) ? bare : "";
       return unit_in_description(text, quantity);
     }
     if (is_plain_unit(bare)) return bare;
@@ -330,9 +331,8 @@ void HeaderComments::read_units(std::string_view text, int64_t number) {
         units_.state_all(unit, source, number);
     // A word that is no unit is refused, unless it says that there is none.
     const std::string word = bare_unit(item);
-    const bool is_word = !word.empty() && std::all_of(word.begin(), word.end(), is_letter);
     const bool says_none = word == "none" || word == "unknown" || word == "si" || word == "metric";
-    if (units.empty() && is_first && is_word && !says_none && only != Quantity::kTime)
+    if (units.empty() && is_first && is_word(word) && !says_none && only != Quantity::kTime)
       units_.state_all(word, source, number);
     is_first = false;
   }
@@ -340,7 +340,7 @@ void HeaderComments::read_units(std::string_view text, int64_t number) {
 
 void HeaderComments::read(std::string_view line, int64_t number) {
   // JSON says it in quotes and braces.
-  std::string text = lower(content_of(line));
+  std::string text = folded(without_capitals_throughout(content_of(line)));
   std::erase(text, '"');
   if (text.starts_with('{') && text.ends_with('}')) text = text.substr(1, text.size() - 2);
   text = std::string(trimmed(text));

@@ -46,10 +46,16 @@ void StatedUnits::state_all(std::string_view unit, std::string_view source, int6
 
 void StatedUnits::state(const TableColumns& columns, const std::vector<std::string>& names,
                         int64_t line) {
-  for (size_t role = 0; role < kColumnRoles; ++role)
-    if (!columns.units[role].empty())
-      state(static_cast<ColumnRole>(role), columns.units[role],
-            "the column " + in_quotes(names[columns.at[role]]), line);
+  for (size_t role = 0; role < kColumnRoles; ++role) {
+    if (columns.units[role].empty() && columns.remarks[role].empty()) continue;
+    const std::string source = "the column " + in_quotes(names[columns.at[role]]);
+    state(static_cast<ColumnRole>(role), columns.units[role], source, line);
+    remark(static_cast<ColumnRole>(role), columns.remarks[role], source);
+  }
+}
+
+void StatedUnits::remark(ColumnRole role, std::string_view text, std::string_view source) {
+  if (!text.empty()) remarks_[static_cast<size_t>(role)] = {std::string(text), std::string(source)};
 }
 
 void StatedUnits::state(const StatedUnits& others) {
@@ -57,6 +63,7 @@ void StatedUnits::state(const StatedUnits& others) {
     const Stated& other = others.stated_[role];
     state(static_cast<ColumnRole>(role), other.unit, other.source, other.line);
     state(static_cast<ColumnRole>(role), other.other, other.source, other.other_line);
+    remark(static_cast<ColumnRole>(role), others.remarks_[role].text, others.remarks_[role].source);
   }
 }
 
@@ -140,8 +147,20 @@ void StatedUnits::settle_heading(RecordingBuilder& builder, ColumnScales& out) c
   out.has_heading = heading.has_value();
 }
 
+void StatedUnits::note_remarks(RecordingBuilder& builder) const {
+  int64_t count = 0;
+  std::string first;
+  for (const Remark& remark : remarks_)
+    if (!remark.text.empty() && count++ == 0)
+      first = fmt::format("{} in {}", in_quotes(remark.text), remark.source);
+  if (count > 0)
+    builder.note("columns with words in brackets that are no unit (taken as remarks)", count,
+                 std::move(first));
+}
+
 ColumnScales StatedUnits::settle(RecordingBuilder& builder, bool reads_time) const {
   ColumnScales out;
+  note_remarks(builder);
   settle_lengths(builder, out);
   settle_heading(builder, out);
   if (reads_time)

@@ -34,6 +34,9 @@ class StatedUnits {
   /// What the names of columns state.
   void state(const TableColumns& columns, const std::vector<std::string>& names, int64_t line);
 
+  /// Words in the name of a column where a unit could be; empty: none. They are noted.
+  void remark(ColumnRole role, std::string_view text, std::string_view source);
+
   /// All that is stated elsewhere.
   void state(const StatedUnits& others);
 
@@ -53,16 +56,23 @@ class StatedUnits {
     int64_t other_line = 0;
   };
 
+  /// A remark in the name of a column, where a unit could be.
+  struct Remark {
+    std::string text, source;
+  };
+
   static bool are_the_same(std::string_view a, std::string_view b);
   const Stated& of(ColumnRole role) const { return stated_[static_cast<size_t>(role)]; }
   std::optional<double> known(ColumnRole role, const RecordingBuilder& builder,
                               std::string_view way_out) const;
   void note_overruled(RecordingBuilder& builder, std::string_view option, double in_si,
                       std::initializer_list<ColumnRole> roles) const;
+  void note_remarks(RecordingBuilder& builder) const;
   void settle_lengths(RecordingBuilder& builder, ColumnScales& out) const;
   void settle_heading(RecordingBuilder& builder, ColumnScales& out) const;
 
   std::array<Stated, kColumnRoles> stated_;
+  std::array<Remark, kColumnRoles> remarks_;
 };
 
 /// Notes that positions have no heights because x and y differ in their units and z has none.

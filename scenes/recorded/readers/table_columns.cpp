@@ -173,9 +173,13 @@ TableColumns columns_by_name(const std::vector<std::string>& names,
   const std::string& frame = wanted[static_cast<size_t>(ColumnRole::kFrame)];
   if (!time.empty() && frame.empty()) out[ColumnRole::kFrame] = TableColumns::kNone;
   if (!frame.empty() && time.empty()) out[ColumnRole::kTime] = TableColumns::kNone;
-  for (size_t role = 0; role < kColumnRoles; ++role)
-    if (out.at[role] != TableColumns::kNone)
-      out.units[role] = unit_of(column_names[out.at[role]], static_cast<ColumnRole>(role));
+  for (size_t role = 0; role < kColumnRoles; ++role) {
+    if (out.at[role] == TableColumns::kNone) continue;
+    const ColumnName& name = column_names[out.at[role]];
+    out.units[role] = unit_of(name, static_cast<ColumnRole>(role));
+    if (quantity_of(static_cast<ColumnRole>(role)) && out.units[role].empty())
+      out.remarks[role] = name.remark;
+  }
   return out;
 }
 

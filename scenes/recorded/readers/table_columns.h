@@ -27,6 +27,7 @@ struct TableColumns {
   std::array<size_t, kColumnRoles> at = {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
   std::array<std::string, kColumnRoles>
       units;  ///< as names state them ("x/cm"); empty: they do not
+  std::array<std::string, kColumnRoles> remarks;  ///< instead of a unit: "head" of "x (head)"
 
   bool has(ColumnRole role) const { return (*this)[role] != kNone; }
   size_t operator[](ColumnRole role) const { return at[static_cast<size_t>(role)]; }

@@ -138,11 +138,16 @@ class Rows final : public LineTaker {
     for (const std::string_view field : {id, x, y})
       if (parse_number(field, value)) return false;
     if (is_missing(x) || is_missing(y)) return false;
-    for (const ColumnRole role :
-         {ColumnRole::kTime, ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ, ColumnRole::kHeading})
-      if (columns_.has(role))
-        units_.state(role, bare_unit(text(role)),
-                     "the line of units, column " + in_quotes(names_[columns_[role]]), line);
+    for (const ColumnRole role : {ColumnRole::kTime, ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ,
+                                  ColumnRole::kHeading}) {
+      if (!columns_.has(role)) continue;
+      // Where the name is in capitals throughout, so is the unit.
+      const std::string& name = names_[columns_[role]];
+      const std::string unit(text(role));
+      units_.state(role,
+                   bare_unit(has_small_letter(name) ? unit : without_capitals_throughout(unit)),
+                   "the line of units, column " + in_quotes(name), line);
+    }
     return true;
   }
 

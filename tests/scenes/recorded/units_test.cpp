@@ -32,7 +32,7 @@ TEST(Units, AreKnownInEveryUsualSpelling) {
       {Quantity::kLength, 0.3048, {"ft", "foot", "feet", "ft."}},
       {Quantity::kLength, 0.0254, {"in", "inch", "inches", "in."}},
       {Quantity::kTime, 1, {"s", "sec", "seconds", "sec."}},
-      {Quantity::kTime, 1e-3, {"ms", "MS", "msec", "milliseconds"}},
+      {Quantity::kTime, 1e-3, {"ms", "mS", "msec", "Milliseconds"}},
       {Quantity::kTime, 1e-6, {"us", "\xC2\xB5s", "\xCE\xBCs", "\xB5s", "microseconds"}},
       {Quantity::kTime, 1e-9, {"ns", "nanoseconds"}},
       {Quantity::kTime, 60, {"min", "minutes"}},
@@ -52,7 +52,7 @@ TEST(Units, AreKnownInEveryUsualSpelling) {
       EXPECT_EQ(unit->quantity, quantity);
       EXPECT_DOUBLE_EQ(unit->in_si, in_si);
     }
-  for (const char* none : {"", "furlong", "x", "mid", "smooth", "m/m", "s/m", "/", "m/s/s", "1"})
+  for (const char* none : {"", "x", "mid", "smooth", "m/m", "s/m", "/", "m/s/s", "1"})
     EXPECT_FALSE(unit_named(none)) << none;
   EXPECT_EQ(unit_named("px")->in_si, 0) << "known, and without a size";
 }
@@ -301,6 +301,65 @@ TEST_F(RecordedUnits, UnknownOnesAreRefusedWithThoseThatAreKnown) {
   EXPECT_THAT(refusal("id,frame [s],x,y\n1,0,3,4\n", {.fps = 25}), HasSubstr("a column of frames"));
   EXPECT_EQ(first("id,t,x,y,mood [furlong]\n1,0,3,4,5\n"), Eigen::Vector2d(3, 4))
       << "of a column that is not read";
+}
+
+TEST_F(RecordedUnits, CapitalsMatterWhereTheyMakeAnotherUnit) {
+  for (const char* header : {"id,t,x [Mm],y [Mm]", "id,t,x [MM],y [MM]", "id,t,x/Mm,y/Mm",
+                             "id,t,x (in Mm),y (in Mm)", "id,t,x Mm,y Mm", "id,t,x_Mm,y_MM"})
+    EXPECT_THAT(refusal(fmt::format("{}\n1,0,3,4\n", header)),
+                AllOf(StartsWith("recording:1: expected a unit of length (m, cm, mm, km, ft, in)"),
+                      HasSubstr("'M")))
+        << header;
+  for (const char* header : {"id,t [Ms],x,y", "id,t [MS],x,y", "id,time_Ms,x,y", "id,t (Msec),x,y"})
+    EXPECT_THAT(refusal(fmt::format("{}\n1,0,3,4\n", header)), HasSubstr("a unit of time"))
+        << header;
+  EXPECT_THAT(refusal("id,t,x,y\ns,,,\n,Ms,Mm,Mm\n1,0,3,4\n"), HasSubstr("expected"));
+  EXPECT_THAT(refusal("t,id,x,y\ns,,Mm,Mm\n0,1,3,4\n"), HasSubstr("a unit of length"));
+  EXPECT_THAT(refusal("# unit: Mm\nid,t,x,y\n1,0,3,4\n"), HasSubstr("a unit of length"));
+  EXPECT_THAT(refusal("# x in MM\nid,t,x,y\n1,0,3,4\n"), HasSubstr("a unit of length"));
+  for (const char* header : {"ID,T,X [MM],Y [MM]", "id,t,X MM,Y MM", "ID,T,X_MM,POSY_MM",
+                             "id,t,xMm,posYMm", "# UNIT: MM\nid,t,x,y"})
+    EXPECT_EQ(first(fmt::format("{}\n1,0,3000,4000\n", header)), Eigen::Vector2d(3, 4)) << header;
+  EXPECT_EQ(first("T,ID,X,Y\nS,,MM,MM\n0,1,3000,4000\n"), Eigen::Vector2d(3, 4));
+  EXPECT_EQ(read("ID,T [MS],X,Y\n1,0,3,4\n1,40,3,4\n")->facts().fps, 25);
+}
+
+TEST_F(RecordedUnits, WordsThatAreNoUnitAreRemarks) {
+  for (const char* header : {"id,time (UTC),x (head),y (head)", "id,t,x (left),y (left)",
+                             "id,t,x (HEAD),y (centre of mass)", "id,t (since start),x,y",
+                             "id,t,posX (world frame),posY (world-frame)", "id,t,x (smoothed),y",
+                             "id t x (head) y (head)", "id,t,x (main),y (mean)",
+                             "ID,TIME (GMT),X,Y", "id,t,x (raw) (head),y"}) {
+    SCOPED_TRACE(header);
+    const char separator = std::string_view(header).starts_with("id t") ? ' ' : ',';
+    const auto recording =
+        read(fmt::format("{0}\n1{1}0{1}3{1}4\n1{1}1{1}3{1}4\n", header, separator));
+    EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(3, 4));
+    ASSERT_EQ(recording->facts().odd.size(), 1u);
+    EXPECT_THAT(recording->facts().odd[0].what, HasSubstr("taken as remarks"));
+  }
+  const auto noted = read("id,t,x (head),y (head)\n1,0,3,4\n1,1,3,4\n");
+  EXPECT_EQ(noted->facts().odd[0].count, 2);
+  EXPECT_EQ(noted->facts().odd[0].first, "'head' in the column 'x (head)'");
+  EXPECT_EQ(first("id,t,x_cm (head),y_cm (head)\n1,0,300,400\n"), Eigen::Vector2d(3, 4));
+  EXPECT_EQ(first("# framerate: 25\n# unit: cm\n# id frame x (head) y (head)\n1 0 300 400\n"),
+            Eigen::Vector2d(3, 4));
+  EXPECT_THAT(refusal("id,time (UTC),x,y\n1,12:00:01,3,4\n"), HasSubstr("expected a number"));
+  for (const char* unit : {"(px)",        "(pixels)",   "(furlongs)",   "(yards)",
+                           "(miles)",     "(Meilen)",   "(mtr)",        "(pxl)",
+                           "(Zoll)",      "(sekunden)", "(kilometros)", "(mtres)",
+                           "(secnds)",    "(in heads)", "(Zentimeter)", "[head]",
+                           "{head}",      "/head",      "/ head",       "(h2)",
+                           "(ab)",        "(relative)", "(cells)",      "(pixel coordinates)",
+                           "(head, px)",  "(voxels)",   "(decimetres)", "(grid units)",
+                           "(left foot)", "(1)",        "(-)"}) {
+    EXPECT_THAT(refusal(fmt::format("id;t;x {0};y {0}\n1;0;3;4\n", unit)),
+                HasSubstr("expected a unit of length"))
+        << unit;
+  }
+  for (const char* unit : {"(frames)", "(frame)", "(ticks)", "(steps)", "[UTC]", "/UTC", "(days)"})
+    EXPECT_THAT(refusal(fmt::format("id,t {},x,y\n1,0,3,4\n", unit)), HasSubstr("a unit of time"))
+        << unit;
 }
 
 TEST_F(RecordedUnits, AnOptionOverrulesTheFileAndSaysSo) {
