@@ -134,28 +134,33 @@ std::string text_of(hid_t object, const char* name) {
 }
 
 /// The attribute fps, a number or a text; NaN if there is none.
-double rate_of(hid_t object, bool is_given) {
+double rate_of(hid_t object, const RecordingOptions& options) {
   return has_text(object, "fps")
-             ? foreign_rate(text_of(object, "fps"), "the attribute fps", is_given)
+             ? foreign_rate(text_of(object, "fps"), "the attribute fps", options)
              : number_of(object, "fps");
 }
 
 /// Of x, y and z: from the names of columns, attributes that describe them ("pedestrian
 /// x-coordinate (meter [m])"), or one for all.
-std::array<std::string, 3> units_of(hid_t file, hid_t dataset, const RowType& type) {
+std::array<std::string, 3> units_of(hid_t file, hid_t dataset, const RowType& type,
+                                    const RecordingOptions& options) {
   std::array<std::string, 3> out;
   std::string of_all;
   for (const hid_t object : {dataset, file})
     for (const char* name : {"unit", "units", "length_unit"})
-      if (of_all.empty() && has_text(object, name)) of_all = bare_unit(text_of(object, name));
+      if (has_text(object, name))
+        state_unit(of_all, bare_unit(text_of(object, name)), fmt::format("the attribute {}", name),
+                   options);
   constexpr std::array kAxes = {ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ};
   for (size_t axis = 0; axis < kAxes.size(); ++axis) {
     if (kAxes[axis] == ColumnRole::kZ && !type.has_z()) continue;
     const std::string& name = type.name_of(kAxes[axis]);
     out[axis] = type.unit_of(kAxes[axis]);
-    if (out[axis].empty() && has_text(dataset, name.c_str()))
-      out[axis] = unit_in_description(lower(text_of(dataset, name.c_str())), Quantity::kLength);
-    if (out[axis].empty()) out[axis] = of_all;
+    if (has_text(dataset, name.c_str()))
+      state_unit(out[axis],
+                 unit_in_description(folded(text_of(dataset, name.c_str())), Quantity::kLength),
+                 fmt::format("the attribute {}", escaped(name)), options);
+    state_unit(out[axis], of_all, fmt::format("the unit of {}", escaped(name)), options);
   }
   return out;
 }
@@ -185,7 +190,7 @@ void send_rows(hid_t dataset, const RowType& type, ForeignSender& sender) {
 }
 
 /// In the child.
-void parse_hdf5(const RegularFile& file, bool is_rate_given, ForeignSender& sender) {
+void parse_hdf5(const RegularFile& file, const RecordingOptions& options, ForeignSender& sender) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   H5PLset_loading_state(0);  // a file names filters; none is loaded for it
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -195,13 +200,13 @@ void parse_hdf5(const RegularFile& file, bool is_rate_given, ForeignSender& send
   const Handle dataset(H5Dopen2(opened.id(), "trajectory", H5P_DEFAULT), H5Dclose);
   if (!dataset) throw Refusal(kExpectedHdf5, "one without such a dataset");
   ForeignFacts facts;
-  facts.fps = rate_of(dataset.id(), is_rate_given);
-  if (std::isnan(facts.fps)) facts.fps = rate_of(opened.id(), is_rate_given);
+  for (const hid_t object : {dataset.id(), opened.id()})
+    state_rate(facts.fps, rate_of(object, options), "the attribute fps", options);
   facts.wkt = text_of(opened.id(), "wkt_geometry");
   if (facts.wkt.empty()) facts.wkt = text_of(dataset.id(), "wkt_geometry");
   const Handle file_type(H5Dget_type(dataset.id()), H5Tclose);
   const RowType type(file_type.id());
-  facts.units = units_of(opened.id(), dataset.id(), type);
+  facts.units = units_of(opened.id(), dataset.id(), type, options);
   sender.facts(facts);
   send_rows(dataset.id(), type, sender);
 }
@@ -218,13 +223,7 @@ class ArchiveHdf5 final : public RecordingReader {
                                          .way_out = "export it again, for example as text"},
                               .kind = kind(),
                               .tracks = TrackedPoint::kHead};
-    const bool is_rate_given = builder.options().fps.has_value();
-    read_apart(
-        source, foreign,
-        [&](const RegularFile& file, ForeignSender& sender) {
-          parse_hdf5(file, is_rate_given, sender);
-        },
-        builder);
+    read_apart(source, foreign, parse_hdf5, builder);
   }
 };
 

@@ -146,8 +146,7 @@ void ForeignSender::end() {
   samples_.clear();
 }
 
-void read_apart(const RecordingSource& source, const ForeignKind& kind,
-                const std::function<void(const RegularFile&, ForeignSender&)>& parse,
+void read_apart(const RecordingSource& source, const ForeignKind& kind, ForeignParse parse,
                 RecordingBuilder& builder) {
   if (!builder.options().columns.empty())
     throw InputError("--columns", "a table of text", std::string(kind.parser.expected));
@@ -160,18 +159,50 @@ void read_apart(const RecordingSource& source, const ForeignKind& kind,
       source.file(), kind.parser, limits,
       [&](const RegularFile& file, const SendPiece& send) {
         ForeignSender sender(send);
-        parse(file, sender);
+        parse(file, builder.options(), sender);
         sender.end();
       },
       [&](std::span<const uint8_t> piece) { taker.take(piece); });
   taker.end();
 }
 
-double foreign_rate(std::string_view text, std::string_view place, bool is_given) {
+double foreign_rate(std::string_view text, std::string_view place,
+                    const RecordingOptions& options) {
   if (const std::optional<double> rate = frame_rate_named(text)) return *rate;
-  if (is_given) return std::numeric_limits<double>::quiet_NaN();
+  if (options.fps) return kMissing;
   throw Refusal(fmt::format("{} as {}", kFrameRateForms, place),
                 in_quotes(text) + "; --fps overrules the file");
+}
+
+void state_rate(double& fps, double found, std::string_view place,
+                const RecordingOptions& options) {
+  if (std::isnan(fps))
+    fps = found;
+  else if (!std::isnan(found) && found != fps && !options.fps)
+    throw Refusal(fmt::format("one frame rate, {:g}", fps),
+                  fmt::format("{:g} as {}, too; --fps overrules the file", found, place));
+}
+
+void state_unit(std::string& unit, const std::string& found, std::string_view place,
+                const RecordingOptions& options) {
+  if (unit.empty()) {
+    unit = found;
+    return;
+  }
+  if (found.empty() || found == unit || options.unit_m) return;
+  const std::optional<Unit> first = unit_named(unit), other = unit_named(found);
+  if (first && other && first->quantity == other->quantity && first->in_si == other->in_si) return;
+  throw Refusal(fmt::format("one unit, {}", in_quotes(unit)),
+                fmt::format("{} as {}, too; --unit overrules the file", in_quotes(found), place));
+}
+
+std::optional<UnitScale> time_scale(const TableColumns& columns) {
+  if (!columns.has(ColumnRole::kTime)) return std::nullopt;
+  const std::string& text = columns.units[static_cast<size_t>(ColumnRole::kTime)];
+  if (text.empty()) return UnitScale();
+  const std::optional<Unit> unit = unit_named(text);
+  if (!unit || unit->in_si == 0 || unit->quantity != Quantity::kTime) return std::nullopt;
+  return UnitScale(unit->in_si);
 }
 
 std::string path_of(const RegularFile& file) {

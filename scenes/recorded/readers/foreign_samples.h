@@ -5,12 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/files/foreign.h"
 #include "scenes/recorded/readers/recording_reader.h"
+#include "scenes/recorded/readers/table_columns.h"
 
 namespace throng {
 
@@ -52,14 +54,29 @@ struct ForeignKind {
   TrackedPoint tracks = TrackedPoint::kCentre;
 };
 
+/// Reads a file in the child. Options overrule what the file states.
+using ForeignParse = void (*)(const RegularFile&, const RecordingOptions&, ForeignSender&);
+
 /// Runs `parse` in a child and feeds the builder; the clock is one of frames.
-void read_apart(const RecordingSource& source, const ForeignKind& kind,
-                const std::function<void(const RegularFile&, ForeignSender&)>& parse,
+void read_apart(const RecordingSource& source, const ForeignKind& kind, ForeignParse parse,
                 RecordingBuilder& builder);
 
 /// The rate that a text of a file states. Throws Refusal if it is not understood, unless --fps is
 /// given: NaN then.
-double foreign_rate(std::string_view text, std::string_view place, bool is_given);
+double foreign_rate(std::string_view text, std::string_view place, const RecordingOptions& options);
+
+/// Keeps the first rate that a file states; NaN states none. Throws Refusal for another one, unless
+/// --fps is given.
+void state_rate(double& fps, double found, std::string_view place, const RecordingOptions& options);
+
+/// Keeps the first unit that a file states; an empty text states none. Throws Refusal for another
+/// one, unless --unit is given.
+void state_unit(std::string& unit, const std::string& found, std::string_view place,
+                const RecordingOptions& options);
+
+/// Seconds of one unit of a column of times; none if there is no such column or its unit is not
+/// known.
+std::optional<UnitScale> time_scale(const TableColumns& columns);
 
 /// How a library finds a file again that is open.
 std::string path_of(const RegularFile& file);

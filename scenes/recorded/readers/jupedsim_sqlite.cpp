@@ -92,20 +92,24 @@ bool has(const std::vector<std::string>& names, std::string_view name) {
 }
 
 ForeignFacts facts_of(const Database& database, const std::vector<std::string>& tables,
-                      bool is_rate_given) {
+                      const RecordingOptions& options) {
   ForeignFacts facts;
+  std::string unit;
   Statement metadata = database.ask("SELECT key, value FROM metadata");
   while (metadata.step()) {
-    const std::string key = metadata.text(0), value = metadata.text(1);
+    const std::string key = lower(trimmed(metadata.text(0))), value = metadata.text(1);
     double number = 0;
-    if (key == "fps") facts.fps = foreign_rate(value, "fps in the table metadata", is_rate_given);
-    if (key == "unit" || key == "units" || key == "length_unit") facts.units.fill(bare_unit(value));
+    constexpr const char* kFps = "fps in the table metadata";
+    if (key == "fps") state_rate(facts.fps, foreign_rate(value, kFps, options), kFps, options);
+    if (key == "unit" || key == "units" || key == "length_unit")
+      state_unit(unit, bare_unit(value), key + " in the table metadata", options);
     if (key == "version" && !parse_number(trimmed(value), number))
       throw Refusal("a number as version in the table metadata", in_quotes(value));
     // A kind is named by it, no more.
     if (key == "version" && number >= 1 && number < 1000)
       facts.version = static_cast<int64_t>(number);
   }
+  facts.units.fill(unit);
   if (!has(tables, "geometry")) return facts;
   Statement count = database.ask("SELECT count(*) FROM geometry");
   if (count.step()) facts.areas = count.whole(0);
@@ -137,14 +141,15 @@ void expect_number(const Statement& row, int column, bool is_whole, int64_t coun
                 type == SQLITE_NULL ? "nothing" : in_quotes(row.text(column)));
 }
 
-void parse_database(const RegularFile& file, bool is_rate_given, ForeignSender& sender) {
+void parse_database(const RegularFile& file, const RecordingOptions& options,
+                    ForeignSender& sender) {
   const Database database(file);
   const std::vector<std::string> tables = database.tables();
   if (!has(tables, "trajectory_data") || !has(tables, "metadata"))
     throw Refusal(
         "the tables trajectory_data and metadata, as JuPedSim writes them",
         tables.empty() ? "none" : in_quotes(fmt::format("{}", fmt::join(tables, ", "))) + " alone");
-  sender.facts(facts_of(database, tables, is_rate_given));
+  sender.facts(facts_of(database, tables, options));
   const std::vector<std::string> columns = database.columns("trajectory_data");
   for (const char* column : {"frame", "id", "pos_x", "pos_y"})
     if (!has(columns, column))
@@ -192,13 +197,7 @@ class JupedsimSqlite final : public RecordingReader {
                    .expected = kExpectedSqlite,
                    .way_out = "`sqlite3 FILE .recover` may save what is in it"},
         .kind = kind()};
-    const bool is_rate_given = builder.options().fps.has_value();
-    read_apart(
-        source, foreign,
-        [&](const RegularFile& file, ForeignSender& sender) {
-          parse_database(file, is_rate_given, sender);
-        },
-        builder);
+    read_apart(source, foreign, parse_database, builder);
   }
 
  private:

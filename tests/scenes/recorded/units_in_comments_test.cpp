@@ -211,6 +211,16 @@ TEST_F(UnitsInComments, BinaryFilesStateThem) {
   EXPECT_EQ(sqlite("UPDATE metadata SET value = '29,97 fps' WHERE key = 'fps'")->facts().fps,
             29.97);
   EXPECT_EQ(sqlite("UPDATE metadata SET value = '1/25 s' WHERE key = 'fps'")->facts().fps, 25);
+  const std::string open =
+      "DROP TABLE metadata; CREATE TABLE metadata(key, value); "
+      "INSERT INTO metadata VALUES('fps', 25), ('version', 2), ";
+  EXPECT_THAT(sqlite_refusal(open + "('fps', 30)"),
+              AllOf(HasSubstr("expected one frame rate, 25, found 30 as fps"),
+                    HasSubstr("--fps overrules")));
+  EXPECT_EQ(sqlite(open + "('fps', '25.0 Hz')")->facts().fps, 25) << "the same twice";
+  EXPECT_EQ(sqlite(open + "('FPS', 30)", {.fps = 10})->facts().fps, 10);
+  EXPECT_THAT(sqlite_refusal(open + "('unit', 'm'), ('units', 'cm')"),
+              AllOf(HasSubstr("expected one unit, 'm', found 'cm' as units"), HasSubstr("--unit")));
   const std::string odd = "UPDATE metadata SET value = '25 or so' WHERE key = 'fps'";
   EXPECT_THAT(sqlite_refusal(odd), AllOf(HasSubstr("a frame rate as in 25"),
                                          HasSubstr("'25 or so'"), HasSubstr("--fps")));
@@ -237,6 +247,10 @@ TEST_F(UnitsInComments, BinaryFilesStateThem) {
   plan.texts = {{"fps", "25"}};
   plan.x_name = "x [cm]";
   EXPECT_EQ(track(*hdf5(plan), 0)[0].position_m.x(), 3);
+  plan.texts = {{"fps", "25"}, {"unit", "m"}};
+  EXPECT_THAT([&] { hdf5(plan); },
+              testing::ThrowsMessage<InputError>(HasSubstr("expected one unit, 'cm', found 'm'")));
+  plan.texts = {{"fps", "25"}};
   plan.x_name = "x/px";
   EXPECT_THAT([&] { hdf5(plan); },
               testing::ThrowsMessage<InputError>(HasSubstr("a unit of length")));
