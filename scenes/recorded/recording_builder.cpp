@@ -87,6 +87,10 @@ void RecordingBuilder::add_gap(int64_t id, double instant) {
                             : fmt::format("id {} at {:.10g} s", id, instant);
 }
 
+void RecordingBuilder::skip_empty_row(int64_t place) {
+  if (empty_rows_++ == 0) first_empty_row_ = place;
+}
+
 void RecordingBuilder::add(int64_t id, const StoredSample& sample, int64_t place) {
   if (id < 0) refuse(place, "an id of 0 or more", std::to_string(id));
   // Written so that NaN is refused.
@@ -230,6 +234,9 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
     throw InputError(options_.file.string(), "at least one position of somebody",
                      gaps_ > 0 ? fmt::format("{} missing ones alone", gaps_) : "none");
   if (gaps_ > 0) note("missing positions (gaps of their tracks)", gaps_, first_gap_);
+  if (empty_rows_ > 0)
+    note("rows of separators alone (taken as empty lines)", empty_rows_,
+         fmt::format("{} {}", head_.place, first_empty_row_));
   store_->finish();
   small_ids_ = {};
   large_ids_ = {};

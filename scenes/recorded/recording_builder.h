@@ -50,6 +50,8 @@ class RecordingBuilder {
   /// Positions in metres, not shifted; NaN as x or y is a gap, which is counted. `place`: the line
   /// of the file, from 1. Throws InputError where a number is beyond what can be.
   void add(int64_t id, const StoredSample& sample, int64_t place);
+  /// Counts a row of a table that has separators alone.
+  void skip_empty_row(int64_t place);
   /// Something odd that only a reader can see.
   void note(std::string what, int64_t count, std::string first);
 
@@ -95,6 +97,7 @@ class RecordingBuilder {
   bool has_headings_ = false;
   int64_t gaps_ = 0;
   std::string first_gap_;
+  int64_t empty_rows_ = 0, first_empty_row_ = 0;
   std::vector<Oddity> odd_;
 };
 

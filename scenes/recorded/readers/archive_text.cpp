@@ -56,7 +56,7 @@ class ArchiveLines final : public LineTaker {
     const char* const end = at + line.size();
     while (at < end && is_blank(*at)) ++at;
     if (at == end) return;
-    if (*at == '#') {
+    if (is_comment(line)) {
       comment({at, static_cast<size_t>(end - at)}, number);
       return;
     }
@@ -231,7 +231,7 @@ class ArchiveText final : public RecordingReader {
       const std::string_view line = trimmed(head.substr(0, length));
       head.remove_prefix(length == std::string_view::npos ? head.size() : length + 1);
       if (line.empty()) continue;
-      if (!line.starts_with('#')) return is_position(line);
+      if (!is_comment(line)) return is_position(line);
       comments.read(line, number);
     }
     return !comments.names().empty();

@@ -25,6 +25,9 @@ std::string_view content_of(std::string_view line) {
   while (!line.empty() && (is_blank(line.front()) ||
                            std::string_view("#*$%/;").find(line.front()) != std::string_view::npos))
     line.remove_prefix(1);
+  // A spreadsheet fills the line up to its last column.
+  while (!line.empty() && (is_blank(line.back()) || line.back() == ',' || line.back() == ';'))
+    line.remove_suffix(1);
   return trimmed(line);
 }
 

@@ -41,8 +41,13 @@ int decimals_of(std::string_view number) {
 
 /// Lines that say nothing: blank ones, comments, and what Viswalk puts before its columns.
 bool says_nothing(std::string_view line) {
-  return trimmed(line).empty() || line.starts_with('#') || line.starts_with('*') ||
+  return trimmed(line).empty() || is_comment(line) || line.starts_with('*') ||
          (line.starts_with('$') && !line.starts_with(kViswalkColumns));
+}
+
+/// Before the line of names, which says how columns are parted.
+bool is_empty_row_above(std::string_view line) {
+  return is_empty_row(line, ',') || is_empty_row(line, ';');
 }
 
 /// The line of names, without what Viswalk puts before it.
@@ -72,7 +77,9 @@ class Rows final : public LineTaker {
       : builder_(builder), wanted_(parse_columns_option(builder.options().columns)) {}
 
   void take(std::string_view line, int64_t number) override {
-    if (says_nothing(line)) {
+    if (separator_ != 0 ? is_empty_row(line, separator_) : is_empty_row_above(line)) {
+      builder_.skip_empty_row(number);
+    } else if (says_nothing(line)) {
       if (!is_settled_) comments_.read(line, number);
     } else if (names_.empty()) {
       begin(line, number);
@@ -284,7 +291,7 @@ class TableText final : public RecordingReader {
       const size_t length = head.find('\n');
       const std::string_view line = trimmed(head.substr(0, length));
       head.remove_prefix(length == std::string_view::npos ? head.size() : length + 1);
-      if (says_nothing(line)) continue;
+      if (says_nothing(line) || is_empty_row_above(line)) continue;
       return line.size() < LineCutter::kLongest &&
              columns_by_name(names_of(line, separator_of(names_in(line))), {}, "")
                  .missing()

@@ -18,6 +18,11 @@ namespace {
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 /// Doubles count so far.
 constexpr double kMostWhole = 9e15;
+/// In small letters, without "<" and ">" around. Those with a '#' are errors of spreadsheets.
+constexpr std::string_view kMissingWords[] = {
+    "",        "na",     "n/a",   "n.a.",    "nat",   "null",   "nil",    "none",
+    "missing", "undef",  "\\n",   "?",       "-",     "--",     "---",    ".",
+    "#n/a",    "#null!", "#num!", "#value!", "#ref!", "#name?", "#div/0!"};
 
 }  // namespace
 
@@ -124,12 +129,38 @@ void fields_of(std::string_view line, size_t columns, std::vector<std::string_vi
 }
 
 bool is_missing(std::string_view text) {
-  constexpr std::string_view kWords[] = {"",     "nan", "na", "n/a", "#n/a", "null",
-                                         "none", "\\n", "?",  "-",   "--"};
-  if (text.size() > 5) return false;
+  constexpr size_t kLongest = 16;
+  if (text.size() > kLongest) return false;
   std::string word = lower(text);
-  if (word.ends_with("nan") && (word.starts_with('-') || word.starts_with('+'))) word.erase(0, 1);
-  return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
+  // What C prints, on one system or another: "-nan(ind)", "1.#QNAN0", "-1.#IND00".
+  std::string_view number = word;
+  if (number.starts_with('-') || number.starts_with('+')) number.remove_prefix(1);
+  if (number == "nan" || (number.starts_with("nan(") && number.ends_with(')'))) return true;
+  for (const std::string_view kind : {"1.#qnan", "1.#snan", "1.#ind", "1.#nan"})
+    if (number.starts_with(kind))
+      return number.find_first_not_of('0', kind.size()) == std::string_view::npos;
+  if (word.size() > 2 &&
+      ((word.front() == '<' && word.back() == '>') || (word.front() == '(' && word.back() == ')')))
+    word = word.substr(1, word.size() - 2);
+  return std::find(std::begin(kMissingWords), std::end(kMissingWords), word) !=
+         std::end(kMissingWords);
+}
+
+bool is_comment(std::string_view line) {
+  line = trimmed(line);
+  if (line.starts_with('%') || line.starts_with("//")) return true;
+  if (!line.starts_with('#')) return false;
+  const size_t end = line.find_first_of(" \t,;|");
+  return end == 1 || !is_missing(line.substr(0, end));
+}
+
+bool is_empty_row(std::string_view line, char separator) {
+  bool has_separator = false;
+  for (const char c : line) {
+    has_separator |= c == separator;
+    if (c != separator && !is_blank(c) && c != '"') return false;
+  }
+  return has_separator && separator != ' ';
 }
 
 bool parse_number_or_missing(std::string_view text, double& out) {

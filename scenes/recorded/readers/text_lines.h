@@ -61,9 +61,13 @@ void fields_of(std::string_view line, size_t columns, std::vector<std::string_vi
 
 /// Where a number is not known.
 inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-/// True for what stands where a number is not known: nothing, "nan", "NA", "null", "?" and the
-/// like.
+/// True for what stands where a number is not known: nothing, "nan", "<NA>", "null", "?", "-",
+/// "1.#QNAN" and the like.
 bool is_missing(std::string_view text);
+/// True for a line that begins with the sign of a comment ('#', '%', "//"), but not with "#N/A".
+bool is_comment(std::string_view line);
+/// True for a row of empty fields: separators, blanks and quotes alone, and at least one separator.
+bool is_empty_row(std::string_view line, char separator);
 /// parse_number(), but kMissing for what is_missing().
 bool parse_number_or_missing(std::string_view text, double& out);
 

@@ -54,7 +54,7 @@ struct Footsteps {
   }
 };
 
-bool is_silent(std::string_view line) { return trimmed(line).empty() || line.starts_with('#'); }
+bool is_silent(std::string_view line) { return trimmed(line).empty() || is_comment(line); }
 
 class Steps final : public LineTaker {
  public:
@@ -66,6 +66,7 @@ class Steps final : public LineTaker {
       return;
     }
     if (steps_.columns == 0) return begin(line, number);
+    if (is_empty_row(line, separator_)) return builder_.skip_empty_row(number);
     if (!split(line, separator_, fields_) || fields_.size() != steps_.columns)
       builder_.refuse(number, fmt::format("{} columns, as in the first line", steps_.columns),
                       fmt::format("{}", fields_.size()));

@@ -25,7 +25,11 @@ class Gaps : public RecordingTest {
   }
 };
 
-constexpr const char* kMissing[] = {"nan", "NaN", "NAN", "-nan", "NA", "n/a", "null", "?", "none"};
+constexpr const char* kMissing[] = {
+    "nan",  "NaN",  "NAN",     "-nan",      "NA",        "n/a",       "null",
+    "?",    "none", "<NA>",    "<na>",      "N/A",       "None",      "NULL",
+    ".",    "-",    "1.#QNAN", "-1.#IND",   "1.#qnan",   "-1.#IND00", "1.#QNAN0",
+    "#N/A", "#n/a", "#NUM!",   "-nan(ind)", "nan(snan)", "NaT"};
 
 TEST_F(Gaps, OfTracksAreCounted) {
   for (const std::string missing : kMissing) {
@@ -68,6 +72,30 @@ TEST_F(Gaps, MayBeEmptyFields) {
   expect_gap(*read("780\t1\t2\t3\n790\t1\t2.1\t3\n800\t1\t\t\n"), 1, "id 1 at frame 800");
 }
 
+TEST_F(Gaps, MayBeginALine) {
+  expect_gap(*read("x,y,id,t\n1,2,1,0\n#N/A,2,1,0.5\n1,2,1,1\n# a comment\n"), 1, "id 1 at 0.5 s");
+  expect_gap(*read("# framerate: 25\n# x/m y/m id frame\n1 2 1 0\n#N/A 2 1 1\n1 2 1 2\n"), 1,
+             "id 1 at frame 1");
+}
+
+TEST_F(Gaps, AreNoRowsOfSeparatorsAlone) {
+  const auto expect_empty = [&](const std::string& text, int64_t count, const std::string& first) {
+    const auto recording = read(text);
+    EXPECT_EQ(recording->facts().samples, 2) << text;
+    ASSERT_EQ(recording->facts().odd.size(), 1u) << text;
+    EXPECT_EQ(recording->facts().odd[0].what, "rows of separators alone (taken as empty lines)");
+    EXPECT_EQ(recording->facts().odd[0].count, count) << text;
+    EXPECT_EQ(recording->facts().odd[0].first, first) << text;
+  };
+  expect_empty("id,t,x,y\n1,0,3,4\n,,,\n1,1,3,4\n,,,\n, ,,\n", 3, "line 3");
+  expect_empty(",,,\nid,t,x,y\n1,0,3,4\n1,1,3,4\n,,\n\n", 2, "line 1");
+  expect_empty("id;t;x;y\n;;;\n1;0;3;4\n1;1;3;4\n", 1, "line 2");
+  expect_empty("id\tt\tx\ty\n1\t0\t3\t4\n1\t1\t3\t4\n\t\t\t\n", 1, "line 4");
+  expect_empty("id,t,x,y\n1,0,3,4\n\"\",\"\",\"\",\"\"\n1,1,3,4\n", 1, "line 3");
+  EXPECT_EQ(read("# framerate: 10,,,\nid,frame,x,y\n1,0,3,4\n1,1,3,4\n")->facts().fps, 10);
+  EXPECT_THAT(refusal("id,t,x,y\n1,0,3,4\n1,,,\n"), HasSubstr("expected"));
+}
+
 TEST_F(Gaps, MayBeginATableWithoutNames) {
   for (const char* missing : {"?", "", "NaN"}) {
     const auto bare = read(fmt::format("2,0,{0},{0}\n2,1,5,6\n2,2,5,7\n", missing),
@@ -101,6 +129,7 @@ TEST_F(Gaps, AloneAreNoRecording) {
 TEST_F(Gaps, AreNoIdsTimesOrInfinities) {
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n,1,1,2\n"), HasSubstr(":3: expected a whole number"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,nan,1,2\n"), HasSubstr(":3: expected a number"));
+  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,1.#INF,2\n"), HasSubstr("'1.#INF'"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,inf,2\n"), HasSubstr(":3: expected a number"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,far,2\n"), HasSubstr("'far'"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n-1,1,nan,2\n"), HasSubstr("an id of 0 or more"));
