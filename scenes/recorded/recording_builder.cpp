@@ -87,6 +87,11 @@ void RecordingBuilder::add_gap(int64_t id, double instant) {
                             : fmt::format("id {} at {:.10g} s", id, instant);
 }
 
+void RecordingBuilder::state_rate(std::optional<double> per_s, std::string_view by) {
+  stated_per_s_ = options_.fps ? *options_.fps : per_s.value_or(0);
+  stated_by_ = options_.fps ? "--fps" : by;
+}
+
 void RecordingBuilder::skip_empty_row(int64_t place) {
   if (empty_rows_++ == 0) first_empty_row_ = place;
 }
@@ -165,7 +170,9 @@ SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
       break;
     case RecordedClock::kTimes: {
       const PrintedTimes times{first_instant_, head_.rounding_s};
-      facts.fps = options_.fps ? given_rate(times) : regular_rate(*store_, times).value_or(0);
+      times_per_s_ = regular_rate(*store_, times);
+      facts.fps = options_.fps ? given_rate(times) : times_per_s_.value_or(0);
+      if (!times_per_s_ && stated_per_s_ > 0) times_per_s_ = usual_rate(*store_);
       out.grid_per_s = facts.fps;
       break;
     }
@@ -220,6 +227,25 @@ RecordingFacts RecordingBuilder::what_is_said() const {
   return facts;
 }
 
+void RecordingBuilder::compare_rates() {
+  constexpr double kAllowed = 0.02;
+  std::optional<double> found = frame_times_.per_s();
+  double allowed = kAllowed;
+  if (found) {
+    allowed += frame_times_.uncertainty();
+  } else if (head_.clock == RecordedClock::kTimes && times_per_s_) {
+    found = times_per_s_;
+    allowed += 2 * head_.rounding_s / (last_instant_ - first_instant_);
+  }
+  if (stated_per_s_ <= 0 || !found) return;
+  if (std::abs(*found - stated_per_s_) <= allowed * *found) return;
+  const bool takes_times = head_.clock == RecordedClock::kTimes && !options_.fps;
+  note("a frame rate that the times of the file contradict", 1,
+       fmt::format("{:g} a second of {}, {:.6g} of the times; {} was taken", stated_per_s_,
+                   stated_by_, *found,
+                   takes_times ? "that of the times" : fmt::format("{:g}", stated_per_s_)));
+}
+
 void RecordingBuilder::be_strict(const std::vector<Oddity>& odd) const {
   if (!options_.strict || odd.empty()) return;
   const Oddity& first = odd.front();
@@ -244,6 +270,7 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
   RecordingFacts facts = what_is_said();
   SampleMapping mapping = this->mapping(facts);
   mapping.shift_m = facts.shift_m;
+  compare_rates();
   if (has_frames()) facts.first_frame = static_cast<int64_t>(mapping.origin);
   auto samples = std::make_unique<RecordedSamples>(std::move(store_), mapping);
 

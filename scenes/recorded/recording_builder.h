@@ -46,6 +46,11 @@ class RecordingBuilder {
 
   const RecordingOptions& options() const { return options_; }
   RecordingHead& head() { return head_; }
+  /// The rate that the file states, and what does ("the comment '25 fps'"). It, or that of --fps,
+  /// is compared with the times of the file, if it has them.
+  void state_rate(std::optional<double> per_s, std::string_view by);
+  /// For files that number their frames and have their times, too.
+  FrameTimes& frame_times() { return frame_times_; }
 
   /// Positions in metres, not shifted; NaN as x or y is a gap, which is counted. `place`: the line
   /// of the file, from 1. Throws InputError where a number is beyond what can be.
@@ -81,10 +86,15 @@ class RecordingBuilder {
   double first_instant_from(double instant) const;
   RecordingFacts what_is_said() const;
   std::optional<WalkableArea> area(const RecordingFacts& facts);
+  void compare_rates();
   void be_strict(const std::vector<Oddity>& odd) const;
 
   RecordingOptions options_;
   RecordingHead head_;
+  double stated_per_s_ = 0;  ///< 0: none is stated
+  std::string stated_by_;
+  FrameTimes frame_times_;
+  std::optional<double> times_per_s_;  ///< kTimes: of the times, whatever --fps is
   std::unique_ptr<SampleStore> store_;
   std::vector<int64_t> ids_;  ///< of people, as they are numbered in the store
   std::vector<uint32_t> small_ids_;

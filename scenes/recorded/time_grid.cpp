@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace throng {
@@ -74,6 +75,28 @@ double rounded(double per_s, double allowed) {
 
 }  // namespace
 
+void FrameTimes::take(double frame, double time_s, double rounding_s) {
+  if (!std::isfinite(frame) || !std::isfinite(time_s)) return;
+  // Zeros at the end may be left out: the longest number shows how many digits there are.
+  rounding_s_ = is_empty_ ? rounding_s : std::min(rounding_s_, rounding_s);
+  if (is_empty_ || frame < first_frame_) {
+    first_frame_ = frame;
+    first_s_ = time_s;
+  }
+  if (is_empty_ || frame > last_frame_) {
+    last_frame_ = frame;
+    last_s_ = time_s;
+  }
+  is_empty_ = false;
+}
+
+std::optional<double> FrameTimes::per_s() const {
+  if (!(last_frame_ > first_frame_ && last_s_ > first_s_)) return std::nullopt;
+  return (last_frame_ - first_frame_) / (last_s_ - first_s_);
+}
+
+double FrameTimes::uncertainty() const { return 2 * rounding_s_ / (last_s_ - first_s_); }
+
 bool lie_on(const SampleStore& store, const PrintedTimes& times, double per_s) {
   std::vector<StoredSample> samples;
   for (size_t person = 0; person < store.people(); ++person) {
@@ -114,6 +137,21 @@ std::optional<double> regular_rate(const SampleStore& store, const PrintedTimes&
   if (const double rate = rate_from(guess, times.rounding_s); lie_on(store, times, rate))
     return rate;
   return std::nullopt;
+}
+
+std::optional<double> usual_rate(const SampleStore& store) {
+  std::vector<StoredSample> track;
+  store.read(spans_of(store).longest, track);
+  std::vector<double> gaps_s;
+  for (size_t i = 1; i < track.size(); ++i)
+    if (const double gap_s = track[i].instant - track[i - 1].instant; gap_s > 0)
+      gaps_s.push_back(gap_s);
+  if (gaps_s.empty()) return std::nullopt;
+  const auto middle = gaps_s.begin() + static_cast<std::ptrdiff_t>(gaps_s.size() / 2);
+  std::nth_element(gaps_s.begin(), middle, gaps_s.end());
+  const double hole_s = 1.5 * *middle;
+  std::erase_if(gaps_s, [&](double gap_s) { return gap_s > hole_s; });
+  return static_cast<double>(gaps_s.size()) / std::accumulate(gaps_s.begin(), gaps_s.end(), 0.0);
 }
 
 }  // namespace throng

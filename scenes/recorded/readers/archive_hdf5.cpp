@@ -41,7 +41,7 @@ class Handle {
 
 struct Row {
   int64_t id, frame;
-  double x, y, z;
+  double x, y, z, time;
 };
 
 /// As the file has its columns, in our layout.
@@ -61,8 +61,13 @@ class RowType {
     add(file_type, ColumnRole::kX, HOFFSET(Row, x), false);
     add(file_type, ColumnRole::kY, HOFFSET(Row, y), false);
     if (has_z()) add(file_type, ColumnRole::kZ, HOFFSET(Row, z), false);
+    time_ = time_scale(columns_);
+    if (time_ && !is_number(file_type, ColumnRole::kTime)) time_.reset();
+    if (time_) add(file_type, ColumnRole::kTime, HOFFSET(Row, time), false);
   }
   hid_t id() const { return type_.id(); }
+  /// Of times beside the frames; none where there are none.
+  const std::optional<UnitScale>& time() const { return time_; }
   bool has_z() const { return columns_.has(ColumnRole::kZ); }
   const std::string& name_of(ColumnRole role) const { return names_[columns_[role]]; }
   /// As its name states it; empty if it does not. A remark is taken for one.
@@ -72,6 +77,10 @@ class RowType {
   }
 
  private:
+  bool is_number(hid_t file_type, ColumnRole role) const {
+    const H5T_class_t kind = H5Tget_member_class(file_type, static_cast<unsigned>(columns_[role]));
+    return kind == H5T_INTEGER || kind == H5T_FLOAT;
+  }
   void add(hid_t file_type, ColumnRole role, size_t offset, bool is_whole) {
     if (!columns_.has(role))
       throw Refusal(kExpectedHdf5, fmt::format("one without the column {}",
@@ -88,6 +97,7 @@ class RowType {
   Handle type_;
   std::vector<std::string> names_;
   TableColumns columns_;
+  std::optional<UnitScale> time_;
 };
 
 bool has_text(hid_t object, const char* name) {
@@ -184,7 +194,8 @@ void send_rows(hid_t dataset, const RowType& type, ForeignSender& sender) {
                      .x = rows[i].x,
                      .y = rows[i].y,
                      .z = type.has_z() ? static_cast<float>(rows[i].z)
-                                       : std::numeric_limits<float>::quiet_NaN()});
+                                       : std::numeric_limits<float>::quiet_NaN(),
+                     .time_s = type.time() ? type.time()->si(rows[i].time) : std::nan("")});
     at += some;
   }
 }

@@ -41,8 +41,8 @@ NamedColumns named_columns(const HeaderComments& comments, size_t count) {
       out.names = std::move(bare);
   out.columns = columns_by_name(out.names, {}, "");
   out.roles.resize(out.names.size());
-  for (const ColumnRole role :
-       {ColumnRole::kId, ColumnRole::kFrame, ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ})
+  for (const ColumnRole role : {ColumnRole::kId, ColumnRole::kFrame, ColumnRole::kX, ColumnRole::kY,
+                                ColumnRole::kZ, ColumnRole::kTime})
     if (out.columns.has(role)) out.roles[out.columns[role]] = role;
   return out;
 }
@@ -99,7 +99,9 @@ class ArchiveLines final : public LineTaker {
                         fmt::format("{} columns: {}", columns_, in_quotes(line)));
     units_ = comments_.units();
     units_.state(named.columns, named.names, comments_.names_line());
+    comments_.read_rate_in_name(named.columns, comments_.names_line());
     const std::optional<double> rate = comments_.rate(builder_);
+    comments_.state_rate(builder_);
     scales_ = units_.settle(builder_, false);
     if (!rate || !scales_.has_lengths)
       ask_for(builder_, !rate, !scales_.has_lengths, "archive text whose comments do not say so");
@@ -116,6 +118,7 @@ class ArchiveLines final : public LineTaker {
   struct Position {
     int64_t id = 0, frame = 0;
     double x = 0, y = 0, z = kMissing;
+    double time = kMissing, time_rounding = 0;  ///< beside the frame, which counts
   };
 
   void position(const char* at, const char* end, int64_t number) {
@@ -165,6 +168,13 @@ class ArchiveLines final : public LineTaker {
         return real(at, end, out.y, "y", number);
       case ColumnRole::kZ:
         return real(at, end, out.z, "z", number);
+      case ColumnRole::kTime: {
+        const char* const stop = word_end(at, end);
+        const std::string_view text(at, static_cast<size_t>(stop - at));
+        if (!parse_number(text, out.time)) out.time = kMissing;
+        out.time_rounding = 0.5 * std::pow(0.1, decimals_of(text));
+        return stop;
+      }
       default:
         return word_end(at, end);
     }
@@ -172,6 +182,10 @@ class ArchiveLines final : public LineTaker {
 
   void add(const Position& position, int64_t number) {
     if (std::isinf(position.z)) builder_.refuse(number, "z", "infinity");
+    if (scales_.has_time && !std::isnan(position.time))
+      builder_.frame_times().take(static_cast<double>(position.frame),
+                                  scales_.time.si(position.time),
+                                  scales_.time.si(position.time_rounding));
     const double z_m = scales_.has_z ? scales_.z.si(position.z) : kMissing;
     builder_.add(position.id,
                  {.instant = static_cast<double>(position.frame),

@@ -78,6 +78,7 @@ class Taker {
       ask_for(builder_, true, false, fmt::format("{} without an fps", kind_.parser.expected));
     const auto stated = std::isnan(facts.fps) ? std::nullopt : std::optional(facts.fps);
     head.per_s = *overruled_rate(builder_, stated, fmt::format("{:g}", facts.fps));
+    builder_.state_rate(stated, "the file");
     if (!(head.per_s > 0 && head.per_s <= 10'000))
       throw InputError(builder_.options().file.string(), "an fps above 0 and up to 10000",
                        fmt::format("{:g}; --fps 25 overrules the file", head.per_s));
@@ -104,6 +105,7 @@ class Taker {
       ++row_;
       if (std::isinf(sample.z)) builder_.refuse(row_, "z", "infinity");
       if (std::isinf(sample.heading_rad)) builder_.refuse(row_, "an orientation", "infinity");
+      builder_.frame_times().take(static_cast<double>(sample.frame), sample.time_s, 0);
       builder_.add(sample.id,
                    {.instant = static_cast<double>(sample.frame),
                     .x_m = scales_.x.si(sample.x),

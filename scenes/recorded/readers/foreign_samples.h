@@ -33,6 +33,7 @@ struct ForeignSample {
   double x = 0, y = 0;
   float z = std::numeric_limits<float>::quiet_NaN();
   float heading_rad = std::numeric_limits<float>::quiet_NaN();
+  double time_s = std::numeric_limits<double>::quiet_NaN();  ///< beside the frame, which counts
 };
 
 /// In the child: many samples to a piece.

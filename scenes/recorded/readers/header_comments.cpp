@@ -177,8 +177,20 @@ std::optional<double> overruled_rate(RecordingBuilder& builder, std::optional<do
   return given;
 }
 
-void HeaderComments::add_rate(std::string_view text, int64_t number) {
-  Rate rate{std::string(text), frame_rate_named(text), number};
+void HeaderComments::state_rate(RecordingBuilder& builder) const {
+  builder.state_rate(stated_rate(),
+                     rate_ ? fmt::format("{} {}", rate_->place, in_quotes(rate_->text)) : "");
+}
+
+void HeaderComments::read_rate_in_name(const TableColumns& columns, int64_t number) {
+  const std::string& text = columns.units[static_cast<size_t>(ColumnRole::kFrame)];
+  // "[1]" is no rate.
+  if (!std::any_of(text.begin(), text.end(), is_letter)) return;
+  if (const std::optional<double> rate = frame_rate_named(text))
+    add_rate({text, rate, number, "the name of the frames' column"});
+}
+
+void HeaderComments::add_rate(Rate rate) {
   if (!rate_)
     rate_ = std::move(rate);
   else if (!other_rate_ && (rate.per_s != rate_->per_s || !rate.per_s))
@@ -211,8 +223,9 @@ void HeaderComments::read_rate(const std::string& text, int64_t number) {
     const std::string_view value = statement(rest);
     if (is_missing(value)) continue;
     const bool has_unit = value.find_first_not_of("+-0123456789.,/") != std::string_view::npos;
-    add_rate(unit.empty() || has_unit ? std::string(value) : fmt::format("{} {}", value, unit),
-             number);
+    const std::string whole =
+        unit.empty() || has_unit ? std::string(value) : fmt::format("{} {}", value, unit);
+    add_rate({whole, frame_rate_named(whole), number});
     return;
   }
 }

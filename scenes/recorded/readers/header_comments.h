@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scenes/recorded/readers/stated_units.h"
 
@@ -16,9 +17,14 @@ class HeaderComments {
   /// A line with its comment sign. What states nothing is skipped.
   void read(std::string_view line, int64_t number);
 
+  /// The rate that the name of a column of frames states, if it does: "frame [25 fps]".
+  void read_rate_in_name(const TableColumns& columns, int64_t number);
+
   /// The rate that --fps or else the comments state. Throws InputError for one that is not
   /// understood, or for two, unless the option overrules them; notes what is overruled.
   std::optional<double> rate(RecordingBuilder& builder) const;
+  /// Tells the builder which rate is stated, and where: --fps goes before.
+  void state_rate(RecordingBuilder& builder) const;
   /// What the comments state, whatever --fps is.
   std::optional<double> stated_rate() const { return rate_ ? rate_->per_s : std::nullopt; }
   /// But for those in names().
@@ -32,10 +38,19 @@ class HeaderComments {
     std::string text;
     std::optional<double> per_s;
     int64_t line = 0;
+    std::string_view place = "the comment";
+  };
+
+  /// A comment that names units, perhaps one for each column.
+  struct List {
+    std::string text;
+    std::vector<std::string> fields;  ///< without what surrounds units
+    bool has_separators = false;      ///< other than blanks
+    int64_t line = 0;
   };
 
   void read_rate(const std::string& text, int64_t number);
-  void add_rate(std::string_view text, int64_t number);
+  void add_rate(Rate rate);
   void read_names(std::string_view text, int64_t number);
   void read_description(std::string_view text, int64_t number);
   void read_units(std::string_view text, int64_t number);

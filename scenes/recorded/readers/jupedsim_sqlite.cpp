@@ -91,6 +91,16 @@ bool has(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// A name in SQL.
+std::string quoted(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) {
+    out += c;
+    if (c == '"') out += c;
+  }
+  return out + '"';
+}
+
 ForeignFacts facts_of(const Database& database, const std::vector<std::string>& tables,
                       const RecordingOptions& options) {
   ForeignFacts facts;
@@ -161,6 +171,9 @@ void parse_database(const RegularFile& file, const RecordingOptions& options,
   std::string sql = "SELECT t.frame, t.id, t.pos_x, t.pos_y";
   if (has_orientation) sql += ", t.ori_x, t.ori_y";
   if (has_motion) sql += ", m.heading_rad";
+  const TableColumns named = columns_by_name(columns, {}, "");
+  const std::optional<UnitScale> time = time_scale(named);
+  if (time) sql += ", t." + quoted(columns[named[ColumnRole::kTime]]);
   sql += " FROM trajectory_data t";
   if (has_motion) sql += " LEFT JOIN throng_motion m ON m.frame = t.frame AND m.id = t.id";
   Statement rows = database.ask(sql);
@@ -178,6 +191,8 @@ void parse_database(const RegularFile& file, const RecordingOptions& options,
     }
     if (has_motion && rows.type(4) != SQLITE_NULL)
       sample.heading_rad = static_cast<float>(rows.number(4));
+    if (const int last = rows.columns() - 1; time && !is_missing_in(rows, last))
+      sample.time_s = time->si(rows.number(last));
     sender.sample(sample);
   }
 }

@@ -163,9 +163,16 @@ ColumnScales StatedUnits::settle(RecordingBuilder& builder, bool reads_time) con
   note_remarks(builder);
   settle_lengths(builder, out);
   settle_heading(builder, out);
-  if (reads_time)
+  if (reads_time) {
     out.time = UnitScale(
         known(ColumnRole::kTime, builder, "; convert the times, for example to t [s]").value_or(1));
+    return out;
+  }
+  const Stated& time = of(ColumnRole::kTime);
+  const std::optional<Unit> unit = unit_named(time.unit);
+  const bool is_known = unit && unit->in_si > 0 && unit->quantity == Quantity::kTime;
+  if (is_known) out.time = UnitScale(unit->in_si);
+  out.has_time = time.unit.empty() || (is_known && time.other.empty());
   return out;
 }
 

@@ -21,6 +21,7 @@ struct ColumnScales {
   UnitScale x, y, z, time, heading;
   bool has_lengths = false;  ///< the file or an option states the unit of x and y
   bool has_z = true;         ///< false: the unit of z cannot be known
+  bool has_time = true;      ///< false: times are not read, and their unit is not known
   bool has_heading = false;  ///< the file or an option states the unit of headings
   double area_unit_m = 1;    ///< of the walkable area: that of x and y, if they share one
 };

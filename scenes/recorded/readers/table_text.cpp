@@ -24,21 +24,6 @@ constexpr double kWidestHeading_rad = 2 * std::numbers::pi + 1e-3;
 constexpr std::string_view kViswalkColumns = "$PEDESTRIAN:";
 constexpr std::string_view kViswalkFirst = "$VISION";
 
-/// Digits behind the point, as many as there were without an exponent.
-int decimals_of(std::string_view number) {
-  const size_t e = number.find_first_of("eE");
-  const size_t point = number.find('.');
-  const size_t digits = std::min(e, number.size());
-  const int decimals = point < digits ? static_cast<int>(digits - point - 1) : 0;
-  int64_t exponent = 0;
-  if (e != std::string_view::npos) {
-    std::string_view text = number.substr(e + 1);
-    if (text.starts_with('+')) text.remove_prefix(1);
-    parse_whole(text, exponent);
-  }
-  return std::clamp(decimals - static_cast<int>(std::clamp<int64_t>(exponent, -99, 99)), 0, 99);
-}
-
 /// Lines that say nothing: blank ones, comments, and what Viswalk puts before its columns.
 bool says_nothing(std::string_view line) {
   return trimmed(line).empty() || is_comment(line) || line.starts_with('*') ||
@@ -161,6 +146,7 @@ class Rows final : public LineTaker {
   /// Before the first row: what names, comments, the line of units and options said must be enough.
   void settle() {
     is_settled_ = true;
+    comments_.read_rate_in_name(columns_, names_line_);
     const RecordingOptions& options = builder_.options();
     const bool has_time = columns_.has(ColumnRole::kTime);
     const bool has_frame = columns_.has(ColumnRole::kFrame);
@@ -175,6 +161,7 @@ class Rows final : public LineTaker {
     if (options.heading_unit_rad && !columns_.has(ColumnRole::kHeading))
       throw InputError("--heading-unit", "a table with a column of headings",
                        "one without; --columns heading=NAME names it");
+    comments_.state_rate(builder_);
     scales_ = units_.settle(builder_, !by_frame_);
     if (!scales_.has_z && columns_.has(ColumnRole::kZ)) note_no_z(builder_);
   }
@@ -239,6 +226,25 @@ class Rows final : public LineTaker {
     return static_cast<float>(scales_.heading.si(value));
   }
 
+  /// Half of the last digit of all times until now.
+  double rounding_s() {
+    if (const int decimals = decimals_of(text(ColumnRole::kTime)); decimals > decimals_) {
+      decimals_ = decimals;
+      rounding_s_ = 0.5 * scales_.time.si(std::pow(0.1, decimals));
+    }
+    return rounding_s_;
+  }
+
+  /// Of frame and time one is read; the other shows whether a stated rate is right.
+  void compare_instants() {
+    if (!columns_.has(ColumnRole::kFrame) || !columns_.has(ColumnRole::kTime) || !scales_.has_time)
+      return;
+    double frame = 0, time = 0;
+    if (parse_number(text(ColumnRole::kFrame), frame) &&
+        parse_number(text(ColumnRole::kTime), time))
+      builder_.frame_times().take(frame, scales_.time.si(time), rounding_s());
+  }
+
   void row(std::string_view line, int64_t line_number) {
     if (!split(line, separator_, fields_))
       builder_.refuse(line_number, "a second quote", in_quotes(line));
@@ -254,9 +260,9 @@ class Rows final : public LineTaker {
       sample.instant = static_cast<double>(whole(ColumnRole::kFrame, line_number));
     } else {
       sample.instant = scales_.time.si(number(ColumnRole::kTime, line_number));
-      decimals_ = std::max(decimals_, decimals_of(text(ColumnRole::kTime)));
-      builder_.head().rounding_s = 0.5 * scales_.time.si(std::pow(0.1, decimals_));
+      builder_.head().rounding_s = rounding_s();
     }
+    compare_instants();
     sample.x_m = scales_.x.si(number_or_missing(ColumnRole::kX, line_number));
     sample.y_m = scales_.y.si(number_or_missing(ColumnRole::kY, line_number));
     sample.z_m = height(line_number);
@@ -277,7 +283,8 @@ class Rows final : public LineTaker {
   bool is_settled_ = false;
   bool by_frame_ = false;
   bool is_second_ = false;
-  int decimals_ = 0;
+  int decimals_ = -1;
+  double rounding_s_ = 0;
   ColumnScales scales_;
 };
 

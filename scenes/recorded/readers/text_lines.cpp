@@ -101,6 +101,20 @@ std::string defect_of_whole(std::string_view text) {
   return text.empty() ? "nothing" : in_quotes(text);
 }
 
+int decimals_of(std::string_view number) {
+  const size_t e = number.find_first_of("eE");
+  const size_t point = number.find('.');
+  const size_t digits = std::min(e, number.size());
+  const int decimals = point < digits ? static_cast<int>(digits - point - 1) : 0;
+  int64_t exponent = 0;
+  if (e != std::string_view::npos) {
+    std::string_view text = number.substr(e + 1);
+    if (text.starts_with('+')) text.remove_prefix(1);
+    parse_whole(text, exponent);
+  }
+  return std::clamp(decimals - static_cast<int>(std::clamp<int64_t>(exponent, -99, 99)), 0, 99);
+}
+
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> out;
   for (size_t at = 0; at < line.size();) {

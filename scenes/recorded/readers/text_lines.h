@@ -50,6 +50,8 @@ std::string lower(std::string_view text);
 bool parse_number(std::string_view text, double& out);
 /// True if it is a whole number, also as "12.0" and "1.2e+01", that a double holds.
 bool parse_whole(std::string_view text, int64_t& out);
+/// Digits behind the point, as many as there were without an exponent.
+int decimals_of(std::string_view number);
 /// Why a text is no whole number: the text, or that it is beyond what is counted in.
 std::string defect_of_whole(std::string_view text);
 
