@@ -70,15 +70,11 @@ class ArchiveLines final : public LineTaker {
     // A second file behind the first one.
     HeaderComments later;
     later.read(line, number);
-    if (const std::optional<double> rate = later.stated_rate();
-        rate && *rate != builder_.head().per_s)
-      builder_.refuse(number, fmt::format("one frame rate, {:g}", builder_.head().per_s),
-                      fmt::format("{:g}; split the file there", *rate));
     StatedUnits units = later.units();
     const NamedColumns named = named_columns(later, columns_);
     units.state(named.columns, named.names, number);
-    if (!units.agrees_with(units_))
-      builder_.refuse(number, "one unit of length", "another one; split the file there");
+    later.state_lists(units, roles_);
+    refuse_other(builder_, later, units_, units, number);
   }
 
   /// The first position: what comments and options said until now must be enough.
@@ -99,6 +95,7 @@ class ArchiveLines final : public LineTaker {
                         fmt::format("{} columns: {}", columns_, in_quotes(line)));
     units_ = comments_.units();
     units_.state(named.columns, named.names, comments_.names_line());
+    comments_.state_lists(units_, roles_);
     comments_.read_rate_in_name(named.columns, comments_.names_line());
     const std::optional<double> rate = comments_.rate(builder_);
     comments_.state_rate(builder_);

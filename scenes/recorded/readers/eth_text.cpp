@@ -4,11 +4,15 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <unordered_map>
+#include <vector>
 
+#include "base/errors.h"
 #include "base/text.h"
+#include "scenes/recorded/readers/header_comments.h"
 #include "scenes/recorded/readers/recording_reader.h"
-#include "scenes/recorded/units.h"
+#include "scenes/recorded/readers/stated_units.h"
 
 namespace throng {
 namespace {
@@ -48,14 +52,14 @@ class Guess {
 
 class EthLines final : public LineTaker {
  public:
-  explicit EthLines(RecordingBuilder& builder)
-      : builder_(builder), scale_(builder.options().unit_m.value_or(1)) {}
+  explicit EthLines(RecordingBuilder& builder) : builder_(builder) {}
 
   void take(std::string_view line, int64_t number) override {
+    if (is_comment(line)) return comment(line, number);
     fields_of(line, columns_, words_);
     const std::vector<std::string_view>& words = words_;
     if (words.empty()) return;
-    if (columns_ == 0) columns_ = words.size();
+    if (columns_ == 0) begin(words.size());
     if (words.size() != columns_)
       builder_.refuse(number, fmt::format("{} columns, as in the first line", columns_),
                       fmt::format("{}", words.size()));
@@ -70,16 +74,52 @@ class EthLines final : public LineTaker {
       builder_.refuse(number, "x and y that are numbers", in_quotes(line));
     builder_.add(id,
                  {.instant = static_cast<double>(frame),
-                  .x_m = scale_.si(x),
-                  .y_m = scale_.si(y),
+                  .x_m = scales_.x.si(x),
+                  .y_m = scales_.y.si(y),
                   .z_m = kUnknown,
                   .heading_rad = kUnknown},
                  number);
   }
 
  private:
+  void comment(std::string_view line, int64_t number) {
+    if (columns_ == 0) return comments_.read(line, number);
+    HeaderComments later;
+    later.read(line, number);
+    StatedUnits units = later.units();
+    later.state_lists(units, roles());
+    refuse_other(builder_, later, units_, units, number);
+  }
+
+  std::vector<std::optional<ColumnRole>> roles() const {
+    std::vector<std::optional<ColumnRole>> out = {ColumnRole::kFrame, ColumnRole::kId,
+                                                  ColumnRole::kX, ColumnRole::kY};
+    if (columns_ == kLong) out.insert(out.begin() + 3, ColumnRole::kZ);
+    out.resize(columns_);
+    return out;
+  }
+
+  /// The first position: what comments and options said until now counts.
+  void begin(size_t columns) {
+    columns_ = columns;
+    units_ = comments_.units();
+    comments_.state_lists(units_, roles());
+    scales_ = units_.settle(builder_, false);
+    // Of a comment further down.
+    if (!builder_.options().unit_m) units_.state_all("m", "this kind of file", 0);
+    const std::optional<double> rate = comments_.rate(builder_);
+    if (rate && !(*rate > 0 && *rate <= 10'000))
+      throw InputError(builder_.options().file.string(), "a frame rate above 0 and up to 10000",
+                       fmt::format("{:g}; --fps 25 overrules the file", *rate));
+    RecordingHead& head = builder_.head();
+    head.clock = rate ? RecordedClock::kFrames : RecordedClock::kSteps;
+    head.per_s = rate.value_or(kPositionsPerS);
+  }
+
   RecordingBuilder& builder_;
-  UnitScale scale_;
+  HeaderComments comments_;
+  StatedUnits units_;
+  ColumnScales scales_;
   std::vector<std::string_view> words_;
   size_t columns_ = 0;
 };
@@ -88,9 +128,12 @@ class EthText final : public RecordingReader {
  public:
   std::string_view kind() const override { return "ETH/UCY text"; }
 
-  /// Eight columns, or four of which the second is the likelier id: archive text has it first.
+  /// Eight columns, or four of which the second is the likelier id: archive text has it first. A
+  /// comment that names the columns leaves nothing to guess, and archive text reads it.
   bool knows(std::string_view head) const override {
     Guess frame_first, id_first;
+    HeaderComments comments;
+    if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
     const size_t end = head.rfind('\n');
     if (end != std::string_view::npos) head = head.substr(0, end);
     size_t columns = 0;
@@ -101,6 +144,11 @@ class EthText final : public RecordingReader {
       head.remove_prefix(length == std::string_view::npos ? head.size() : length + 1);
       if (line.ends_with('\r')) line.remove_suffix(1);
       if (trimmed(line).empty()) continue;
+      if (is_comment(line)) {
+        if (columns == 0) comments.read(line, 1);
+        continue;
+      }
+      if (!comments.names().empty()) return false;
       fields_of(line, columns, words);
       if (columns == 0) columns = words.size();
       int64_t first = 0, second = 0;
@@ -114,14 +162,13 @@ class EthText final : public RecordingReader {
       frame_first.take(second, first, x, y);
       id_first.take(first, second, x, y);
     }
+    // Names of these two alone decide as well.
+    if (columns == kShort && comments.has_ids_first()) return !*comments.has_ids_first();
     return columns == kLong || (columns == kShort && frame_first.is_nearer_than(id_first));
   }
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
-    RecordingHead& head = builder.head();
-    head.kind = kind();
-    head.clock = builder.options().fps ? RecordedClock::kFrames : RecordedClock::kSteps;
-    head.per_s = builder.options().fps.value_or(kPositionsPerS);
+    builder.head().kind = kind();
     EthLines lines(builder);
     source.lines(lines);
   }

@@ -252,6 +252,9 @@ void HeaderComments::read_names(std::string_view text, int64_t number) {
   const std::vector<std::string> all = names_between_blanks(names, true);
   if (all.empty() || !role_named(all.front()) || is_prose(all)) return;
   const TableColumns columns = columns_by_name(all, {}, "");
+  if (const size_t id = columns[ColumnRole::kId], frame = columns[ColumnRole::kFrame];
+      id + frame == 1)
+    has_ids_first_ = id == 0;
   if (!columns.missing().empty()) return;
   // Two lines of names may not contradict each other.
   if (!names_.empty()) {
@@ -354,6 +357,123 @@ void HeaderComments::read_units(std::string_view text, int64_t number) {
   }
 }
 
+void HeaderComments::read_list(std::string_view line, int64_t number) {
+  constexpr size_t kMostLists = 1000, kLongestList = 4096;
+  if (line.size() > kLongestList || lists_.size() >= kMostLists ||
+      line.find_first_of(":=") != std::string_view::npos)
+    return;
+  while (!line.empty() && std::string_view("#*%/").find(line.front()) != std::string_view::npos)
+    line.remove_prefix(1);
+  const std::string spelt = without_capitals_throughout(line);
+  const std::string_view text = spelt;
+  const bool has_bars = text.find_first_of(",;\t") == std::string_view::npos &&
+                        text.find('|') != std::string_view::npos;
+  const char separator = has_bars ? '|' : separator_of(text);
+  std::vector<std::string_view> fields;
+  if (!split(text, separator, fields)) return;
+  List list{std::string(trimmed(line)), {}, separator != ' ', number};
+  for (const std::string_view field : fields) list.fields.push_back(bare_unit(field));
+  const bool has_units =
+      std::any_of(list.fields.begin(), list.fields.end(),
+                  [](const std::string& field) { return unit_named(field).has_value(); });
+  if (has_units) lists_.push_back(std::move(list));
+}
+
+namespace {
+
+/// What stands in a list of units for a column that has none.
+bool is_no_unit(const std::string& field) { return is_missing(field) || field == "1"; }
+
+/// Ids and frames are numbers without a unit.
+bool counts_have_units(const std::vector<std::string>& fields,
+                       std::span<const std::optional<ColumnRole>> roles) {
+  for (size_t column = 0; column < roles.size() && fields.size() == roles.size(); ++column)
+    if (roles[column] && !quantity_of(*roles[column]) && is_plain_unit(fields[column])) return true;
+  return false;
+}
+
+/// A list of units as one field for each column; empty if it is none or does not fit.
+std::vector<std::string> fitted(std::vector<std::string> fields, bool has_separators,
+                                std::span<const std::optional<ColumnRole>> roles) {
+  const auto is_measured = [&](size_t column) {
+    return roles[column] && quantity_of(*roles[column]);
+  };
+  size_t measured = 0;
+  for (size_t column = 0; column < roles.size(); ++column) measured += is_measured(column) ? 1 : 0;
+  // A spreadsheet fills the line up to its last column.
+  while (fields.size() > roles.size() && fields.back().empty()) fields.pop_back();
+  // The sign of the comment may have a field of its own, and those of ids and frames may be
+  // missing.
+  if (fields.size() == roles.size() + 1 && fields.front().empty()) fields.erase(fields.begin());
+  if (fields.size() == measured && measured < roles.size() &&
+      std::all_of(fields.begin(), fields.end(),
+                  [](const std::string& field) { return unit_named(field).has_value(); }))
+    for (size_t column = 0; column < roles.size(); ++column)
+      if (!is_measured(column))
+        fields.insert(fields.begin() + static_cast<std::ptrdiff_t>(column), "");
+  if (fields.size() != roles.size() || counts_have_units(fields, roles)) return {};
+  size_t units = 0, plain = 0, others = 0;
+  for (size_t column = 0; column < roles.size(); ++column) {
+    if (!is_measured(column)) {
+      fields[column].clear();
+      continue;
+    }
+    plain += is_plain_unit(fields[column]) ? 1 : 0;
+    if (unit_named(fields[column]))
+      ++units;
+    else if (is_no_unit(fields[column]))
+      fields[column].clear();
+    else
+      ++others;
+  }
+  // Prose may have a word in the place of a unit.
+  const bool is_list = units > 0 && (others == 0 || plain > 1 || (has_separators && plain > 0));
+  return is_list ? fields : std::vector<std::string>();
+}
+
+}  // namespace
+
+void HeaderComments::state_lists(StatedUnits& units,
+                                 std::span<const std::optional<ColumnRole>> roles) const {
+  for (const List& list : lists_) {
+    const std::string source = "the comment " + in_quotes(list.text);
+    const std::vector<std::string> fields = fitted(list.fields, list.has_separators, roles);
+    for (size_t column = 0; column < fields.size(); ++column)
+      if (roles[column]) units.state(*roles[column], fields[column], source, list.line);
+    if (!fields.empty()) continue;
+    const auto plain = std::count_if(list.fields.begin(), list.fields.end(), is_plain_unit);
+    const bool is_alone = list.fields.size() == 1 && plain == 1;
+    if (const auto unit = unit_named(list.fields.front());
+        is_alone && unit->quantity == Quantity::kLength && list.fields.front().size() > 1)
+      units.state_all(list.fields.front(), source, list.line);
+    const bool has_words_alone =
+        std::all_of(list.fields.begin(), list.fields.end(), [&](const std::string& field) {
+          return is_no_unit(field) || is_plain_unit(field) ||
+                 (list.has_separators && has_one_word(field));
+        });
+    const bool is_si =
+        std::all_of(list.fields.begin(), list.fields.end(), [](const std::string& field) {
+          const std::optional<Unit> unit = unit_named(field);
+          return !unit || unit->in_si == 1;
+        });
+    if (is_si && !counts_have_units(list.fields, roles)) continue;  // "# m, s" is what is read
+    if ((plain < 2 && !counts_have_units(list.fields, roles)) || !has_words_alone) continue;
+    const std::string unfit = fmt::format("{} for {} columns", list.text, roles.size());
+    for (const std::optional<ColumnRole>& role : roles)
+      if (role && quantity_of(*role)) units.state(*role, unfit, source, list.line);
+  }
+}
+
+void refuse_other(RecordingBuilder& builder, const HeaderComments& later, const StatedUnits& now,
+                  const StatedUnits& then, int64_t number) {
+  const double per_s = builder.head().per_s;
+  if (const std::optional<double> rate = later.stated_rate(); rate && *rate != per_s)
+    builder.refuse(number, fmt::format("one frame rate, {:g}", per_s),
+                   fmt::format("{:g}; split the file there", *rate));
+  if (!now.agrees_with(then))
+    builder.refuse(number, "one unit of length", "another one; split the file there");
+}
+
 void HeaderComments::read(std::string_view line, int64_t number) {
   // JSON says it in quotes and braces.
   std::string text = folded(without_capitals_throughout(content_of(line)));
@@ -365,6 +485,7 @@ void HeaderComments::read(std::string_view line, int64_t number) {
   // Capitals tell words apart: "xCm".
   read_names(content_of(line), number);
   if (names_line_ == number && !names_.empty()) return;
+  read_list(line, number);
   const auto read_statement = [&](std::string_view statement) {
     read_description(statement, number);
     read_units(statement, number);

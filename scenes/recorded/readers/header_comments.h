@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,11 +28,16 @@ class HeaderComments {
   void state_rate(RecordingBuilder& builder) const;
   /// What the comments state, whatever --fps is.
   std::optional<double> stated_rate() const { return rate_ ? rate_->per_s : std::nullopt; }
-  /// But for those in names().
+  /// But for those in names() and in lists.
   const StatedUnits& units() const { return units_; }
+  /// States the units of lines that list one for each column ("# -,ms,cm,mm"). A list that does not
+  /// fit the columns, whose roles are given in their order, makes settle() refuse the file.
+  void state_lists(StatedUnits& units, std::span<const std::optional<ColumnRole>> roles) const;
   /// The last line that names id, frame or time, x and y; empty if there is none.
   const std::string& names() const { return names_; }
   int64_t names_line() const { return names_line_; }
+  /// Whether ids come before frames, as a comment that begins with both says: "# frame id ...".
+  std::optional<bool> has_ids_first() const { return has_ids_first_; }
 
  private:
   struct Rate {
@@ -49,6 +55,7 @@ class HeaderComments {
     int64_t line = 0;
   };
 
+  void read_list(std::string_view line, int64_t number);
   void read_rate(const std::string& text, int64_t number);
   void add_rate(Rate rate);
   void read_names(std::string_view text, int64_t number);
@@ -60,7 +67,14 @@ class HeaderComments {
   StatedUnits units_;
   std::string names_;
   int64_t names_line_ = 0;
+  std::optional<bool> has_ids_first_;
+  std::vector<List> lists_;
 };
+
+/// Throws InputError for a comment behind the first position that states another rate than the
+/// recording has, or another unit: a second file behind the first one.
+void refuse_other(RecordingBuilder& builder, const HeaderComments& later, const StatedUnits& now,
+                  const StatedUnits& then, int64_t number);
 
 /// The unit in a description of a column: "x-coordinate (meter [m])", "positions (in cm)". Empty if
 /// it states none.

@@ -119,6 +119,11 @@ class Rows final : public LineTaker {
       units_.state(columns_by_name(named, {}, ""), named, comments_.names_line());
     }
     units_.state(columns_, names_, names_line_);
+    std::vector<std::optional<ColumnRole>> roles(names_.size());
+    for (size_t role = 0; role < kColumnRoles; ++role)
+      if (columns_.at[role] != TableColumns::kNone)
+        roles[columns_.at[role]] = static_cast<ColumnRole>(role);
+    comments_.state_lists(units_, roles);
   }
 
   /// Pathfinder has units below the names.

@@ -27,6 +27,7 @@ constexpr std::array<ColumnRole, kColumns> kRoles = {
 struct Footsteps {
   std::array<size_t, kColumns> at{};
   std::array<std::string, kColumns> units{};  ///< as names state them; empty: they do not
+  std::array<std::string, kColumns> remarks{};
   size_t columns = 0;
 
   /// False if the line does not name all of them.
@@ -50,6 +51,7 @@ struct Footsteps {
     const std::string wanted = lower(kNames[column]);
     if (name.plain != wanted && (!has_suffix || name.plain_before_suffix != wanted)) return false;
     units[column] = has_suffix ? name.suffix : name.unit;
+    remarks[column] = units[column].empty() ? name.remark : "";
     return true;
   }
 };
@@ -88,9 +90,14 @@ class Steps final : public LineTaker {
     separator_ = separator_of(line);
     steps_.find(line, separator_);
     StatedUnits units = comments_.units();
-    for (size_t column = 0; column < kColumns; ++column)
-      units.state(kRoles[column], steps_.units[column],
-                  fmt::format("the column '{}'", kNames[column]), number);
+    for (size_t column = 0; column < kColumns; ++column) {
+      const std::string source = fmt::format("the column '{}'", kNames[column]);
+      units.state(kRoles[column], steps_.units[column], source, number);
+      units.remark(kRoles[column], steps_.remarks[column], source);
+    }
+    std::vector<std::optional<ColumnRole>> roles(steps_.columns);
+    for (size_t column = 0; column < kColumns; ++column) roles[steps_.at[column]] = kRoles[column];
+    comments_.state_lists(units, roles);
     scales_ = units.settle(builder_, true);
   }
   double value(size_t column, int64_t number) const {

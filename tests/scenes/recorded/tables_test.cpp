@@ -174,6 +174,46 @@ TEST_F(Tables, EthHasTheFrameFirst) {
   EXPECT_EQ(track(*obsmat, 0)[1].position_m, Eigen::Vector2d(9.12, 3.66));
 }
 
+TEST_F(Tables, ACommentAboutSomethingElseLeavesTheOrderAsItIs) {
+  std::string rows;
+  for (int frame = 780; frame < 900; frame += 6)
+    for (int id = 1; id <= 5; ++id)
+      rows += fmt::format("{}\t{}\t{}\t{}\n", frame, id, 0.05 * frame + id, 2 * id);
+  const auto bare = read(rows);
+  for (const char* comment :
+       {"# scene: eth\n", "#\n", "# x to the east, y to the north\n\n# made in 2009\n",
+        "\xEF\xBB\xBF# scene\n", "  # scene\n", "# positions in m\n", "% scene\n", "// scene\n",
+        "# frame id\n"}) {
+    const auto recording = read(comment + rows);
+    EXPECT_EQ(recording->facts().kind, "ETH/UCY text") << comment;
+    EXPECT_EQ(recording->content_hash(), bare->content_hash()) << comment;
+  }
+  const size_t line = rows.find("\n816") + 1;
+  EXPECT_EQ(read(rows.substr(0, line) + "# more\n" + rows.substr(line))->content_hash(),
+            bare->content_hash());
+  EXPECT_EQ(read("# framerate: 15 fps\n" + rows)->facts().fps, 2.5) << "every sixth of 15";
+  EXPECT_EQ(read("# framerate: 30 fps\n" + rows)->facts().fps, 5);
+  const auto in_cm = read("# unit: cm\n" + rows);
+  EXPECT_DOUBLE_EQ(track(*in_cm, 0)[0].position_m.x(), 0.4);
+  EXPECT_EQ(track(*read("# - - cm ft\n" + rows), 0)[0].position_m.y(), 2 * 0.3048);
+  EXPECT_THAT(refusal("# unit: px\n" + rows), HasSubstr("a unit of length"));
+  EXPECT_THAT(refusal("# framerate: fast\n" + rows), HasSubstr("a frame rate as in"));
+  EXPECT_THAT(refusal(rows + "# unit: cm\n" + rows), HasSubstr("split the file there"));
+  EXPECT_THAT(refusal(rows + "# framerate: 30\n" + rows), HasSubstr("split the file there"));
+  // Names decide, whatever the likelier order is.
+  const RecordingOptions given = {.fps = 15, .unit_m = 1};
+  const auto named = read("# frame id x y\n" + rows, given);
+  EXPECT_EQ(named->people().size(), 5u);
+  EXPECT_EQ(named->facts().fps, 2.5);
+  EXPECT_EQ(read("# id frame x y\n" + rows, given)->people().size(), 20u);
+  EXPECT_THAT(refusal("# id frame\n" + rows), HasSubstr("found archive text"));
+  std::string archive;
+  for (int id = 1; id <= 5; ++id)
+    for (int frame = 0; frame < 50; ++frame)
+      archive += fmt::format("{} {} {} {}\n", id, frame, 5 * frame + 100 * id, 200 * id);
+  EXPECT_EQ(read("# scene\n" + archive, {.fps = 16, .unit_m = 0.01})->facts().kind, "archive text");
+}
+
 TEST_F(Tables, FourColumnsSortedByIdAreArchiveText) {
   std::string text;
   for (int id = 1; id <= 5; ++id)

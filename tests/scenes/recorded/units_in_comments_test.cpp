@@ -116,6 +116,53 @@ TEST_F(UnitsInComments, CommentsOfTablesStateThem) {
             Eigen::Vector2d(3, 4));
 }
 
+TEST_F(UnitsInComments, ListsHaveOneForEachColumn) {
+  const std::string rows = "1,0,300,4000\n1,500,300,4000\n";
+  const RecordingOptions numbered = {.columns = "id=1,t=2,x=3,y=4"};
+  const auto expect_read = [&](const std::string& text, const RecordingOptions& options = {}) {
+    SCOPED_TRACE(text);
+    const auto recording = read(text, options);
+    EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(3, 4));
+    EXPECT_EQ(recording->facts().duration_s, 0.5);
+  };
+  for (const char* list :
+       {"#,ms,cm,mm", "# ,ms,cm,mm", "#-,ms,cm,mm", "# -, [ms], [cm], [mm]",
+        "#\"\",\"ms\",\"cm\",\"mm\"", "#none,ms,cm,mm", "#id,ms,cm,mm", "#,MS,CM,MM", "# ms cm mm",
+        "# - ms cm mm", "#;ms;cm;mm", "#\t-\tms\tcm\tmm", "# (ms) (cm) (mm)", "# id [ms] [cm] [mm]",
+        "#,ms,cm,mm,"}) {
+    expect_read(fmt::format("id,t,x,y\n{}\n{}", list, rows));
+    expect_read(fmt::format("{}\nid,t,x,y\n{}", list, rows));
+    expect_read(fmt::format("# id,t,x,y\n{}\n{}", list, rows), numbered);
+  }
+  expect_read("id t x y\n# - ms cm mm\n1 0 300 4000\n1 500 300 4000\n");
+  expect_read("t,x,y,id\n# ms, cm, mm\n0,300,4000,1\n500,300,4000,1\n");
+  for (const char* list :
+       {"# - - cm mm cm", "#\t\t\tcm\tmm\tcm", "# cm mm cm", "# id frame cm mm cm"})
+    EXPECT_EQ(
+        first_of(fmt::format("# framerate: 25\n# id frame x y z\n{}\n1 0 300 4000 170\n", list)),
+        Eigen::Vector2d(3, 4))
+        << list;
+  EXPECT_EQ(first_of("# framerate: 25\n# cm\n1 0 300 400 170\n1 1 300 400 170\n"),
+            Eigen::Vector2d(3, 4));
+  for (const char* list : {"#,ms,px,mm", "#,ms,cm", "#,ms,cm,mm,mm,mm", "#,ms,cm,blobs", "# ms cm",
+                           "#,cm,ms,mm", "#,ms,miles,mm", "# - ms cm furlongs", "#,ms,Mm,mm"})
+    EXPECT_THAT(refusal(fmt::format("id,t,x,y\n{}\n{}", list, rows)),
+                AllOf(StartsWith("recording:2: expected a unit of"), HasSubstr("the comment '")))
+        << list;
+  for (const char* list : {"#,ms,cm,cm", "#,s,,", "# - s m m"})
+    EXPECT_THAT(refusal(fmt::format("id,frame,x,y\n{}\n1,0,3,4\n", list), {.fps = 25}),
+                StartsWith("recording:2: expected a unit of length"))
+        << list << ": frames have none";
+  EXPECT_THAT(refusal("id,t,x [m],y [m]\n#,s,cm,cm\n" + rows), HasSubstr("expected m for x"));
+  for (const char* prose :
+       {"# all in m here", "# recorded in Aachen, m, 2013", "# s", "# h", "# door in the middle",
+        "# camera in, door out", "# in", "# run 3 h", "# 1 2 3 4", "# m, s"}) {
+    const auto recording = read(fmt::format("id,t,x,y\n{}\n1,0,3,4\n1,1,3,4\n", prose));
+    EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(3, 4)) << prose;
+    EXPECT_EQ(recording->facts().duration_s, 1) << prose;
+  }
+}
+
 TEST_F(UnitsInComments, CommentsAboutSomethingElseStateNothing) {
   const std::string rows = "id,t,x,y\n1,0,300,400\n1,1,300,400\n";
   for (const char* comment : {"# time resolution (ms): 100",
