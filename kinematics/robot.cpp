@@ -20,7 +20,6 @@
 #include "kinematics/plain_urdf.h"
 #include "kinematics/urdf_check.h"
 #include "kinematics/urdf_idle.h"
-#include "kinematics/urdf_unused.h"
 
 namespace throng {
 namespace {

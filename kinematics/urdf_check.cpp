@@ -12,7 +12,6 @@
 #include "base/errors.h"
 #include "base/text.h"
 #include "kinematics/mesh_path.h"
-#include "kinematics/xacro_check.h"
 
 namespace throng {
 namespace {

@@ -44,4 +44,13 @@ struct UrdfUse {
 /// Throws InputError "file:line: ..." at the first defect.
 UrdfUse check_urdf(const std::vector<XmlElement>& elements, const std::string& file);
 
+/// Finds what is still to be expanded: xacro is a language of macros for URDFs, and its program
+/// makes plain ones of them. Throws InputError "file:line: ..." at the first tag of xacro, and at
+/// the first `${...}` or `$(...)` in what links and joints consist of: extensions may use those
+/// otherwise.
+void refuse_xacro(const std::vector<XmlElement>& elements, const std::string& file);
+
+/// The tags that Throng makes no use of, or does not know: aggregated by tag, a line each.
+std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements);
+
 }  // namespace throng
