@@ -14,7 +14,7 @@
 #include "culling/culler.h"
 #include "culling/distance/growing_polytope.h"
 #include "culling/distance/hull_depth.h"
-#include "tests/culling/odd_hulls.h"
+#include "tests/culling/degenerate_hulls.h"
 #include "tests/culling/shapes.h"
 
 namespace throng {
@@ -64,8 +64,8 @@ std::vector<Eigen::Vector3f> turned_part(int spokes) {
 
 TEST(HullCorners, OfRandomAndDegenerateCloudsHoldThemWithinABound) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
-    const test::OddHullsTally tally = test::check_odd_hulls(400, 3000, seed);
-    test::print_odd_hulls(tally);
+    const test::DegenerateHullsTally tally = test::check_degenerate_hulls(400, 3000, seed);
+    test::print_degenerate_hulls(tally);
     EXPECT_EQ(tally.wrong, 0u) << tally.first_wrong;
     EXPECT_EQ(tally.cut_short, 0u) << "seed " << seed;
     EXPECT_LT(tally.most_tests, 200) << "seed " << seed;

@@ -1,4 +1,4 @@
-#include "tests/culling/odd_hulls.h"
+#include "tests/culling/degenerate_hulls.h"
 
 #include <fmt/format.h>
 
@@ -98,7 +98,8 @@ std::vector<Vector3d> lattice(Draw& draw, int count, double thick_m) {
   std::vector<Vector3d> out;
   for (int i = 0; i < n * n * n; ++i) {
     const std::array<int, 3> at = {i % n, i / n % n, i / n / n};
-    const bool is_on_side = std::ranges::any_of(at, [&](int c) { return c == 0 || c == n - 1; });
+    const bool is_on_side =
+        std::any_of(at.begin(), at.end(), [&](int c) { return c == 0 || c == n - 1; });
     if (is_hollow && !is_on_side) continue;
     out.push_back(0.1 * Vector3d(at[0], at[1], at[2]) / n + draw.in_box(thick_m));
   }
@@ -178,7 +179,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 class Judge {
  public:
-  explicit Judge(OddHullsTally& tally) : tally_(tally) {}
+  explicit Judge(DegenerateHullsTally& tally) : tally_(tally) {}
 
   void judge(const Hull& cloud, Draw& draw, const std::string& name) {
     const ConvexHull& hull = cloud.hull;
@@ -279,29 +280,30 @@ class Judge {
   }
 
  private:
-  OddHullsTally& tally_;
+  DegenerateHullsTally& tally_;
   DepthFinder depths_;
 };
 
 }  // namespace
 
-void OddHullsTally::add(const OddHullsTally& other) {
+void DegenerateHullsTally::add(const DegenerateHullsTally& other) {
   clouds += other.clouds;
   pairs += other.pairs;
   points += other.points;
   cut_short += other.cut_short;
   wrong += other.wrong;
-  for (double OddHullsTally::*worst :
-       {&OddHullsTally::most_tests, &OddHullsTally::most_faces, &OddHullsTally::worst_beyond,
-        &OddHullsTally::worst_gap_m, &OddHullsTally::worst_depth_m, &OddHullsTally::widest_depth_m,
-        &OddHullsTally::longest_start_s, &OddHullsTally::longest_per_point_us,
-        &OddHullsTally::longest_pair_s})
+  for (double DegenerateHullsTally::*worst :
+       {&DegenerateHullsTally::most_tests, &DegenerateHullsTally::most_faces,
+        &DegenerateHullsTally::worst_beyond, &DegenerateHullsTally::worst_gap_m,
+        &DegenerateHullsTally::worst_depth_m, &DegenerateHullsTally::widest_depth_m,
+        &DegenerateHullsTally::longest_start_s, &DegenerateHullsTally::longest_per_point_us,
+        &DegenerateHullsTally::longest_pair_s})
     this->*worst = std::max(this->*worst, other.*worst);
   if (first_wrong.empty()) first_wrong = other.first_wrong;
 }
 
-OddHullsTally check_odd_hulls(uint64_t clouds, int most_points, uint64_t seed) {
-  OddHullsTally tally;
+DegenerateHullsTally check_degenerate_hulls(uint64_t clouds, int most_points, uint64_t seed) {
+  DegenerateHullsTally tally;
   Judge judge(tally);
   std::optional<Hull> before;
   for (uint64_t number = 0; number < clouds; ++number) {
@@ -333,7 +335,7 @@ OddHullsTally check_odd_hulls(uint64_t clouds, int most_points, uint64_t seed) {
   return tally;
 }
 
-void print_odd_hulls(const OddHullsTally& tally) {
+void print_degenerate_hulls(const DegenerateHullsTally& tally) {
   fmt::print(
       "{} clouds of {} points, {} pairs: {} wrong; {} starts cut short, at most {:.0f} tests and "
       "{:.2f} faces per point; a start takes {:.1f} ms at most ({:.2f} us per point), a pair "

@@ -1,4 +1,4 @@
-// check_odd_hulls() makes hulls of random and degenerate clouds of points, and judges their
+// check_degenerate_hulls() makes hulls of random and degenerate clouds of points, and judges their
 // corners, gaps and depths by all of the points.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace throng::test {
 
-struct OddHullsTally {
+struct DegenerateHullsTally {
   uint64_t clouds = 0, pairs = 0, points = 0;
   uint64_t cut_short = 0;     ///< clouds whose tests ran out
   double most_tests = 0;      ///< per point
@@ -22,13 +22,13 @@ struct OddHullsTally {
   uint64_t wrong = 0;
   std::string first_wrong;  ///< names the seed; empty: none
 
-  void add(const OddHullsTally& other);
+  void add(const DegenerateHullsTally& other);
 };
 
 /// `clouds` clouds of up to `most_points` points (most of them smaller), each from a seed of its
 /// own: `seed` and the number of the cloud. Every cloud meets the one before it.
-OddHullsTally check_odd_hulls(uint64_t clouds, int most_points, uint64_t seed);
+DegenerateHullsTally check_degenerate_hulls(uint64_t clouds, int most_points, uint64_t seed);
 
-void print_odd_hulls(const OddHullsTally& tally);
+void print_degenerate_hulls(const DegenerateHullsTally& tally);
 
 }  // namespace throng::test
