@@ -2,13 +2,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <span>
 
 namespace throng {
 
 template <class T>
 bool same_bits(std::span<const T> a, std::span<const T> b) {
-  return std::ranges::equal(std::as_bytes(a), std::as_bytes(b));
+  const std::span<const std::byte> left = std::as_bytes(a), right = std::as_bytes(b);
+  return std::equal(left.begin(), left.end(), right.begin(), right.end());
 }
 
 /// Of single values, or of arrays.

@@ -21,7 +21,8 @@ void tabulate(const fs::path& urdf, const fs::path& folder) {
     names.push_back(gait_file_name(*model, static_cast<GaitStyle>(style)));
   // Those of earlier sources.
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (std::ranges::find(names, entry.path().filename()) == names.end()) fs::remove(entry);
+    if (std::find(names.begin(), names.end(), entry.path().filename()) == names.end())
+      fs::remove(entry);
   for (size_t style = 0; style < kGaitStyleCount; ++style)
     if (!fs::exists(folder / names[style]))
       write_gait_file(*model, static_cast<GaitStyle>(style), folder);

@@ -70,7 +70,7 @@ std::vector<Eigen::Index> corners_in_plane(const Points& points, const Vector3d&
     places.push_back(
         {std::llround((x[i] - low_x) * per_m), std::llround((y[i] - low_y) * per_m), i});
   const auto order = [](const Place& p) { return std::pair(p.x, p.y); };
-  std::ranges::sort(places, [&](const Place& p, const Place& q) {
+  std::sort(places.begin(), places.end(), [&](const Place& p, const Place& q) {
     return std::pair(order(p), p.index) < std::pair(order(q), q.index);
   });
   std::vector<Eigen::Index> out;
@@ -87,7 +87,7 @@ std::vector<Eigen::Index> corners_in_plane(const Points& points, const Vector3d&
     for (const Place& place : chain) out.push_back(place.index);
     chain.clear();
   };
-  std::ranges::for_each(places, add);
+  std::for_each(places.begin(), places.end(), add);
   take();
   std::for_each(places.rbegin(), places.rend(), add);
   take();
@@ -119,7 +119,8 @@ class CornerSearch {
     lists_.resize(4);
     constexpr std::array<uint32_t, 4> kFirst = {0, 1, 2, 3};
     for (uint32_t point = 0; point < size_; ++point)
-      if (std::ranges::find(corner_of_, point) == corner_of_.end()) list(point, kFirst);
+      if (std::find(corner_of_.begin(), corner_of_.end(), point) == corner_of_.end())
+        list(point, kFirst);
     HullCorners out;
     for (size_t at = 0; at < pending_.size() && out.is_whole; ++at) {
       if (lists_[pending_[at]].first == kNone) continue;

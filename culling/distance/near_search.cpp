@@ -279,7 +279,7 @@ class NearSearch::NearestParts {
 /// The candidates of two bodies, the one that may be nearest first.
 std::span<NearCandidate> NearSearch::sorted(const Pair& pair, Task& task) {
   const std::span<NearCandidate> out(task.candidates.data() + pair.first, pair.count);
-  std::ranges::sort(out, [](const NearCandidate& p, const NearCandidate& q) {
+  std::sort(out.begin(), out.end(), [](const NearCandidate& p, const NearCandidate& q) {
     return std::pair(p.lo_m, p.parts()) < std::pair(q.lo_m, q.parts());
   });
   return out;
@@ -354,8 +354,10 @@ void NearSearch::list(const Pair& pair, Task& task) {
     if (may_be_nearest) nearest.take(row);
   }
   const auto by_pair = [](const auto& p, const auto& q) { return p.pair < q.pair; };
-  std::ranges::sort(task.rows.open(), by_pair);
-  std::ranges::sort(task.contacts.open(), by_pair);
+  const std::span<NearPair> rows = task.rows.open();
+  std::sort(rows.begin(), rows.end(), by_pair);
+  const auto contacts = task.contacts.open();
+  std::sort(contacts.begin(), contacts.end(), by_pair);
   task.rows.end_run(pair.bodies);
   task.contacts.end_run(pair.bodies);
   nearest.list(task);

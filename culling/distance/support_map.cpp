@@ -113,11 +113,11 @@ void SupportMap::add_cell(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points
     size_t count = 0;
     const std::vector<Vector3d> all = places;
     for (size_t i = 0; i < left.size(); ++i) {
-      if (std::ranges::any_of(others, [&](const Vector3d& other) {
-            const Vector3d between = all[i] - other;
-            return is_behind(between.x(), between.y(), between.z());
-          }))
-        continue;
+      const auto hides = [&](const Vector3d& other) {
+        const Vector3d between = all[i] - other;
+        return is_behind(between.x(), between.y(), between.z());
+      };
+      if (std::any_of(others.begin(), others.end(), hides)) continue;
       left[count] = left[i];
       places[count++] = all[i];
     }
@@ -127,8 +127,10 @@ void SupportMap::add_cell(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points
   if (left.size() > kFewToCompare) {
     std::vector<Vector3d> ahead;
     for (const Vector3d& direction : directions_of(cone))
-      ahead.push_back(*std::ranges::max_element(
-          places, {}, [&](const Vector3d& place) { return place.dot(direction); }));
+      ahead.push_back(*std::max_element(places.begin(), places.end(),
+                                        [&](const Vector3d& p, const Vector3d& q) {
+                                          return p.dot(direction) < q.dot(direction);
+                                        }));
     leave_out_behind(ahead);
   }
   if (left.size() <= kFewToCompare) leave_out_behind(std::vector(places));

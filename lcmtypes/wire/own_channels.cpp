@@ -63,10 +63,10 @@ OwnChannels::OwnChannels(const RunInfo& run, std::span<const OwnChannel> asked)
     const bool is_body = body >= 0 && body < bodies;
     party.is_own = named.of(own.who);
     if (is_body) {
-      std::ranges::fill(party.is_own, uint8_t{0});
+      std::fill(party.is_own.begin(), party.is_own.end(), uint8_t{0});
       party.is_own[static_cast<size_t>(body)] = 1;
     }
-    told.bodies = std::ranges::count(party.is_own, 1);
+    told.bodies = std::count(party.is_own.begin(), party.is_own.end(), 1);
     const std::string namesake =
         is_body || NamedBodies::is_kind(own.who) ? named.namesake(own.who) : "";
     if (told.bodies == 0 && own.who != kAll)

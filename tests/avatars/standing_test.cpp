@@ -226,7 +226,8 @@ TEST(Standing, WhoWalksIsLeftAlone) {
     asked.step_to_the_ends(frame);
     left_alone.step({});
     for (size_t i = 0; i < kPeople; ++i) {
-      EXPECT_TRUE(std::ranges::equal(asked.postures()[i].numbers, left_alone.postures()[i].numbers))
+      const auto &numbers = asked.postures()[i].numbers, &others = left_alone.postures()[i].numbers;
+      EXPECT_TRUE(std::equal(numbers.begin(), numbers.end(), others.begin(), others.end()))
           << "person " << i << ", frame " << frame;
       EXPECT_EQ(asked.chunk().room_x[i], left_alone.chunk().room_x[i]);
       EXPECT_EQ(asked.chunk().room_y[i], left_alone.chunk().room_y[i]);

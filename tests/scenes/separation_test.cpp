@@ -229,7 +229,9 @@ class Separation : public SceneFile {
       const auto key = [](const SeenPair& p) {
         return std::tuple(p.near.lo_m, p.near.hi_m, p.near.pair);
       };
-      const SeenPair& least = *std::ranges::min_element(found->second, {}, key);
+      const SeenPair& least =
+          *std::min_element(found->second.begin(), found->second.end(),
+                            [&](const SeenPair& p, const SeenPair& q) { return key(p) < key(q); });
       ASSERT_EQ(row.pair, least.near.pair);
       ASSERT_EQ(row.lo_m, least.near.lo_m);
       ASSERT_EQ(row.hi_m, least.near.hi_m);
