@@ -1,5 +1,7 @@
 #include "scenes/recorded/walkable_wkt.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -34,8 +36,12 @@ class Parser {
   void geometry(int depth) {
     if (depth > kDeepest) refuse("collections at most 8 deep");
     const std::string kind = word();
+    constexpr const char* kAreas = "POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION";
+    if (kind.empty()) refuse(kAreas);
     if (kind != "POLYGON" && kind != "MULTIPOLYGON" && kind != "GEOMETRYCOLLECTION")
-      refuse("POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION");
+      throw InputError(where_, fmt::format("only {} in the walkable area (WKT)", kAreas),
+                       kind.substr(0, 40) + (depth > 0 ? "; leave it out of the collection"
+                                                       : "; state the area as polygons"));
     if (starts_with_letter()) {
       const std::string next = word();
       if (next == "EMPTY") return;
