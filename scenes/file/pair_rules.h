@@ -20,10 +20,14 @@ inline constexpr std::string_view kAll = "all";
 /// Before the name of a group or of an obstacle, whatever else the name may mean.
 inline constexpr std::string_view kGroupPrefix = "group:", kObstaclePrefix = "obstacle:";
 
-/// "robots: people, group:doors: people". Throws InputError, which begins with `where`.
+/// "robots: people, group:doors: people". A name that has a colon or a comma, or that begins or
+/// ends with a blank, stands in quotes, single or double: "group:'doors: east': people"; such a
+/// quote in it is written twice. Throws InputError, which begins with `where`.
 PairRules pair_rules_of(std::string_view text, std::string_view where);
-/// The same of parts, whose names have no prefixes.
+/// The same of parts, whose names have no prefixes and no quotes.
 PairRules part_rules_of(std::string_view text, std::string_view where);
 std::string to_text(const PairRules& rules);
+/// The name of a rule as pair_rules_of() reads it.
+std::string in_rules(std::string_view name);
 
 }  // namespace throng

@@ -27,7 +27,9 @@ std::string give_sides(const PairRules& rules, std::vector<Sides>& sides, const 
     const std::vector<uint8_t> meant = of(name);
     for (size_t i = 0; i < sides.size(); ++i)
       if (meant[i] != 0) sides[i] |= side;
-    if (nobody.empty() && std::ranges::count(meant, 0) == std::ssize(meant)) nobody = name;
+    const bool means_nobody =
+        std::none_of(meant.begin(), meant.end(), [](uint8_t is_meant) { return is_meant != 0; });
+    if (nobody.empty() && means_nobody) nobody = name;
   };
   for (size_t i = 0; i < rules.size(); ++i) {
     give(rules[i].left, PairFilter::left_of(static_cast<int>(i)));
@@ -60,6 +62,7 @@ std::vector<Sides> sides_of_bodies(const Scene& scene, const RunInfo& info) {
     for (const std::string& group : info.groups)
       names.push_back(fmt::format("{}{}", kGroupPrefix, group));
   }
+  for (std::string& name : names) name = in_rules(name);
   refuse("between", "groups of the run, or", names, nobody,
          namesake.empty() ? "" : ", which no body is; " + namesake);
 }

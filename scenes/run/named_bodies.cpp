@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::string_view kPeople = "people", kRobots = "robots", kObstacles = "obstacles";
 
+/// A name that means something else where it stands alone.
+bool needs_prefix(std::string_view name) {
+  return NamedBodies::is_kind(name) || name.starts_with(kGroupPrefix) ||
+         name.starts_with(kObstaclePrefix);
+}
+
 }  // namespace
 
 bool NamedBodies::is_kind(std::string_view name) {
@@ -39,7 +45,7 @@ std::vector<uint8_t> NamedBodies::of(std::string_view name) const {
 std::vector<std::string> NamedBodies::names() const {
   std::vector<std::string> out;
   for (const std::string& group : run_.groups)
-    out.push_back(is_kind(group) ? fmt::format("{}{}", kGroupPrefix, group) : group);
+    out.push_back(needs_prefix(group) ? fmt::format("{}{}", kGroupPrefix, group) : group);
   for (const Obstacle& obstacle : run_.scene->obstacles)
     if (!obstacle.name.empty() && !is_kind(obstacle.name)) out.push_back(obstacle.name);
   for (const std::string_view kind : {kPeople, kRobots, kObstacles, kAll}) out.emplace_back(kind);
@@ -47,10 +53,11 @@ std::vector<std::string> NamedBodies::names() const {
 }
 
 std::string NamedBodies::namesake(std::string_view name) const {
-  if (std::ranges::find(run_.groups, name) != run_.groups.end())
+  if (std::find(run_.groups.begin(), run_.groups.end(), name) != run_.groups.end())
     return fmt::format("the group of this name is '{}{}'", kGroupPrefix, name);
   const std::vector<Obstacle>& obstacles = run_.scene->obstacles;
-  if (std::ranges::find(obstacles, name, &Obstacle::name) != obstacles.end())
+  if (std::any_of(obstacles.begin(), obstacles.end(),
+                  [&](const Obstacle& obstacle) { return obstacle.name == name; }))
     return fmt::format("the obstacle of this name is '{}{}'", kObstaclePrefix, name);
   return "";
 }

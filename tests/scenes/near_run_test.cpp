@@ -349,6 +349,56 @@ TEST(AskedPairs, OfAGroupAreWrittenWithAPrefixOrWithout) {
   EXPECT_EQ(to_text(part_rules_of("group:hand", "test")), "group: hand") << "parts have no groups";
 }
 
+TEST(AskedPairs, OfAGroupWhoseNameHasSeparatorsAreWrittenInQuotes) {
+  const auto rules = [](const std::string& given) { return pair_rules_of(given, "test"); };
+  const auto same = [&](const std::string& given, const std::string& left,
+                        const std::string& right) {
+    EXPECT_EQ(rules(given), (PairRules{{left, right}})) << given;
+    EXPECT_EQ(rules(to_text(rules(given))), rules(given)) << to_text(rules(given));
+  };
+  same(R"("doors: east": people)", "doors: east", "people");
+  same(R"('doors: east':people)", "doors: east", "people");
+  same(R"( robots : 'a, b' )", "robots", "a, b");
+  same(R"(group:"a, b")", "group:a, b", "all");
+  same(R"(obstacle:"a:b": group:'c,d')", "obstacle:a:b", "group:c,d");
+  same(R"("it says ""a, b""": 'it''s: c')", R"(it says "a, b")", "it's: c");
+  same(R"(" a ": people)", " a ", "people");
+  same(R"(group:"group:a": people)", "group:group:a", "people");
+  same(R"("""a""": people)", R"("a")", "people");
+  // What is no quotes is part of the name.
+  same("O'Brien: it's", "O'Brien", "it's");
+  same(R"("a: b)", R"("a)", "b");
+  same(R"('a' b: c)", "'a' b", "c");
+  same("\xd0\xbc\xd0\xbe\xd1\x81\xd1\x82: people", "\xd0\xbc\xd0\xbe\xd1\x81\xd1\x82", "people");
+  EXPECT_EQ(rules(R"("a, b", 'c: d': e)"), (PairRules{{"a, b", "all"}, {"c: d", "e"}}));
+  for (const char* wrong : {R"("")", R"(group:"": people)", R"("a": "b": "c")", R"("a",)"})
+    EXPECT_THROW(rules(wrong), InputError) << wrong;
+
+  Scene plain = hall();
+  const std::vector<std::string> eastbound = seen(plain, [&](const Named& a, const Named& b) {
+    return a.is_robot && !b.is_obstacle && b.body == "eastbound";
+  });
+  ASSERT_FALSE(eastbound.empty());
+  for (const std::string name :
+       {"east: fast", "east, fast", "a:b", "group:robot", "'east', \"x\""}) {
+    Scene scene = hall();
+    for (Group& group : scene.groups)
+      if (group.name == "eastbound") group.name = name;
+    scene.between = rules("robots: " + in_rules("group:" + name));
+    EXPECT_EQ(seen(scene, kAnybody), eastbound) << name;
+    scene.between = rules("nobody");
+    try {
+      const Simulation run(scene, {});
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      const bool has_prefix = name.starts_with("group:");
+      EXPECT_NE(std::string(error.what()).find(in_rules((has_prefix ? "group:" : "") + name)),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 TEST(AskedPairs, OfPartsAreThoseOfTheWholeRunSifted) {
   Scene scene = plaza(0.2, 0);
   scene.exact = false;
