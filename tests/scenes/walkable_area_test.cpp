@@ -100,6 +100,34 @@ TEST(WalkableArea, PiecesThatNobodyFitsInDoNotCount) {
   EXPECT_EQ(trajectory_area(scene, {}).pieces, 1u);
 }
 
+TEST(WalkableArea, StripsTooNarrowForTheThinnestDiscDoNotCount) {
+  // Between a wall and the ground's edge a strip of this width, 10 m long.
+  const auto pieces_beside = [](double width_m, double heading_rad) {
+    Scene scene = ground_of(5);
+    scene.obstacles = {box(0, 4.9 - width_m, 12, 0.2, heading_rad)};
+    EXPECT_EQ(walkable_area(scene).size(), 2u) << width_m;
+    return trajectory_area(scene, std::nullopt).pieces;
+  };
+  for (const double width_m : {0.001, 0.03, 0.08, 0.099}) EXPECT_EQ(pieces_beside(width_m, 0), 1u);
+  EXPECT_THROW(pieces_beside(0.11, 0), InputError) << "to be told which of two";
+  // A wedge, narrow at one end only.
+  EXPECT_THROW(pieces_beside(0.11, 0.01), InputError);
+
+  // A strip that is larger than a piece where people can stand.
+  Scene scene = ground_of(5);
+  scene.obstacles = {box(0, 4.87, 12, 0.2), box(0, 4, 12, 0.1), box(4.7, 4.4, 0.1, 0.8)};
+  ASSERT_EQ(walkable_area(scene).size(), 4u);
+  EXPECT_THAT(trajectory_area(scene, 3).pieces, 3u);
+  EXPECT_THROW(trajectory_area(scene, 4), InputError);
+  EXPECT_THAT(trajectory_area(scene, 3).wkt, testing::StartsWith("POLYGON ((4.7501 4.05"));
+
+  // A frame around a pillar, as narrow everywhere.
+  scene.obstacles = {box(0, 0, 2, 0.1), box(0, 2, 2, 0.1), box(-1, 1, 0.1, 2), box(1, 1, 0.1, 2),
+                     box(0, 1, 1.8, 1.8)};
+  ASSERT_EQ(walkable_area(scene).size(), 2u);
+  EXPECT_EQ(trajectory_area(scene, {}).pieces, 1u);
+}
+
 TEST(WalkableArea, HoldsTheIslandInAHoleOfARecordingsArea) {
   Scene scene = ground_of(5);
   scene.area = {{{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}, {{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}}},

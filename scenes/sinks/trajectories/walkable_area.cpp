@@ -20,6 +20,8 @@ namespace bp = boost::polygon;
 
 /// No disc of the smallest radius has room in less.
 constexpr double kLeastPiece_m2 = std::numbers::pi * kMinRadius_m * kMinRadius_m;
+/// Corners of a disc's outline: within 0.1 mm of the circle.
+constexpr int kDiscCorners = 64;
 
 /// A little larger to all sides.
 std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
@@ -79,6 +81,77 @@ double area_m2(const WalkablePolygon& polygon) {
   return 0.5 * doubled_m2;
 }
 
+/// Of the ring from corner i - 1 to i + 1, in which the walkable side is on the left.
+struct Corner {
+  Eigen::Vector2d before, at, after;
+
+  Eigen::Vector2d inward() const {
+    const Eigen::Vector2d along = (after - at).normalized();
+    return {-along.y(), along.x()};
+  }
+  bool is_reflex() const {
+    const Eigen::Vector2d in = at - before, out = after - at;
+    return in.x() * out.y() - in.y() * out.x() < 0;
+  }
+};
+
+std::vector<Corner> corners_of(const WalkablePolygon& polygon) {
+  std::vector<Corner> corners;
+  const auto add = [&](const std::vector<Eigen::Vector2d>& ring) {
+    for (size_t i = 0, n = ring.size(); i < n; ++i)
+      corners.push_back({ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]});
+  };
+  add(polygon.outline);
+  for (const auto& hole : polygon.holes) add(hole);
+  return corners;
+}
+
+/// Whether a disc of the smallest radius has room that touches the middle of an edge; of large
+/// pieces one of the first edges says so.
+bool has_room_at_an_edge(const std::vector<Corner>& corners) {
+  constexpr size_t kMostEdges = 64;
+  const auto distance_m = [](const Eigen::Vector2d& p, const Corner& edge) {
+    const Eigen::Vector2d along = edge.after - edge.at;
+    const double t = std::clamp((p - edge.at).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    return (p - edge.at - t * along).norm();
+  };
+  const auto fits = [&](const Corner& edge) {
+    const Eigen::Vector2d p = 0.5 * (edge.at + edge.after) + kMinRadius_m * edge.inward();
+    return std::all_of(corners.begin(), corners.end(), [&](const Corner& other) {
+      return distance_m(p, other) >= kMinRadius_m - kAreaUnit_m;
+    });
+  };
+  const auto end =
+      corners.begin() + static_cast<std::ptrdiff_t>(std::min(kMostEdges, corners.size()));
+  return std::any_of(corners.begin(), end, fits);
+}
+
+/// Whether a disc of the smallest radius has room: something is left of the polygon less all that
+/// is nearer to its edges.
+bool has_room(const WalkablePolygon& polygon) {
+  if (area_m2(polygon) < kLeastPiece_m2) return false;
+  const std::vector<Corner> corners = corners_of(polygon);
+  if (has_room_at_an_edge(corners)) return true;
+  GridSet room, rim;
+  add_to(room, {polygon.outline, polygon.holes});
+  for (const Corner& corner : corners) {
+    const Eigen::Vector2d in = kMinRadius_m * corner.inward();
+    rim.insert(grid_polygon({corner.at, corner.after, corner.after + in, corner.at + in}));
+    if (!corner.is_reflex()) continue;
+    std::vector<Eigen::Vector2d> disc;
+    for (int i = 0; i < kDiscCorners; ++i) {
+      const double angle_rad = 2 * std::numbers::pi * i / kDiscCorners;
+      disc.emplace_back(corner.at +
+                        kMinRadius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+    }
+    rim.insert(grid_polygon(disc));
+  }
+  using namespace bp::operators;
+  std::vector<GridShape> left;
+  GridSet(room - rim).get(left);
+  return !left.empty();
+}
+
 std::string text_of(const WalkablePolygon& polygon) {
   std::string text = fmt::format("({}", text_of(polygon.outline));
   for (const auto& hole : polygon.holes) text += fmt::format(", {}", text_of(hole));
@@ -113,8 +186,11 @@ TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
   std::vector<WalkablePolygon> pieces = walkable_area(scene);
   if (pieces.empty())
     throw InputError(scene.name, "some ground that people can walk on for a trajectory", "none");
-  // The largest come first.
-  while (pieces.size() > 1 && area_m2(pieces.back()) < kLeastPiece_m2) pieces.pop_back();
+  if (pieces.size() > 1) {
+    // Where no disc has room at all the largest piece, which comes first, stands for the area.
+    const auto narrow = std::stable_partition(pieces.begin(), pieces.end(), has_room);
+    pieces.erase(std::max(narrow, pieces.begin() + 1), pieces.end());
+  }
   if (!piece && pieces.size() > 1)
     throw InputError(
         option, "to be told which piece of the walkable area a trajectory has, as SQLite holds one",

@@ -30,9 +30,9 @@ struct TrajectoryArea {
   size_t piece = 1, pieces = 1;
 };
 
-/// `piece`: which of several pieces, 1 is the largest; none: there is only one. Pieces too small
-/// for the thinnest avatar do not count. Throws InputError if there is no walkable area or no such
-/// piece, or several and none is chosen; `option` is the one that chooses.
+/// `piece`: which of several pieces, 1 is the largest; none: there is only one. Pieces in
+/// which no disc of the smallest radius has room do not count. Throws InputError if there is no
+/// walkable area or no such piece, or several and none is chosen; `option` is the one that chooses.
 TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
                                std::string_view option = "--trajectory-area");
 
