@@ -16,6 +16,7 @@
 
 #include "base/errors.h"
 #include "scenes/recorded/area_grid.h"
+#include "scenes/recorded/area_seam.h"
 
 namespace throng {
 namespace {
@@ -30,44 +31,10 @@ using BoxTree = bg::index::rtree<std::pair<Box, uint32_t>, bg::index::quadratic<
 constexpr size_t kMaxPairs = 500'000;
 /// Of all edges whose boxes meet: as many are looked at in a second.
 constexpr size_t kMaxVisits = 5'000'000;
-/// Files print places to 0.1 mm: a gap of 1 mm may be so much wider.
-constexpr double kRounding_m = 0.9e-4;
-/// Corners lie on the grid within 0.07 mm; two edges of one line differ by twice that.
-constexpr double kOffGrid_m = 1.5 * kAreaUnit_m;
-/// What closes a gap reaches so far into the polygons where it does not end in their corners.
-constexpr double kOverlap_m = 3 * kAreaUnit_m;
+/// Two edges that differ by less are one line.
+constexpr double kNoWidth_m = 1e-6;
 /// Files that print millimetres put the ends of a cut so far off the line that they lie on.
 constexpr double kStraight_m = 1e-3;
-/// Edges of a gap are antiparallel within 20 degrees, the cosine.
-constexpr double kFacing = -0.94;
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// From one corner of a ring to the next; the walkable side is on the left.
-struct AreaEdge {
-  Eigen::Vector2d from, to;
-  uint32_t polygon = 0;
-
-  double distance_m(const Eigen::Vector2d& p) const {
-    const Eigen::Vector2d along = to - from;
-    const double square = along.squaredNorm();
-    const double t = square > 0 ? std::clamp((p - from).dot(along) / square, 0.0, 1.0) : 0.0;
-    return (p - from - t * along).norm();
-  }
-  double distance_m(const AreaEdge& other) const {
-    const auto side = [](const AreaEdge& edge, const Eigen::Vector2d& p) {
-      return cross(edge.to - edge.from, p - edge.from);
-    };
-    if (side(*this, other.from) * side(*this, other.to) < 0 &&
-        side(other, from) * side(other, to) < 0)
-      return 0;
-    return std::min({distance_m(other.from), distance_m(other.to), other.distance_m(from),
-                     other.distance_m(to)});
-  }
-};
-
 Box box_of(Eigen::Vector2d low, Eigen::Vector2d high, double margin_m) {
   low.array() -= margin_m;
   high.array() += margin_m;
@@ -76,7 +43,7 @@ Box box_of(Eigen::Vector2d low, Eigen::Vector2d high, double margin_m) {
 
 Box box_of(const AreaEdge& edge) {
   return box_of(edge.from.cwiseMin(edge.to), edge.from.cwiseMax(edge.to),
-                kMaxAreaGap_m + kRounding_m);
+                kMaxAreaGap_m + kAreaRounding_m);
 }
 
 Box box_of(const AreaPolygon& polygon) {
@@ -85,7 +52,7 @@ Box box_of(const AreaPolygon& polygon) {
     low = low.cwiseMin(corner);
     high = high.cwiseMax(corner);
   }
-  return box_of(low, high, kMaxAreaGap_m + kRounding_m);
+  return box_of(low, high, kMaxAreaGap_m + kAreaRounding_m);
 }
 
 bool contains(const AreaPolygon& polygon, const Eigen::Vector2d& p) {
@@ -102,76 +69,13 @@ bool contains(const AreaPolygon& polygon, const Eigen::Vector2d& p) {
   return is_inside;
 }
 
-/// Where two edges face each other across a gap, or along a line that they share.
-struct Seam {
-  AreaPolygon::Ring filling;  ///< from one polygon to the other
-  double width_m = 0, length_m = 0;
-  Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();
-};
-
-/// The part of an edge that a seam takes.
-struct SeamEnd {
-  Eigen::Vector2d point;
-  bool is_corner = false;
-};
-
-std::optional<Seam> seam_between(const AreaEdge& a, const AreaEdge& b) {
-  const Eigen::Vector2d along_a = (a.to - a.from).normalized();
-  const Eigen::Vector2d along_b = (b.from - b.to).normalized();
-  if (!(-along_a.dot(along_b) < kFacing)) return std::nullopt;
-  const Eigen::Vector2d along = (along_a + along_b).normalized(), out(along.y(), -along.x());
-  const auto at = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to, double s) {
-    const double first = from.dot(along), last = to.dot(along);
-    return Eigen::Vector2d(from + (s - first) / (last - first) * (to - from));
-  };
-  const auto on_a = [&](double s) { return at(a.from, a.to, s); };
-  const auto on_b = [&](double s) { return at(b.to, b.from, s); };
-  const auto width = [&](double s) { return (on_b(s) - on_a(s)).dot(out); };
-  const double begin = std::max(a.from.dot(along), b.to.dot(along));
-  const double end = std::min(a.to.dot(along), b.from.dot(along));
-  if (!(end - begin > kAreaUnit_m)) return std::nullopt;
-  // The width is linear: of the overlap the part remains where it is that of a gap.
-  double low = begin, high = end;
-  const double at_begin = width(begin), at_end = width(end);
-  const auto keep = [&](double over_begin, double over_end) {
-    if (over_begin > 0 && over_end > 0) high = low;
-    if (over_begin > 0 && over_end <= 0)
-      low = std::max(low, begin + over_begin / (over_begin - over_end) * (end - begin));
-    if (over_begin <= 0 && over_end > 0)
-      high = std::min(high, begin + over_begin / (over_begin - over_end) * (end - begin));
-  };
-  const double most_m = kMaxAreaGap_m + kRounding_m;
-  keep(at_begin - most_m, at_end - most_m);
-  keep(-kOffGrid_m - at_begin, -kOffGrid_m - at_end);
-  if (!(high - low > kAreaUnit_m)) return std::nullopt;
-  // Corners that face each other belong together, also where the gap is cut off slantwise.
-  const auto ends = [&](double s, bool is_limit, const Eigen::Vector2d& corner_a,
-                        const Eigen::Vector2d& corner_b) {
-    if (is_limit && (corner_a - corner_b).norm() <= most_m)
-      return std::pair(SeamEnd{corner_a, true}, SeamEnd{corner_b, true});
-    const auto is_at = [&](const Eigen::Vector2d& corner) {
-      return is_limit && std::abs(corner.dot(along) - s) <= 1e-9;
-    };
-    return std::pair(is_at(corner_a) ? SeamEnd{corner_a, true} : SeamEnd{on_a(s), false},
-                     is_at(corner_b) ? SeamEnd{corner_b, true} : SeamEnd{on_b(s), false});
-  };
-  const auto [a_low, b_low] = ends(low, low == begin, a.from, b.to);
-  const auto [a_high, b_high] = ends(high, high == end, a.to, b.from);
-  const auto moved = [&](const SeamEnd& seam_end, double sign) -> Eigen::Vector2d {
-    return seam_end.is_corner ? seam_end.point : seam_end.point + sign * kOverlap_m * out;
-  };
-  Seam seam;
-  seam.filling = {moved(a_low, -1), moved(b_low, 1), moved(b_high, 1), moved(a_high, -1)};
-  seam.width_m = std::max(width(low), width(high));
-  seam.length_m = high - low;
-  seam.middle_m = 0.5 * (on_a(0.5 * (low + high)) + on_b(0.5 * (low + high)));
-  return seam;
-}
-
 class Joiner {
  public:
   Joiner(const std::vector<AreaPolygon>& polygons, const std::string& where)
-      : polygons_(polygons), where_(where), group_(polygons.size()) {
+      : polygons_(polygons),
+        where_(where),
+        group_(polygons.size()),
+        has_slit_(polygons.size(), false) {
     std::iota(group_.begin(), group_.end(), 0u);
     list_edges();
     find_pairs();
@@ -184,8 +88,9 @@ class Joiner {
     for (uint32_t i = 0; i < polygons_.size(); ++i) members[group_of(i)].push_back(i);
     for (uint32_t i = 0; i < polygons_.size(); ++i) {
       // A group stands where its first polygon does, which names it.
-      if (members[i].size() == 1) out.polygons.push_back(polygons_[i]);
-      if (members[i].size() > 1) join_group(members[i], out);
+      if (members[i].size() == 1 && !has_slit_[i]) out.polygons.push_back(polygons_[i]);
+      if (members[i].size() > 1 || (members[i].size() == 1 && has_slit_[i]))
+        join_group(members[i], out);
     }
     std::set<std::pair<uint32_t, uint32_t>> gaps;
     for (const auto& [pair, seam] : seams_) {
@@ -204,7 +109,7 @@ class Joiner {
     Eigen::Vector2d corner_m;
     uint32_t polygon = 0;
     uint32_t order = 0;
-    bool is_shared = false;
+    bool is_shared = false;  ///< by several polygons, or by the sides of a slit
   };
   struct Corner {
     Eigen::Vector2d at_m;
@@ -226,9 +131,11 @@ class Joiner {
     for (uint32_t i = 0; i < polygons_.size(); ++i) {
       const auto add = [&](AreaPolygon::Ring ring, bool is_outline) {
         if ((doubled_area(ring) > 0) != is_outline) std::reverse(ring.begin(), ring.end());
+        // A hole that is as narrow all over is an obstacle.
+        const bool may_slit = width_of(ring) > kMaxAreaGap_m;
         for (size_t k = 0; k < ring.size(); ++k)
           if (ring[k] != ring[(k + 1) % ring.size()])
-            edges_.push_back({ring[k], ring[(k + 1) % ring.size()], i});
+            edges_.push_back({ring[k], ring[(k + 1) % ring.size()], i, may_slit});
       };
       add(polygons_[i].outline, true);
       for (const AreaPolygon::Ring& hole : polygons_[i].holes) add(hole, false);
@@ -246,7 +153,7 @@ class Joiner {
       if (pairs_ > kMaxPairs || ++visits_ > kMaxVisits)
         refuse(fmt::format("polygons of which at most {} pairs of edges lie side by side",
                            kMaxPairs / 2),
-               "more; join them in the file");
+               "more; join or simplify them in the file");
     }
   }
 
@@ -254,9 +161,9 @@ class Joiner {
     for (const AreaEdge& edge : edges_)
       for_each_meeting(tree_, box_of(edge), [&](uint32_t k) {
         const AreaEdge& other = edges_[k];
-        if (other.polygon == edge.polygon) return false;
+        if (other.polygon == edge.polygon) return &edge < &other && add_slit(edge, other);
         if (other.polygon < edge.polygon ||
-            !(edge.distance_m(other) <= kMaxAreaGap_m + kRounding_m))
+            !(edge.distance_m(other) <= kMaxAreaGap_m + kAreaRounding_m))
           return true;
         const std::optional<Seam> seam = seam_between(edge, other);
         if (seam) seams_.push_back({{edge.polygon, other.polygon}, *seam});
@@ -266,6 +173,29 @@ class Joiner {
     // The order of a tree says nothing.
     std::stable_sort(seams_.begin(), seams_.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
+  }
+
+  /// A gap between two edges of one polygon, which is closed like one between polygons.
+  bool add_slit(const AreaEdge& a, const AreaEdge& b) {
+    const double most_m = kMaxAreaGap_m + kAreaRounding_m;
+    if (!(a.may_slit && b.may_slit && a.distance_m(b) <= most_m)) return false;
+    const std::optional<Seam> seam = seam_between(a, b);
+    if (!seam || !(seam->width_m >= 0)) return false;
+    // Of a notch that ends in a point only one that is as narrow all along.
+    const bool ends = a.to == b.from, begins = b.to == a.from;
+    if (ends && !(std::min(b.distance_m(a.from), a.distance_m(b.to)) <= most_m)) return false;
+    if (begins && !(std::min(b.distance_m(a.to), a.distance_m(b.from)) <= most_m)) return false;
+    has_slit_[a.polygon] = true;
+    // The union itself closes what has no width, and takes off what sticks out without one.
+    if (seam->width_m > kNoWidth_m) seams_.push_back({{a.polygon, b.polygon}, *seam});
+    const auto mark = [&](const Eigen::Vector2d& corner, const AreaEdge& other) {
+      if (other.distance_m(corner) <= most_m) slit_corners_.push_back(corner);
+    };
+    mark(a.from, b);
+    mark(a.to, b);
+    mark(b.from, a);
+    mark(b.to, a);
+    return true;
   }
 
   /// A polygon in another one, whose edges are far from its own.
@@ -314,6 +244,9 @@ class Joiner {
       for (const AreaPolygon::Ring& hole : polygons_[i].holes) add(hole);
       add_to(all, polygons_[i]);
     }
+    for (const Eigen::Vector2d& corner : slit_corners_)
+      if (const auto found = origins_.find(key_of(grid_point(corner))); found != origins_.end())
+        found->second.is_shared = true;
     const uint32_t group = members.front();
     for (const auto& [pair, seam] : seams_)
       if (group_of(pair.first) == group) all.insert(grid_polygon(seam.filling));
@@ -349,8 +282,7 @@ class Joiner {
   }
 
   /// Of something long and thin: its area over half of its way round.
-  static double width_of(const CornerRing& corners) {
-    const AreaPolygon::Ring ring = ring_of(corners);
+  static double width_of(const AreaPolygon::Ring& ring) {
     double round_m = 0;
     for (size_t i = 0; i < ring.size(); ++i)
       round_m += (ring[(i + 1) % ring.size()] - ring[i]).norm();
@@ -361,7 +293,7 @@ class Joiner {
   static bool is_closed_gap(const CornerRing& corners) {
     return std::none_of(corners.begin(), corners.end(),
                         [](const Corner& c) { return c.is_kept; }) &&
-           width_of(corners) <= kMaxAreaGap_m;
+           width_of(ring_of(corners)) <= kMaxAreaGap_m;
   }
 
   static uint32_t begin_with_first(CornerRing& corners) {
@@ -382,7 +314,7 @@ class Joiner {
          it != tree_.qend(); ++it) {
       const AreaEdge& edge = edges_[it->second];
       if (edge.polygon != origin.polygon &&
-          edge.distance_m(p) <= kMaxAreaGap_m + kRounding_m + kOffGrid_m)
+          edge.distance_m(p) <= kMaxAreaGap_m + kAreaRounding_m + kOffGrid_m)
         return false;
     }
     return true;
@@ -456,6 +388,8 @@ class Joiner {
   const std::vector<AreaPolygon>& polygons_;
   const std::string& where_;
   std::vector<uint32_t> group_;  ///< of a polygon: another of its group, or itself
+  std::vector<bool> has_slit_;
+  std::vector<Eigen::Vector2d> slit_corners_;
   std::vector<AreaEdge> edges_;
   BoxTree tree_;
   size_t pairs_ = 0, visits_ = 0;
@@ -466,7 +400,6 @@ class Joiner {
 }  // namespace
 
 JoinedArea join(std::vector<AreaPolygon> polygons, const std::string& where) {
-  if (polygons.size() < 2) return {std::move(polygons)};
   return Joiner(polygons, where).join();
 }
 

@@ -210,7 +210,7 @@ std::optional<WalkableArea> RecordingBuilder::area(const RecordingFacts& facts) 
   if (facts.wkt.empty()) return std::nullopt;
   const JoinedArea area = recorded_area(facts, options_.file.string());
   if (area.gaps > 0)
-    note("gaps of up to 1 mm between walkable polygons, which are closed", area.gaps,
+    note("gaps of up to 1 mm in the walkable area, which are closed", area.gaps,
          fmt::format("{:.2g} mm wide at ({:.3f}, {:.3f}) m", 1e3 * area.widest_m,
                      area.widest_at_m.x(), area.widest_at_m.y()));
   return std::optional<WalkableArea>(std::in_place, area.polygons);

@@ -131,6 +131,96 @@ TEST(AreaUnion, ClosesGapsOfUpToAMillimetre) {
   }
 }
 
+Ring rotated_to_first(Ring ring, const Eigen::Vector2d& first) {
+  std::rotate(ring.begin(), std::find(ring.begin(), ring.end(), first), ring.end());
+  return ring;
+}
+
+TEST(AreaUnion, ClosesSlitsOfUpToAMillimetreWithinAPolygon) {
+  for (const double gap_m : {0.0, 5e-5, 2e-4, 6e-4, 1e-3})
+    for (uint64_t turn = 0; turn < 6; ++turn) {
+      const double angle_rad = turn == 0 ? 0 : uniform(turn, 7, 0, -3, 3);
+      const Eigen::Vector2d shift(uniform(turn, 7, 1, -50, 50), uniform(turn, 7, 2, -50, 50));
+      const auto at = [&](Ring ring) { return turned({ring}, angle_rad, shift).front(); };
+      const Ring whole = at({{0, 0}, {10, 0}, {10, 2}, {0, 2}});
+      for (const Ring& slit :
+           {Ring{{5 - gap_m, 0}, {5 - gap_m, 1.5}, {5, 1.5}, {5, 0}},  // with a flat end
+            Ring{{5 - gap_m, 0}, {5, 1.5}, {5, 0}},                    // with a point
+            Ring{{5 - gap_m, 0}, {6 - gap_m, 1.5}, {6, 1.5}, {5, 0}},  // oblique
+            Ring{{5 - gap_m, 0}, {5 - gap_m, 1}, {6, 1}, {6, 1 - gap_m}, {5, 1 - gap_m}, {5, 0}}}) {
+        Ring with_slit = {{0, 0}};
+        with_slit.insert(with_slit.end(), slit.begin(), slit.end());
+        with_slit.insert(with_slit.end(), {{10, 0}, {10, 2}, {0, 2}});
+        const JoinedArea area = join({{at(with_slit), {}}}, "a.wkt");
+        ASSERT_EQ(area.polygons.size(), 1u) << gap_m;
+        EXPECT_TRUE(area.polygons[0].holes.empty()) << gap_m << ", turn " << turn;
+        const Ring& found = area.polygons[0].outline;
+        // Where the ends of a slit without a width are one corner, it stays on its line.
+        if (gap_m > 0) {
+          EXPECT_EQ(rotated_to_first(found, whole[0]), whole)
+              << gap_m << ", " << slit.size() << " corners, turn " << turn;
+        }
+        EXPECT_NEAR(doubled_area(found), 40, 1e-2);
+        EXPECT_EQ(area.gaps, gap_m > 1.5e-4 ? 1 : 0) << gap_m;
+        if (area.gaps > 0) {
+          EXPECT_LE(area.widest_m, gap_m + 1e-9);
+          EXPECT_GE(area.widest_m, 0.8 * gap_m) << "across an oblique one";
+        }
+      }
+      // A ring that nearly touches itself.
+      const double half_m = 0.5 * gap_m;
+      const Ring open = at({{0, 2 - half_m},
+                            {0, 0},
+                            {4, 0},
+                            {4, 4},
+                            {0, 4},
+                            {0, 2 + half_m},
+                            {1, 2 + half_m},
+                            {1, 3},
+                            {3, 3},
+                            {3, 1},
+                            {1, 1},
+                            {1, 2 - half_m}});
+      const JoinedArea area = join({{open, {}}}, "a.wkt");
+      ASSERT_EQ(area.polygons.size(), 1u);
+      ASSERT_EQ(area.polygons[0].holes.size(), 1u) << gap_m;
+      EXPECT_NEAR(doubled_area(area.polygons[0].outline), 32, 1e-2);
+      EXPECT_NEAR(doubled_area(area.polygons[0].holes[0]), -8, 1e-2);
+    }
+}
+
+TEST(AreaUnion, LeavesPolygonsWithoutASlitAsTheyAre) {
+  std::vector<AreaPolygon> polygons;
+  const auto notched = [&](const Ring& notch) {
+    Ring ring = {{0, 0}};
+    ring.insert(ring.end(), notch.begin(), notch.end());
+    ring.insert(ring.end(), {{10, 0}, {10, 2}, {0, 2}});
+    polygons.push_back({ring, {}});
+  };
+  notched({{5, 0}, {5, 1.5}, {5.0012, 1.5}, {5.0012, 0}});  // wider than a slit
+  notched({{5, 0}, {5.005, 1.5}, {5.01, 0}});               // that ends in a point
+  // A line on the ground, and an area as narrow.
+  polygons.push_back(
+      {{{0, 0}, {10, 0}, {10, 2}, {0, 2}}, {{{5, 0.5}, {5, 1.5}, {5.0006, 1.5}, {5.0006, 0.5}}}});
+  polygons.push_back({{{0, 0}, {10, 0}, {10, 0.0006}, {0, 0.0006}}, {}});
+  // Round ones, with an edge each half millimetre, and a hole in it.
+  const auto circle = [](double radius_m, int corners, double sign) {
+    Ring ring;
+    for (int i = 0; i < corners; ++i)
+      ring.emplace_back(radius_m * std::cos(sign * 2 * std::numbers::pi * i / corners),
+                        radius_m * std::sin(sign * 2 * std::numbers::pi * i / corners));
+    return ring;
+  };
+  polygons.push_back({circle(0.5, 6000, 1), {circle(0.1, 1200, -1)}});
+  for (const AreaPolygon& polygon : polygons) {
+    const JoinedArea area = join({polygon}, "a.wkt");
+    ASSERT_EQ(area.polygons.size(), 1u);
+    EXPECT_EQ(area.polygons[0].outline, polygon.outline);
+    EXPECT_EQ(area.polygons[0].holes, polygon.holes);
+    EXPECT_EQ(area.gaps, 0);
+  }
+}
+
 TEST(AreaUnion, OfEveryKindOfNeighbour) {
   const std::string square = "((0 0, 9 0, 9 9, 0 9))";
   const std::string whole = "| 0.000,0.000 9.000,0.000 9.000,9.000 0.000,9.000";
@@ -356,7 +446,7 @@ TEST_F(CutCorridor, TouchesPeopleAsTheWholeDoes) {
       const bool has_gap = cut == Cut::kGap || cut == Cut::kObliqueGap;
       ASSERT_EQ(odd.size(), has_gap ? 1u : 0u);
       if (!has_gap) continue;
-      EXPECT_EQ(odd[0].what, "gaps of up to 1 mm between walkable polygons, which are closed");
+      EXPECT_EQ(odd[0].what, "gaps of up to 1 mm in the walkable area, which are closed");
       EXPECT_EQ(odd[0].count, pieces - 1);
       EXPECT_THAT(odd[0].first, HasSubstr(" mm wide at ("));
     }
