@@ -3,7 +3,6 @@
 #include <fstream>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
@@ -12,10 +11,8 @@
 #include "base/errors.h"
 #include "base/say.h"
 #include "base/text.h"
-#include "lcmtypes/codec/run_reader.h"
 #include "lcmtypes/export/csv_export.h"
 #include "lcmtypes/export/mcap_export.h"
-#include "lcmtypes/log/log_gaps.h"
 #include "lcmtypes/replay/file_kind.h"
 #include "scenes/file/scene_fields.h"
 
@@ -55,56 +52,29 @@ int ended(const std::string& log, const std::string& missing) {
   return kExitCheckFailed;
 }
 
-/// What cannot be exported is refused before anything is written: throws InputError if the log has
-/// no whole description of a run, or goes on with another run where only one fits.
-void require_run(const std::string& log, bool is_only_one) {
-  LogReader reader(log);
-  LogGaps gaps;
-  RunReader run;
-  LogEvent event;
-  bool has_run = false;
-  std::pair<int64_t, int64_t> first;  // which it is
-  while (!StopSignal::requested() && gaps.next(reader, event)) {
-    // Once it is described, only these tell of another run; states are not decoded.
-    if (has_run && event.channel != name_of(Channel::kRun) &&
-        event.channel != name_of(Channel::kEnd))
-      continue;
-    run.take(event.channel, event.data);
-    const std::pair<int64_t, int64_t> current(run.run_id(), run.instance());
-    if (has_run && current != first)
-      throw InputError(log, "one run", "several; `throng check` tells them apart");
-    has_run = run.run() != nullptr;
-    first = current;
-    if (has_run && !is_only_one) return;
-  }
-  if (!has_run && !StopSignal::requested())
-    throw InputError(log, "a run's description", gaps.found_no_description());
-}
-
-int to_mcap(const ExportOptions& options) {
+int to_mcap(const ExportOptions& options, ExportedLog& log) {
   constexpr int64_t kShares = 1000;
   ProgressBar progress("export", kShares, "per mille");
-  const McapExport done =
-      export_mcap(options.log, options.mcap, {options.poses_hz}, [&](double share) {
-        progress.show(static_cast<int64_t>(share * static_cast<double>(kShares)));
-        return !StopSignal::requested();
-      });
+  const McapExport done = export_mcap(log, options.mcap, {options.poses_hz}, [&](double share) {
+    progress.show(static_cast<int64_t>(share * static_cast<double>(kShares)));
+    return !StopSignal::requested();
+  });
   show("{}: {} of poses, {} and {} of contacts, {:.1f} MB\n", options.mcap,
        counted(done.frames, "frame"), counted(done.begins, "begin"), counted(done.ends, "end"),
        static_cast<double>(done.bytes) * 1e-6);
   return ended(options.log, done.missing);
 }
 
-int to_csv(const ExportOptions& options, const std::string& channel) {
+int to_csv(const ExportOptions& options, ExportedLog& log, const std::string& channel) {
   const auto keep_going = [] { return !StopSignal::requested() && !reader_has_left(); };
   if (options.out.empty()) {
     const std::string missing = export_csv(
-        options.log, channel, [](std::string_view text) { show_text(text); }, keep_going);
+        log, channel, [](std::string_view text) { show_text(text); }, keep_going);
     return reader_has_left() ? kExitFine : ended(options.log, missing);
   }
   std::ofstream out(options.out, std::ios::binary);
   const std::string missing = export_csv(
-      options.log, channel, [&](std::string_view text) { out << text; }, keep_going);
+      log, channel, [&](std::string_view text) { out << text; }, keep_going);
   out.close();
   if (!out) throw EnvironmentError(fmt::format("{}: cannot write", options.out));
   return ended(options.log, missing);
@@ -124,14 +94,14 @@ int export_log(const ExportOptions& options) {
     throw InputError(options.log, "a log of a run", "another file, or none");
   OutputPlan plan;
   plan.reads("the log", options.log);
-  plan.writes({.option = "--mcap", .path = options.mcap, .writing = Writing::kAsItRuns});
+  plan.writes({.option = "--mcap", .path = options.mcap});
   plan.writes({.option = "--out", .path = options.out, .writing = Writing::kAsItRuns});
   plan.check();
   const StopSignal stop;
-  require_run(options.log, options.csv.empty());
-  if (StopSignal::requested()) return stopped();
+  ExportedLog log(options.log, [] { return !StopSignal::requested(); });
+  if (log.is_stopped()) return stopped();
   const OpenOutputs outputs = plan.open();
-  return options.csv.empty() ? to_mcap(options) : to_csv(options, channel);
+  return options.csv.empty() ? to_mcap(options, log) : to_csv(options, log, channel);
 }
 
 }  // namespace

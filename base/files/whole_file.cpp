@@ -24,97 +24,87 @@ constexpr int kMaxSymlinks = 40;
 /// What every program creates files with; the umask takes away from it.
 constexpr mode_t kMode = 0666;
 
-class Writer {
- public:
-  Writer(const fs::path& file, const WholeFileOptions& options)
-      : file_(file), real_(links_followed(file)), options_(options) {
-    struct stat old {};
-    const bool is_there = ::stat(real_.c_str(), &old) == 0;
-    const bool in_place = is_there && (!S_ISREG(old.st_mode) || old.st_nlink > 1);
-    if (!in_place) open_beside();
-    if (descriptor_ < 0) {
-      open_in_place();
-    } else if (is_there) {
-      // Everybody who may read the old one may read the new one.
-      [[maybe_unused]] const int changed = ::fchmod(descriptor_, old.st_mode & 07777);
-    }
-  }
-  ~Writer() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!beside_.empty()) ::unlink(beside_.c_str());
-  }
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-
-  void write(std::span<const uint8_t> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail(errno);
-      bytes = bytes.subspan(static_cast<size_t>(n));
-    }
-  }
-
-  void finish() {
-    // On the disk before it has the name. A pipe has no disk.
-    if (options_.to_disk && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
-      fail(errno);
-    if (is_nameless_) name_it();
-    if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
-    if (beside_.empty()) return;
-    if (::rename(beside_.c_str(), real_.c_str()) != 0) fail(errno);
-    beside_.clear();
-  }
-
- private:
-  [[noreturn]] void fail(int error) const {
-    throw EnvironmentError(fmt::format("{}: cannot write{}{}: {}", file_.string(),
-                                       options_.what.empty() ? "" : " ", options_.what,
-                                       std::strerror(error)));
-  }
-
-  /// A name that nobody else has: another run may write the same file at this moment.
-  fs::path name_beside() const {
-    static std::atomic<uint64_t> count{0};
-    fs::path name = real_;
-    name += fmt::format(".new-{}-{}", ::getpid(), count++);
-    return name;
-  }
-
-  /// Leaves descriptor_ at -1 where the folder takes no files; the old one may still be writable.
-  void open_beside() {
-    const fs::path folder = real_.has_parent_path() ? real_.parent_path() : fs::path(".");
-    // Without a name, so that a killed run leaves nothing behind.
-    descriptor_ = ::open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, kMode);
-    is_nameless_ = descriptor_ >= 0;
-    if (is_nameless_) return;
-    const fs::path name = name_beside();  // of a file system that has no files without names
-    descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
-    if (descriptor_ >= 0) beside_ = name;
-  }
-
-  void name_it() {
-    const fs::path name = name_beside();
-    const std::string nameless = fmt::format("/proc/self/fd/{}", descriptor_);
-    if (::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0)
-      fail(errno);
-    beside_ = name;
-  }
-
-  void open_in_place() {
-    descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
-    if (descriptor_ < 0) fail(errno);
-  }
-
-  fs::path file_;
-  fs::path real_;
-  WholeFileOptions options_;
-  int descriptor_ = -1;
-  bool is_nameless_ = false;
-  fs::path beside_;  ///< until it has the right name
-};
-
 }  // namespace
+
+WholeFile::WholeFile(const fs::path& file, const WholeFileOptions& options)
+    : file_(file), real_(links_followed(file)), options_(options) {
+  struct stat old {};
+  const bool is_there = ::stat(real_.c_str(), &old) == 0;
+  const bool in_place = is_there && (!S_ISREG(old.st_mode) || old.st_nlink > 1);
+  if (!in_place) open_beside();
+  if (descriptor_ < 0) {
+    open_in_place();
+  } else if (is_there) {
+    // Everybody who may read the old one may read the new one.
+    [[maybe_unused]] const int changed = ::fchmod(descriptor_, old.st_mode & 07777);
+  }
+}
+
+WholeFile::~WholeFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!beside_.empty()) ::unlink(beside_.c_str());
+}
+
+void WholeFile::write(std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail(errno);
+    bytes = bytes.subspan(static_cast<size_t>(n));
+  }
+}
+
+void WholeFile::write(std::string_view text) {
+  write({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+void WholeFile::finish() {
+  // On the disk before it has the name. A pipe has no disk.
+  if (options_.to_disk && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
+    fail(errno);
+  if (is_nameless_) name_it();
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+  if (beside_.empty()) return;
+  if (::rename(beside_.c_str(), real_.c_str()) != 0) fail(errno);
+  beside_.clear();
+}
+
+void WholeFile::fail(int error) const {
+  throw EnvironmentError(fmt::format("{}: cannot write{}{}: {}", file_.string(),
+                                     options_.what.empty() ? "" : " ", options_.what,
+                                     std::strerror(error)));
+}
+
+fs::path WholeFile::name_beside() const {
+  static std::atomic<uint64_t> count{0};
+  fs::path name = real_;
+  name += fmt::format(".new-{}-{}", ::getpid(), count++);
+  return name;
+}
+
+void WholeFile::open_beside() {
+  const fs::path folder = real_.has_parent_path() ? real_.parent_path() : fs::path(".");
+  // Without a name, so that a killed run leaves nothing behind.
+  descriptor_ = ::open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, kMode);
+  is_nameless_ = descriptor_ >= 0;
+  if (is_nameless_) return;
+  const fs::path name = name_beside();  // of a file system that has no files without names
+  descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+  if (descriptor_ >= 0) beside_ = name;
+}
+
+void WholeFile::name_it() {
+  const fs::path name = name_beside();
+  const std::string nameless = fmt::format("/proc/self/fd/{}", descriptor_);
+  if (::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0)
+    fail(errno);
+  beside_ = name;
+}
+
+void WholeFile::open_in_place() {
+  descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
+  if (descriptor_ < 0) fail(errno);
+}
 
 fs::path links_followed(fs::path path) {
   std::error_code error;
@@ -130,9 +120,9 @@ fs::path links_followed(fs::path path) {
 
 void write_whole_file(const fs::path& file, std::span<const uint8_t> bytes,
                       const WholeFileOptions& options) {
-  Writer writer(file, options);
-  writer.write(bytes);
-  writer.finish();
+  WholeFile whole(file, options);
+  whole.write(bytes);
+  whole.finish();
 }
 
 void write_whole_file(const fs::path& file, std::string_view text,

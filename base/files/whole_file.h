@@ -1,4 +1,4 @@
-// Writing a whole file at once.
+// Writing a whole file, at once or piece by piece.
 // One rule: a file of that name is what it was or what was asked for, never a part of it. The new
 // one is written without a name, or beside the old one, and then takes its name. Pipes and devices,
 // and files that have a second name or whose folder takes no files, are written in place.
@@ -14,6 +14,36 @@ namespace throng {
 struct WholeFileOptions {
   std::string_view what{};  ///< completes "cannot write", as in "the checkpoint"
   bool to_disk = false;     ///< not even a power cut leaves half a file; costs some milliseconds
+};
+
+/// A file that is written piece by piece and takes its name by finish(); without that an older one
+/// stays, unless it is written in place. All throw EnvironmentError naming the file.
+class WholeFile {
+ public:
+  /// What `options` refers to outlives the file.
+  explicit WholeFile(const std::filesystem::path& file, const WholeFileOptions& options = {});
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  void write(std::span<const uint8_t> bytes);
+  void write(std::string_view text);
+  void finish();
+
+ private:
+  [[noreturn]] void fail(int error) const;
+  /// A name that nobody else has: another run may write the same file at this moment.
+  std::filesystem::path name_beside() const;
+  /// Leaves descriptor_ at -1 where the folder takes no files; the old one may still be writable.
+  void open_beside();
+  void name_it();
+  void open_in_place();
+
+  std::filesystem::path file_, real_;
+  WholeFileOptions options_;
+  int descriptor_ = -1;
+  bool is_nameless_ = false;
+  std::filesystem::path beside_;  ///< until it has the right name
 };
 
 /// Throws EnvironmentError naming the file; an older one, unless it is written in place, is then as

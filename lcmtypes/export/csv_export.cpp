@@ -7,9 +7,6 @@
 #include <map>
 
 #include "base/append.h"
-#include "base/errors.h"
-#include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_gaps.h"
 
 namespace throng {
 namespace {
@@ -182,35 +179,24 @@ std::string csv_channel(std::string_view name) {
   return table_of(lower) != nullptr ? lower : "";
 }
 
-std::string export_csv(const std::filesystem::path& log, const std::string& channel,
+std::string export_csv(ExportedLog& log, const std::string& channel,
                        const std::function<void(std::string_view text)>& write,
                        const std::function<bool()>& keep_going) {
   const Table& table = *table_of(channel);
-  LogReader reader(log);
-  RunReader run;
-  LogEvent event;
   std::string text = table.columns + "\n";
-  LogGaps gaps;
-  double step_s = 0;
-  bool has_run = false, is_stopped = false;
-  while (gaps.next(reader, event)) {
+  bool is_stopped = false;
+  while (log.next()) {
     is_stopped = !keep_going();
     if (is_stopped) break;
-    const RunReader::Update update = run.take(event.channel, event.data);
-    if (!has_run && run.run() != nullptr) {
-      has_run = true;
-      step_s = run.run()->step_s;
-    }
-    if (update != table.update || run.header() == nullptr) continue;
+    RunReader& run = log.run();
+    if (log.update() != table.update || run.header() == nullptr) continue;
     table.add(run, *run.header(), text);
     if (text.size() < kPiece) continue;
     write(text);
     text.clear();
   }
-  if (!has_run && !is_stopped)
-    throw InputError(log.string(), "a run's description", gaps.found_no_description());
   write(text);
-  return is_stopped ? "stopped" : gaps.describe(step_s);
+  return is_stopped ? "stopped" : log.missing();
 }
 
 }  // namespace throng

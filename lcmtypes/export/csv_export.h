@@ -3,11 +3,12 @@
 // left out but the joints of states.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "lcmtypes/export/exported_log.h"
 
 namespace throng {
 
@@ -17,8 +18,8 @@ const std::vector<std::string>& csv_channels();
 std::string csv_channel(std::string_view name);
 
 /// Gives the text piece by piece; damage is skipped. Returns what of the run the log lacks, in
-/// sentences, or "". Throws InputError if the log has no description of a run.
-std::string export_csv(const std::filesystem::path& log, const std::string& channel,
+/// sentences, or "".
+std::string export_csv(ExportedLog& log, const std::string& channel,
                        const std::function<void(std::string_view text)>& write,
                        const std::function<bool()>& keep_going);
 

@@ -9,11 +9,8 @@
 #include <vector>
 
 #include "base/elementary.h"
-#include "base/errors.h"
-#include "lcmtypes/codec/run_reader.h"
 #include "lcmtypes/export/foxglove.h"
 #include "lcmtypes/export/mcap_writer.h"
-#include "lcmtypes/log/log_gaps.h"
 
 namespace throng {
 namespace {
@@ -59,9 +56,6 @@ class Exporter {
     if (run.run() == nullptr) return;
     switch (update) {
       case RunReader::Update::kRun:
-        if (has_run_)
-          throw InputError("log", "one run", "several; `throng check` tells them apart");
-        has_run_ = true;
         present_.assign(static_cast<size_t>(run.run()->avatar_count), 0);
         obstacles(*run.run());
         break;
@@ -221,7 +215,7 @@ class Exporter {
   int64_t every_us_;
   uint16_t transforms_, scene_, markers_, contacts_;
   McapExport out_;
-  bool has_run_ = false, has_state_ = false;
+  bool has_state_ = false;
   int64_t next_us_ = 0, time_us_ = 0, frame_ = 0;
   std::vector<uint8_t> present_;
   std::vector<PairEvent> waiting_;
@@ -230,30 +224,18 @@ class Exporter {
 
 }  // namespace
 
-McapExport export_mcap(const std::filesystem::path& log, const std::filesystem::path& file,
+McapExport export_mcap(ExportedLog& log, const std::filesystem::path& file,
                        const McapExportOptions& options,
                        const std::function<bool(double share)>& keep_going) {
-  LogReader reader(log);
-  RunReader run;
   Exporter exporter(file, options);
-  LogEvent event;
-  LogGaps gaps;
-  double step_s = 0;
-  bool has_run = false, is_stopped = false;
-  while (!is_stopped && gaps.next(reader, event)) {
-    const RunReader::Update update = run.take(event.channel, event.data);
-    if (!has_run && run.run() != nullptr) {
-      has_run = true;
-      step_s = run.run()->step_s;
-    }
-    exporter.take(run, update, run.header());
-    is_stopped = !keep_going(static_cast<double>(reader.offset()) /
-                             static_cast<double>(std::max<uint64_t>(reader.size(), 1)));
+  bool is_stopped = false;
+  while (!is_stopped && log.next()) {
+    log.require_one_run();
+    exporter.take(log.run(), log.update(), log.run().header());
+    is_stopped = !keep_going(log.share_read());
   }
-  if (!has_run && !is_stopped)
-    throw InputError(log.string(), "a run's description", gaps.found_no_description());
-  McapExport out = exporter.finish(run);
-  out.missing = is_stopped ? "stopped" : gaps.describe(step_s);
+  McapExport out = exporter.finish(log.run());
+  out.missing = is_stopped ? "stopped" : log.missing();
   return out;
 }
 

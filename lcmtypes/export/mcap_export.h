@@ -7,6 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "lcmtypes/export/exported_log.h"
+
 namespace throng {
 
 struct McapExportOptions {
@@ -21,8 +23,9 @@ struct McapExport {
 };
 
 /// `keep_going` is asked now and then with the share of the log that was read. Damage is skipped.
-/// Throws InputError if the file is no log of one run, EnvironmentError if nothing can be written.
-McapExport export_mcap(const std::filesystem::path& log, const std::filesystem::path& file,
+/// Throws InputError if the log is of several runs, EnvironmentError if nothing can be written; an
+/// older file is then as it was.
+McapExport export_mcap(ExportedLog& log, const std::filesystem::path& file,
                        const McapExportOptions& options,
                        const std::function<bool(double share)>& keep_going);
 

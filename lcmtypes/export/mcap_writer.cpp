@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 
 #include "base/errors.h"
 #include "base/version.h"
@@ -85,11 +83,7 @@ uint32_t crc32_of(uint32_t crc, std::string_view bytes) {
   return ~crc;
 }
 
-McapWriter::McapWriter(const std::filesystem::path& file)
-    : path_(file), file_(std::fopen(file.c_str(), "wb")) {
-  if (file_ == nullptr)
-    throw EnvironmentError(
-        fmt::format("{}: cannot write: {}", path_.string(), std::strerror(errno)));
+McapWriter::McapWriter(const std::filesystem::path& file) : file_(file) {
   write(kMagic);
   std::string header;
   put_text(header, "");
@@ -98,9 +92,7 @@ McapWriter::McapWriter(const std::filesystem::path& file)
 }
 
 void McapWriter::write(std::string_view bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size())
-    throw EnvironmentError(
-        fmt::format("{}: cannot write: {}", path_.string(), std::strerror(errno)));
+  file_.write(bytes);
   crc_ = crc32_of(crc_, bytes);
   offset_ += bytes.size();
 }
@@ -256,9 +248,7 @@ void McapWriter::finish() {
   put(footer, crc32_of(crc_, head + footer));
   write(record(kFooter, footer));
   write(kMagic);
-  if (std::fflush(file_.get()) != 0)
-    throw EnvironmentError(
-        fmt::format("{}: cannot write: {}", path_.string(), std::strerror(errno)));
+  file_.finish();
 }
 
 }  // namespace throng

@@ -1,17 +1,16 @@
 // MCAP files (https://mcap.dev/spec): messages of any kind with their schemas, in chunks with an
 // index, for Foxglove and other viewers. Chunks are packed by zstd where Throng was built with it.
-// One rule: what is written is never read again; a file whose finish() was not called is torn, and
-// readers know.
+// One rule: what is written is never read again; the file takes its name by finish().
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "base/files/whole_file.h"
 
 namespace throng {
 
@@ -20,14 +19,14 @@ uint32_t crc32_of(uint32_t crc, std::string_view bytes);
 
 class McapWriter {
  public:
-  /// Replaces the file. Throws EnvironmentError, here and below, if it cannot be written.
+  /// Throws EnvironmentError, here and below, if it cannot be written.
   explicit McapWriter(const std::filesystem::path& file);
 
   /// A topic of JSON messages that a JSON schema describes; returns its number.
   uint16_t add_topic(const std::string& topic, const std::string& schema_name,
                      const std::string& schema);
   void add(uint16_t topic, uint64_t time_ns, std::string_view message);
-  /// Writes the index.
+  /// Writes the index, and replaces an older file of the name.
   void finish();
 
   uint64_t messages(uint16_t topic) const { return topics_[topic - 1u].messages; }
@@ -49,11 +48,7 @@ class McapWriter {
   std::string statistics() const;
   std::string chunk_indices() const;
 
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::filesystem::path path_;
-  std::unique_ptr<std::FILE, Close> file_;
+  WholeFile file_;
   uint64_t offset_ = 0;
   uint32_t crc_ = 0;
   std::vector<Topic> topics_;
