@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cmath>
 #include <memory>
 
 #include "base/errors.h"
@@ -42,6 +43,7 @@ py::dict read(const fs::path& file, std::optional<double> fps, bool places,
   summary["frames"] = recorder.frames.size();
   summary["finished"] = log->finished;
   summary["left_out"] = log->left_out;
+  summary["damage"] = log->damage;
   out["summary"] = summary;
   out["notes"] = py::list();
   out["hash"] = log->finished ? py::object(py::str(log->hash)) : py::object(py::none());
@@ -54,6 +56,7 @@ py::dict check(const fs::path& file) {
   py::dict out;
   out["sound"] = report.is_sound();
   out["finished"] = report.finished;
+  out["cut_off"] = report.cut_off;
   out["problems"] = report.problems;
   out["problem_count"] = report.problem_count;
   out["messages"] = report.log_events - report.foreign_messages;
@@ -74,24 +77,29 @@ py::dict check(const fs::path& file) {
   return out;
 }
 
+/// Of a point of a picture, as `throng render` takes it.
+constexpr float kFarthest_m = 1e6F;
+
 std::optional<Eigen::Vector3f> point_of(const char* name,
                                         const std::optional<std::vector<float>>& xyz) {
   if (!xyz) return {};
   if (xyz->size() != 3)
     throw InputError(name, "three numbers x, y, z in metres", fmt::format("{}", xyz->size()));
+  for (const float at_m : *xyz)
+    if (!(std::abs(at_m) <= kFarthest_m))
+      throw InputError(
+          name, fmt::format("three numbers x, y, z of at most {:g} metres each", kFarthest_m),
+          fmt::format("{:g}", at_m));
   return Eigen::Vector3f((*xyz)[0], (*xyz)[1], (*xyz)[2]);
 }
 
 py::array render_frame(const fs::path& log, int64_t number, int width, int height,
                        const std::optional<std::vector<float>>& eye_m,
                        const std::optional<std::vector<float>>& target_m) {
-  constexpr int kMaxPixels = 8192;
-  for (const auto& [name, pixels] : {std::pair("width", width), std::pair("height", height)})
-    if (pixels < 16 || pixels > kMaxPixels)
-      throw InputError(name, fmt::format("16 to {} pixels", kMaxPixels), fmt::format("{}", pixels));
-  if (number < 0) throw InputError("frame", "a number from 0", fmt::format("{}", number));
   const PictureOptions options{width, height, point_of("target_m", target_m),
                                point_of("eye_m", eye_m)};
+  if (options.eye_m && options.eye_m == options.target_m)
+    throw InputError("eye_m", "another point than target_m", "the same");
   auto image = result_apart<Image>([=] {
     RecordedFrame frame(log, number);
     return picture_of(frame, options);

@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "lcmtypes/codec/run_reader.h"
+#include "lcmtypes/log/log_gaps.h"
 #include "lcmtypes/log/log_reader.h"
 #include "python/facts_dict.h"
 
@@ -169,20 +170,15 @@ LogArrays read_log(const std::filesystem::path& file, std::optional<double> fps,
   Reading reading(out, fps, places);
   signs.frames = static_cast<int64_t>(log.size());
   LogEvent event;
-  while (!signs.stop) {
-    const LogReader::Status status = log.next(event);
-    if (status == LogReader::Status::kEvent) {
-      reading.take(event.channel, event.data);
-      signs.done = static_cast<int64_t>(event.offset + event.bytes);
-    } else if (status == LogReader::Status::kDamaged && log.resync()) {
-      ++out.left_out;
-    } else {
-      out.left_out += status != LogReader::Status::kEnd;
-      break;
-    }
+  LogGaps gaps;
+  while (!signs.stop && gaps.next(log, event)) {
+    reading.take(event.channel, event.data);
+    signs.done = static_cast<int64_t>(event.offset + event.bytes);
   }
   if (reading.run() == nullptr)
-    throw InputError(file.string(), "a run's description", "none; is it a log of `throng run`?");
+    throw InputError(file.string(), "a run's description", gaps.found_no_description());
+  out.left_out += gaps.damaged_places();
+  out.damage = gaps.describe_damage();
   out.facts = facts_of(*reading.run(), reading.run_id());
   return out;
 }

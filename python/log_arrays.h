@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "python/interrupts.h"
 #include "python/recorder.h"
@@ -22,6 +23,8 @@ struct LogArrays {
   bool finished = false;  ///< the run said that it was
   std::string hash;       ///< of its end; "" where it is cut off
   int64_t left_out = 0;   ///< messages that were damaged
+  /// What is missing or altered before the log ends, a sentence each.
+  std::vector<std::string> damage;
 };
 
 /// Throws InputError where the file is no log, or says of no run. `fps`: see places_every();

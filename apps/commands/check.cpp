@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kCheckFooter = R"(
 A log is sound when every byte belongs to a message, every message is as it was written, none is
 missing, every contact that begins also ends, and the events have the run's hash. Exit code 1 says
-that it is not.
+that it is not, or that it is cut off before the end of its run.
 
 Examples:
   throng check out/plaza.lcmlog
@@ -51,6 +51,7 @@ int check(const CheckOptions& options) {
   for (const std::string& line : describe_coverage(report)) show("  checksums  {}\n", line);
   if (!report.leaves_out.empty())
     show("  leaves out {} (strategy {})\n", report.leaves_out, report.strategy);
+  if (!report.cut_off.empty()) show("  end        {}\n", report.cut_off);
   for (const std::string& problem : report.problems) show("  problem    {}\n", problem);
   const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
   if (untold > 0) show("  problem    and {} more\n", untold);
@@ -62,7 +63,7 @@ int check(const CheckOptions& options) {
     const int64_t messages = repair_log(options.log, options.repaired);
     show("  repaired   {}: {} sound messages\n", options.repaired, messages);
   }
-  return report.is_sound() ? kExitFine : kExitCheckFailed;
+  return report.is_whole() ? kExitFine : kExitCheckFailed;
 }
 
 }  // namespace

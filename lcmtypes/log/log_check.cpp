@@ -267,7 +267,7 @@ class Judge {
 
   void compare_totals(const LogEvent& event) {
     const end_t& end = *reader_.end();
-    report_.finished = true;
+    report_.finished = has_end_ = true;
     // The totals are the whole run's, the log may hold its last part.
     const int64_t begins_before = end.begins - report_.begins;
     const int64_t ends_before = end.ends - report_.ends;
@@ -298,6 +298,8 @@ class Judge {
     if (!reader_.run()) problem("no complete run description");
     if (report_.has_checks && report_.uncovered > 0) report_.finished = false;
     if (!report_.has_checks) report_.uncovered = 0;
+    if (reader_.run() && !has_end_ && !report_.torn)
+      report_.cut_off = describe_cut(report_.last_frame, reader_.run()->step_s);
     name_foreign();
   }
 
@@ -327,6 +329,7 @@ class Judge {
   LogHash hash_;
   bool is_covered_ = false;  // by the checks that were taken last
   bool is_over_ = false;     // the last checks came
+  bool has_end_ = false;
   bool has_stamp_ = false, is_recording_ = false;
   static constexpr size_t kMaxForeign = 64;
   std::map<std::string, uint64_t, std::less<>> foreign_;  // names, and where each is first

@@ -27,6 +27,7 @@ struct LogReport {
   bool torn = false;      ///< the file ends inside an event
   bool damaged = false;   ///< bytes in the middle that are no event
   bool finished = false;  ///< THRONG_END is there, its totals agree, nothing is uncovered
+  std::string cut_off;    ///< a sentence where the log ends between two messages of its run, or ""
   std::vector<std::string> problems;  ///< a line each; at most kMaxProblems
   int64_t problem_count = 0;          ///< also those beyond kMaxProblems
   static constexpr size_t kMaxProblems = 20;
@@ -58,9 +59,11 @@ struct LogReport {
   /// Of what made the run, printable; "" where the log does not say it.
   std::string version, commit, strategy, leaves_out;
 
-  /// Every byte is part of a sound event, nothing is missing, and events pair up. A run that was
-  /// cut off between two events is sound without being finished.
+  /// Every byte is part of a sound event, nothing is missing in between, and events pair up. A run
+  /// that was cut off between two events is sound without being finished.
   bool is_sound() const { return problem_count == 0; }
+  /// Sound, and finished.
+  bool is_whole() const { return is_sound() && finished; }
 };
 
 /// Throws InputError if `file` is no log at all.

@@ -1,14 +1,31 @@
 #include "lcmtypes/log/log_gaps.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "base/text.h"
 #include "lcmtypes/codec/guard.h"
 
 namespace throng {
+namespace {
+
+std::string where_of(int64_t last_frame, double step_s) {
+  return last_frame < 0 ? std::string("before its first frame")
+                        : fmt::format("after frame {} ({:.2f} s)", last_frame,
+                                      static_cast<double>(last_frame) * step_s);
+}
+
+}  // namespace
+
+std::string describe_cut(int64_t last_frame, double step_s) {
+  return fmt::format(
+      "The log is cut off: it ends {} without the end of its run, and what came later is missing.",
+      where_of(last_frame, step_s));
+}
 
 LogDamage skip_damage(LogReader& log, LogReader::Status status) {
   LogDamage damage{.problem = log.problem(), .from = log.offset()};
@@ -27,6 +44,7 @@ bool LogGaps::next(LogReader& log, LogEvent& event) {
     }
     if (status == LogReader::Status::kEnd) return false;
     const LogDamage damage = skip_damage(log, status);
+    ++damaged_places_;
     is_torn_ = is_torn_ || damage.is_torn;
     if (!damage.is_torn) damaged_bytes_ += damage.bytes;
     if (!damage.goes_on) return false;
@@ -67,33 +85,30 @@ std::string LogGaps::found_no_description() const {
 }
 
 std::string LogGaps::describe(double step_s) const {
-  std::string text;
-  const auto add = [&text](const std::string& sentence) {
-    text += (text.empty() ? "" : " ") + sentence;
-  };
-  const std::string where = last_frame_ < 0
-                                ? std::string("before its first frame")
-                                : fmt::format("after frame {} ({:.2f} s)", last_frame_,
-                                              static_cast<double>(last_frame_) * step_s);
+  std::vector<std::string> sentences;
   if (is_torn_)
-    add(
+    sentences.push_back(
         fmt::format("The log is torn: it ends inside a message {}, and all that came later is "
                     "missing.",
-                    where));
+                    where_of(last_frame_, step_s)));
   else if (!has_end_)
-    add(
-        fmt::format("The log is cut off: it ends {} without the end of its run, and what came "
-                    "later is missing.",
-                    where));
+    sentences.push_back(describe_cut(last_frame_, step_s));
+  for (std::string& sentence : describe_damage()) sentences.push_back(std::move(sentence));
+  return fmt::format("{}", fmt::join(sentences, " "));
+}
+
+std::vector<std::string> LogGaps::describe_damage() const {
+  std::vector<std::string> sentences;
   if (damaged_bytes_ > 0)
-    add(fmt::format("The log is damaged: {} of it could not be read.",
-                    counted(damaged_bytes_, "byte")));
+    sentences.push_back(fmt::format("The log is damaged: {} of it could not be read.",
+                                    counted(damaged_bytes_, "byte")));
   if (damaged_spans_ > 0)
-    add(fmt::format(
+    sentences.push_back(fmt::format(
         "The log is damaged: {} not what was written; `throng check` names them.",
         counted(damaged_spans_, "stretch of messages is", "stretches of messages are")));
-  if (missing_ > 0) add(fmt::format("The log lacks {} of its run.", counted(missing_, "message")));
-  return text;
+  if (missing_ > 0)
+    sentences.push_back(fmt::format("The log lacks {} of its run.", counted(missing_, "message")));
+  return sentences;
 }
 
 }  // namespace throng

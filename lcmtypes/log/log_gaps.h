@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "lcmtypes/codec/channels.h"
 #include "lcmtypes/log/check_spans.h"
@@ -21,6 +22,9 @@ struct LogDamage {
   bool goes_on = false;  ///< another event follows
   bool is_torn = false;  ///< the file ends inside an event; otherwise bytes are damaged
 };
+/// That a log ends between two messages without the end of its run: a sentence.
+std::string describe_cut(int64_t last_frame, double step_s);
+
 /// Goes to the next event after `status` of next(), which was kTorn or kDamaged. A torn event that
 /// others follow is damage: its length was hit.
 LogDamage skip_damage(LogReader& log, LogReader::Status status);
@@ -33,6 +37,10 @@ class LogGaps {
   /// What is missing, in sentences for a person; "" where next() has read a whole log to its end.
   /// `step_s`: of the run, to tell times.
   std::string describe(double step_s) const;
+  /// The same without how the log ends: of what is missing or altered before, a sentence each.
+  std::vector<std::string> describe_damage() const;
+  /// Where bytes are no messages, a torn end included.
+  int64_t damaged_places() const { return damaged_places_; }
   /// Where no description of a run was read: what was found instead, for an InputError.
   std::string found_no_description() const;
 
@@ -42,6 +50,7 @@ class LogGaps {
 
   bool is_torn_ = false, has_end_ = false, has_run_ = false;
   uint64_t damaged_bytes_ = 0;
+  int64_t damaged_places_ = 0;
   CheckSpans spans_;
   size_t damaged_spans_ = 0;
   int64_t missing_ = 0, last_frame_ = -1;

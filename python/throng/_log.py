@@ -13,17 +13,17 @@ def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
     """A log that `throng run` or run(..., log=FILE) wrote, as arrays: a Run.
 
     trajectory_fps: places a second [all that the log has]. Of a damaged log what is sound is read;
-    summary["left_out"] counts the rest, notes say that something is missing, and check() judges it. Ctrl-C raises
-    KeyboardInterrupt.
+    summary["left_out"] counts the rest, notes say what is missing or is not what was written, and check() judges
+    it. Ctrl-C raises KeyboardInterrupt.
     """
     facts = _core.read_log(path_of("file", file), trajectory_fps, trajectories, progress_of(progress))
     facts["notes"] += _missing(**facts["summary"])
     return Run(facts, log=path_of("file", file))
 
 
-def _missing(frames, finished, left_out):
-    """What a log does not hold, a line each."""
-    notes = []
+def _missing(frames, finished, left_out, damage):
+    """What a log does not hold, or holds altered, a line each."""
+    notes = list(damage)
     if left_out:
         places, are = ("1 place", "is") if left_out == 1 else (f"{left_out} places", "are")
         notes.append(f"{places} of the log cannot be read and {are} left out; check() says what and where")
@@ -34,11 +34,11 @@ def _missing(frames, finished, left_out):
 
 
 class LogReport(dict):
-    """What check() found: sound, finished, problems (a line each), messages, bytes, begins, ends, open_pairs,
-    frames, seconds, ...; true where the log is sound."""
+    """What check() found: sound, finished, cut_off (a sentence, or ""), problems (a line each), messages, bytes,
+    begins, ends, open_pairs, frames, seconds, ...; true where the log is sound and finished."""
 
     def __bool__(self):
-        return self["sound"]
+        return self["sound"] and self["finished"]
 
 
 def check(file):
@@ -52,7 +52,8 @@ def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
     eye_m, target_m: where from and what at (x, y, z) [the whole crowd].
     """
     return _core.render(
-        path_of("log", log), whole("frame", frame, 0), whole("width", width, 1), whole("height", height, 1),
+        path_of("log", log), whole("frame", frame, 0, 2**63 - 1),
+        whole("width", width, 16, 8192), whole("height", height, 16, 8192),
         *(value if value is None else numbers(name, value, "three numbers x, y, z in metres", (3,)).tolist()
           for name, value in (("eye_m", eye_m), ("target_m", target_m))),
     )

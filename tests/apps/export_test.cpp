@@ -134,6 +134,38 @@ TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
   EXPECT_EQ(fine.err, "");
 }
 
+TEST(Export, CallsALogCutOffWhereCheckDoes) {
+  const ScratchFolder folder;
+  ASSERT_EQ(shell(kRun, folder).exit_code, 0);
+  const std::string whole = read_file(folder / "a.lcmlog");
+  struct Cut {
+    size_t bytes;
+    const char* where;
+  };
+  for (const Cut& cut :
+       {Cut{pieces_of_channel(whole, "THRONG_STATES").at(0).begin, "before its first frame"},
+        Cut{pieces_of_channel(whole, "THRONG_COUNTERS").at(30).end, "after frame 30 (0.50 s)"},
+        Cut{pieces_of_channel(whole, "THRONG_CHECKS").at(59).end, "after frame 59 (0.98 s)"},
+        Cut{pieces_of_channel(whole, "THRONG_END").at(0).begin, "after frame 59 (0.98 s)"}}) {
+    write_file(folder / "cut.lcmlog", whole.substr(0, cut.bytes));
+    const std::string sentence = std::string("The log is cut off: it ends ") + cut.where +
+                                 " without the end of its run, and what came later is missing.";
+    const Outcome check = shell("throng check cut.lcmlog", folder);
+    EXPECT_EQ(check.exit_code, 1) << check.out;
+    EXPECT_THAT(check.out, StartsWith("cut.lcmlog: sound, but cut off\n"));
+    EXPECT_THAT(check.out, HasSubstr("  end        " + sentence + "\n"));
+    const Outcome exported = shell("throng export cut.lcmlog --csv counters", folder);
+    EXPECT_EQ(exported.exit_code, 1);
+    EXPECT_THAT(exported.err, HasSubstr(sentence));
+  }
+  // The end of the run is there, the checks behind it are not.
+  write_file(folder / "cut.lcmlog",
+             whole.substr(0, pieces_of_channel(whole, "THRONG_END").at(0).end));
+  const Outcome check = shell("throng check cut.lcmlog", folder);
+  EXPECT_EQ(check.exit_code, 1);
+  EXPECT_THAT(check.out, HasSubstr("not covered: "));
+}
+
 TEST(Export, SaysWhatItDoesNotUnderstand) {
   const ScratchFolder folder;
   const std::pair<const char*, const char*> cases[] = {

@@ -10,6 +10,7 @@ namespace throng {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 /// A folder with the log of a short run.
@@ -38,7 +39,10 @@ TEST_F(Log, TornOneIsToldAndMended) {
   const std::string mended = read_file(folder_ / "mended.lcmlog");
   EXPECT_GT(mended.size(), 0u);
   EXPECT_TRUE(whole.starts_with(mended)) << "the sound part is not copied byte for byte";
-  EXPECT_EQ(shell("throng check mended.lcmlog", folder_).exit_code, 0);
+  const Outcome check = shell("throng check mended.lcmlog", folder_);
+  EXPECT_EQ(check.exit_code, 1) << "the rest of the run is missing";
+  EXPECT_THAT(check.out, StartsWith("mended.lcmlog: sound, but cut off\n"));
+  EXPECT_THAT(check.out, Not(HasSubstr("problem")));
 }
 
 TEST_F(Log, RepairLeavesItsInputAlone) {

@@ -63,6 +63,46 @@ class Logs(Case):
         kinds = numpy.bincount(read.events["kind"], minlength=2)
         self.assertEqual(numpy.isnan(read.contacts["end_s"]).sum(), kinds[0] - kinds[1])
 
+    def pieces(self, channel):
+        """Begins and ends of a channel's messages in the log."""
+        found, at, bytes_ = [], 0, self.log.read_bytes()
+        while at < len(bytes_):
+            channel_bytes, data_bytes = (int.from_bytes(bytes_[at + i : at + i + 4], "big") for i in (20, 24))
+            end = at + 28 + channel_bytes + data_bytes
+            if bytes_[at + 28 : at + 28 + channel_bytes] == channel:
+                found.append((at, end))
+            at = end
+        return bytes_, found
+
+    def test_say_what_of_them_is_not_what_was_written(self):
+        for channel in (b"THRONG_COUNTERS", b"THRONG_STATES"):
+            bytes_, found = self.pieces(channel)
+            begin, end = found[50]
+            altered = self.folder / "altered.lcmlog"
+            altered.write_bytes(bytes_[: end - 1] + bytes([bytes_[end - 1] ^ 1]) + bytes_[end:])
+            (note,) = throng.read_log(altered).notes
+            self.assertRegex(note, "^The log is damaged: 1 stretch of messages is not what was written; `throng check` names ")
+            lacking = self.folder / "lacking.lcmlog"
+            lacking.write_bytes(bytes_[:begin] + bytes_[end:])
+            self.assertEqual(throng.read_log(lacking).notes[-1], "The log lacks 1 message of its run.")
+            unreadable = self.folder / "unreadable.lcmlog"
+            unreadable.write_bytes(bytes_[:begin] + b"X" + bytes_[begin + 1 :])
+            notes = throng.read_log(unreadable).notes
+            self.assertRegex(notes[0], "^The log is damaged: [0-9]+ bytes of it could not be read")
+            self.assertTrue(any(note.startswith("1 place of the log") for note in notes), notes)
+
+    def test_that_are_cut_off_are_not_called_whole(self):
+        bytes_, found = self.pieces(b"THRONG_COUNTERS")
+        cut = self.folder / "cut.lcmlog"
+        cut.write_bytes(bytes_[: found[50][1]])
+        report = throng.check(cut)
+        self.assertFalse(report)
+        self.assertEqual((report["sound"], report["finished"], report["problems"]), (True, False, []))
+        self.assertRegex(report["cut_off"], "^The log is cut off: it ends after frame 50 ")
+        self.assertEqual(throng.check(self.log)["cut_off"], "")
+        (note,) = throng.read_log(cut).notes
+        self.assertIn("breaks off after 51 frames", note)
+
     def test_are_drawn_as_the_command_draws_them(self):
         picture = throng.render(self.log, 60, width=160, height=90)
         self.assertEqual((picture.shape, picture.dtype), ((90, 160, 3), numpy.uint8))
@@ -82,6 +122,19 @@ class Logs(Case):
             throng.render(self.log, 9999)
         with self.assertRaisesRegex(throng.InputError, "width"):
             throng.render(self.log, 0, width=1)
+        for name, numbers in (("width", (15, 8193, 10**30)), ("height", (0, 10**5000)), ("frame", (-1, 2**63, 1.5))):
+            for number in numbers:
+                with self.subTest(name=name), self.assertRaisesRegex(throng.InputError, f"^{name}: expected a whole number"):
+                    throng.render(self.log, **{"frame": 0, name: number})
+
+    def test_are_drawn_from_a_place_that_there_is(self):
+        nan, inf = float("nan"), float("inf")
+        for name in ("eye_m", "target_m"):
+            for point in ((nan, 0, 1), (0, inf, 1), (0, 0, -1e300), (0, 2e6, 0), (0, 1), "abc", [None] * 3):
+                with self.subTest(name=name, point=point), self.assertRaisesRegex(throng.InputError, f"^{name}: expected three"):
+                    throng.render(self.log, 0, 32, 32, **{name: point})
+        with self.assertRaisesRegex(throng.InputError, "^eye_m: expected another point than target_m, found the same$"):
+            throng.render(self.log, 0, 32, 32, eye_m=(0, 0, 1), target_m=(0, 0, 1))
 
     def test_are_shown_as_the_page_that_the_command_writes(self):
         page = throng.view(self.log)
