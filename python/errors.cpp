@@ -1,5 +1,8 @@
 #include "python/errors.h"
 
+#include <fmt/format.h>
+
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -29,6 +32,9 @@ void translate(std::exception_ptr thrown) {
     raise("InputError", error.what(), error.where());
   } catch (const EnvironmentError& error) {
     raise("EnvironmentFault", error.what(), "");
+  } catch (const std::filesystem::filesystem_error& error) {
+    raise("EnvironmentFault", fmt::format("{}: {}", error.path1().string(), error.code().message()),
+          "");
   }
 }
 

@@ -26,6 +26,7 @@ class Given {
  public:
   explicit Given(const py::dict& given) : given_(given) {}
 
+  /// Throws TypeError for what is of another type, InputError for whole numbers of too many bits.
   template <typename T>
   std::optional<T> take(const char* name, const char* what) {
     known_.emplace_back(name);
@@ -34,6 +35,9 @@ class Given {
     try {
       return value.cast<T>();
     } catch (const py::cast_error&) {
+      if constexpr (std::is_same_v<T, int64_t> || std::is_same_v<T, double>)
+        if (py::isinstance<py::int_>(value) || py::hasattr(value, "__index__"))
+          throw InputError(name, what, written(py::int_(value)));
       throw py::type_error(
           fmt::format("{}: expected {}, found {}", name, what, std::string(py::repr(value))));
     }
@@ -75,6 +79,14 @@ class Given {
   }
 
  private:
+  /// Python writes no number of more than 4300 digits.
+  static std::string written(const py::int_& number) {
+    constexpr size_t kMostBits = 256;
+    const auto bits = number.attr("bit_length")().cast<size_t>();
+    return bits > kMostBits ? fmt::format("one of {} bits", bits)
+                            : py::str(py::handle(number)).cast<std::string>();
+  }
+
   const py::dict& given_;
   std::vector<std::string> known_;
 };

@@ -134,12 +134,9 @@ py::array FrameView::part_poses(const Numbers& people) const {
   size_t parts = 0;
   for (py::ssize_t i = 0; i < people.size(); ++i) {
     const int64_t id = people.data()[i];
-    if (id < 0)
+    if (id < 0 || id >= known)
       throw InputError(fmt::format("people[{}]", i), fmt::format("an id from 0 to {}", known - 1),
                        fmt::format("{}", id));
-    if (id >= known)
-      throw py::index_error(
-          fmt::format("people[{}]: expected an id below {}, found {}", i, known, id));
     const Model& model = *info.models[info.model_of_avatar[static_cast<size_t>(id)]];
     const auto count = static_cast<size_t>(model.part_count());
     if (i > 0 && count != parts)

@@ -6,6 +6,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "base/errors.h"
 #include "python/interrupts.h"
 #include "scenes/run/checkpoint.h"
 #include "scenes/run/runner.h"
@@ -91,7 +92,13 @@ void SteppedRun::resume(std::span<const uint8_t> state) {
   expect_idle();
   if (simulation_->next_frame() != 0)
     throw std::runtime_error("a simulation resumes before its first step, or not at all");
-  throng::resume(*simulation_, parse_checkpoint(state, "state"), "state");
+  const Checkpoint checkpoint = parse_checkpoint(state, "state");
+  const bool is_own = checkpoint.run_id == simulation_->info().run_id;
+  if (is_own && checkpoint.next_frame > frames())
+    throw InputError(
+        "state", fmt::format("one of a run of {} frames", frames()),
+        fmt::format("one of which {} are done; ask for more seconds", checkpoint.next_frame));
+  throng::resume(*simulation_, checkpoint, "state");
 }
 
 const Frame& SteppedRun::frame(int64_t number) const {

@@ -44,7 +44,8 @@ std::string lower_extension(const fs::path& file) {
 std::string description_of(const std::string& name, const RecordingFlags& flags) {
   const fs::path file(name);
   const std::string extension = is_urdf(file) ? ".urdf" : lower_extension(file);
-  const bool is_bundled = extension.empty() && !fs::exists(file);
+  std::error_code ignored;
+  const bool is_bundled = extension.empty() && !fs::exists(file, ignored);
   if (extension == ".tri" || extension == ".urdf" || extension == ".yaml" || extension == ".yml" ||
       extension == ".lcmlog" || is_bundled)
     require_no_recording_options(flags, "a file that needs no options");

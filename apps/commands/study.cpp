@@ -121,7 +121,8 @@ int merge(const StudyCommand& options) {
     plan.reads("a table of --merge", name);
     tables.emplace_back(name, read_table(name));
     const fs::path beside_it = beside(name, ".times.csv");
-    if (fs::is_regular_file(beside_it))
+    std::error_code ignored;
+    if (fs::is_regular_file(beside_it, ignored))
       times.emplace_back(beside_it.string(), read_table(beside_it));
   }
   const StudyTable table = merged(tables);

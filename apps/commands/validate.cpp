@@ -116,8 +116,9 @@ void carry_out_all(Session& session, const validation::Conditions& conditions, i
 /// What is missing has to be told before anything runs.
 void require_recordings(const std::string& folder) {
   if (folder.empty()) return;
+  std::error_code ignored;
   for (const std::string& name : validation::recording_files())
-    if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / name))
+    if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / name, ignored))
       throw InputError("--recordings", fmt::format("a folder with {}", name),
                        fmt::format("'{}' without it", folder));
 }

@@ -15,7 +15,10 @@ def refused(where, expected, found):
 
 def shown(value):
     """The beginning of what somebody gave, on one line."""
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # a whole number of more than 4300 digits
+        return f"a {type(value).__name__} too long to be written"
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -70,13 +73,16 @@ def whole(where, value, low, high=None):
     except (AttributeError, TypeError):
         raise refused(where, expected, shown(value)) from None
     if number < low or (high is not None and number > high):
-        raise refused(where, expected, number)
+        raise refused(where, expected, number if number.bit_length() <= 256 else f"one of {number.bit_length()} bits")
     return number
 
 
 def path_of(where, value, expected="the name of a file"):
     """A path as text."""
     try:
-        return os.fsdecode(os.fspath(value))
+        path = os.fsdecode(os.fspath(value))
     except TypeError:
         raise refused(where, expected, shown(value)) from None
+    if "\0" in path:
+        raise refused(where, expected, shown(value))
+    return path

@@ -59,10 +59,7 @@ class Model:
         return self._model.triangles(self._part(part))
 
     def _part(self, part):
-        number = whole("part", part, 0)
-        if number >= self.part_count:
-            raise IndexError(f"part: expected 0 to {self.part_count - 1}, found {number}")
-        return number
+        return whole("part", part, 0, self.part_count - 1)
 
     def __repr__(self):
         return f"<throng.Model {self.name}: {self.part_count} parts, {self.joint_count} joints>"

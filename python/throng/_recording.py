@@ -6,7 +6,7 @@ import tempfile
 import numpy
 
 from . import _core
-from ._given import path_of
+from ._given import numbers, path_of
 from ._run import options_of, progress_of, run
 from ._table import Table
 
@@ -92,5 +92,7 @@ def compare(a, b, seconds=None, line=None, threads=None, progress=None):
     line: where the flow is measured, (x, y, x, y) [the narrowest place]. Returns a Comparison.
     """
     given = {"seconds": seconds, "threads": threads, "exact": True}
+    if line is not None:
+        line = numbers("line", line, "two points: x, y, x, y", (None,)).tolist()
     found = _core.compare(options_of(a, given), options_of(b, given), line, progress_of(progress))
     return Comparison(found)

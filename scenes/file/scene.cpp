@@ -18,10 +18,11 @@ fs::path bundled_folder() { return data_directory() / "scenes" / "bundled"; }
 
 fs::path scene_file(const std::string& path_or_name) {
   fs::path file = path_or_name;
+  std::error_code ignored;  // a name too long for a file is that of none
   // A bare word is a bundled scene; a path has a folder or an extension.
-  if (!file.has_parent_path() && !file.has_extension() && !fs::exists(file)) {
+  if (!file.has_parent_path() && !file.has_extension() && !fs::exists(file, ignored)) {
     const fs::path bundled = bundled_folder() / (path_or_name + ".yaml");
-    if (!fs::exists(bundled)) {
+    if (!fs::exists(bundled, ignored)) {
       std::vector<std::string> names;
       for (const SceneEntry& entry : bundled_scenes()) names.push_back(entry.name);
       throw InputError(path_or_name.empty() ? "scene" : path_or_name,

@@ -61,6 +61,12 @@ class BadOptions(Case):
             ({"seconds": -1}, "seconds"),
             ({"seconds": float("nan")}, "seconds"),
             ({"seed": -1}, "seed"),
+            ({"seed": 2**63}, "seed"),
+            ({"seed": -(2**70)}, "seed"),
+            ({"seed": 10**5000}, "seed"),
+            ({"seed": numpy.uint64(2**63)}, "seed"),
+            ({"avatars": 2**64}, "avatars"),
+            ({"seconds": 10**400}, "seconds"),
             ({"threads": 0}, "threads"),
             ({"part_volume": "ordop25"}, "part_volume"),
             ({"steering": "orka"}, "steering"),
@@ -85,6 +91,29 @@ class BadOptions(Case):
     def test_of_another_type_are_type_errors(self):
         with self.assertRaisesRegex(TypeError, "seconds: expected a number"):
             throng.run("plaza", seconds="long")
+
+
+class OverlongNames(Case):
+    def test_are_refused_as_those_of_no_file(self):
+        for length in (300, 5000):
+            name = "y" * length
+            for extension in ("", ".yaml", ".csv", ".urdf", ".lcmlog"):
+                for use in (throng.run, throng.Simulation, throng.Recording, throng.Model, throng.read_log, throng.check,
+                            lambda file: throng.compare(file, file), lambda file: throng.Body([file]),
+                            lambda file: throng.render(file, 0)):
+                    with self.subTest(length=length, extension=extension, use=use):
+                        with self.assertRaisesRegex(throng.InputError, "^y+[^\n]*: expected [^\n]*, found [^\n]*$"):
+                            use(name + extension)
+
+    def test_are_refused_before_anything_is_written(self):
+        for option in ("log", "html", "contacts", "trace_hash"):
+            with self.subTest(option=option), self.assertRaisesRegex(throng.EnvironmentFault, "too long"):
+                throng.run("plaza", seconds=0.1, avatars=5, **{option: self.folder / ("y" * 300)})
+
+    def test_of_a_zero_byte_are_refused(self):
+        for use in (throng.run, throng.read_log, throng.Model):
+            with self.assertRaisesRegex(throng.InputError, "found 'a"):
+                use("a\0b")
 
 
 class Exceptions(Case):

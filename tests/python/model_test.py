@@ -131,8 +131,9 @@ class Models(Case):
             vertices, triangles = adult.vertices_m(part), adult.triangles(part)
             self.assertEqual(vertices.shape[1:], (3,))
             self.assertLess(triangles.max(), len(vertices))
-        with self.assertRaises(IndexError):
-            adult.vertices_m(adult.part_count)
+        for part in (adult.part_count, 10**30, -1):
+            with self.assertRaisesRegex(throng.InputError, "^part: expected a whole number from 0 to 14, found "):
+                adult.vertices_m(part)
 
 
 if __name__ == "__main__":

@@ -88,6 +88,12 @@ class Comparisons(Case):
         with self.assertRaisesRegex(throng.InputError, "line: expected two points"):
             throng.compare("corridor", "crossing", seconds=1, line=(1, 1, 1, 1))
 
+    def test_refuse_a_line_that_is_none(self):
+        nan, inf = float("nan"), float("inf")
+        for line in ((nan, 0, 1, 1), (0, 0, 1, inf), (-1e300, 0, 1, 1), (0, 0, 1), (), "ab", 5, ((0, 0), (1, 1)), [None] * 4):
+            with self.subTest(line=line), self.assertRaisesRegex(throng.InputError, "^line: expected two points"):
+                throng.compare("corridor", "crossing", seconds=1, line=line)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -169,6 +169,19 @@ class Steps(Case):
             simulation.resume(bytearray(state))
             self.assertEqual(simulation.next_frame, 3)
 
+    def test_resume_no_state_beyond_their_end(self):
+        options = dict(avatars=10, seed=3)
+        longer = throng.Simulation("plaza", seconds=2, **options)
+        for _ in range(13):
+            longer.step()
+        state = longer.save()
+        expected = "^state: expected one of a run of 12 frames, found one of which 13 are done; ask for more seconds$"
+        with self.assertRaisesRegex(throng.InputError, expected):
+            throng.Simulation("plaza", seconds=0.2, **options).resume(state)
+        whole = throng.Simulation("plaza", seconds=13 / 60, **options)
+        whole.resume(state)
+        self.assertEqual((whole.next_frame, list(whole)), (13, []))
+
     def test_save_what_the_command_resumes(self):
         simulation = throng.Simulation("corridor", seed=5)
         for _ in range(6):
@@ -197,8 +210,9 @@ class Steps(Case):
         for people in ([-1], [0.5], ["a"], [[1]], [numpy.nan], [2**70]):
             with self.subTest(people=people), self.assertRaisesRegex(throng.InputError, "^people"):
                 frame.part_poses(people)
-        with self.assertRaisesRegex(IndexError, "below 10, found 10"):
-            frame.part_poses([10])
+        for person in (10, 2**62):
+            with self.assertRaisesRegex(throng.InputError, rf"^people\[1\]: expected an id from 0 to 9, found {person}$"):
+                frame.part_poses([3, person])
         self.assertEqual(frame.part_poses(numpy.array([3.0, 4])).shape[0], 2)
         self.assertEqual(frame.part_poses(i for i in (1, 2)).shape[0], 2)
 
