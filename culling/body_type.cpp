@@ -1,15 +1,37 @@
 #include "culling/body_type.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
+#include "base/errors.h"
+#include "base/limits.h"
 #include "culling/fitted.h"
 
 namespace throng {
 
+namespace {
+
+/// Beyond, volumes leave what a float holds, and pairs would be lost.
+std::vector<PartShape> described(std::vector<PartShape> parts) {
+  constexpr auto kMost_m = static_cast<float>(kMaxDescribed);
+  for (size_t i = 0; i < parts.size(); ++i)
+    for (const Eigen::Vector3f& point : parts[i].points)
+      for (const float at_m : point)
+        if (!(std::abs(at_m) <= kMost_m))
+          throw InputError(fmt::format("parts[{}]", i),
+                           fmt::format("coordinates of at most {:g} m", kMost_m),
+                           fmt::format("{:g}", at_m));
+  return parts;
+}
+
+}  // namespace
+
 BodyType::BodyType(std::vector<PartShape> parts, const RootSphere& sphere, bool is_static)
-    : parts_(std::move(parts)),
+    : parts_(described(std::move(parts))),
       sphere_(sphere),
       is_static_(is_static),
       volumes_(std::make_unique<Volumes>(parts_)) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "base/limits.h"
 #include "base/stopwatch.h"
 #include "culling/deadline/deadline.h"
 #include "culling/distance/near_alone.h"
@@ -50,6 +51,16 @@ void require_filter(BodyTypes types, const CullerOptions& options) {
   for (size_t type = 0; fits && type < of_part.size(); ++type)
     fits = of_part[type].size() == types[type]->parts().size();
   if (!fits) throw InputError("a filter", "sides of every part of every type", "others");
+}
+
+/// Beyond, places and volumes over a scale leave what a float holds, and pairs would be lost.
+void require_scales(std::span<const float> scales) {
+  constexpr auto kMost = static_cast<float>(kMaxDescribed);
+  for (size_t i = 0; i < scales.size(); ++i)
+    if (!(scales[i] >= 1 / kMost && scales[i] <= kMost))
+      throw InputError(fmt::format("scales[{}]", i),
+                       fmt::format("a number from {:g} to {:g}", 1 / kMost, kMost),
+                       fmt::format("{:g}", scales[i]));
 }
 
 std::unique_ptr<NearSearch> make_near(BodyTypes types, const CullerOptions& options,
@@ -127,6 +138,7 @@ void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   assert(std::adjacent_find(bodies.ids.begin(), bodies.ids.end(), std::greater_equal<>()) ==
          bodies.ids.end());
   assert(bodies.ids.empty() || bodies.ids.back() <= PairKey::kMaxId);
+  require_scales(bodies.scales);
   const uint64_t grown_before = s.times_grown();
   Stopwatch whole;
   s.pass->run(bodies, poses, s.events, s.counters);

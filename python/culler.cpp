@@ -194,9 +194,11 @@ void require_bodies(const OwnCuller& culler, const Numbers<int64_t>& ids,
     if (type < 0 || type >= static_cast<int64_t>(culler.shapes().size()))
       throw InputError(fmt::format("types[{}]", i),
                        fmt::format("0 to {}", culler.shapes().size() - 1), fmt::format("{}", type));
-    if (!(static_cast<float>(scales.data()[i]) > 0 && scales.data()[i] < 1e6))
-      throw InputError(fmt::format("scales[{}]", i), "a number above 0",
-                       fmt::format("{}", scales.data()[i]));
+    // As the culler does, before its bodies are posed.
+    if (!(scales.data()[i] >= 1 / kMaxDescribed && scales.data()[i] <= kMaxDescribed))
+      throw InputError(fmt::format("scales[{}]", i),
+                       fmt::format("a number from {:g} to {:g}", 1 / kMaxDescribed, kMaxDescribed),
+                       fmt::format("{:g}", scales.data()[i]));
   }
 }
 

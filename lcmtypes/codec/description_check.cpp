@@ -129,7 +129,8 @@ std::string defect_of(const run_description_t& run) {
     if (!is_in(group, run.groups.size()))
       return fmt::format("group {} of {}", group, run.groups.size());
   for (const float scale : run.scale_of_avatar)
-    if (!(scale > 0 && scale <= kMaxScale)) return "a scale out of range";
+    if (!(scale >= 1 / static_cast<float>(kMaxDescribed) && scale <= kMaxScale))
+      return "a scale out of range";
   return "";
 }
 

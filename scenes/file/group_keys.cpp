@@ -142,6 +142,12 @@ void require_scale(const Fields& fields, const Group& group) {
                      fmt::format("a model at least {:g} m tall for avatars of {:g} m",
                                  tallest_m / static_cast<double>(kMaxScale), tallest_m),
                      fmt::format("'{}' of {:g} m; is it in other units?", body.name, own_m));
+  const double least_m = group.height_m ? group.height_m->min : kMinPerson_m;
+  if (!(least_m / own_m >= 1 / kMaxDescribed))
+    throw InputError(fields.where(),
+                     fmt::format("a model at most {:g} m tall for avatars of {:g} m",
+                                 least_m * kMaxDescribed, least_m),
+                     fmt::format("'{}' of {:g} m; is it in other units?", body.name, own_m));
   const double reach_m = static_cast<double>(scale) * static_cast<double>(reach_of(body));
   if (!(reach_m <= kMaxReach_m))
     throw InputError(fields.where(),

@@ -1,11 +1,15 @@
 // The laws of the whole culling pass, on random worlds of mixed bodies.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
+#include "base/errors.h"
 #include "culling/culling.h"
 #include "tests/culling/random_world.h"
 #include "tests/culling/truth.h"
@@ -231,6 +235,45 @@ TEST(Culler, LooksAtFewerPairsWithAGridThanByBruteForce) {
   EXPECT_LT(grid, sweep);
   EXPECT_LT(sweep, brute);
   EXPECT_LT(grid * 20, brute);
+}
+
+/// What an InputError says, "" where there is none.
+template <typename Function>
+std::string refusal_of(const Function& function) {
+  try {
+    function();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Culler, RefusesScalesThatFloatsLosePairsWith) {
+  RandomWorld world(3, 20, 2, {0, 0, 0});
+  Workers workers(1);
+  const auto step = [&](float scale) {
+    world.scales[7] = scale;
+    Culler culler(world.types, {}, workers);
+    return refusal_of([&] { culler.step(world.view(), world); });
+  };
+  for (const float scale : {1e-6F, 0.1F, 1.F, 1e3F, 1e6F}) EXPECT_EQ(step(scale), "") << scale;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const float scale : {0.F, -1.F, 1e-37F, 9e-7F, 1.1e6F, kInfinity, -kInfinity, NAN})
+    EXPECT_EQ(step(scale), fmt::format("scales[7]: expected a number from 1e-06 to 1e+06, found "
+                                       "{:g}",
+                                       scale));
+}
+
+TEST(Culler, RefusesPartsThatFloatsLosePairsOf) {
+  for (const float at_m : {1.1e6F, -1e30F, std::numeric_limits<float>::infinity(), NAN}) {
+    const PartShape fine{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
+    PartShape wrong = fine;
+    wrong.points[2].y() = at_m;
+    EXPECT_EQ(refusal_of([&] {
+                BodyType({fine, wrong}, {}, false);
+              }),
+              fmt::format("parts[1]: expected coordinates of at most 1e+06 m, found {:g}", at_m));
+  }
 }
 
 TEST(Culler, HandlesAnEmptyFrameAndASingleBody) {

@@ -189,6 +189,14 @@ TEST_F(Robots, AndPeopleInOtherUnitsAreRefused) {
       "1 1'/></geometry></collision></link></robot>");
   EXPECT_THAT(refusal_of("model: r.urdf"),
               HasSubstr("expected a model with all parts within 10000 m of its root, found 'r'"));
+  write("r.urdf",
+        "<robot name='r'><link name='a'><collision><geometry><box size='1 1 "
+        "9900'/></geometry></collision></link><link name='b'><collision><origin xyz='0 0 "
+        "9900'/><geometry><box size='1 1 9900'/></geometry></collision></link><joint name='j' "
+        "type='fixed'><parent link='a'/><child link='b'/></joint></robot>");
+  EXPECT_THAT(refusal_of("model: r.urdf, height_m: 0.01"),
+              HasSubstr("s.yaml:3: expected a model at most 10000 m tall for avatars of 0.01 m, "
+                        "found 'r' of 19800 m; is it in other units?"));
 }
 
 }  // namespace
