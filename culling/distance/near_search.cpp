@@ -337,27 +337,25 @@ void NearSearch::list_nearest_undecided(const Pair& pair, Task& task) {
 /// The rows of two bodies that triangles decide. The candidates that may be nearest come first.
 void NearSearch::list(const Pair& pair, Task& task) {
   NearestParts nearest(*this, pair);
-  const double near_m = static_cast<double>(options_.near.near_m);
+  const float near_m = options_.near.near_m;
   for (const NearCandidate& c : sorted(pair, task)) {
-    if (c.lo_m > std::max(options_.near.near_m, nearest.within_m())) break;
+    if (c.lo_m > std::max(near_m, nearest.within_m())) break;
     const bool listed = is_listed(c), may_be_nearest = nearest.may_be(c);
     if (!listed && !may_be_nearest) continue;
     const PartPair parts = part_pair(frame_, task.posed->poses(), pair.bodies, c.part_a, c.part_b);
-    const float within_m =
-        std::max(listed ? options_.near.near_m : 0, may_be_nearest ? nearest.within_m() : 0);
+    const float within_m = std::max(listed ? near_m : 0, may_be_nearest ? nearest.within_m() : 0);
     const NearVerdict verdict = verdict_of(parts, c, within_m, task);
     if (!verdict.is_near) continue;
     const NearPair row = decided(task, pair.bodies, c, verdict);
     if (verdict.touches && options_.near.contact_points)
       task.contacts.add({row.pair, row.point_a_m, row.normal, row.depth_m});
-    if (listed && options_.near.near_m > 0 && verdict.lo_m <= near_m) task.rows.add(row);
+    if (listed && near_m > 0 && verdict.lo_m <= static_cast<double>(near_m)) task.rows.add(row);
     if (may_be_nearest) nearest.take(row);
   }
   const auto by_pair = [](const auto& p, const auto& q) { return p.pair < q.pair; };
-  const std::span<NearPair> rows = task.rows.open();
-  std::sort(rows.begin(), rows.end(), by_pair);
-  const auto contacts = task.contacts.open();
-  std::sort(contacts.begin(), contacts.end(), by_pair);
+  const auto sort = [&](auto rows) { std::sort(rows.begin(), rows.end(), by_pair); };
+  sort(task.rows.open());
+  sort(task.contacts.open());
   task.rows.end_run(pair.bodies);
   task.contacts.end_run(pair.bodies);
   nearest.list(task);
