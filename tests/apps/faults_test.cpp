@@ -41,7 +41,10 @@ void expect_readable(const std::string& log, const ScratchFolder& folder) {
   const Outcome check = shell("throng check " + log + " --repair mended.lcmlog", folder);
   EXPECT_LE(check.exit_code, 1) << check.err;
   const Outcome mended = shell("throng check mended.lcmlog", folder);
-  EXPECT_EQ(mended.exit_code, 0) << mended.out << mended.err;
+  // Without the end of the run, which the fault took, it is cut off.
+  const bool is_cut = mended.out.starts_with("mended.lcmlog: sound, but cut off\n");
+  EXPECT_TRUE(is_cut || mended.out.starts_with("mended.lcmlog: sound\n")) << mended.out;
+  EXPECT_EQ(mended.exit_code, is_cut ? 1 : 0) << mended.out << mended.err;
   EXPECT_EQ(figure(mended.out, "messages "), figure(check.out, "messages "))
       << "a sound message was lost\n"
       << check.out << mended.out;
