@@ -50,7 +50,7 @@ class RecordingBuilder {
   /// is compared with the times of the file, if it has them.
   void state_rate(std::optional<double> per_s, std::string_view by);
   /// For files that number their frames and have their times, too.
-  FrameTimes& frame_times() { return frame_times_; }
+  RateByTimes& frame_times() { return frame_times_; }
 
   /// Positions in metres, not shifted; NaN as x or y is a gap, which is counted. `place`: the line
   /// of the file, from 1. Throws InputError where a number is beyond what can be.
@@ -93,7 +93,7 @@ class RecordingBuilder {
   RecordingHead head_;
   double stated_per_s_ = 0;  ///< 0: none is stated
   std::string stated_by_;
-  FrameTimes frame_times_;
+  RateByTimes frame_times_;
   std::optional<double> times_per_s_;  ///< kTimes: of the times, whatever --fps is
   std::unique_ptr<SampleStore> store_;
   std::vector<int64_t> ids_;  ///< of people, as they are numbered in the store

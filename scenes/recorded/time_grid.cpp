@@ -75,7 +75,7 @@ double rounded(double per_s, double allowed) {
 
 }  // namespace
 
-void FrameTimes::take(double frame, double time_s, double rounding_s) {
+void RateByTimes::take(double frame, double time_s, double rounding_s) {
   if (!std::isfinite(frame) || !std::isfinite(time_s)) return;
   // Zeros at the end may be left out: the longest number shows how many digits there are.
   rounding_s_ = is_empty_ ? rounding_s : std::min(rounding_s_, rounding_s);
@@ -90,12 +90,12 @@ void FrameTimes::take(double frame, double time_s, double rounding_s) {
   is_empty_ = false;
 }
 
-std::optional<double> FrameTimes::per_s() const {
+std::optional<double> RateByTimes::per_s() const {
   if (!(last_frame_ > first_frame_ && last_s_ > first_s_)) return std::nullopt;
   return (last_frame_ - first_frame_) / (last_s_ - first_s_);
 }
 
-double FrameTimes::uncertainty() const { return 2 * rounding_s_ / (last_s_ - first_s_); }
+double RateByTimes::uncertainty() const { return 2 * rounding_s_ / (last_s_ - first_s_); }
 
 bool lie_on(const SampleStore& store, const PrintedTimes& times, double per_s) {
   std::vector<StoredSample> samples;

@@ -22,6 +22,22 @@ CellOf voronoi_cells(const Scene& scene) {
   };
 }
 
+std::optional<DensitySpeed> density_and_speed(const Moment& moment, const Velocities& velocities,
+                                              const Rectangle& area, const CellOf& cell) {
+  double room = 0, weighted_mps = 0;
+  int people = 0;
+  for (size_t person = 0; person < moment.present.size(); ++person) {
+    if (velocities.known[person] == 0 || !area.contains(moment.heads_m[person])) continue;
+    const double own_room = cell(moment, person);
+    if (own_room <= 0) continue;
+    ++people;
+    room += own_room;
+    weighted_mps += own_room * velocities.of_mps[person].norm();
+  }
+  if (people == 0) return std::nullopt;
+  return DensitySpeed{people / room, weighted_mps / room};
+}
+
 AreaSpeeds::AreaSpeeds(const Trial& trial, CellOf cell, std::vector<Rectangle> areas)
     : cell_(std::move(cell)), areas_(std::move(areas)), crowd_(trial.size(), 3) {}
 
@@ -30,21 +46,10 @@ void AreaSpeeds::watch(const Trial& trial, bool counts) {
   take(trial, crowd_.next());
   crowd_.pushed();
   if (!counts) return;
-  const Moment& moment = crowd_.ago(1);
   velocities_.find(crowd_, 1, kSample_s);
-  for (const Rectangle& area : areas_) {
-    double room = 0, weighted_mps = 0;
-    int people = 0;
-    for (size_t id = 0; id < trial.size(); ++id) {
-      if (velocities_.known[id] == 0 || !area.contains(moment.heads_m[id])) continue;
-      const double cell = cell_(moment, id);
-      if (cell <= 0) continue;
-      ++people;
-      room += cell;
-      weighted_mps += cell * velocities_.of_mps[id].norm();
-    }
-    if (people > 0) samples_.push_back({people / room, weighted_mps / room});
-  }
+  for (const Rectangle& area : areas_)
+    if (const auto sample = density_and_speed(crowd_.ago(1), velocities_, area, cell_))
+      samples_.push_back(*sample);
 }
 
 }  // namespace throng::validation

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "scenes/measures/speed_and_spacing.h"
@@ -17,6 +18,10 @@ namespace throng::validation {
 /// The cell of a person at a moment, m2 or m; 0 for none.
 using CellOf = std::function<double(const Moment&, size_t)>;
 CellOf voronoi_cells(const Scene& scene);
+
+/// Of the people of an area at a moment; none without anybody.
+std::optional<DensitySpeed> density_and_speed(const Moment& moment, const Velocities& velocities,
+                                              const Rectangle& area, const CellOf& cell);
 
 class AreaSpeeds {
  public:

@@ -25,6 +25,43 @@ std::string lane_name(size_t lane) {
                      0.5 * static_cast<double>(lane + 1));
 }
 
+template <class Holds>
+double share_of(const std::vector<double>& values, const Holds& holds) {
+  if (values.empty()) return Reading::kNone;
+  return static_cast<double>(std::count_if(values.begin(), values.end(), holds)) /
+         static_cast<double>(values.size());
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return Reading::kNone;
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The mean speed of each bin of density with enough samples, from 0 on; none of others.
+std::vector<double> mean_speeds(const std::vector<DensitySpeed>& samples) {
+  std::vector<double> sums_mps;
+  std::vector<size_t> counts;
+  for (const DensitySpeed& sample : samples) {
+    const auto bin = static_cast<size_t>(sample.density / kRecordedBin);
+    if (bin >= counts.size()) {
+      counts.resize(bin + 1, 0);
+      sums_mps.resize(bin + 1, 0);
+    }
+    ++counts[bin];
+    sums_mps[bin] += sample.speed_mps;
+  }
+  for (size_t bin = 0; bin < counts.size(); ++bin)
+    sums_mps[bin] = counts[bin] < kLeastSamples ? Reading::kNone
+                                                : sums_mps[bin] / static_cast<double>(counts[bin]);
+  return sums_mps;
+}
+
 }  // namespace
 
 Judgement judge_doors(std::span<const DoorFlow> flows) {
@@ -208,6 +245,89 @@ Judgement judge_two_way(std::span<const std::vector<double>> crowds_per_m_s) {
       "{:.2f} people/(m s) both ways together over {} min, the mean of {} crowds; {:.2f} in the "
       "worst minute of all",
       mean, minutes, crowds_per_m_s.size(), worst);
+  return out;
+}
+
+void TwoWayUse::add(TwoWayUse more) {
+  from_right_wall_m.insert(from_right_wall_m.end(), more.from_right_wall_m.begin(),
+                           more.from_right_wall_m.end());
+  lane_orders.insert(lane_orders.end(), more.lane_orders.begin(), more.lane_orders.end());
+  speeds.insert(speeds.end(), more.speeds.begin(), more.speeds.end());
+}
+
+Judgement judge_two_way_use(const TwoWayUse& ours, const TwoWayUse& theirs) {
+  constexpr double kMostAtWall = 2, kLeastCentral = 0.75, kMostOrder = 0.9, kMostSpeedOff = 0.1;
+  const auto at_wall = [](const TwoWayUse& use) {
+    return share_of(use.from_right_wall_m,
+                    [&](double y) { return std::min(y, use.width_m - y) < TwoWayUse::kAtWall_m; });
+  };
+  const auto central = [](const TwoWayUse& use) {
+    return share_of(use.from_right_wall_m, [&](double y) {
+      return std::abs(y - 0.5 * use.width_m) < 0.5 * TwoWayUse::kCentral_m;
+    });
+  };
+  const auto wall_m = [](const TwoWayUse& use) {
+    std::vector<double> nearer_m;
+    for (const double y : use.from_right_wall_m) nearer_m.push_back(std::min(y, use.width_m - y));
+    return median_of(std::move(nearer_m));
+  };
+  Judgement out;
+  const double most_at_wall = kMostAtWall * at_wall(theirs);
+  const double least_central = kLeastCentral * central(theirs);
+  const double order = mean_of(ours.lane_orders);
+  out.readings = {{"within 0.4 m of a wall", "share of the time", "", at_wall(ours),
+                   at_wall(theirs), 0, most_at_wall, at_wall(ours) <= most_at_wall, true},
+                  {"central metre", "share of the time", "", central(ours), central(theirs),
+                   least_central, 1, central(ours) >= least_central, true},
+                  {"middle of the corridor", "lane order", "", order, mean_of(theirs.lane_orders),
+                   0, kMostOrder, order <= kMostOrder, true},
+                  {"middle of the corridor",
+                   "median distance to the nearer wall",
+                   "m",
+                   wall_m(ours),
+                   wall_m(theirs),
+                   Reading::kNone,
+                   Reading::kNone,
+                   {}}};
+  const auto lanes = static_cast<size_t>(ours.width_m / 0.5);
+  for (size_t lane = 0; lane < lanes; ++lane) {
+    const auto in_lane = [&](double y) {
+      return y >= 0.5 * static_cast<double>(lane) && y < 0.5 * static_cast<double>(lane + 1);
+    };
+    out.readings.push_back({lane_name(lane),
+                            "share of person-seconds",
+                            "",
+                            share_of(ours.from_right_wall_m, in_lane),
+                            share_of(theirs.from_right_wall_m, in_lane),
+                            Reading::kNone,
+                            Reading::kNone,
+                            {}});
+  }
+  const std::vector<double> our_speeds = mean_speeds(ours.speeds);
+  const std::vector<double> their_speeds = mean_speeds(theirs.speeds);
+  int measured = 0, near = 0;
+  for (size_t bin = 0; bin < std::min(our_speeds.size(), their_speeds.size()); ++bin) {
+    const double mps = our_speeds[bin], recorded_mps = their_speeds[bin];
+    if (std::isnan(mps) || std::isnan(recorded_mps)) continue;
+    const double from = kRecordedBin * static_cast<double>(bin);
+    const bool is_near = std::abs(mps - recorded_mps) <= kMostSpeedOff * recorded_mps;
+    ++measured;
+    near += is_near;
+    out.readings.push_back({fmt::format("{:g} to {:g} per m2", from, from + kRecordedBin),
+                            "mean speed", "m/s", mps, recorded_mps,
+                            (1 - kMostSpeedOff) * recorded_mps, (1 + kMostSpeedOff) * recorded_mps,
+                            is_near});
+  }
+  out.readings.push_back({"all densities", "speeds within 10 %", "", static_cast<double>(near),
+                          Reading::kNone, static_cast<double>(measured),
+                          static_cast<double>(measured), measured > 0 && near == measured, true});
+  out.passed = std::all_of(out.readings.begin(), out.readings.end(),
+                           [](const Reading& reading) { return reading.met.value_or(true); });
+  out.summary = fmt::format(
+      "{:.0f} % of the time within 0.4 m of a wall (recorded {:.0f} %), {:.0f} % in the central "
+      "metre ({:.0f} %), lane order {:.2f} ({:.2f}); speeds within 10 % at {} of {} densities",
+      100 * at_wall(ours), 100 * at_wall(theirs), 100 * central(ours), 100 * central(theirs), order,
+      mean_of(theirs.lane_orders), near, measured);
   return out;
 }
 

@@ -61,6 +61,24 @@ Judgement judge_overtaking(std::span<const Overtaking> starts);
 /// 1.0 on average and in none of them ever below a tenth of that.
 Judgement judge_two_way(std::span<const std::vector<double>> crowds_per_m_s);
 
+/// Where people of two streams walk in a corridor along x, moment by moment.
+struct TwoWayUse {
+  static constexpr double kAtWall_m = 0.4, kCentral_m = 1, kAbreast_m = 0.5;
+
+  double width_m = 0;
+  std::vector<double> from_right_wall_m;
+  /// Of those within kAbreast_m to either side: the square of the share that goes the same way less
+  /// the share that comes.
+  std::vector<double> lane_orders;
+  std::vector<DensitySpeed> speeds;
+
+  void add(TwoWayUse more);
+};
+/// Within kAtWall_m of a wall at most twice the recorded share of the time, in the central metre at
+/// least three quarters of it, lane order at most 0.9, speeds within 10 % of the recorded at each
+/// density with enough samples of both.
+Judgement judge_two_way_use(const TwoWayUse& ours, const TwoWayUse& theirs);
+
 /// Of so many people, those by the far exit: at least a third, and nobody left behind.
 Judgement judge_far_exit(int near, int far, int people);
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "avatars/mesh/primitives.h"
-#include "scenes/measures/recent_crowd.h"
 #include "scenes/validation/reality_tables.h"
 #include "scenes/validation/set_ups.h"
 #include "scenes/validation/trial_moments.h"
@@ -38,7 +37,7 @@ InflowSite corridor(const std::string& id, const std::string& file, double exit_
           file,
           reading,
           std::move(plan),
-          {{-1, -7}, {2.8, -6}},
+          {{{-1, -7}, {2.8, -6}}},
           normal(curve.free_speed_mps, curve.free_deviation_mps())};
 }
 
@@ -58,26 +57,63 @@ InflowSite door(const Conditions& conditions) {
     corner.mesh = box_mesh(corner.size_m);
     plan.solid(std::move(corner));
   }
-  return {"spacing_door", "040_c_56_h-.txt", {}, std::move(plan), {{-3, -3}, {3, -2}}, {}, 0.3};
+  return {"spacing_door", "040_c_56_h-.txt", {}, std::move(plan), {{{-3, -3}, {3, -2}}}, {}, 0.3};
 }
 
-/// Measures a crowd moment by moment.
+/// Walls of the corridor from x = -5 to 4.2, wider ground before and behind it.
+InflowSite two_way_corridor(const Conditions& conditions) {
+  Plan plan = carved("two_way_corridor",
+                     {{{-13, -1}, {-5, 5}}, {{-5, 0}, {4.2, 4}}, {{4.2, -1}, {12.2, 5}}},
+                     {conditions.model}, conditions.seed);
+  return {"two_way_corridor",
+          "bi_corr_400_b_03.txt",
+          {},
+          std::move(plan),
+          {{{-13, -1}, {-12, 5}}, {{11.2, -1}, {12.2, 5}}},
+          {},
+          -1e9,
+          5};
+}
+
+/// Where a track is at an instant; none before its first sample and after its last.
+std::optional<Eigen::Vector2d> place_at(const std::vector<Sample>& track, double time_s) {
+  const auto after =
+      std::lower_bound(track.begin(), track.end(), time_s - kSlack_s,
+                       [](const Sample& sample, double at_s) { return sample.time_s < at_s; });
+  if (after == track.end() || (after == track.begin() && after->time_s > time_s + kSlack_s))
+    return std::nullopt;
+  const Sample& to = *after;
+  const Sample& from = after == track.begin() ? to : *(after - 1);
+  const double share =
+      to.time_s > from.time_s ? (time_s - from.time_s) / (to.time_s - from.time_s) : 1;
+  return from.position_m + share * (to.position_m - from.position_m);
+}
+
+size_t nearest_goal(const InflowSite& site, const Eigen::Vector2d& place_m) {
+  const auto away_m = [&](const Rectangle& goal) {
+    return (goal.min_m - place_m).cwiseMax(place_m - goal.max_m).cwiseMax(0).norm();
+  };
+  return static_cast<size_t>(
+      std::min_element(site.goals.begin(), site.goals.end(),
+                       [&](const auto& a, const auto& b) { return away_m(a) < away_m(b); }) -
+      site.goals.begin());
+}
+
+/// Measures spacing moment by moment.
 class SpacingMeter {
  public:
-  SpacingMeter(const Scene& scene, size_t people)
-      : half_(Velocities::half_window(kSample_s)), crowd_(people, 2 * half_ + 1), measure_(scene) {}
+  explicit SpacingMeter(const Scene& scene) : measure_(scene) {}
 
-  Moment& next() { return crowd_.next(); }
-  void pushed() {
-    crowd_.pushed();
-    velocities_.find(crowd_, half_, kSample_s);
-    measure_.take(crowd_.ago(half_), velocities_);
+  static size_t moments() { return 2 * half() + 1; }
+  void take(const RecentCrowd& crowd) {
+    velocities_.find(crowd, half(), kSample_s);
+    measure_.take(crowd.ago(half()), velocities_);
   }
   std::vector<SpeedAndSpacing::Spacing> spacings() const { return measure_.spacings(); }
 
  private:
-  size_t half_;
-  RecentCrowd crowd_;
+  static size_t half() { return Velocities::half_window(kSample_s); }
+
   Velocities velocities_;
   SpeedAndSpacing measure_;
 };
@@ -88,12 +124,14 @@ InflowSite inflow_site(const std::string& id, const Conditions& conditions) {
   if (id == "spacing_corridor") return corridor(id, "uo-180-180-120.txt", 1.2, conditions);
   if (id == "free_corridor") return corridor(id, "uo-050-180-180.txt", 1.8, conditions);
   if (id == "spacing_door") return door(conditions);
+  if (id == "two_way_corridor") return two_way_corridor(conditions);
   throw std::out_of_range("no site " + id);
 }
 
 std::vector<std::string> recording_files() {
   std::vector<std::string> files;
   for (const char* id : kInflowSites) files.push_back(inflow_site(id, {}).file);
+  files.push_back(inflow_site("two_way_corridor", {}).file);
   return files;
 }
 
@@ -120,52 +158,66 @@ Plan with_inflow(const InflowSite& site, const Recording& recording) {
   for (size_t person = 0; person < recording.people().size(); ++person) {
     recording.read(person, samples);
     const Sample& first = samples.front();
-    const Rectangle place = {first.position_m - slack, first.position_m + slack};
+    const size_t goal = nearest_goal(site, samples.back().position_m);
+    const double ahead = samples.back().position_m.x() < first.position_m.x() ? -1 : 1;
+    const Eigen::Vector2d enters_m = first.position_m - Eigen::Vector2d(ahead * site.upstream_m, 0);
+    const Rectangle place = {enters_m - slack, enters_m + slack};
     if (first.time_s < kSlack_s) {
       ++at_first;
       around.min_m = around.min_m.cwiseMin(place.min_m);
       around.max_m = around.max_m.cwiseMax(place.max_m);
       continue;
     }
-    Group& one = plan.people(0, place, {site.goal});
+    Group& one = plan.people(0, place, {site.goals[goal]});
     one.sources = {{place, 1, 1, first.time_s, false}};
     one.speed_mps = site.speed_mps;
   }
   if (at_first > 0) {
     around.min_m.y() = std::max(around.min_m.y(), site.least_y);
-    plan.people_packed(at_first, around, {site.goal}).speed_mps = site.speed_mps;
+    plan.people_packed(at_first, around, site.goals).speed_mps = site.speed_mps;
   }
   return plan;
 }
 
-std::vector<SpeedAndSpacing::Spacing> recorded_spacing(const Scene& scene,
-                                                       const Recording& recording) {
+void watch_recorded(const Recording& recording, double sample_s, size_t moments,
+                    const OnMoment& each) {
   const size_t people = recording.people().size();
   std::vector<std::vector<Sample>> tracks(people);
   for (size_t person = 0; person < people; ++person) recording.read(person, tracks[person]);
-  SpacingMeter meter(scene, people);
+  RecentCrowd crowd(people, moments);
   const double end_s = recording.facts().duration_s;
-  for (int tenth = 0; tenth * kSample_s <= end_s; ++tenth) {
-    Moment& next = meter.next();
-    next.time_s = tenth * kSample_s;
+  for (int sample = 0; sample * sample_s <= end_s; ++sample) {
+    Moment& next = crowd.next();
+    next.time_s = sample * sample_s;
     for (size_t person = 0; person < people; ++person) {
-      const std::vector<Sample>& track = tracks[person];
-      const auto after = std::lower_bound(
-          track.begin(), track.end(), next.time_s - kSlack_s,
-          [](const Sample& sample, double time_s) { return sample.time_s < time_s; });
-      const bool is_there = after != track.end() &&
-                            (after != track.begin() || after->time_s <= next.time_s + kSlack_s);
-      next.present[person] = is_there;
-      if (!is_there) continue;
-      const Sample& to = *after;
-      const Sample& from = after == track.begin() ? to : *(after - 1);
-      const double share =
-          to.time_s > from.time_s ? (next.time_s - from.time_s) / (to.time_s - from.time_s) : 1;
-      next.heads_m[person] = next.roots_m[person] =
-          from.position_m + share * (to.position_m - from.position_m);
+      const auto place = place_at(tracks[person], next.time_s);
+      next.present[person] = place.has_value();
+      if (place) next.heads_m[person] = next.roots_m[person] = *place;
     }
-    meter.pushed();
+    crowd.pushed();
+    each(crowd);
   }
+}
+
+void watch_steered(const Plan& plan, Trial::With with, double seconds, double sample_s,
+                   size_t moments, Outcome& outcome, const OnMoment& each) {
+  Trial trial(plan, with);
+  RecentCrowd crowd(trial.size(), moments);
+  Every clock(sample_s);
+  do {
+    if (!clock.is_due(trial.now_s())) continue;
+    take(trial, crowd.next());
+    crowd.pushed();
+    each(crowd);
+  } while (trial.step(seconds));
+  note(outcome, trial);
+}
+
+std::vector<SpeedAndSpacing::Spacing> recorded_spacing(const Scene& scene,
+                                                       const Recording& recording) {
+  SpacingMeter meter(scene);
+  watch_recorded(recording, kSample_s, SpacingMeter::moments(),
+                 [&](const RecentCrowd& crowd) { meter.take(crowd); });
   return meter.spacings();
 }
 
@@ -173,15 +225,9 @@ std::vector<SpeedAndSpacing::Spacing> steered_spacing(const Plan& plan, double s
                                                       Outcome& outcome) {
   Plan posed = plan;
   posed.scene.step_s = Scene().step_s;
-  Trial trial(posed, Trial::With::kBodies);
-  SpacingMeter meter(plan.scene, trial.size());
-  Every clock(kSample_s);
-  do {
-    if (!clock.is_due(trial.now_s())) continue;
-    take(trial, meter.next());
-    meter.pushed();
-  } while (trial.step(seconds));
-  note(outcome, trial);
+  SpacingMeter meter(plan.scene);
+  watch_steered(posed, Trial::With::kBodies, seconds, kSample_s, SpacingMeter::moments(), outcome,
+                [&](const RecentCrowd& crowd) { meter.take(crowd); });
   return meter.spacings();
 }
 

@@ -55,9 +55,9 @@ const std::vector<Test>& all_tests() {
 const std::vector<Test>& reality_tests() {
   static const std::vector<Test> tests = [] {
     std::vector<Test> all;
-    for (const auto& part :
-         {recorded_door_tests(), recorded_speed_tests(), passing_tests(), spreading_tests(),
-          behaviour_tests(), contact_tests(), companion_tests(), spacing_tests()})
+    for (const auto& part : {recorded_door_tests(), recorded_speed_tests(), passing_tests(),
+                             spreading_tests(), behaviour_tests(), contact_tests(),
+                             companion_tests(), spacing_tests(), two_way_corridor_tests()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();

@@ -105,6 +105,7 @@ std::vector<Test> behaviour_tests();
 std::vector<Test> contact_tests();
 std::vector<Test> companion_tests();
 std::vector<Test> spacing_tests();
+std::vector<Test> two_way_corridor_tests();
 
 /// Files that have to lie in Conditions::recordings.
 std::vector<std::string> recording_files();
