@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 #include "tests/avatars/gait_fixture.h"
 
@@ -227,7 +228,8 @@ TEST(Standing, WhoWalksIsLeftAlone) {
     left_alone.step({});
     for (size_t i = 0; i < kPeople; ++i) {
       const auto &numbers = asked.postures()[i].numbers, &others = left_alone.postures()[i].numbers;
-      EXPECT_TRUE(std::equal(numbers.begin(), numbers.end(), others.begin(), others.end()))
+      EXPECT_TRUE(
+          std::equal(std::begin(numbers), std::end(numbers), std::begin(others), std::end(others)))
           << "person " << i << ", frame " << frame;
       EXPECT_EQ(asked.chunk().room_x[i], left_alone.chunk().room_x[i]);
       EXPECT_EQ(asked.chunk().room_y[i], left_alone.chunk().room_y[i]);
