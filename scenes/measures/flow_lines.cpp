@@ -86,7 +86,12 @@ double FlowLines::Line::flow_per_s() const {
                                            : static_cast<double>(passed() - 1) / (last_s - first_s);
 }
 
-FlowLines::FlowLines(const Scene& scene, size_t people, std::optional<Passage> chosen) {
+uint64_t FlowLines::Line::beside() const {
+  return static_cast<uint64_t>(std::count(went_by.begin(), went_by.end(), 1));
+}
+
+FlowLines::FlowLines(const Scene& scene, size_t people, std::optional<Passage> chosen)
+    : is_chosen_(chosen.has_value()) {
   const Walkable walkable(scene);
   if (chosen) {
     lines_.push_back({.across = *chosen, .width_m = walkable_length_m(walkable, *chosen)});
@@ -98,7 +103,10 @@ FlowLines::FlowLines(const Scene& scene, size_t people, std::optional<Passage> c
           Passage{{scene.ground.min_m.x(), middle.y()}, {scene.ground.max_m.x(), middle.y()}}})
       lines_.push_back({.across = line, .width_m = walkable_length_m(walkable, line)});
   }
-  for (Line& line : lines_) line.is_near.assign(people, 0);
+  for (Line& line : lines_) {
+    line.is_near.assign(people, 0);
+    line.went_by.assign(people, 0);
+  }
 }
 
 void FlowLines::take(const RecentCrowd& crowd) {
@@ -120,7 +128,9 @@ void FlowLines::take(const RecentCrowd& crowd) {
       if ((side_from < 0) == (side_to < 0)) continue;
       const double share = side_from / (side_from - side_to);
       const double place = along.dot(from + share * (to - from));
-      if (place < -kBeyond_m || place > length + kBeyond_m || line.is_near[i] != 0) continue;
+      const bool is_beside = place < -kBeyond_m || place > length + kBeyond_m;
+      if (is_beside) line.went_by[i] = 1;
+      if (is_beside || line.is_near[i] != 0) continue;
       line.is_near[i] = std::abs(side_to) <= kLeft_m;
       const double time_s = before.time_s + share * (now.time_s - before.time_s);
       line.first_s = line.passed() == 0 ? time_s : std::min(line.first_s, time_s);
@@ -152,10 +162,12 @@ MeasureTable FlowLines::table() const {
       "Flow over a line",
       "width",
       "m",
-      fmt::format("From ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m, {:.2f} m of it wide. "
-                  "People: passes, both ways. Flow: one less over the time from the "
-                  "first to the last.",
-                  at.from_m.x(), at.from_m.y(), at.to_m.x(), at.to_m.y(), line.width_m),
+      fmt::format(
+          "From ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m, {:.2f} m of it wide. "
+          "People: passes, both ways. Flow: one less over the time from the "
+          "first to the last.{}",
+          at.from_m.x(), at.from_m.y(), at.to_m.x(), at.to_m.y(), line.width_m,
+          is_chosen_ ? " People beside it: those who cross its straight beyond its ends." : ""),
       {},
       {}};
   const auto row = [&](const std::string& what, const std::string& unit, double value) {
@@ -164,6 +176,7 @@ MeasureTable FlowLines::table() const {
   row("width", "m", line.width_m);
   row("people", "", static_cast<double>(line.passed()));
   row("of them back", "", static_cast<double>(std::min(line.forth, line.back)));
+  if (is_chosen_) row("people beside it", "", static_cast<double>(line.beside()));
   row("flow", "1/s", line.flow_per_s());
   row("flow a metre", "1/(m s)", line.width_m > 0 ? line.flow_per_s() / line.width_m : 0);
   return table;

@@ -29,6 +29,9 @@ class FlowLines {
     double first_s = 0;
     double last_s = 0;
     std::vector<uint8_t> is_near{};  ///< by person: passed, and not far from it since
+    std::vector<uint8_t> went_by{};  ///< by person: crossed its straight beyond one of its ends
+    /// How many did.
+    uint64_t beside() const;
     uint64_t passed() const { return forth + back; }
     /// N - 1 over the time from the first to the last.
     double flow_per_s() const;
@@ -39,6 +42,7 @@ class FlowLines {
 
  private:
   std::vector<Line> lines_;  ///< at least one
+  bool is_chosen_;
 };
 
 }  // namespace throng

@@ -237,6 +237,7 @@ TEST(FlowLines, CountThoseWhoPassAndTimeThem) {
   const MeasureTable table = flow.table();
   EXPECT_EQ(table.value("the line", "", "people"), 7) << "five, one the other way, one who sways";
   EXPECT_EQ(table.value("the line", "", "of them back"), 2);
+  EXPECT_EQ(table.value("the line", "", "people beside it"), 1);
   EXPECT_NEAR(table.value("the line", "", "width"), 2, 1e-9);
   // The swaying one passes after pi / 10 s, the last of the five after 9 s.
   EXPECT_NEAR(table.value("the line", "", "flow"), 6 / (9 - std::numbers::pi / 10), 0.01);
