@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/errors.h"
+#include "base/limits.h"
 #include "lcmtypes/log/log_check.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -77,18 +78,15 @@ py::dict check(const fs::path& file) {
   return out;
 }
 
-/// Of a point of a picture, as `throng render` takes it.
-constexpr float kFarthest_m = 1e6F;
-
 std::optional<Eigen::Vector3f> point_of(const char* name,
                                         const std::optional<std::vector<float>>& xyz) {
   if (!xyz) return {};
   if (xyz->size() != 3)
     throw InputError(name, "three numbers x, y, z in metres", fmt::format("{}", xyz->size()));
   for (const float at_m : *xyz)
-    if (!(std::abs(at_m) <= kFarthest_m))
+    if (!(std::abs(static_cast<double>(at_m)) <= kMaxDescribed))
       throw InputError(
-          name, fmt::format("three numbers x, y, z of at most {:g} metres each", kFarthest_m),
+          name, fmt::format("three numbers x, y, z of at most {:g} metres each", kMaxDescribed),
           fmt::format("{:g}", at_m));
   return Eigen::Vector3f((*xyz)[0], (*xyz)[1], (*xyz)[2]);
 }

@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "base/figure.h"
+#include "base/limits.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/interrupts.h"
@@ -144,10 +145,9 @@ Comparison compare(const py::dict& a, const py::dict& b,
   if (line) {
     if (line->size() != 4)
       throw InputError("line", "two points: x, y, x, y", fmt::format("{} numbers", line->size()));
-    constexpr double kFarthest_m = 1e6;  // as `throng compare` takes it
     for (const double at_m : *line)
-      require_number("line", at_m, -kFarthest_m, kFarthest_m, false,
-                     fmt::format("two points x, y, x, y of at most {:g} metres", kFarthest_m));
+      require_number("line", at_m, -kMaxDescribed, kMaxDescribed, false,
+                     fmt::format("two points x, y, x, y of at most {:g} metres", kMaxDescribed));
     const Eigen::Vector2d from((*line)[0], (*line)[1]), to((*line)[2], (*line)[3]);
     if (from == to) throw InputError("line", "two points", "the same point twice");
     work->line = Passage{from, to};

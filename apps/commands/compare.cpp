@@ -79,12 +79,12 @@ std::optional<MeasuredRun> measured(RunSource source, const CompareOptions& opti
   return MeasuredRun{simulation.scene().name, measures.facts(), measures.tables()};
 }
 
-/// Whoever goes round a line is missing in its flow.
+/// Those who go round a line that was chosen are missing in its flow.
 void note_who_went_beside(const MeasuredRun& run) {
   for (const MeasureTable& table : run.tables) {
     if (table.id != "flow") continue;
     const double beside = table.value("the line", "", "people beside it");
-    if (!(beside > 0)) continue;
+    if (!(beside > 0)) continue;  // NaN without --line
     say("note: {}: {:.0f} of {} people passed beside the line; make it longer, or close the ground "
         "there by obstacles\n",
         run.name, beside, run.facts.people);
@@ -112,8 +112,7 @@ int compare(const CompareOptions& options) {
     say("stopped by {}: nothing to compare yet\n", StopSignal::name());
     return StopSignal::exit_code();
   }
-  if (!options.line.empty())
-    for (const MeasuredRun* run : {&*a, &*b}) note_who_went_beside(*run);
+  for (const MeasuredRun* run : {&*a, &*b}) note_who_went_beside(*run);
   show_beside_json(options.json, comparison_text(*a, *b));
   write_json_output(options.json, comparison_json(*a, *b));
   if (!options.out.empty()) {

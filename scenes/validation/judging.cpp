@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "scenes/measures/speed_and_spacing.h"
+
 namespace throng::validation {
 namespace {
 
@@ -43,23 +45,16 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// The mean speed of each bin of density with enough samples, from 0 on; none of others.
-std::vector<double> mean_speeds(const std::vector<DensitySpeed>& samples) {
-  std::vector<double> sums_mps;
-  std::vector<size_t> counts;
+/// Of the samples in the bin of density from `from` on; none with fewer than kLeastSamples.
+double mean_speed(std::span<const DensitySpeed> samples, double from) {
+  double sum_mps = 0;
+  size_t count = 0;
   for (const DensitySpeed& sample : samples) {
-    const auto bin = static_cast<size_t>(sample.density / kRecordedBin);
-    if (bin >= counts.size()) {
-      counts.resize(bin + 1, 0);
-      sums_mps.resize(bin + 1, 0);
-    }
-    ++counts[bin];
-    sums_mps[bin] += sample.speed_mps;
+    if (sample.density < from || sample.density >= from + kRecordedBin) continue;
+    sum_mps += sample.speed_mps;
+    ++count;
   }
-  for (size_t bin = 0; bin < counts.size(); ++bin)
-    sums_mps[bin] = counts[bin] < kLeastSamples ? Reading::kNone
-                                                : sums_mps[bin] / static_cast<double>(counts[bin]);
-  return sums_mps;
+  return count < kLeastSamples ? Reading::kNone : sum_mps / static_cast<double>(count);
 }
 
 }  // namespace
@@ -102,13 +97,6 @@ Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed>
   int measured = 0, inside = 0;
   double off_mps = 0;
   for (const RecordedBin& bin : curve.bins) {
-    double sum = 0;
-    size_t count = 0;
-    for (const DensitySpeed& sample : samples) {
-      if (sample.density < bin.from || sample.density >= bin.from + kRecordedBin) continue;
-      sum += sample.speed_mps;
-      ++count;
-    }
     Reading reading{fmt::format("{:g} to {:g} {}", bin.from, bin.from + kRecordedBin, curve.unit),
                     "mean speed",
                     "m/s",
@@ -117,8 +105,7 @@ Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed>
                     bin.low_mps,
                     bin.high_mps,
                     {}};
-    if (count >= kLeastSamples) {
-      const double mean = sum / static_cast<double>(count);
+    if (const double mean = mean_speed(samples, bin.from); !std::isnan(mean)) {
       reading.ours = mean;
       reading.met = mean >= bin.low_mps && mean <= bin.high_mps;
       ++measured;
@@ -255,69 +242,79 @@ void TwoWayUse::add(TwoWayUse more) {
   speeds.insert(speeds.end(), more.speeds.begin(), more.speeds.end());
 }
 
-Judgement judge_two_way_use(const TwoWayUse& ours, const TwoWayUse& theirs) {
-  constexpr double kMostAtWall = 2, kLeastCentral = 0.75, kMostOrder = 0.9, kMostSpeedOff = 0.1;
-  const auto at_wall = [](const TwoWayUse& use) {
-    return share_of(use.from_right_wall_m,
-                    [&](double y) { return std::min(y, use.width_m - y) < TwoWayUse::kAtWall_m; });
+namespace {
+
+struct UsedWidth {
+  double at_wall, central;  ///< shares of the time
+  double order;
+  double nearer_wall_m;  ///< the median
+};
+
+UsedWidth used_width(const TwoWayUse& use) {
+  std::vector<double> nearer_m;
+  for (const double y : use.from_right_wall_m) nearer_m.push_back(std::min(y, use.width_m - y));
+  const auto is_at_wall = [](double away_m) { return away_m < TwoWayUse::kAtWall_m; };
+  const auto is_central = [&](double y) {
+    return std::abs(y - 0.5 * use.width_m) < 0.5 * TwoWayUse::kCentral_m;
   };
-  const auto central = [](const TwoWayUse& use) {
-    return share_of(use.from_right_wall_m, [&](double y) {
-      return std::abs(y - 0.5 * use.width_m) < 0.5 * TwoWayUse::kCentral_m;
-    });
-  };
-  const auto wall_m = [](const TwoWayUse& use) {
-    std::vector<double> nearer_m;
-    for (const double y : use.from_right_wall_m) nearer_m.push_back(std::min(y, use.width_m - y));
-    return median_of(std::move(nearer_m));
-  };
-  Judgement out;
-  const double most_at_wall = kMostAtWall * at_wall(theirs);
-  const double least_central = kLeastCentral * central(theirs);
-  const double order = mean_of(ours.lane_orders);
-  out.readings = {{"within 0.4 m of a wall", "share of the time", "", at_wall(ours),
-                   at_wall(theirs), 0, most_at_wall, at_wall(ours) <= most_at_wall, true},
-                  {"central metre", "share of the time", "", central(ours), central(theirs),
-                   least_central, 1, central(ours) >= least_central, true},
-                  {"middle of the corridor", "lane order", "", order, mean_of(theirs.lane_orders),
-                   0, kMostOrder, order <= kMostOrder, true},
-                  {"middle of the corridor",
-                   "median distance to the nearer wall",
-                   "m",
-                   wall_m(ours),
-                   wall_m(theirs),
-                   Reading::kNone,
-                   Reading::kNone,
-                   {}}};
+  return {share_of(nearer_m, is_at_wall), share_of(use.from_right_wall_m, is_central),
+          mean_of(use.lane_orders), median_of(nearer_m)};
+}
+
+void list_lanes(const TwoWayUse& ours, const TwoWayUse& theirs, Judgement& out) {
   const auto lanes = static_cast<size_t>(ours.width_m / 0.5);
   for (size_t lane = 0; lane < lanes; ++lane) {
     const auto in_lane = [&](double y) {
       return y >= 0.5 * static_cast<double>(lane) && y < 0.5 * static_cast<double>(lane + 1);
     };
-    out.readings.push_back({lane_name(lane),
-                            "share of person-seconds",
-                            "",
+    out.readings.push_back({lane_name(lane), "share of person-seconds", "",
                             share_of(ours.from_right_wall_m, in_lane),
-                            share_of(theirs.from_right_wall_m, in_lane),
-                            Reading::kNone,
-                            Reading::kNone,
-                            {}});
+                            share_of(theirs.from_right_wall_m, in_lane)});
   }
-  const std::vector<double> our_speeds = mean_speeds(ours.speeds);
-  const std::vector<double> their_speeds = mean_speeds(theirs.speeds);
+}
+
+/// Where both have enough samples.
+struct NearSpeeds {
   int measured = 0, near = 0;
-  for (size_t bin = 0; bin < std::min(our_speeds.size(), their_speeds.size()); ++bin) {
-    const double mps = our_speeds[bin], recorded_mps = their_speeds[bin];
-    if (std::isnan(mps) || std::isnan(recorded_mps)) continue;
+};
+
+NearSpeeds judge_speeds_by_density(const TwoWayUse& ours, const TwoWayUse& theirs, Judgement& out) {
+  constexpr double kMostSpeedOff = 0.1;
+  NearSpeeds speeds;
+  for (size_t bin = 0; bin < SpeedAndSpacing::kDensityBins; ++bin) {
     const double from = kRecordedBin * static_cast<double>(bin);
+    const double mps = mean_speed(ours.speeds, from);
+    const double recorded_mps = mean_speed(theirs.speeds, from);
+    if (std::isnan(mps) || std::isnan(recorded_mps)) continue;
     const bool is_near = std::abs(mps - recorded_mps) <= kMostSpeedOff * recorded_mps;
-    ++measured;
-    near += is_near;
+    ++speeds.measured;
+    speeds.near += is_near;
     out.readings.push_back({fmt::format("{:g} to {:g} per m2", from, from + kRecordedBin),
                             "mean speed", "m/s", mps, recorded_mps,
                             (1 - kMostSpeedOff) * recorded_mps, (1 + kMostSpeedOff) * recorded_mps,
                             is_near});
   }
+  return speeds;
+}
+
+}  // namespace
+
+Judgement judge_two_way_use(const TwoWayUse& ours, const TwoWayUse& theirs) {
+  constexpr double kMostAtWall = 2, kLeastCentral = 0.75, kMostOrder = 0.9;
+  const UsedWidth own = used_width(ours), recorded = used_width(theirs);
+  const double most_at_wall = kMostAtWall * recorded.at_wall;
+  const double least_central = kLeastCentral * recorded.central;
+  Judgement out;
+  out.readings = {{"within 0.4 m of a wall", "share of the time", "", own.at_wall, recorded.at_wall,
+                   0, most_at_wall, own.at_wall <= most_at_wall, true},
+                  {"central metre", "share of the time", "", own.central, recorded.central,
+                   least_central, 1, own.central >= least_central, true},
+                  {"middle of the corridor", "lane order", "", own.order, recorded.order, 0,
+                   kMostOrder, own.order <= kMostOrder, true},
+                  {"middle of the corridor", "median distance to the nearer wall", "m",
+                   own.nearer_wall_m, recorded.nearer_wall_m}};
+  list_lanes(ours, theirs, out);
+  const auto [measured, near] = judge_speeds_by_density(ours, theirs, out);
   out.readings.push_back({"all densities", "speeds within 10 %", "", static_cast<double>(near),
                           Reading::kNone, static_cast<double>(measured),
                           static_cast<double>(measured), measured > 0 && near == measured, true});
@@ -326,8 +323,8 @@ Judgement judge_two_way_use(const TwoWayUse& ours, const TwoWayUse& theirs) {
   out.summary = fmt::format(
       "{:.0f} % of the time within 0.4 m of a wall (recorded {:.0f} %), {:.0f} % in the central "
       "metre ({:.0f} %), lane order {:.2f} ({:.2f}); speeds within 10 % at {} of {} densities",
-      100 * at_wall(ours), 100 * at_wall(theirs), 100 * central(ours), 100 * central(theirs), order,
-      mean_of(theirs.lane_orders), near, measured);
+      100 * own.at_wall, 100 * recorded.at_wall, 100 * own.central, 100 * recorded.central,
+      own.order, recorded.order, near, measured);
   return out;
 }
 

@@ -165,6 +165,29 @@ TEST(TwoWay, FailsForLittleFlowAndForAMinuteOfGridlock) {
   EXPECT_FALSE(judge_two_way({}).passed);
 }
 
+/// People spread evenly over a corridor of 4 m, at 1 m/s and 1.1 per m2.
+TwoWayUse evenly_spread() {
+  TwoWayUse use{4, {}, {}, {}};
+  for (int i = 0; i < 400; ++i) use.from_right_wall_m.push_back(0.01 * i + 0.005);
+  use.lane_orders.assign(100, 0.8);
+  use.speeds.assign(kLeastSamples, {1.1, 1.0});
+  return use;
+}
+
+TEST(TwoWay, UseOfTheWidthFailsAtWallsInTheCentreByLanesAndBySpeed) {
+  const TwoWayUse theirs = evenly_spread();
+  EXPECT_TRUE(judge_two_way_use(theirs, theirs).passed);
+  TwoWayUse at_walls = theirs, beside = theirs, parted = theirs, slow = theirs, sparse = theirs;
+  at_walls.from_right_wall_m.insert(at_walls.from_right_wall_m.end(), 300, 0.2);  // 47 %, not 20 %
+  at_walls.from_right_wall_m.insert(at_walls.from_right_wall_m.end(), 100, 2);
+  beside.from_right_wall_m.insert(beside.from_right_wall_m.end(), 200, 1);  // 17 %, not 25 %
+  parted.lane_orders.assign(100, 0.91);
+  slow.speeds.assign(kLeastSamples, {1.1, 0.89});
+  sparse.speeds.pop_back();
+  for (const TwoWayUse& ours : {at_walls, beside, parted, slow, sparse})
+    EXPECT_FALSE(judge_two_way_use(ours, theirs).passed) << judge_two_way_use(ours, theirs).summary;
+}
+
 TEST(FarExit, FailsBelowAThirdAndForThoseLeftBehind) {
   EXPECT_TRUE(judge_far_exit(400, 200, 600).passed);
   EXPECT_FALSE(judge_far_exit(401, 199, 600).passed);
