@@ -26,9 +26,10 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const uint32_t id = grid_.order()[slot];
   const bool has_companions =
       parties_.has(id) && journeys_.doing(id) != Doing::kQueuing;  // each has a place of their own
-  Eigen::Vector2d direction =
-      has_companions ? parties_.alone(id)
-                     : journeys_.direction(id, walkers_[slot].position_m, own_side(slot));
+  Eigen::Vector2d direction = has_companions
+                                  ? parties_.alone(id)
+                                  : journeys_.direction(id, walkers_[slot].position_m,
+                                                        own_side(slot), walkers_[slot].clearance_m);
   walkers_[slot].facing = direction;
   const double room = doorkeeper_.has_doors() ? pace(slot, direction) : 1;
   if (has_companions) direction = parties_.way(id);

@@ -20,6 +20,21 @@ constexpr float kJump_m = static_cast<float>(FlowField::kClosed_m) / 2;
 /// A way that is bent keeps at least this share of its own direction.
 constexpr double kKeeps = 0.15;
 
+/// Slower than this share of the free speed a person stands.
+constexpr float kStands = 0.15f;
+
+/// Of Present: the eighth of the circle that somebody walks into, or the last.
+size_t heading_of(const Eigen::Vector2f& pace) {
+  if (pace.squaredNorm() < kStands * kStands) return 8;
+  const bool is_steep = std::abs(pace.y()) > std::abs(pace.x());
+  return (pace.x() < 0 ? 4u : 0u) + (pace.y() < 0 ? 2u : 0u) + (is_steep ? 1u : 0u);
+}
+
+/// What grows between two densities: 0 up to `from`, 1 from `to` on.
+float grown(double from, double to, float per_m2) {
+  return static_cast<float>(tuning::share_between(from, to, static_cast<double>(per_m2)));
+}
+
 /// As FlowField's: the upwind scheme's quadratic.
 float eikonal(float x, float y, float step_m) {
   const float low = std::min(x, y), gap = std::max(x, y) - low;
@@ -45,9 +60,8 @@ Detours::Detours(const Ways& ways, Workers& workers)
     if (grid.is_free(cell))
       room_m2_[coarse_of(cell)] += static_cast<float>(grid.cell_m() * grid.cell_m());
   counted_.resize(cells);
-  people_.resize(cells);
-  counted_paces_.assign(cells, Eigen::Vector2f::Zero());
-  paces_ = counted_paces_;
+  present_.resize(cells);
+  per_m2_.resize(cells);
   dense_.resize(cells);
   ways_.resize(ways.way_count());
   for (BentWay& way : ways_) {
@@ -64,7 +78,7 @@ Detours::Detours(const Ways& ways, Workers& workers)
 }
 
 void Detours::archive(Archive& a) {
-  a(people_, paces_);
+  a(present_);
   for (BentWay& way : ways_) {
     a(way.is_bent);
     if (way.is_bent) a(way.slopes);
@@ -72,19 +86,18 @@ void Detours::archive(Archive& a) {
   if (!a.is_reading()) return;
   find_dense();
   // Written so that NaN is refused, too.
-  for (const float people : people_)
-    if (!(people >= 0 && people < kNoWay_m)) a.refuse("so many people in a cell", "others");
-  for (const Eigen::Vector2f& pace : paces_)
-    if (!(pace.norm() < kNoWay_m)) a.refuse("how fast people get on", "another");
+  for (const Present& present : present_)
+    for (const Heading& heading : present) {
+      if (!(heading.people >= 0 && heading.people < kNoWay_m))
+        a.refuse("so many people in a cell", "others");
+      if (!(heading.paces.norm() < kNoWay_m)) a.refuse("how fast people get on", "another");
+    }
   for (const BentWay& way : ways_)
     for (const Eigen::Vector2f& slope : way.slopes)
       if (!(slope.norm() < kNoWay_m)) a.refuse("the slope of a delay", "another");
 }
 
-void Detours::clear_counts() {
-  std::fill(counted_.begin(), counted_.end(), 0.0f);
-  std::fill(counted_paces_.begin(), counted_paces_.end(), Eigen::Vector2f::Zero());
-}
+void Detours::clear_counts() { std::fill(counted_.begin(), counted_.end(), Present{}); }
 
 CellPatch Detours::patch_at(const Eigen::Vector2d& place_m) const {
   return {cells_per_m_ * (place_m - all_.grid().origin_m()), columns_, rows_};
@@ -99,38 +112,57 @@ void Detours::count(const Walker& walker) {
   for (int i = 0; i < 4; ++i) sum += shares[i] *= room_m2_[cells[i]];
   if (!(sum > 0)) return;
   const Eigen::Vector2f pace = walker.pace.cast<float>();
+  const size_t heading = heading_of(pace);
   for (int i = 0; i < 4; ++i) {
-    counted_[cells[i]] += shares[i] / sum;
-    counted_paces_[cells[i]] += shares[i] / sum * pace;
+    counted_[cells[i]][heading].people += shares[i] / sum;
+    counted_[cells[i]][heading].paces += shares[i] / sum * pace;
   }
 }
 
 void Detours::take_counts() {
   constexpr auto share = static_cast<float>(tuning::kCrowdingNew);
-  for (size_t cell = 0; cell < cell_count(); ++cell) {
-    people_[cell] += share * (counted_[cell] - people_[cell]);
-    paces_[cell] += share * (counted_paces_[cell] - paces_[cell]);
-  }
+  for (size_t cell = 0; cell < cell_count(); ++cell)
+    for (size_t k = 0; k < present_[cell].size(); ++k) {
+      const Heading& counted = counted_[cell][k];
+      Heading& smoothed = present_[cell][k];
+      smoothed.people += share * (counted.people - smoothed.people);
+      smoothed.paces += share * (counted.paces - smoothed.paces);
+    }
   find_dense();
 }
 
 void Detours::find_dense() {
-  constexpr auto from = static_cast<float>(tuning::kSlowFrom_per_m2);
-  constexpr auto to = static_cast<float>(tuning::kSlowTo_per_m2);
   is_dense_ = false;
   for (size_t cell = 0; cell < cell_count(); ++cell) {
-    dense_[cell] = 0;
-    if (!(people_[cell] > from * room_m2_[cell])) continue;
-    dense_[cell] = std::min((people_[cell] / room_m2_[cell] - from) / (to - from), 1.0f);
-    is_dense_ = true;
+    float people = 0;
+    for (const Heading& heading : present_[cell]) people += heading.people;
+    per_m2_[cell] = people > 0 ? people / room_m2_[cell] : 0;
+    dense_[cell] = grown(tuning::kSlowFrom_per_m2, tuning::kSlowTo_per_m2, per_m2_[cell]);
+    is_dense_ = is_dense_ || dense_[cell] > 0;
   }
 }
 
-/// How much longer than in the open a metre of a way takes: those who come towards one are as bad
-/// as those who stand, and those who walk along as fast as they want do not count.
+/// The share of the free speed at which those get on along a way who walk it or stand; 0 where all
+/// come towards one. Where some walk it, those who come do not count: two streams in one corridor
+/// would each seem to stand to the other, and ways would bend into the walls. But the denser it is,
+/// the less is there a way through them, and they count as those who stand.
+float Detours::pace_along(const Eigen::Vector2f& way, size_t cell) const {
+  const float blocks = grown(tuning::kBlockedFrom_per_m2, tuning::kBlockedTo_per_m2, per_m2_[cell]);
+  float people = 0, pace = 0;
+  for (size_t k = 0; k < present_[cell].size(); ++k) {
+    const Heading& heading = present_[cell][k];
+    const float along = way.dot(heading.paces);
+    const bool stands = k + 1 == present_[cell].size();
+    people += (along < 0 && !stands ? blocks : 1) * heading.people;
+    pace += std::max(along, 0.0f);
+  }
+  return people > 0 ? pace / people : 0;
+}
+
+/// How much longer than in the open a metre of a way takes.
 float Detours::slowness(const BentWay& way, size_t cell) const {
   if (dense_[cell] == 0) return 1;
-  const float pace = way.along[cell].dot(paces_[cell]) / people_[cell];
+  const float pace = pace_along(way.along[cell], cell);
   return 1 + dense_[cell] * (1 / std::clamp(pace, static_cast<float>(tuning::kSlowest), 1.0f) - 1);
 }
 

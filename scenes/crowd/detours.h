@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -61,6 +62,14 @@ class Detours {
     std::vector<Eigen::Vector2f> slopes;  ///< of the delay
     bool is_bent = false;
   };
+  /// People near a cell: those who walk, by an eighth of the circle, and last those who stand.
+  struct Heading {
+    float people = 0;
+    Eigen::Vector2f paces = Eigen::Vector2f::Zero();  ///< their sum
+
+    void archive(Archive& a) { a(people, paces); }
+  };
+  using Present = std::array<Heading, 9>;
   /// What a worker marches with.
   struct March {
     std::vector<float> distance_m;
@@ -81,6 +90,7 @@ class Detours {
   void link(const FlowField& field, BentWay& way) const;
   void march(const BentWay& way, bool is_empty, March& march) const;
   float slowness(const BentWay& way, size_t cell) const;
+  float pace_along(const Eigen::Vector2f& way, size_t cell) const;
   void find_slopes(size_t index, March& march);
   Eigen::Vector2f slope(const BentWay& way, std::span<const float> height_m, size_t cell) const;
 
@@ -93,10 +103,10 @@ class Detours {
   std::vector<BentWay> ways_;
   std::vector<March> marches_;  ///< by worker
   // By cell: as counted now, and smoothed over time.
-  std::vector<float> counted_, people_;
-  std::vector<Eigen::Vector2f> counted_paces_, paces_;  ///< sums
-  std::vector<float> dense_;                            ///< 0 to 1
-  bool is_dense_ = false;                               ///< somewhere
+  std::vector<Present> counted_, present_;
+  std::vector<float> per_m2_;
+  std::vector<float> dense_;  ///< 0 to 1
+  bool is_dense_ = false;     ///< somewhere
 };
 
 }  // namespace throng

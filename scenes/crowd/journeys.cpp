@@ -265,12 +265,17 @@ Eigen::Vector2d way_along(const FlowField& field, const Eigen::Vector2d& positio
 }  // namespace
 
 Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position_m,
-                                    const OwnSide& side) const {
+                                    const OwnSide& side, double clearance_m) const {
   if (trips_[id].doing == Doing::kQueuing || seeks_queue(id)) return guides_[id].way;
   if (trips_[id].doing != Doing::kWalking) return Eigen::Vector2d::Zero();
   if (!is_at_goal(id, position_m)) {
     const Eigen::Vector2d way = way_along(field(id), position_m, side);
-    if (way.squaredNorm() > 0) return bend(id, position_m, way);
+    if (way.squaredNorm() > 0) {
+      const double share =
+          tuning::share_between(tuning::kBendsFrom_m, tuning::kBendsWholly_m, clearance_m);
+      if (share == 0) return way;
+      return (way + share * (bend(id, position_m, way) - way)).normalized();
+    }
   }
   const Eigen::Vector2d way = targets_m_[id] - position_m;
   const double length_m = way.norm();

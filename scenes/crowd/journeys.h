@@ -79,9 +79,9 @@ class Journeys {
 
   /// Unit vector of the way from here; zero for who has none, or stands still on purpose.
   /// Whoever keeps to the left of the shortest way walks as somebody does who is so far to their
-  /// right.
+  /// right. With walls at `clearance_m`, crowds bend the way less.
   Eigen::Vector2d direction(uint32_t id, const Eigen::Vector2d& position_m,
-                            const OwnSide& side = {}) const;
+                            const OwnSide& side = {}, double clearance_m = 1e9) const;
 
   /// The way that somebody who waits will go from here. Zero for those who have none.
   Eigen::Vector2d facing(uint32_t id, const Eigen::Vector2d& position_m) const;

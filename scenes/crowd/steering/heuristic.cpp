@@ -124,7 +124,20 @@ class Decision {
       const float lack = std::clamp(1 - gap_m / kTuning.wall_drift_m, 0.0f, 2.0f);
       sum += kTuning.wall_drift_mps * lack * Eigen::Vector2f(p_.wall_x[w], p_.wall_y[w]);
     }
-    return sum + kTuning.side_mps * counterflow() * Eigen::Vector2f(way_y_, -way_x_);
+    return sum +
+           kTuning.side_mps * counterflow() * room_to_right() * Eigen::Vector2f(way_y_, -way_x_);
+  }
+
+  /// 0 where the wall to the right is near, 1 where it is not.
+  float room_to_right() const {
+    float room = 1;
+    for (uint32_t w = first_wall_; w < end_wall_; ++w) {
+      const float to_right = way_x_ * p_.wall_y[w] - way_y_ * p_.wall_x[w];
+      const float gap_m = p_.wall_clearance_m[w] + own_.radius_m - kTuning.side_from_m;
+      if (to_right > kToRight)
+        room = std::min(room, std::clamp(gap_m / kTuning.side_room_m, 0.0f, 1.0f));
+    }
+    return room;
   }
 
   /// 1 where enough people come towards one, 0 where nobody does, and for those who stand.

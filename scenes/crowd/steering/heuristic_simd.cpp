@@ -29,6 +29,7 @@ using throng::heuristic::kSameWay;
 using throng::heuristic::kSeenFrom;
 using throng::heuristic::kSeenWholly;
 using throng::heuristic::kSixth;
+using throng::heuristic::kToRight;
 using throng::heuristic::kTuning;
 using throng::heuristic::kTurned;
 using throng::heuristic::kTurns;
@@ -150,7 +151,18 @@ class Decisions {
       const V lack = clamp(all(1) - gap_m / all(kTuning.wall_drift_m), 0, 2);
       sum = sum + all(kTuning.wall_drift_mps) * lack * wall(w);
     }
-    return sum + all(kTuning.side_mps) * counterflow() * right();
+    return sum + all(kTuning.side_mps) * counterflow() * room_to_right() * right();
+  }
+
+  HWY_INLINE V room_to_right() const {
+    V room = all(1);
+    for (size_t w = 0; w < walls_.count; ++w) {
+      const M to_right = cross(way_, wall(w)) > all(kToRight);
+      const V gap_m = wall_clearance_m(w) + radius_m_ - all(kTuning.side_from_m);
+      const V left = clamp(gap_m / all(kTuning.side_room_m), 0, 1);
+      room = select(to_right, hn::Min(room, left), room);
+    }
+    return room;
   }
 
   HWY_INLINE Vectors right() const { return {way_.y, hn::Neg(way_.x)}; }

@@ -52,8 +52,9 @@ struct Tuning {
   float drift_mps = 0.12f, apart_m = 0.76f, open_apart_m = 0.42f, drift_m = 0.24f;
   float waits_drift_mps = 0.10f, waits_apart_m = 0.50f;
   float wall_drift_mps = 0.25f, wall_drift_m = 0.2f;
-  // And to the right, so fast where so many come towards them: each way has its own side then.
-  float side_mps = 0.40f, oncoming = 2.5f;
+  // And to the right, so fast where so many come towards them: each way has its own side then. Not
+  // where the wall to the right is at side_from_m, all of it where it is so much farther off.
+  float side_mps = 0.25f, oncoming = 2.5f, side_from_m = 0.4f, side_room_m = 0.6f;
   /// Times to take up a velocity, the most that a wish changes it across the way wanted, and the
   /// most that it changes at all.
   float speed_up_s = 0.19f, slow_down_s = 0.35f, across_mps2 = 2.0f, most_mps2 = 3.5f;
@@ -63,6 +64,8 @@ inline constexpr Tuning kTuning;
 /// Whose speed along a way is below this comes towards one; who is slower than the other wants
 /// nowhere.
 inline constexpr float kOncoming_mps = -0.1f, kWants_mps = 0.015f;
+/// Sine of the angle to the way from which on a wall is to the right.
+inline constexpr float kToRight = 0.5f;
 /// Cosine of ways that are against each other.
 inline constexpr float kAgainst = -0.5f;
 /// Cosines of ways that count as the same, and that do so wholly.
