@@ -64,6 +64,7 @@ class GaitCurves {
   double pelvis_pitch(double t) const;    ///< positive leans forward
   double pelvis_roll(double t) const;     ///< positive raises the left hip
   double pelvis_lateral(double t) const;  ///< in leg lengths, positive to the left
+  double pelvis_forward(double t) const;  ///< in leg lengths; the head surges less
   /// The pelvis is in the middle then, and goes to the right: a sine from there on.
   static constexpr double kSwayFrom = 0.1;
   /// Amplitude of the pelvis's rise and fall, in leg lengths.

@@ -124,6 +124,7 @@ Walker::Instant Walker::instant(const GaitCurves& curves, const std::array<Step,
   Instant now;
   std::vector<double>& columns = now.columns = model_->rest();
   set(columns, "pelvis_lateral", curves.pelvis_lateral(t) * leg_length_m());
+  set(columns, "pelvis_forward", curves.pelvis_forward(t) * leg_length_m());
   set(columns, "pelvis_yaw", curves.pelvis_yaw(t));
   set(columns, "pelvis_pitch", curves.pelvis_pitch(t));
   set(columns, "pelvis_roll", curves.pelvis_roll(t));

@@ -135,15 +135,17 @@ std::string adult_urdf_text() {
       "     arms hanging, soles at z = 0 of base_footprint. Written by throng_generate_adult. -->\n"
       "<robot name=\"adult\">\n";
   for (const char* name :
-       {"base_footprint", "pelvis_lateral_link", "pelvis_vertical_link", "pelvis_yaw_link",
-        "pelvis_pitch_link", "left_shoulder_flexion_link", "right_shoulder_flexion_link",
-        "left_hip_flexion_link", "left_hip_adduction_link", "right_hip_flexion_link",
-        "right_hip_adduction_link"})
+       {"base_footprint", "pelvis_lateral_link", "pelvis_forward_link", "pelvis_vertical_link",
+        "pelvis_yaw_link", "pelvis_pitch_link", "left_shoulder_flexion_link",
+        "right_shoulder_flexion_link", "left_hip_flexion_link", "left_hip_adduction_link",
+        "right_hip_flexion_link", "right_hip_adduction_link"})
     urdf.helper(name);
   for (const AdultPart& part : adult_parts()) urdf.body(part);
   urdf.joint("pelvis_lateral", "prismatic", "base_footprint", "pelvis_lateral_link", zero, "0 1 0",
              {-0.06, 0.06});
-  urdf.joint("pelvis_vertical", "prismatic", "pelvis_lateral_link", "pelvis_vertical_link",
+  urdf.joint("pelvis_forward", "prismatic", "pelvis_lateral_link", "pelvis_forward_link", zero,
+             "1 0 0", {-0.03, 0.03});
+  urdf.joint("pelvis_vertical", "prismatic", "pelvis_forward_link", "pelvis_vertical_link",
              j.pelvis, "0 0 1", {-0.15, 0.06});
   urdf.revolute("pelvis_yaw", "pelvis_vertical_link", "pelvis_yaw_link", zero, "0 0 1",
                 degrees(-20, 20));

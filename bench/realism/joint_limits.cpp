@@ -17,14 +17,15 @@ namespace throng::realism {
 const std::vector<JointLimit>& joint_limits() {
   constexpr BodyHalf kLegs = BodyHalf::kLegs, kUpper = BodyHalf::kUpper;
   static const std::vector<JointLimit> limits = {
-      {"pelvis_lateral", kLegs, 0.4, 6},       {"pelvis_vertical", kLegs, 0.4, 8},
-      {"pelvis_yaw", kLegs, 120, 2000},        {"pelvis_pitch", kLegs, 100, 2000},
-      {"pelvis_roll", kLegs, 100, 2000},       {"hip_flexion", kLegs, 500, 26000},
-      {"hip_adduction", kLegs, 250, 10000},    {"hip_rotation", kLegs, 300, 10000},
-      {"knee_flexion", kLegs, 800, 70000},     {"ankle_flexion", kLegs, 650, 40000},
-      {"thorax_yaw", kUpper, 200, 2000},       {"head_yaw", kUpper, 300, 5000},
-      {"shoulder_flexion", kUpper, 400, 4000}, {"shoulder_abduction", kUpper, 300, 4000},
-      {"elbow_flexion", kUpper, 500, 6000},    {"wrist_flexion", kUpper, 500, 6000},
+      {"pelvis_lateral", kLegs, 0.4, 6},         {"pelvis_forward", kLegs, 0.4, 6},
+      {"pelvis_vertical", kLegs, 0.4, 8},        {"pelvis_yaw", kLegs, 120, 2000},
+      {"pelvis_pitch", kLegs, 100, 2000},        {"pelvis_roll", kLegs, 100, 2000},
+      {"hip_flexion", kLegs, 500, 26000},        {"hip_adduction", kLegs, 250, 10000},
+      {"hip_rotation", kLegs, 300, 10000},       {"knee_flexion", kLegs, 800, 70000},
+      {"ankle_flexion", kLegs, 650, 40000},      {"thorax_yaw", kUpper, 200, 2000},
+      {"head_yaw", kUpper, 300, 5000},           {"shoulder_flexion", kUpper, 400, 4000},
+      {"shoulder_abduction", kUpper, 300, 4000}, {"elbow_flexion", kUpper, 500, 6000},
+      {"wrist_flexion", kUpper, 500, 6000},
   };
   return limits;
 }

@@ -66,6 +66,7 @@ const std::vector<NamedCurve>& all_curves() {
       {"pelvis pitch", [](const GaitCurves& g, double t) { return g.pelvis_pitch(t); }},
       {"pelvis roll", [](const GaitCurves& g, double t) { return g.pelvis_roll(t); }},
       {"pelvis lateral", [](const GaitCurves& g, double t) { return g.pelvis_lateral(t); }},
+      {"pelvis forward", [](const GaitCurves& g, double t) { return g.pelvis_forward(t); }},
       {"thorax yaw", [](const GaitCurves& g, double t) { return g.thorax_yaw(t); }},
   };
   return curves;
@@ -128,6 +129,7 @@ TEST(GaitCurves, LeftIsTheMirrorOfRightHalfACycleLater) {
     EXPECT_NEAR(curves.pelvis_lateral(t), -curves.pelvis_lateral(t + 0.5), 1e-9);
     EXPECT_NEAR(curves.thorax_yaw(t), -curves.thorax_yaw(t + 0.5), 1e-9);
     EXPECT_NEAR(curves.pelvis_pitch(t), curves.pelvis_pitch(t + 0.5), 1e-9);
+    EXPECT_NEAR(curves.pelvis_forward(t), curves.pelvis_forward(t + 0.5), 1e-9);
   }
 }
 
