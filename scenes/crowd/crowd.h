@@ -126,6 +126,7 @@ class Crowd {
   void seat_people();
   void take_slots();
   void list_deciders();
+  double entering_mps(size_t slot);
   void start_walking(size_t slot);
   template <typename At>
   void archive_by_id(Archive& a, const At& at);
@@ -203,6 +204,7 @@ class Crowd {
   std::vector<double> radii_m_;
   std::vector<double> free_speeds_mps_;
   std::vector<std::optional<Eigen::Vector2d>> faces_m_;  ///< what they look at while they stand
+  std::vector<float> enters_mps_;                        ///< below 0: as those ahead let it
   std::vector<float> squeezes_;                          ///< at the start, see crowd_fields.h
   float widest_m_ = 0;                                   ///< of all radii
   double fastest_mps_ = 0;                               ///< of all free speeds

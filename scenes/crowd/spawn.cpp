@@ -295,6 +295,7 @@ void list_source(const Scene& scene, const Ways& ways, size_t group, const Sourc
                       : (i == 0 ? 0.0 : 1.0);
     time_s += gap / source.rate_per_s;
     person.enters_s = time_s;
+    person.enters_mps = source.enters_mps;
     person.entrance = entrance;
     stand_at(source.area.middle_m(), ways.route(group).front(), person);
     people.push_back(person);

@@ -38,6 +38,8 @@ struct Person {  // NOLINT(clang-analyzer-optin.performance.Padding): by meaning
   /// room after that; until then the place is the middle of that area.
   uint32_t entrance = kFromTheStart;
   double enters_s = 0;
+  /// How fast it then walks; none: at its free speed, or as those ahead let it.
+  std::optional<double> enters_mps{};
   /// Those of one party, who have consecutive ids, have the same number here.
   uint32_t party = kAlone;
 

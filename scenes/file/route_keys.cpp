@@ -9,6 +9,7 @@ namespace {
 
 /// A thousand a second fill any entrance; more is a mistake in the unit.
 constexpr Range kRateRange{0, 1000, true};
+constexpr Range kEntersRange{0, 4};
 
 /// A goal is one area, its corners among its keys, or several in a list.
 void read_areas(Reading& reading, Fields& fields, Goal& goal) {
@@ -100,6 +101,20 @@ KeyTable<Goal> make_goal_keys() {
       .complete = complete_goal};
 }
 
+Key<Source> entering_speed() {
+  Key<Source> speed =
+      own_key<Source>("enters_mps", "how fast they are when they enter",
+                      "as fast as those ahead let them",
+                      {.kind = Rule::Kind::kNumber, .range = kEntersRange})
+          .reading([](Reading&, Fields& fields, Source& source) {
+            if (fields.find("enters_mps") != nullptr)
+              source.enters_mps = fields.number_or("enters_mps", kEntersRange, 0);
+          })
+          .hashing([](Hasher& hash, const Source& source) { hash.add(*source.enters_mps); });
+  speed.is_default = [](const Source& source) { return !source.enters_mps; };
+  return speed;
+}
+
 KeyTable<Source> make_source_keys() {
   return {
       .text = {.name = "source", .meaning = "Where people enter while the scene runs"},
@@ -118,7 +133,8 @@ KeyTable<Source> make_source_keys() {
               .required(),
           number("rate_per_s", "how many a second", &Source::rate_per_s, kRateRange).required(),
           number("start_s", "when the first one comes", &Source::start_s, kTimeRange),
-          flag("random", "at random (a Poisson process), not evenly spaced", &Source::random)}};
+          flag("random", "at random (a Poisson process), not evenly spaced", &Source::random)},
+      .later = {entering_speed()}};
 }
 
 }  // namespace

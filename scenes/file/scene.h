@@ -87,6 +87,7 @@ struct Source {
   double rate_per_s = 0;  ///< above 0
   double start_s = 0;     ///< when the first one comes
   bool random = false;    ///< a Poisson process; otherwise evenly spaced
+  std::optional<double> enters_mps{};  ///< along their way; none: as those ahead let them
 };
 
 /// People of one model who start in one area, or enter from sources, and walk to goals.

@@ -89,6 +89,17 @@ std::optional<Eigen::Vector2d> place_at(const std::vector<Sample>& track, double
   return from.position_m + share * (to.position_m - from.position_m);
 }
 
+/// Over the first second of a track.
+double entry_speed_mps(const std::vector<Sample>& track) {
+  constexpr double kOver_s = 1, kLeast_s = 0.2;
+  const Sample& first = track.front();
+  size_t last = 0;
+  while (last + 1 < track.size() && track[last].time_s < first.time_s + kOver_s) ++last;
+  const double over_s = track[last].time_s - first.time_s;
+  if (over_s < kLeast_s) return 0;
+  return (track[last].position_m - first.position_m).norm() / over_s;
+}
+
 size_t nearest_goal(const InflowSite& site, const Eigen::Vector2d& place_m) {
   const auto away_m = [&](const Rectangle& goal) {
     return (goal.min_m - place_m).cwiseMax(place_m - goal.max_m).cwiseMax(0).norm();
@@ -169,7 +180,7 @@ Plan with_inflow(const InflowSite& site, const Recording& recording) {
       continue;
     }
     Group& one = plan.people(0, place, {site.goals[goal]});
-    one.sources = {{place, 1, 1, first.time_s, false}};
+    one.sources = {{place, 1, 1, first.time_s, false, entry_speed_mps(samples)}};
     one.speed_mps = site.speed_mps;
   }
   if (at_first > 0) {
