@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "scenes/validation/across_seeds.h"
+
 namespace throng::validation {
 namespace {
 
@@ -247,36 +249,41 @@ void PlaceContacts::add(const std::vector<CountedContacts>& more) {
 
 namespace {
 
-/// What the places where people spent enough time at a level have there on average.
-struct MeanContacts {
-  double per_person_min = kNone;
-  double error = kNone;
-  size_t places = 0;
-};
-
 CountedContacts at_level(const PlaceContacts& place, size_t level) {
   return level < place.levels.size() ? place.levels[level] : CountedContacts{};
 }
 
-MeanContacts mean_contacts(std::span<const PlaceContacts> places, size_t level) {
-  double sum = 0, square_sum = 0;
-  size_t count = 0;
+CountedContacts of_all(std::span<const PlaceContacts> places, size_t level) {
+  CountedContacts sum;
   for (const PlaceContacts& place : places) {
     const CountedContacts counted = at_level(place, level);
-    if (counted.person_s < 60 * kLeastPersonMinutes) continue;
-    sum += counted.per_person_min();
-    square_sum += std::pow(counted.error_per_person_min(), 2);
-    ++count;
+    sum.contacts += counted.contacts;
+    sum.person_s += counted.person_s;
   }
-  if (count == 0) return {};
-  const auto n = static_cast<double>(count);
-  return {sum / n, std::sqrt(square_sum) / n, count};
+  return sum;
 }
 
 /// How many standard errors a level has fewer than the one below it.
-double fall_in_errors(const MeanContacts& below, const MeanContacts& level) {
-  if (below.places == 0) return 0;
-  return (below.per_person_min - level.per_person_min) / std::hypot(below.error, level.error);
+double fall_in_errors(const CountedContacts& below, const CountedContacts& level) {
+  return (below.per_person_min() - level.per_person_min()) /
+         std::hypot(below.error_per_person_min(), level.error_per_person_min());
+}
+
+/// The contacts of a level, not judged yet: lower bounds are NaN where only the upper one counts.
+Reading contact_reading(size_t level, const CountedContacts& ours, double two_sided_from_per_m2) {
+  constexpr double kMostAlone = 1, kLow = 0.5, kHigh = 1.5, kWithin = 0.5;
+  const auto& [from_per_m2, to_per_m2, theirs] = recorded_contacts()[level];
+  const bool is_two_sided = from_per_m2 >= two_sided_from_per_m2;
+  const double low = level == 0 ? 0 : std::min(kLow * theirs, theirs - kWithin);
+  const double high = level == 0 ? kMostAlone : std::max(kHigh * theirs, theirs + kWithin);
+  return {fmt::format("{:g} to {:g} per m2", from_per_m2, to_per_m2),
+          "contacts",
+          "a person and minute",
+          ours.per_person_min(),
+          theirs,
+          is_two_sided ? low : kNone,
+          high,
+          {}};
 }
 
 void list_places(std::span<const PlaceContacts> places, size_t level, const std::string& at,
@@ -286,53 +293,51 @@ void list_places(std::span<const PlaceContacts> places, size_t level, const std:
     if (counted.person_s <= 0) continue;
     out.readings.push_back({at, fmt::format("contacts, {}", place.name), "a person and minute",
                             counted.per_person_min()});
-    out.readings.push_back({at, fmt::format("watched, {}", place.name), "person min",
-                            counted.person_s / 60, kNone, kLeastPersonMinutes});
+    out.readings.push_back(
+        {at, fmt::format("watched, {}", place.name), "person min", counted.person_s / 60});
   }
 }
 
 }  // namespace
 
-Judgement judge_contacts(std::span<const PlaceContacts> places) {
-  constexpr double kMostAlone = 1, kLow = 0.5, kHigh = 1.5, kWithin = 0.5;
+Judgement judge_contacts(std::span<const PlaceContacts> places, double two_sided_from_per_m2) {
   constexpr double kChance = 1.645;  // one-sided, 95 %
   constexpr size_t kLeastLevels = 3;
   Judgement out;
   size_t reached = 0, as_recorded = 0;
-  MeanContacts below;
-  bool falls = false;
-  std::string list;
+  CountedContacts below;
+  bool falls = false, has_low = false;
+  std::string list, outside;
   for (size_t i = 0; i < recorded_contacts().size(); ++i) {
-    const RecordedContacts& theirs = recorded_contacts()[i];
-    const double low =
-        i == 0 ? 0 : std::min(kLow * theirs.per_person_min, theirs.per_person_min - kWithin);
-    const double high =
-        i == 0 ? kMostAlone
-               : std::max(kHigh * theirs.per_person_min, theirs.per_person_min + kWithin);
-    const std::string at = fmt::format("{:g} to {:g} per m2", theirs.from_per_m2, theirs.to_per_m2);
-    const MeanContacts ours = mean_contacts(places, i);
-    Reading reading{
-        at,   "contacts", "a person and minute", ours.per_person_min, theirs.per_person_min, low,
-        high, {}};
-    if (ours.places > 0) {
-      const bool is_fewer = fall_in_errors(below, ours) > kChance;
-      const bool is_recorded = ours.per_person_min >= low && ours.per_person_min <= high;
+    const CountedContacts ours = of_all(places, i);
+    Reading reading = contact_reading(i, ours, two_sided_from_per_m2);
+    if (ours.person_s >= 60 * kLeastPersonMinutes) {
+      const bool is_fewer = reached > 0 && fall_in_errors(below, ours) > kChance;
+      const bool is_recorded = excess(reading, reading.ours) <= 0;
       falls = falls || is_fewer;
+      has_low = has_low || !std::isnan(reading.low);
       reading.met = is_recorded && !is_fewer;
       reading.headline = true;
       as_recorded += is_recorded;
       below = ours;
       ++reached;
-      list += fmt::format("{}{:.2f}", list.empty() ? "" : ", ", ours.per_person_min);
+      list += fmt::format("{}{:.2f}", list.empty() ? "" : ", ", reading.ours);
+      if (!is_recorded)
+        outside += fmt::format("; {} {:.2f}, {} {:.2f}", reading.at, reading.ours,
+                               reading.ours > reading.high ? "at most" : "at least",
+                               reading.ours > reading.high ? reading.high : reading.low);
     }
     out.readings.push_back(reading);
-    list_places(places, i, at, out);
+    out.readings.push_back(
+        {reading.at, "watched", "person min", ours.person_s / 60, kNone, kLeastPersonMinutes});
+    list_places(places, i, reading.at, out);
   }
-  out.passed = reached >= kLeastLevels && as_recorded == reached && !falls;
+  out.passed = reached >= kLeastLevels && has_low && as_recorded == reached && !falls;
   out.summary = fmt::format(
-      "{} of {} levels of density reached as recorded; {} contacts a person and minute from the "
-      "lowest on{}",
-      as_recorded, reached, list, falls ? "; fewer where it is denser" : "");
+      "{} of {} levels of density within their bounds; {} contacts a person and minute from the "
+      "lowest on{}{}{}",
+      as_recorded, reached, list, outside, falls ? "; fewer where it is denser" : "",
+      has_low ? "" : "; no level with a lower bound was reached");
   return out;
 }
 

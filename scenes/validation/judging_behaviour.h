@@ -100,11 +100,12 @@ struct PlaceContacts {
 };
 /// Fewer person-minutes say nothing about a level.
 inline constexpr double kLeastPersonMinutes = 30;
-/// At the lowest level at most 1 a person and minute; at the others 0.5 to 1.5 times as many as
-/// recorded people have or within 0.5 of them; and no fewer than at the level below, but for
-/// chance (5 % of the time if they were equal). Ours are at each level the mean of the places where
-/// people spent so many person-minutes at it, each counting the same, or the place with the most
-/// people would be all that is judged. Three levels at least must have been reached.
-Judgement judge_contacts(std::span<const PlaceContacts> places);
+/// Judges the contacts per person-minute of all places together, by level: at the lowest level at
+/// most 1, at the others at most 1.5 times as many as recorded people have or 0.5 more. Levels that
+/// begin at `two_sided_from_per_m2` or above also have a lower bound: 0.5 times the recorded or 0.5
+/// less (0 at the lowest level). No level may have fewer than the level below it, except by chance
+/// (5 % of the time if both were equal). Three levels must be reached, at least one of them with a
+/// lower bound: people who never touch and are never dense have shown nothing.
+Judgement judge_contacts(std::span<const PlaceContacts> places, double two_sided_from_per_m2);
 
 }  // namespace throng::validation

@@ -49,38 +49,96 @@ TEST(Encounters, FailForASingleTouch) {
   EXPECT_FALSE(judge_encounters({}).passed);
 }
 
+/// Contacts that give a rate in so many person-minutes.
+CountedContacts at_rate(double per_person_min, double person_min = 60) {
+  return {static_cast<uint64_t>(std::lround(per_person_min * person_min / 2)), 60 * person_min};
+}
+
 /// As recorded people have them, with an hour at each level.
 PlaceContacts recorded_place() {
   PlaceContacts place{"as recorded", {}};
   for (const RecordedContacts& theirs : recorded_contacts())
-    place.levels.push_back({static_cast<uint64_t>(30 * theirs.per_person_min), 3600});
+    place.levels.push_back(at_rate(theirs.per_person_min));
   return place;
 }
 
-bool pass(const std::vector<PlaceContacts>& places) { return judge_contacts(places).passed; }
-
-TEST(ContactsByDensity, PassForThoseOfRecordedPeople) {
-  EXPECT_TRUE(pass({recorded_place()})) << judge_contacts(std::vector{recorded_place()}).summary;
+PlaceContacts with_rate(size_t level, double per_person_min, double person_min = 60) {
+  PlaceContacts place = recorded_place();
+  place.levels[level] = at_rate(per_person_min, person_min);
+  return place;
 }
 
-TEST(ContactsByDensity, FailForTooManyAndTooFewAtAnyLevel) {
-  for (size_t i = 0; i < recorded_contacts().size(); ++i)
-    for (const double factor : {0.3, i == 0 ? 2.0 : 1.7}) {
-      if (i == 0 && factor < 1) continue;  // nobody has to touch where there is room
-      PlaceContacts place = recorded_place();
-      uint64_t& contacts = place.levels[i].contacts;
-      contacts = static_cast<uint64_t>(factor * static_cast<double>(contacts));
-      EXPECT_FALSE(pass({place})) << "level " << i << ", " << factor;
+constexpr double kFromDense_per_m2 = 2;
+
+/// As `contacts` judges, and as `contacts_walked_again` does.
+bool pass(const std::vector<PlaceContacts>& places) {
+  return judge_contacts(places, kFromDense_per_m2).passed;
+}
+bool pass_walked_again(const std::vector<PlaceContacts>& places) {
+  return judge_contacts(places, 0).passed;
+}
+
+TEST(ContactsByDensity, PassForThoseOfRecordedPeople) {
+  EXPECT_TRUE(pass({recorded_place()}));
+  EXPECT_TRUE(pass_walked_again({recorded_place()}));
+}
+
+TEST(ContactsByDensity, FailForTooManyAtAnyLevel) {
+  for (size_t i = 0; i < recorded_contacts().size(); ++i) {
+    const double bound = i == 0 ? 1 : 1.5 * recorded_contacts()[i].per_person_min;
+    for (const auto& passes : {pass, pass_walked_again}) {
+      EXPECT_TRUE(passes({with_rate(i, 0.99 * bound, 1000)})) << "level " << i;
+      EXPECT_FALSE(passes({with_rate(i, 1.01 * bound, 1000)})) << "level " << i;
     }
+  }
+}
+
+TEST(ContactsByDensity, FailForTooFewFromTwoPerSquareMetreOn) {
+  for (const size_t i : {3u, 4u}) {
+    const double bound = 0.5 * recorded_contacts()[i].per_person_min;
+    for (const auto& passes : {pass, pass_walked_again}) {
+      EXPECT_FALSE(passes({with_rate(i, 0.99 * bound, 1000)})) << "level " << i;
+      EXPECT_TRUE(passes({with_rate(i, 1.01 * bound, 1000)})) << "level " << i;
+    }
+  }
+  EXPECT_FALSE(pass({with_rate(3, 7)})) << "3 per m2";
+}
+
+TEST(ContactsByDensity, FailForTooFewBelowThatOnlyOnTheRecordingsOwnGround) {
+  PlaceContacts few = with_rate(1, 0.4);  // 0.5 per m2; 1.1 at least
+  EXPECT_TRUE(pass({few}));
+  EXPECT_FALSE(pass_walked_again({few}));
+  few = with_rate(2, 2.5);  // 1.5 per m2; 2.7 at least
+  EXPECT_TRUE(pass({few}));
+  EXPECT_FALSE(pass_walked_again({few}));
+  EXPECT_TRUE(pass_walked_again({with_rate(0, 0)})) << "no bound asks people with room to touch";
+}
+
+TEST(ContactsByDensity, HaveALowerBoundOnlyWhereTooFewFail) {
+  const Judgement contacts = judge_contacts(std::vector{recorded_place()}, kFromDense_per_m2);
+  const Judgement again = judge_contacts(std::vector{recorded_place()}, 0);
+  const auto lows = [](const Judgement& judgement) {
+    std::vector<double> out;
+    for (const Reading& reading : judgement.readings)
+      if (reading.met && reading.what == "contacts")
+        out.push_back(std::isnan(reading.low) ? -1 : reading.low);
+    return out;
+  };
+  using testing::DoubleNear;
+  EXPECT_THAT(lows(contacts),
+              testing::ElementsAre(-1, -1, -1, DoubleNear(8.2, 1e-9), DoubleNear(25.6, 1e-9)));
+  EXPECT_THAT(lows(again), testing::ElementsAre(0, DoubleNear(1.1, 1e-9), DoubleNear(2.7, 1e-9),
+                                                DoubleNear(8.2, 1e-9), DoubleNear(25.6, 1e-9)));
 }
 
 TEST(ContactsByDensity, FailWhereTheyFallByMoreThanChance) {
   PlaceContacts place = recorded_place();
   // 3.2 a minute at 0.43 to 1 per m2 and 2.8 at 1 to 2: both as recorded, each for itself.
-  place.levels[1] = {static_cast<uint64_t>(300 * 3.2), 36000};
-  place.levels[2] = {static_cast<uint64_t>(300 * 2.8), 36000};
+  place.levels[1] = at_rate(3.2, 600);
+  place.levels[2] = at_rate(2.8, 600);
   EXPECT_FALSE(pass({place}));
-  place.levels[2] = {static_cast<uint64_t>(300 * 3.15), 36000};
+  EXPECT_FALSE(pass_walked_again({place}));
+  place.levels[2] = at_rate(3.15, 600);
   EXPECT_TRUE(pass({place})) << "2 % is chance";
 }
 
@@ -88,23 +146,37 @@ TEST(ContactsByDensity, FailForACrowdThatIsNeverDense) {
   PlaceContacts place = recorded_place();
   place.levels.resize(2);
   EXPECT_FALSE(pass({place}));
+  EXPECT_FALSE(pass_walked_again({place}));
 }
 
-TEST(ContactsByDensity, AreTheMeanOfPlacesThatCountTheSameHoweverManyPeopleTheyHave) {
-  PlaceContacts none = recorded_place(), twice = recorded_place();
-  none.levels[1] = {0, 1000000};
-  twice.levels[1] = {2 * recorded_place().levels[1].contacts, 3600};
-  EXPECT_FALSE(pass({none}));
-  EXPECT_FALSE(pass({twice}));
-  EXPECT_TRUE(pass({none, twice}));
-  EXPECT_FALSE(pass({none, none, none, none, twice})) << "0.4 of the recorded";
+TEST(ContactsByDensity, FailForACrowdThatNoLowerBoundIsAskedOf) {
+  PlaceContacts place = recorded_place();
+  place.levels.resize(3);  // up to 2 per m2
+  EXPECT_FALSE(pass({place})) << "three levels, all of them with upper bounds alone";
+  EXPECT_TRUE(pass_walked_again({place}));
 }
 
-TEST(ContactsByDensity, LeaveOutAPlaceWhereALevelWasWatchedForLessThanHalfAnHour) {
-  PlaceContacts place = recorded_place(), brief{"brief", {}};
-  for (size_t i = 0; i < place.levels.size(); ++i) brief.levels.push_back({1000000, 1799});
-  EXPECT_TRUE(pass({place, brief}));
-  EXPECT_FALSE(pass({brief}));
+TEST(ContactsByDensity, AreThoseOfAllPeopleNotTheMeanOfPlaces) {
+  // 4.5 a minute for 9 of 10 people, 0.1 for the others: the mean of places, 2.3, is as recorded.
+  const PlaceContacts full = with_rate(1, 4.5, 900), empty = with_rate(1, 0.1, 100);
+  EXPECT_FALSE(pass({full, empty}));
+  EXPECT_FALSE(pass_walked_again({full, empty}));
+  // The same at 3 per m2: 5 for 9 of 10 people and 20 for the others are 6.5 of all, 12.5 by place.
+  EXPECT_FALSE(pass({with_rate(3, 5, 900), with_rate(3, 20, 100)}));
+  // Ten places with too many and one, with most people, that makes up for them.
+  std::vector<PlaceContacts> places(10, with_rate(1, 4, 10));
+  places.push_back(with_rate(1, 2, 1000));
+  EXPECT_TRUE(pass(places));
+  EXPECT_TRUE(pass_walked_again(places));
+}
+
+TEST(ContactsByDensity, AreNotJudgedAtALevelThatAllPlacesTogetherWatchedForLessThanHalfAnHour) {
+  PlaceContacts place = recorded_place(), brief = recorded_place();
+  place.levels[4] = brief.levels[4] = at_rate(999, 14.9);
+  EXPECT_TRUE(pass({place, brief})) << "29.8 min";
+  place.levels[4] = at_rate(999, 15.2);
+  EXPECT_FALSE(pass({place, brief})) << "30.1 min, in no place as many";
+  EXPECT_FALSE(pass({}));
 }
 
 TEST(CompanionsTogether, FailForPartiesThatScatterAndForThoseThatPart) {
