@@ -34,10 +34,25 @@ std::string walls_measured(const std::vector<ValidationRun>& runs) {
   return fmt::format("{} moves", walls_crossed(runs));
 }
 
+/// Those of a verdict, and `walls` if it fails.
+std::vector<std::string> ids_with(const std::vector<ValidationRun>& runs, Verdict verdict) {
+  std::vector<std::string> ids;
+  for (const ValidationRun& run : runs)
+    if (run.outcome.verdict() == verdict)
+      ids.insert(ids.end(), run.test->ids.begin(), run.test->ids.end());
+  if (verdict == Verdict::kFail && walls_crossed(runs) > 0) ids.push_back(kWallsId);
+  return ids;
+}
+
+std::string in_brackets(const std::vector<std::string>& ids) {
+  return ids.empty() ? "" : fmt::format(" ({})", fmt::join(ids, ", "));
+}
+
 const char* verdict(bool passed) { return passed ? "pass" : "fail"; }
 
 std::string verdict_in_table(std::string_view verdict) {
-  return verdict == "fail" ? "**fail**" : std::string(verdict);
+  return verdict == "fail" || verdict == "differs" ? fmt::format("**{}**", verdict)
+                                                   : std::string(verdict);
 }
 
 std::string anchor(const Test& test) {
@@ -183,8 +198,11 @@ std::string verdict_table(const std::vector<ValidationRun>& runs) {
   if (!runs.empty())
     row(verdict(walls_crossed(runs) == 0), kWallsId, kWallsTitle, walls_measured(runs));
   const ValidationCount count = count_of(runs);
-  text += fmt::format("\n{} passed, {} failed", count.passed, count.failed);
-  if (count.differ > 0) text += fmt::format(", {} differ as recorded people do", count.differ);
+  text += fmt::format("\n{} passed, {} failed{}", count.passed, count.failed,
+                      in_brackets(ids_with(runs, Verdict::kFail)));
+  if (count.differ > 0)
+    text += fmt::format(", {} differ{}, which is measured and neither passed nor failed",
+                        count.differ, in_brackets(ids_with(runs, Verdict::kDiffers)));
   if (count.skipped > 0) text += fmt::format(", {} skipped", count.skipped);
   return text + "\n";
 }
@@ -224,10 +242,14 @@ void write_validation_report(const std::vector<ValidationRun>& runs, const fs::p
   const ValidationCount count = count_of(runs);
   std::string text = fmt::format(
       "# Validation report\n\nWritten by `throng validate --out`; docs/validation.md explains it. "
-      "{} of {} tests pass{}{}. Of {}.\n\n| test | verdict | measured | criterion "
+      "{} of {} tests pass; {} fail{}{}{}. Of {}.\n\n| test | verdict | measured | criterion "
       "|\n|---|---|---|---|\n",
-      count.passed, count.passed + count.failed,
-      count.differ == 0 ? "" : fmt::format("; {} differ as recorded people do", count.differ),
+      count.passed, count.passed + count.failed + count.differ, count.failed,
+      in_brackets(ids_with(runs, Verdict::kFail)),
+      count.differ == 0
+          ? ""
+          : fmt::format("; {} differ{}, which is measured and neither passed nor failed",
+                        count.differ, in_brackets(ids_with(runs, Verdict::kDiffers))),
       count.skipped == 0 ? "" : fmt::format("; {} skipped", count.skipped), seeds_of(runs));
   for (const ValidationRun& run : runs)
     for (size_t i = 0; i < run.test->ids.size(); ++i)

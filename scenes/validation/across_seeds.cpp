@@ -56,10 +56,14 @@ Reading across(const Reading& first, std::span<const SeedOutcome> seeds) {
 
 std::string sentence(std::span<const SeedOutcome> seeds, const SeedOutcome& worst,
                      const std::vector<Reading>& readings) {
-  const auto passed = std::count_if(seeds.begin(), seeds.end(), [](const SeedOutcome& each) {
-    return each.outcome.verdict() == Verdict::kPass;
-  });
-  std::string text = fmt::format("{} of {} seeds pass; {}seed {}: {}", passed, seeds.size(),
+  const auto with = [&](Verdict verdict) {
+    return std::count_if(seeds.begin(), seeds.end(), [&](const SeedOutcome& each) {
+      return each.outcome.verdict() == verdict;
+    });
+  };
+  const auto passed = with(Verdict::kPass), differ = with(Verdict::kDiffers);
+  std::string text = fmt::format("{} of {} seeds pass{}; {}seed {}: {}", passed, seeds.size(),
+                                 differ == 0 ? "" : fmt::format(", {} differ", differ),
                                  readings.empty() && passed == std::ssize(seeds) ? "" : "worst, ",
                                  worst.seed, worst.outcome.measured);
   std::string means;

@@ -24,8 +24,8 @@ const char* name_of(Verdict verdict) {
 
 Verdict Outcome::verdict() const {
   if (skipped) return Verdict::kSkipped;
-  if (differs) return Verdict::kDiffers;
-  return passed ? Verdict::kPass : Verdict::kFail;
+  if (!passed) return Verdict::kFail;
+  return differs ? Verdict::kDiffers : Verdict::kPass;
 }
 
 bool Test::has(const std::string& id) const {

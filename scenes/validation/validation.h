@@ -35,7 +35,8 @@ struct Reading {
 enum class Verdict : uint8_t {
   kPass,
   kFail,
-  kDiffers,  ///< measured only: recorded people do not meet the criterion either
+  kDiffers,  ///< measured only: recorded people do not meet the criterion either, or the guideline
+             ///< excludes no model by it
   kSkipped   ///< what it needs is not there
 };
 /// "pass", "fail", "differs", "skipped".
@@ -43,7 +44,7 @@ const char* name_of(Verdict verdict);
 
 struct Outcome {
   bool passed = false;
-  bool differs = false;
+  bool differs = false;  ///< counts only where it passed otherwise
   bool skipped = false;
   std::string measured;  ///< in a sentence, with units
   int wall_crossings = 0;

@@ -69,6 +69,40 @@ TEST(Validate, SeveralSeedsGiveOneVerdictAndEachTheirFigures) {
   EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("Of seeds 3 to 4."));
 }
 
+TEST(Validate, WhatDiffersIsNamedBesideWhatPassesAndFails) {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      shell("throng validate --only imo_4 --only rimea_1 --json v.json --out report", folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("2 passed, 0 failed, 2 differ (imo_4, iso_11), which is "
+                                     "measured and neither passed nor failed\n"));
+  EXPECT_THAT(
+      read_file(folder / "report/report.md"),
+      HasSubstr("2 of 4 tests pass; 0 fail; 2 differ (imo_4, iso_11), which is measured and "
+                "neither passed nor failed. Of seed 1."));
+}
+
+/// The ids of those that failed.
+std::string failed_of(const nlohmann::json& json) {
+  std::string ids;
+  for (const auto& test : json["tests"])
+    if (test["verdict"] == "fail") ids += (ids.empty() ? "" : ", ") + test["id"].get<std::string>();
+  return ids;
+}
+
+TEST(Validate, WhatFailsIsNamedBesideTheCounts) {
+  const ScratchFolder folder;
+  // With ORCA 117 of 200 overtake, where 190 are asked.
+  const Outcome outcome = shell(
+      "throng validate --only overtaking --only rimea_1 --steering orca --json v.json --out report",
+      folder);
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
+  EXPECT_EQ(failed_of(json), "overtaking");
+  EXPECT_THAT(outcome.out, HasSubstr("1 failed (overtaking)\n"));
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("1 fail (overtaking). Of seed 1."));
+}
+
 TEST(Validate, WhatNeedsRecordingsIsSkippedWithoutThem) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng validate --only spacing_door --json v.json", folder);

@@ -66,10 +66,26 @@ TEST(AcrossSeeds, AllOthersCountForWallsAndPlaces) {
   EXPECT_EQ(across_seeds(seeds).unplaced, 2);
 }
 
+TEST(Verdict, OfATestThatFailsAndDiffersIsFail) {
+  Outcome outcome;
+  outcome.differs = true;
+  EXPECT_EQ(outcome.verdict(), Verdict::kFail);
+  outcome.passed = true;
+  EXPECT_EQ(outcome.verdict(), Verdict::kDiffers);
+  // As a test that differs and in which people found no room.
+  const validation::Test full{{"full"}, {"full"}, "", "", [&](const Conditions&) {
+                                Outcome without_room = outcome;
+                                without_room.unplaced = 1;
+                                return without_room;
+                              }};
+  EXPECT_EQ(carry_out(full, {}).verdict(), Verdict::kFail);
+}
+
 TEST(AcrossSeeds, FailingOutweighsDifferingAndSkipping) {
   std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
   seeds[0].outcome.differs = true;
   EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kDiffers);
+  EXPECT_THAT(across_seeds(seeds).measured, testing::HasSubstr("1 of 2 seeds pass, 1 differ; "));
   seeds[1].outcome.passed = false;
   EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kFail);
   for (SeedOutcome& each : seeds) {
