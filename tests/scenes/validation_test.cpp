@@ -1,12 +1,16 @@
 // The quick ones of the standard tests, and the instruments that all of them measure with.
 #include "scenes/validation/validation.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 #include <string>
+#include <vector>
 
+#include "scenes/validation/judging_standards.h"
+#include "scenes/validation/reality_tables.h"
 #include "scenes/validation/trial.h"
 
 namespace throng::validation {
@@ -62,6 +66,53 @@ TEST(Validation, WeidmannAtTheDensitiesOfTheLiterature) {
   EXPECT_NEAR(weidmann_mps(3), 0.331, 1e-3);
   EXPECT_NEAR(weidmann_mps(4), 0.156, 1e-3);
   EXPECT_EQ(weidmann_mps(6), 0);
+}
+
+/// In the middle of what was recorded at each density.
+std::vector<OneWaySpeed> recorded_speeds_of_one_way() {
+  std::vector<OneWaySpeed> points;
+  for (const double per_m2 : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0}) {
+    const auto band = recorded_one_way_at(per_m2).value();
+    points.push_back({per_m2, per_m2, 0.5 * (band.low_mps + band.high_mps)});
+  }
+  return points;
+}
+
+TEST(SpeedsOfOneWay, NearABoundAreNamed) {
+  std::vector<OneWaySpeed> points = recorded_speeds_of_one_way();
+  EXPECT_THAT(judge_one_way(points).summary,
+              testing::HasSubstr("6 of 6 as recorded; none within 10 % of a bound"));
+  const RecordedBand band = recorded_one_way_at(2).value();
+  for (const double factor : {1.01, 1.09}) {
+    points[3].speed_mps = factor * band.low_mps;
+    const Judgement judgement = judge_one_way(points);
+    EXPECT_TRUE(judgement.passed);
+    EXPECT_THAT(judgement.summary,
+                testing::EndsWith(fmt::format("; within 10 % of a bound: "
+                                              "{:.2f} m/s at 2 per m2 (at least {:.2f})",
+                                              points[3].speed_mps, band.low_mps)));
+  }
+  points[3].speed_mps = 1.11 * band.low_mps;
+  EXPECT_EQ(near_bounds(judge_one_way(points).readings), "");
+  points[3].speed_mps = 0.91 * band.high_mps;
+  EXPECT_THAT(near_bounds(judge_one_way(points).readings), testing::HasSubstr("at most"));
+}
+
+TEST(SpeedsOfOneWay, FailOutsideABoundAndAreNamedHoweverFarOff) {
+  std::vector<OneWaySpeed> points = recorded_speeds_of_one_way();
+  points[0].speed_mps = 9;
+  points[5].speed_mps = 0.01;
+  const Judgement judgement = judge_one_way(points);
+  EXPECT_FALSE(judgement.passed);
+  EXPECT_THAT(judgement.summary, testing::HasSubstr("4 of 6 as recorded; outside or within 10 %"));
+  EXPECT_THAT(judgement.summary, testing::HasSubstr(", outside), 0.01 m/s at 3 per m2 (at least "));
+  points = recorded_speeds_of_one_way();
+  points[6].speed_mps = 9;
+  EXPECT_TRUE(judge_one_way(points).passed) << "4 per m2 is shown, not judged";
+  EXPECT_EQ(near_bounds(judge_one_way(points).readings), "");
+  points[0].density_per_m2 = 0.1;
+  EXPECT_FALSE(judge_one_way(points).passed) << "nobody was recorded there";
+  EXPECT_FALSE(judge_one_way({}).passed);
 }
 
 TEST(Validation, FlowIsPeopleAfterTheFirstOverTheirTime) {
