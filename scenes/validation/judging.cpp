@@ -345,6 +345,7 @@ Judgement judge_far_exit(int near, int far, int people) {
 
 Outcome judged(Outcome outcome, Judgement judgement) {
   outcome.passed = judgement.passed;
+  outcome.differs = judgement.differs;
   outcome.measured = judgement.summary;
   outcome.readings = std::move(judgement.readings);
   return outcome;

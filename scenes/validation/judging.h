@@ -15,6 +15,7 @@ namespace throng::validation {
 
 struct Judgement {
   bool passed = false;
+  bool differs = false;  ///< as in Outcome
   std::string summary;
   std::vector<Reading> readings;
 };

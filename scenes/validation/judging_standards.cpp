@@ -66,4 +66,62 @@ std::string near_bounds(std::span<const Reading> readings) {
   return list;
 }
 
+namespace {
+
+bool is_jam(const Crowding& crowding) { return crowding.jammed > kJamLasts; }
+bool is_queue(const Crowding& crowding) { return crowding.most_per_m2 > kQueue_per_m2; }
+
+void list_crowding(const Crowding& crowding, const std::string& at, bool asks_for_jam,
+                   Judgement& out) {
+  const double none = Reading::kNone;
+  out.readings.push_back({at, "most people over 10 s", "1/m2", crowding.most_per_m2, none,
+                          asks_for_jam ? kQueue_per_m2 : none, asks_for_jam ? none : kQueue_per_m2,
+                          is_queue(crowding) == asks_for_jam, true});
+  out.readings.push_back(
+      {at, fmt::format("share of the time above {:g} per m2", kQueue_per_m2), "", crowding.queued});
+  out.readings.push_back({at, fmt::format("share of the time above {:g} per m2", kJam_per_m2), "",
+                          crowding.jammed, none, asks_for_jam ? kJamLasts : none,
+                          asks_for_jam ? none : kJamLasts, is_jam(crowding) == asks_for_jam});
+}
+
+}  // namespace
+
+Judgement judge_necks(std::span<const PassedNeck> necks, double exit_m) {
+  Judgement out;
+  bool grows = true, all_through = true;
+  double narrower_per_s = 0;
+  std::string list;
+  const PassedNeck* as_wide = nullptr;
+  for (const PassedNeck& neck : necks) {
+    const bool is_more = neck.flow_per_s > narrower_per_s;
+    grows = grows && is_more;
+    all_through = all_through && neck.all_through;
+    out.readings.push_back({fmt::format("neck of {:g} m", neck.width_m), "flow", "1/s",
+                            neck.flow_per_s, Reading::kNone, narrower_per_s, Reading::kNone,
+                            is_more});
+    narrower_per_s = neck.flow_per_s;
+    list += fmt::format("{}{:.2f}/s through {:g} m", list.empty() ? "" : ", ", neck.flow_per_s,
+                        neck.width_m);
+    if (std::abs(neck.width_m - exit_m) < 1e-9) as_wide = &neck;
+  }
+  if (as_wide == nullptr) return out;
+  const Crowding &first = as_wide->before_neck, &second = as_wide->before_exit;
+  list_crowding(first, "before the neck", true, out);
+  list_crowding(second, "before the exit", false, out);
+  out.passed = grows && all_through && is_jam(first) && !is_jam(second);
+  out.differs = out.passed && is_queue(second);
+  out.summary = fmt::format(
+      "{}{}; with {:g} m at most {:.2f} people per m2 over 10 s before the neck and {:.2f} before "
+      "the exit of the second room, where RiMEA expects no congestion: {} (more than {:g} per m2 "
+      "for {:.0f} % of the time, more than {:g} for {:.0f} %; before the neck {:.0f} and {:.0f} %)",
+      list, all_through ? "" : ", not everybody came through", exit_m, first.most_per_m2,
+      second.most_per_m2,
+      is_jam(second)     ? "people jam"
+      : is_queue(second) ? "people queue"
+                         : "there is none",
+      kQueue_per_m2, 100 * second.queued, kJam_per_m2, 100 * second.jammed, 100 * first.queued,
+      100 * first.jammed);
+  return out;
+}
+
 }  // namespace throng::validation

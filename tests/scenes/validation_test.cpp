@@ -68,6 +68,57 @@ TEST(Validation, WeidmannAtTheDensitiesOfTheLiterature) {
   EXPECT_EQ(weidmann_mps(6), 0);
 }
 
+/// As RiMEA 12 has them, with a queue of 2.3 per m2 before the exit of the second room.
+std::vector<PassedNeck> queue_before_the_exit() {
+  const Crowding jam{6, 0.8, 0.6}, queue{2.3, 0.4, 0};
+  return {{0.8, 1.4, true, jam, queue}, {1, 1.8, true, jam, queue}, {1.2, 2, true, jam, jam}};
+}
+
+Verdict verdict_of(const std::vector<PassedNeck>& necks) {
+  return judged({}, judge_necks(necks, 1)).verdict();
+}
+
+TEST(Necks, DifferForAQueueBeforeTheExitOfTheSecondRoom) {
+  std::vector<PassedNeck> necks = queue_before_the_exit();
+  EXPECT_EQ(verdict_of(necks), Verdict::kDiffers);
+  EXPECT_THAT(judge_necks(necks, 1).summary,
+              testing::HasSubstr("6.00 people per m2 over 10 s before the neck and 2.30 before the "
+                                 "exit of the second room, where RiMEA expects no congestion: "
+                                 "people queue (more than 1.75 per m2 for 40 % of the time"));
+  necks[1].before_exit = {1.76, 0.01, 0};
+  EXPECT_EQ(verdict_of(necks), Verdict::kDiffers) << "however short it is";
+  necks[1].before_exit = {1.74, 0, 0};
+  EXPECT_EQ(verdict_of(necks), Verdict::kPass);
+}
+
+TEST(Necks, FailForAJamBeforeTheExitAndForNoneBeforeTheNeck) {
+  std::vector<PassedNeck> necks = queue_before_the_exit();
+  necks[1].before_exit = {4.5, 0.5, 0.11};
+  EXPECT_EQ(verdict_of(necks), Verdict::kFail);
+  necks = queue_before_the_exit();
+  necks[1].before_neck = {4.5, 0.5, 0.09};
+  EXPECT_EQ(verdict_of(necks), Verdict::kFail);
+}
+
+TEST(Necks, FailForAFlowThatDoesNotGrowAndForPeopleLeftBehindWhateverTheQueue) {
+  std::vector<PassedNeck> necks = queue_before_the_exit();
+  necks[2].flow_per_s = necks[1].flow_per_s;
+  EXPECT_EQ(verdict_of(necks), Verdict::kFail);
+  necks = queue_before_the_exit();
+  necks[0].all_through = false;
+  EXPECT_EQ(verdict_of(necks), Verdict::kFail);
+  EXPECT_EQ(verdict_of({}), Verdict::kFail);
+  necks = queue_before_the_exit();
+  necks.erase(necks.begin() + 1);
+  EXPECT_EQ(verdict_of(necks), Verdict::kFail) << "no neck as wide as the exit";
+}
+
+TEST(Necks, PeopleQueueWhereDenserOnesCarryLess) {
+  const auto flow = [](double per_m2) { return per_m2 * weidmann_mps(per_m2); };
+  EXPECT_GT(flow(kQueue_per_m2), flow(kQueue_per_m2 - 0.05));
+  EXPECT_GT(flow(kQueue_per_m2), flow(kQueue_per_m2 + 0.05));
+}
+
 /// In the middle of what was recorded at each density.
 std::vector<OneWaySpeed> recorded_speeds_of_one_way() {
   std::vector<OneWaySpeed> points;
