@@ -66,10 +66,16 @@ std::string sentence(std::span<const SeedOutcome> seeds, const SeedOutcome& wors
                                  differ == 0 ? "" : fmt::format(", {} differ", differ),
                                  readings.empty() && passed == std::ssize(seeds) ? "" : "worst, ",
                                  worst.seed, worst.outcome.measured);
+  const auto is_named_twice = [&](const std::string& what) {
+    return std::count_if(readings.begin(), readings.end(), [&](const Reading& each) {
+             return each.headline && each.what == what;
+           }) > 1;
+  };
   std::string means;
   for (const Reading& reading : readings)
     if (reading.headline && !std::isnan(reading.ours))
-      means += fmt::format("{} {} {:.4g}{}{}", means.empty() ? "; means:" : ",", reading.what,
+      means += fmt::format("{} {}{} {:.4g}{}{}", means.empty() ? "; means:" : ",", reading.what,
+                           is_named_twice(reading.what) ? fmt::format(" ({})", reading.at) : "",
                            reading.ours, reading.unit.empty() ? "" : " ", reading.unit);
   return text + means;
 }

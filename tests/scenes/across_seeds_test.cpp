@@ -49,6 +49,17 @@ TEST(AcrossSeeds, ReadingsAreTheMeanAndTheOneFarthestOff) {
   EXPECT_EQ(outcome.readings[0].worst, 1.02) << "0.02 from the bound, others 0.05";
 }
 
+TEST(AcrossSeeds, MeansOfOneNameTellWhereTheyAre) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.02), seed_with(2, 1.1)};
+  EXPECT_THAT(across_seeds(seeds).measured, testing::HasSubstr("; means: flow 1.06 1/s"));
+  for (SeedOutcome& each : seeds) {
+    each.outcome.readings.push_back(flow(1.2));
+    each.outcome.readings.back().at = "gate";
+  }
+  EXPECT_THAT(across_seeds(seeds).measured,
+              testing::HasSubstr("; means: flow (door) 1.06 1/s, flow (gate) 1.2 1/s"));
+}
+
 TEST(AcrossSeeds, ASeedWithoutAReadingIsNoZero) {
   std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
   seeds[0].outcome.readings[0].ours = Reading::kNone;
