@@ -82,13 +82,15 @@ Mesh head_shape() {
 }
 
 Mesh torso_shape() {
-  // Chest 289 x 254 mm, waist 326 x 238 mm (ANSUR II, men).
+  // Chest 289 x 254 mm (ANSUR II, men). The waist, 326 x 238 mm there, is rounder here, and below
+  // it the trunk is drawn in: it turns on the pelvis, and no twist shows its lower end.
   const std::vector<Section> table = {
-      on_midline(1.000, 0.000, 0.119, 0.117, 0.173, 0.30),
-      on_midline(1.040, 0.000, 0.118, 0.108, 0.163, 0.30),
-      on_midline(1.080, 0.000, 0.118, 0.102, 0.156, 0.30),
-      on_midline(1.130, 0.000, 0.119, 0.101, 0.152, 0.30),
-      on_midline(1.200, 0.000, 0.120, 0.110, 0.152, 0.30),
+      on_midline(1.000, 0.000, 0.096, 0.096, 0.104, 0),
+      on_midline(1.0187, 0.000, 0.114, 0.111, 0.134, 0),
+      on_midline(1.0374, 0.000, 0.118, 0.112, 0.142, 0.03),
+      on_midline(1.060, 0.000, 0.119, 0.109, 0.145, 0.10),
+      on_midline(1.130, 0.000, 0.119, 0.102, 0.149, 0.30),
+      on_midline(1.200, 0.000, 0.120, 0.110, 0.151, 0.30),
       on_midline(1.270, 0.000, 0.124, 0.122, 0.154, 0.35),
       on_midline(1.330, 0.000, 0.118, 0.126, 0.158, 0.35),
       on_midline(1.380, 0.000, 0.102, 0.122, 0.170, 0.35),
@@ -107,19 +109,24 @@ Mesh torso_shape() {
 }
 
 Mesh pelvis_shape() {
-  // Hip breadth 346 mm, buttock depth 246 mm (ANSUR II, men). Table 1 leaves it 74 vertices.
+  // Hip breadth 346 mm, buttock depth 246 mm (ANSUR II, men). Table 1 leaves it 74 vertices, most
+  // of them where it goes into the torso. There it narrows to a circle, so that no twist turns a
+  // corner of it outwards.
+  struct PelvisRing {
+    Section section;
+    int segments;
+  };
   std::vector<Ring> rings;
-  for (const Section& section : {
-           on_midline(0.860, -0.005, 0.070, 0.085, 0.095, 0.2),
-           on_midline(0.900, -0.005, 0.105, 0.132, 0.158, 0.3),
-           on_midline(0.945, -0.003, 0.112, 0.136, 0.174, 0.3),
-           on_midline(0.990, 0.000, 0.110, 0.120, 0.170, 0.3),
-           on_midline(1.030, 0.000, 0.104, 0.100, 0.152, 0.3),
-           on_midline(1.065, 0.000, 0.096, 0.086, 0.136, 0.3),
+  for (const auto& [section, segments] : {
+           PelvisRing{on_midline(0.868, -0.005, 0.078, 0.094, 0.112, 0.2), 12},
+           PelvisRing{on_midline(0.910, -0.005, 0.108, 0.130, 0.162, 0.3), 12},
+           PelvisRing{on_midline(0.953, -0.003, 0.113, 0.136, 0.174, 0.3), 12},
+           PelvisRing{on_midline(1.007, 0.000, 0.114, 0.122, 0.154, 0.05), 18},
+           PelvisRing{on_midline(1.055, 0.000, 0.094, 0.093, 0.096, 0), 18},
        })
-    rings.push_back(ring_of(section, 12));
+    rings.push_back(ring_of(section, segments));
   const Eigen::Vector3d crotch(0, 0, 0.840);
-  const Eigen::Vector3d top(0, 0, 1.080);
+  const Eigen::Vector3d top(0, 0, 1.070);
   return tube(rings, {&crotch, &top});
 }
 

@@ -33,6 +33,29 @@ void close_end(Mesh& mesh, int ring_start, int segments, int pole, bool first) {
   }
 }
 
+/// The band between two rings.
+void add_strip(Mesh& mesh, int low_start, int low_size, int high_start, int high_size) {
+  const auto low = [&](int k) { return low_start + k % low_size; };
+  const auto high = [&](int k) { return high_start + k % high_size; };
+  if (low_size == high_size) {
+    for (int k = 0; k < low_size; ++k) {
+      mesh.triangles.emplace_back(low(k), low(k + 1), high(k + 1));
+      mesh.triangles.emplace_back(low(k), high(k + 1), high(k));
+    }
+    return;
+  }
+  // Round both rings at once, next along the one whose next edge has its middle earlier.
+  for (int l = 0, h = 0; l < low_size || h < high_size;) {
+    if ((2 * l + 1) * high_size < (2 * h + 1) * low_size) {
+      mesh.triangles.emplace_back(low(l), low(l + 1), high(h));
+      ++l;
+    } else {
+      mesh.triangles.emplace_back(low(l), high(h + 1), high(h));
+      ++h;
+    }
+  }
+}
+
 double blend(double Section::*column, std::span<const Section> table, size_t i, double height) {
   const auto slope = [&](size_t k) {
     return (table[k + 1].*column - table[k].*column) / (table[k + 1].height - table[k].height);
@@ -136,11 +159,12 @@ std::vector<Ring> rings_of(const Loft& loft) {
 }
 
 Mesh tube(std::span<const Ring> rings, const Poles& poles) {
-  const int segments = static_cast<int>(rings[0].size());
-  const int count = static_cast<int>(rings.size());
   Mesh mesh;
-  for (const Ring& ring : rings)
+  std::vector<int> starts;  // of the rings among the vertices
+  for (const Ring& ring : rings) {
+    starts.push_back(static_cast<int>(mesh.vertices.size()));
     for (const Eigen::Vector3d& point : ring) mesh.vertices.push_back(rounded(point));
+  }
   int first_pole = -1;
   int last_pole = -1;
   if (poles.first != nullptr) {
@@ -151,16 +175,11 @@ Mesh tube(std::span<const Ring> rings, const Poles& poles) {
     last_pole = static_cast<int>(mesh.vertices.size());
     mesh.vertices.push_back(rounded(*poles.last));
   }
-  close_end(mesh, 0, segments, first_pole, true);
-  for (int r = 0; r + 1 < count; ++r) {
-    for (int k = 0; k < segments; ++k) {
-      const int a = r * segments + k;
-      const int b = r * segments + (k + 1) % segments;
-      mesh.triangles.emplace_back(a, b, b + segments);
-      mesh.triangles.emplace_back(a, b + segments, a + segments);
-    }
-  }
-  close_end(mesh, (count - 1) * segments, segments, last_pole, false);
+  const auto size_of = [&](size_t r) { return static_cast<int>(rings[r].size()); };
+  close_end(mesh, 0, size_of(0), first_pole, true);
+  for (size_t r = 0; r + 1 < rings.size(); ++r)
+    add_strip(mesh, starts[r], size_of(r), starts[r + 1], size_of(r + 1));
+  close_end(mesh, starts.back(), size_of(rings.size() - 1), last_pole, false);
   orient_outwards(mesh);
   return mesh;
 }

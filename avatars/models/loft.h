@@ -47,7 +47,7 @@ struct Poles {
   const Eigen::Vector3d* last = nullptr;
 };
 
-/// The closed, outward-oriented surface through equally long rings. Vertices: rings in order, then
+/// The closed, outward-oriented surface through rings. Vertices: rings in order, then
 /// the first pole, then the last. Rounded to 10 micrometres.
 Mesh tube(std::span<const Ring> rings, const Poles& poles);
 

@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -12,6 +14,7 @@
 
 #include "avatars/mesh/tri.h"
 #include "avatars/models/adult_body.h"
+#include "base/elementary.h"
 
 namespace throng {
 namespace {
@@ -72,6 +75,44 @@ void expect_within(const char* what, double found, double expected, double toler
   EXPECT_LE(std::abs(found / expected - 1), tolerance)
       << what << ": expected " << expected << " m (ANSUR II, men), found " << found << " m, off by "
       << 100 * (found / expected - 1) << " %, allowed " << 100 * tolerance << " %";
+}
+
+/// How far a part reaches from the axis of the twist: a row per height, a column per degree.
+constexpr int kDegrees = 360;
+constexpr double kLowest_m = 0.95;
+constexpr double kHeightStep_m = 0.001;
+constexpr int kHeights = 200;
+using Reach = std::vector<std::array<double, kDegrees>>;
+
+Reach reach_of(const AdultPart& part) {
+  Reach reach(kHeights);
+  for (int h = 0; h < kHeights; ++h) {
+    reach[static_cast<size_t>(h)].fill(0);
+    // Between the steps, so that no vertex lies on the plane.
+    const double height = kLowest_m + kHeightStep_m * (h + 0.37);
+    for (const Eigen::Vector3i& t : part.mesh.triangles) {
+      std::vector<Eigen::Vector2d> cut;
+      for (int i = 0; i < 3; ++i) {
+        const auto corner = [&](int k) -> Eigen::Vector3d {
+          return part.mesh.vertices[static_cast<size_t>(t[k % 3])].cast<double>() + part.origin;
+        };
+        const Eigen::Vector3d a = corner(i);
+        const Eigen::Vector3d b = corner(i + 1);
+        if ((a.z() > height) != (b.z() > height))
+          cut.emplace_back((a + (b - a) * ((height - a.z()) / (b.z() - a.z()))).head<2>());
+      }
+      if (cut.size() != 2) continue;
+      for (size_t d = 0; d < kDegrees; ++d) {
+        const Eigen::Rotation2Dd turn(static_cast<double>(d) * kDegree);
+        const Eigen::Vector2d p = turn.inverse() * cut[0];
+        const Eigen::Vector2d q = turn.inverse() * cut[1];
+        if ((p.y() > 0) == (q.y() > 0)) continue;
+        double& out = reach[static_cast<size_t>(h)][d];
+        out = std::max(out, p.x() - p.y() * (q.x() - p.x()) / (q.y() - p.y()));
+      }
+    }
+  }
+  return reach;
 }
 
 TEST(Adult, HasTheFilesAndVertexCountsOfTable1) {
@@ -191,6 +232,54 @@ TEST(Adult, GirthsAndSizesAreThoseOfTheSurvey) {
   expect_within("buttock depth", static_cast<double>(hips.x()), 0.246, 0.05);
   expect_within("chest depth", static_cast<double>(size_of(committed("torso.tri")).x()), 0.254,
                 0.05);
+}
+
+TEST(Adult, WaistStaysClosedInEveryTwist) {
+  // The ends that overlap at the waist stay inside the other part, whatever the twist, and the
+  // outline of both together has no ledge. The trunk turns about the vertical axis of the joint, so
+  // a twist shifts its columns.
+  Reach torso;
+  Reach pelvis;
+  for (const AdultPart& part : adult_parts()) {
+    if (part.file == "torso.tri") torso = reach_of(part);
+    if (part.file == "pelvis.tri") pelvis = reach_of(part);
+  }
+  const auto is_cut = [](const std::array<double, kDegrees>& row) { return row[0] > 0; };
+  const auto height_of = [](auto row, const Reach& reach) {
+    return static_cast<int>(row - reach.begin());
+  };
+  const int bottom =
+      height_of(std::find_if(torso.begin(), torso.end(), is_cut), torso);  // of the torso
+  const int top = height_of(std::find_if_not(pelvis.begin(), pelvis.end(), is_cut), pelvis) - 1;
+  const int joint =
+      static_cast<int>(std::lround((adult_joints().thorax.z() - kLowest_m) / kHeightStep_m));
+  ASSERT_GT(top, joint) << "torso and pelvis do not overlap";
+  ASSERT_GT(joint, bottom) << "torso and pelvis do not overlap";
+  double torso_out_m = -1;   // end of the torso beyond the pelvis
+  double pelvis_out_m = -1;  // pelvis above the joint beyond the torso
+  double ledge_m = 0;        // step of the outline in a millimetre of height
+  double narrowest_m = 1;
+  for (int twist = -45; twist <= 45; ++twist) {
+    for (int d = 0; d < kDegrees; ++d) {
+      const auto turned = static_cast<size_t>((d - twist + kDegrees) % kDegrees);
+      const auto column = static_cast<size_t>(d);
+      const auto row = [](int h) { return static_cast<size_t>(h); };
+      torso_out_m = std::max(torso_out_m, torso[row(bottom)][turned] - pelvis[row(bottom)][column]);
+      for (int h = joint; h <= top; ++h)
+        pelvis_out_m = std::max(pelvis_out_m, pelvis[row(h)][column] - torso[row(h)][turned]);
+      double before = 0;
+      for (int h = 0; h < kHeights; ++h) {
+        const double out = std::max(torso[row(h)][turned], pelvis[row(h)][column]);
+        narrowest_m = std::min(narrowest_m, out);
+        if (h > 0) ledge_m = std::max(ledge_m, std::abs(out - before));
+        before = out;
+      }
+    }
+  }
+  EXPECT_LT(torso_out_m, -0.003) << "the lower end of the torso stands out of the pelvis";
+  EXPECT_LT(pelvis_out_m, -0.003) << "the pelvis stands out of the torso above the joint";
+  EXPECT_LT(ledge_m, 0.0025) << "the waist has a ledge";
+  EXPECT_GT(narrowest_m, 0.095) << "the waist is open";
 }
 
 TEST(Adult, NoseAndToesPointForwardAndThumbsToo) {
