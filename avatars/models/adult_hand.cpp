@@ -1,10 +1,12 @@
 // The hand: a flat tube for the palm, from whose far end four fingers grow and from whose side the
-// thumb does. Left hand, hanging: the thumb points forward, the palm faces the thigh (-y).
+// thumb does. Left hand, hanging: the thumb lies in front, along the index finger, and the palm
+// faces the thigh (-y).
 #include <Eigen/Geometry>
 #include <array>
 
 #include "avatars/models/adult_body.h"
 #include "avatars/models/loft.h"
+#include "base/elementary.h"
 
 namespace throng {
 namespace {
@@ -46,10 +48,14 @@ constexpr std::array<PalmRow, kPalmRings> kPalm = {{
 struct Digit {
   double length, radius, curl_rad;
 };
-/// Index to little finger.
+/// Index to little finger of a relaxed hand: each bends a little more than the one before, at the
+/// knuckle and along its length.
 constexpr std::array<Digit, 4> kFingers = {
-    {{0.074, 0.0092, 0.45}, {0.083, 0.0094, 0.50}, {0.076, 0.0090, 0.58}, {0.060, 0.0080, 0.66}}};
-constexpr Digit kThumb = {0.064, 0.0112, 0.55};
+    {{0.074, 0.0093, 0.92}, {0.083, 0.0095, 0.94}, {0.076, 0.0093, 0.97}, {0.060, 0.0087, 1.00}}};
+constexpr std::array<double, 4> kKnuckles_rad = {0.34, 0.36, 0.38, 0.40};
+/// Breadth of a finger over its thickness: less than a millimetre stays between two fingers.
+constexpr double kFingerBreadth = 1.07;
+constexpr Digit kThumb = {0.060, 0.0108, 0.55};
 
 /// Thickness of a digit along it: knuckles, a waist between them, a rounded tip.
 constexpr std::array<double, kDigitRings> kDigitGirth = {0.98, 0.97, 0.94, 0.97, 0.92,
@@ -60,6 +66,7 @@ constexpr std::array<double, kDigitRings> kDigitAlong = {0.06, 0.18, 0.32, 0.46,
 /// Where a digit goes: from `base` along `start`, turning by `curl_rad` in all towards `bend`.
 struct DigitPath {
   Eigen::Vector3d base, start, bend;  ///< the two directions are orthogonal
+  double breadth = 1;                 ///< of the digit over its thickness
 };
 
 void append_digit(Mesh& mesh, const std::array<int, kDigitSegments>& rim, const Digit& digit,
@@ -79,7 +86,7 @@ void append_digit(Mesh& mesh, const std::array<int, kDigitSegments>& rim, const 
   double done = 0;
   std::array<int, kDigitSegments> previous = rim;
   const auto forward_to = [&](double fraction) {
-    const Eigen::Vector2d turn = on_circle(digit.curl_rad * fraction / 6.283185307179586);
+    const Eigen::Vector2d turn = on_circle(digit.curl_rad * fraction / kTurn);
     along = path.start * turn.x() + path.bend * turn.y();
     at += along * (digit.length * (fraction - done));
     done = fraction;
@@ -91,8 +98,8 @@ void append_digit(Mesh& mesh, const std::array<int, kDigitSegments>& rim, const 
     for (size_t k = 0; k < kDigitSegments; ++k) {
       ring[k] = static_cast<int>(mesh.vertices.size());
       const double radius = digit.radius * kDigitGirth[r];
-      mesh.vertices.push_back(
-          rounded(at + side * (kOctagon[k][0] * radius) + away * (kOctagon[k][1] * radius)));
+      mesh.vertices.push_back(rounded(at + side * (kOctagon[k][0] * radius * path.breadth) +
+                                      away * (kOctagon[k][1] * radius)));
     }
     for (size_t k = 0; k < kDigitSegments; ++k) {
       const size_t next = (k + 1) % kDigitSegments;
@@ -187,19 +194,26 @@ Mesh hand_shape() {
     const double t = 1 - (c + 1) / 4.0;
     const Eigen::Vector3d base(kPalm[kEnd].forward + 0.96 * kPalm[kEnd].half_width * t, 0,
                                -kPalm[kEnd].down);
-    const Eigen::Vector3d start = Eigen::Vector3d(0.10 * t, 0, -1).normalized();
-    append_digit(mesh, rim, kFingers[static_cast<size_t>(f)], {base, start, {0, -1, 0}});
+    // Towards the middle of the hand, and at the knuckle towards the palm.
+    const Eigen::Vector2d bent = on_circle(kKnuckles_rad[static_cast<size_t>(f)] / kTurn);
+    const Eigen::Vector3d down = Eigen::Vector3d(-0.04 * t, 0, -1).normalized();
+    const Eigen::Vector3d palmwards(0, -1, 0);
+    append_digit(mesh, rim, kFingers[static_cast<size_t>(f)],
+                 {base, down * bent.x() + palmwards * bent.y(),
+                  palmwards * bent.x() - down * bent.y(), kFingerBreadth});
   }
 
-  // The thumb leaves forward and bends down beside the index finger.
+  // The thumb leaves the palm's side downwards and bends towards the index finger.
   const int r = kThumbRing;
   const std::array<int, kDigitSegments> rim = {
       at(r - 1, inside(0)), at(r - 1, kThumbSide), at(r - 1, back(0)),   at(r, back(0)),
       at(r + 1, back(0)),   at(r + 1, kThumbSide), at(r + 1, inside(0)), at(r, inside(0))};
-  const Eigen::Vector3d start = Eigen::Vector3d(0.70, -0.22, -0.68).normalized();
-  Eigen::Vector3d bend(0, -0.30, -1);
+  const Eigen::Vector3d start = Eigen::Vector3d(0.34, -0.26, -0.90).normalized();
+  Eigen::Vector3d bend(-1, -0.10, -0.30);
   bend = (bend - start * bend.dot(start)).normalized();
-  append_digit(mesh, rim, kThumb, {palm_point(kPalm[kThumbRing], kThumbSide), start, bend});
+  const Eigen::Vector3d base =
+      palm_point(kPalm[kThumbRing], kThumbSide) + Eigen::Vector3d(-0.001, -0.003, -0.009);
+  append_digit(mesh, rim, kThumb, {base, start, bend});
   orient_outwards(mesh);
   // Drawn around the wrist.
   const Eigen::Vector3d& wrist = adult_joints().wrist;

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
 #include <sstream>
 
 #include "avatars/mesh/tri.h"
@@ -113,6 +114,53 @@ Reach reach_of(const AdultPart& part) {
     }
   }
   return reach;
+}
+
+/// The last vertices of the hand: five digits from the index finger to the thumb, each of them
+/// nine rings of eight vertices and a tip.
+constexpr int kDigits = 5;
+constexpr int kThumb = 4;
+constexpr int kDigitRings = 9;
+constexpr int kRingVertices = 8;
+constexpr int kDigitVertices = kDigitRings * kRingVertices + 1;
+
+std::span<const Eigen::Vector3f> digit_of(const Mesh& hand, int digit) {
+  return std::span(hand.vertices)
+      .last(kDigits * kDigitVertices)
+      .subspan(static_cast<size_t>(digit) * kDigitVertices, kDigitVertices);
+}
+
+/// The line through the middle of a digit: its rings' centres and its tip.
+std::vector<Eigen::Vector3f> line_of(const Mesh& hand, int digit) {
+  const auto vertices = digit_of(hand, digit);
+  std::vector<Eigen::Vector3f> line;
+  for (int r = 0; r < kDigitRings; ++r) {
+    Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+    for (const Eigen::Vector3f& v :
+         vertices.subspan(static_cast<size_t>(r) * kRingVertices, kRingVertices))
+      centre += v / kRingVertices;
+    line.push_back(centre);
+  }
+  line.push_back(vertices.back());
+  return line;
+}
+
+/// From the upper end of the hand to the base of the middle finger and along the finger.
+double stretched_hand_m() {
+  const Mesh hand = committed("leftHand.tri");
+  const std::vector<Eigen::Vector3f> line = line_of(hand, 1);
+  float upper = -1;
+  for (const Eigen::Vector3f& v : hand.vertices) upper = std::max(upper, v.z());
+  float length = upper - line[0].z();
+  for (size_t i = 0; i + 1 < line.size(); ++i) length += (line[i + 1] - line[i]).norm();
+  return static_cast<double>(length);
+}
+
+float distance_m(std::span<const Eigen::Vector3f> a, std::span<const Eigen::Vector3f> b) {
+  float nearest = 1;
+  for (const Eigen::Vector3f& p : a)
+    for (const Eigen::Vector3f& q : b) nearest = std::min(nearest, (p - q).norm());
+  return nearest;
 }
 
 TEST(Adult, HasTheFilesAndVertexCountsOfTable1) {
@@ -225,8 +273,7 @@ TEST(Adult, GirthsAndSizesAreThoseOfTheSurvey) {
   const Eigen::Vector3f foot = size_of(committed("leftFoot.tri"));
   expect_within("foot length", static_cast<double>(foot.x()), 0.271, 0.03);
   expect_within("foot breadth", static_cast<double>(foot.y()), 0.102, 0.05);
-  expect_within("hand length", static_cast<double>(size_of(committed("leftHand.tri")).z()), 0.193,
-                0.03);
+  expect_within("hand length, fingers stretched", stretched_hand_m(), 0.193, 0.03);
   const Eigen::Vector3f hips = size_of(committed("pelvis.tri"));
   expect_within("hip breadth", static_cast<double>(hips.y()), 0.346, 0.03);
   expect_within("buttock depth", static_cast<double>(hips.x()), 0.246, 0.05);
@@ -280,6 +327,36 @@ TEST(Adult, WaistStaysClosedInEveryTwist) {
   EXPECT_LT(pelvis_out_m, -0.003) << "the pelvis stands out of the torso above the joint";
   EXPECT_LT(ledge_m, 0.0025) << "the waist has a ledge";
   EXPECT_GT(narrowest_m, 0.095) << "the waist is open";
+}
+
+TEST(Adult, HandsHangRelaxed) {
+  // The left hand, hanging: the palm faces the thigh, -y.
+  const Mesh hand = committed("leftHand.tri");
+  for (int finger = 0; finger < kThumb; ++finger) {
+    const std::vector<Eigen::Vector3f> line = line_of(hand, finger);
+    const Eigen::Vector3f end = (line[kDigitRings] - line[kDigitRings - 3]).normalized();
+    const double bent_deg = static_cast<double>(std::atan2(-end.y(), -end.z())) / kDegree;
+    EXPECT_GT(bent_deg, 40) << "finger " << finger << " is stretched";
+    EXPECT_LT(bent_deg, 90) << "finger " << finger << " is clenched";
+    if (finger + 1 == kThumb) continue;
+    // Side by side along the whole of the shorter finger, yet not into each other.
+    const std::vector<Eigen::Vector3f> next = line_of(hand, finger + 1);
+    for (size_t r = 0; r < kDigitRings; ++r)
+      EXPECT_LT(std::abs(line[r].x() - next[r].x()), 0.021F) << "finger " << finger << " is spread";
+    EXPECT_LT(distance_m(digit_of(hand, finger), digit_of(hand, finger + 1)), 0.002F) << finger;
+    for (const Eigen::Vector3f& v : digit_of(hand, finger)) {
+      for (const Eigen::Vector3f& w : digit_of(hand, finger + 1)) {
+        const bool abreast = (v - w).tail<2>().norm() < 0.004F;
+        EXPECT_TRUE(!abreast || v.x() > w.x())
+            << "fingers " << finger << " and " << finger + 1 << " overlap";
+      }
+    }
+  }
+  // The thumb ends beside the base of the index finger.
+  const std::span<const Eigen::Vector3f> thumb = digit_of(hand, kThumb);
+  EXPECT_LT(distance_m(thumb, digit_of(hand, 0)), 0.012F);
+  const Eigen::Vector3f tip = thumb.back();
+  EXPECT_LT(tip.x() - line_of(hand, 0)[0].x(), 0.025F) << "the thumb is spread";
 }
 
 TEST(Adult, NoseAndToesPointForwardAndThumbsToo) {
