@@ -29,6 +29,7 @@ enum class Purpose : uint32_t {
   kStudy = 18,
   kOwnSide = 19,
   kDetour = 20,
+  kStandingPosture = 21,
 };
 
 /// The names of one stream of numbers.

@@ -53,6 +53,8 @@ std::optional<YieldColumns> columns_of(const PosableModel& model) {
       if (c < 0) return {};
       columns.arms[side][i] = c;
       columns.drawn_rad[side][i] = static_cast<float>(model.clamped(c, kDrawn_rad[i]));
+      columns.least_arm_rad[side][i] = limits(c).lower;
+      columns.most_arm_rad[side][i] = limits(c).upper;
       ++i;
     }
   }
@@ -189,7 +191,8 @@ Swings::Swings(const Outline& outline, const std::array<Limbs, kPhases>& boxes, 
 }
 
 void YieldColumns::archive(Archive& a) {
-  a(trunk, head, arms, drawn_rad, least_trunk_rad, most_trunk_rad, least_head_rad, most_head_rad);
+  a(trunk, head, arms, drawn_rad, least_arm_rad, most_arm_rad, least_trunk_rad, most_trunk_rad,
+    least_head_rad, most_head_rad);
 }
 
 void Reaches::archive(Archive& a) { a(reach_m_, most_m_); }
@@ -204,11 +207,13 @@ void Swings::archive(Archive& a) { a(boxes_, ever_, bulk_, sway_m_); }
 
 void Outline::archive(Archive& a) {
   a(columns, upper, drawn, per_root_speed, leg_length_m);
-  auto speeds = static_cast<uint32_t>(swings.size());
-  a(speeds);
-  while (swings.size() < speeds)
-    swings.emplace_back(*this, std::array<Limbs, Swings::kPhases>{}, 0.0f);
-  for (Swings& swing : swings) a(swing);
+  for (std::vector<Swings>* all : {&swings, &standing}) {
+    auto count = static_cast<uint32_t>(all->size());
+    a(count);
+    while (all->size() < count)
+      all->emplace_back(*this, std::array<Limbs, Swings::kPhases>{}, 0.0f);
+    for (Swings& swing : *all) a(swing);
+  }
 }
 
 const Swings& Outline::swung_at(float speed_mps, float scale) const {
@@ -288,6 +293,16 @@ std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitT
     }
     outline->swings.emplace_back(*outline, boxes, static_cast<float>(sway_m));
   }
+  const float* const still = table.row(0, 0);
+  for (size_t hold = 0; hold < kArmHoldCount; ++hold)
+    for (const bool is_mirrored : {false, true}) {
+      std::vector<float> posture(still, still + table.columns);
+      put_standing_arms(*columns, mean_standing_posture(static_cast<ArmHold>(hold), is_mirrored), 1,
+                        posture);
+      std::array<Limbs, Swings::kPhases> boxes;
+      boxes.fill(boxes_of({posture.begin(), posture.end()}, way_axes));
+      outline->standing.emplace_back(*outline, boxes, 0.0f);
+    }
   return outline;
 }
 

@@ -12,6 +12,7 @@
 
 #include "avatars/gait/gait_pose.h"
 #include "avatars/gait/gait_table.h"
+#include "avatars/yielding/standing_arms.h"
 
 namespace throng {
 
@@ -26,6 +27,8 @@ struct YieldColumns {
   std::array<std::array<int, kArmJoints>, 2> arms{};
   /// Where these stand when an arm is drawn in as far as it goes.
   std::array<std::array<float, kArmJoints>, 2> drawn_rad{};
+  /// Limits of the arms' joints.
+  std::array<std::array<float, kArmJoints>, 2> least_arm_rad{}, most_arm_rad{};
   float least_trunk_rad = 0, most_trunk_rad = 0, least_head_rad = 0, most_head_rad = 0;
 
   void archive(Archive& a);
@@ -130,10 +133,15 @@ struct Outline {
   Reaches upper;                 ///< trunk and head with both arms drawn in
   std::array<Octagon, 2> drawn;  ///< the same arms, right and left
   std::vector<Swings> swings;    ///< by speed
+  std::vector<Swings> standing;  ///< by ArmHold, each as it is and mirrored
   float per_root_speed = 0;      ///< speeds of `swings` for one of the relative speed's square root
   float leg_length_m = 1;
 
   const Swings& swung_at(float speed_mps, float scale) const;
+  /// Of a person who stands in a posture: the mean of those who hold their arms so.
+  const Swings& swung_in(const StandingPosture& posture) const {
+    return standing[2 * static_cast<size_t>(posture.hold) + (posture.is_mirrored ? 1 : 0)];
+  }
   void archive(Archive& a);
 };
 

@@ -60,14 +60,26 @@ void follow(const YieldMotion& wanted, float step_s, YieldMotion& motion) {
   }
 }
 
-void put_yield(const YieldColumns& columns, const Yield& yield, std::span<float> row) {
+void follow_standing(bool stands, float step_s, YieldMotion& motion) {
+  const YieldLimits& limits = kYieldLimits;
+  eased_towards(stands ? 1.0f : 0.0f, stands ? limits.standing_ps : limits.leaving_ps,
+                limits.standing_ps2, step_s, motion.standing, motion.standing_ps);
+  if (motion.standing >= 0 && motion.standing <= 1) return;
+  motion.standing = std::clamp(motion.standing, 0.0f, 1.0f);
+  motion.standing_ps = 0;
+}
+
+void put_yield(const YieldColumns& columns, const Yield& yield, const StandingPosture& posture,
+               std::span<float> row) {
   if (yield.is_none()) return;
+  if (yield.standing > 0) put_standing_arms(columns, posture, yield.standing, row);
+  const float turn_rad = yield.trunk_rad + yield.standing * posture.trunk_rad;
   float& trunk = row[static_cast<size_t>(columns.trunk)];
   const float before = trunk;
   // The nearer to the joint's limit, the less of the gait's own turning: nothing is cut off.
-  const float most_rad = yield.trunk_rad > 0 ? columns.most_trunk_rad : -columns.least_trunk_rad;
-  const float turned = std::min(std::abs(yield.trunk_rad) / most_rad, 1.0f);
-  trunk = std::clamp(yield.trunk_rad + (1 - turned * turned) * before, columns.least_trunk_rad,
+  const float most_rad = turn_rad > 0 ? columns.most_trunk_rad : -columns.least_trunk_rad;
+  const float turned = std::min(std::abs(turn_rad) / most_rad, 1.0f);
+  trunk = std::clamp(turn_rad + (1 - turned * turned) * before, columns.least_trunk_rad,
                      columns.most_trunk_rad);
   if (columns.head >= 0) {
     float& head = row[static_cast<size_t>(columns.head)];

@@ -21,12 +21,13 @@ struct Yield {
   float hips_rad =
       0;  ///< the hips are turned to the left of the way by so much, as of the next frame
   std::array<float, 2> arms{};  ///< share of being drawn in: right, left
+  float standing = 0;           ///< share of the StandingPosture
   /// So far from where it would does the right foot land (x, y), and the left; as of the next
   /// frame, in the root frame at scale 1.
   std::array<float, 4> landing_m{};
   float stretch =
       1;  ///< so much longer than the gait's own strides theirs are; as of the next frame
-  bool is_none() const { return trunk_rad == 0 && arms[0] == 0 && arms[1] == 0; }
+  bool is_none() const { return trunk_rad == 0 && arms[0] == 0 && arms[1] == 0 && standing == 0; }
 };
 
 /// An arm that is drawn in comes nearer to the body first, and goes on swinging; then it hangs
@@ -45,10 +46,12 @@ struct DrawnArm {
 struct YieldMotion {
   float turn_rad = 0, turn_rps = 0;  ///< of the trunk, from the way
   std::array<float, 2> arms{}, arms_ps{};
+  float standing = 0, standing_ps = 0;  ///< see follow_standing()
   // Of what is wanted:
   bool is_near = false;     ///< somebody or something is within reach
   bool is_pressed = false;  ///< as it is turned now, the trunk lacks more room than it has to
 
+  /// Of what gives way: a StandingPosture does not count.
   bool is_at_rest() const {
     return turn_rad == 0 && turn_rps == 0 && arms[0] == 0 && arms[1] == 0 && arms_ps[0] == 0 &&
            arms_ps[1] == 0;
@@ -99,13 +102,21 @@ YieldMotion wanted_yield(const SeenBody& own, std::span<const SeenBody* const> n
 /// A step towards it, within the speeds and accelerations of yield_limits.
 void follow(const YieldMotion& wanted, float step_s, YieldMotion& motion);
 
-/// Puts it into a posture row.
-void put_yield(const YieldColumns& columns, const Yield& yield, std::span<float> row);
+/// A step towards the posture of a person who stands, or back from it. Arms that are drawn in are
+/// so whatever the posture: see put_yield().
+void follow_standing(bool stands, float step_s, YieldMotion& motion);
+
+/// Puts it into a posture row. `posture` is that of the person; its head is not moved here, see
+/// Gait::look().
+void put_yield(const YieldColumns& columns, const Yield& yield, const StandingPosture& posture,
+               std::span<float> row);
 
 /// What joints do when a body gives way.
 struct YieldLimits {
   float trunk_rps = 2.6f, trunk_rps2 = 14;
   float arm_ps = 3, arm_ps2 = 18;  ///< shares of being drawn in a second
+  /// Shares of a StandingPosture a second: it is taken up in some 1.5 s and left in less than 1 s.
+  float standing_ps = 0.8f, leaving_ps = 1.8f, standing_ps2 = 8;
 };
 inline constexpr YieldLimits kYieldLimits;
 

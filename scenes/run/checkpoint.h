@@ -22,7 +22,7 @@ struct Checkpoint {
 };
 
 /// Raised with every change of what is saved: an older file is refused by name.
-inline constexpr uint32_t kCheckpointVersion = 20;
+inline constexpr uint32_t kCheckpointVersion = 21;
 /// A person takes some 400 bytes; this holds the 16.7 million that ids allow.
 inline constexpr uint64_t kMaxCheckpointBytes = uint64_t{8} << 30;
 

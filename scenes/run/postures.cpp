@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "avatars/stepping/standing.h"
+
 namespace throng {
 namespace {
 
@@ -43,11 +45,9 @@ class WalkingPostures : public PostureProvider {
       rows[i] = room.data() + i * columns;
     }
     write({own.data(), bodies.size()}, bodies, room.first(bodies.size() * columns));
-    for (size_t i = 0; i < bodies.size() && !states_.looks_rad.empty(); ++i)
-      own[i]->look(states_.looks_rad[bodies[i]], room.subspan(i * columns, columns));
-    for (size_t i = 0; i < bodies.size() && !states_.yields.empty(); ++i)
-      if (const Outline* outline = own[i]->outline())
-        put_yield(outline->columns, states_.yields[bodies[i]], room.subspan(i * columns, columns));
+    if (states_.looks_rad.empty() && states_.yields.empty()) return;
+    for (size_t i = 0; i < bodies.size(); ++i)
+      pose_upper_body(*own[i], bodies[i], room.subspan(i * columns, columns));
   }
 
  protected:
@@ -59,6 +59,23 @@ class WalkingPostures : public PostureProvider {
                      std::span<float> rows) const = 0;
 
  private:
+  /// Turns the head, gives way and stands as the person does.
+  void pose_upper_body(const Gait& gait, uint32_t body, std::span<float> row) const {
+    float look_rad = states_.looks_rad.empty() ? 0 : states_.looks_rad[body];
+    const Outline* const outline = states_.yields.empty() ? nullptr : gait.outline();
+    StandingPosture posture;
+    if (outline != nullptr && states_.yields[body].standing > 0) {
+      posture = states_.standing[body];
+      look_rad = std::clamp(look_rad + states_.yields[body].standing * posture.head_rad,
+                            -Gait::kMostLook_rad, Gait::kMostLook_rad);
+      const float breath = states_.postures[body].numbers[WalkPosture::kBreath];
+      for (auto& arm_rad : posture.arms_rad)
+        arm_rad[YieldColumns::kAbduction] += kBreath_rad * breath;
+    }
+    if (look_rad != 0) gait.look(look_rad, row);
+    if (outline != nullptr) put_yield(outline->columns, states_.yields[body], posture, row);
+  }
+
   const ModelGaits& gaits_;
   const BodyStates& states_;
 };

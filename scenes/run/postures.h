@@ -44,8 +44,9 @@ struct BodyStates {
   /// Velocities over the ground that people are about to have (a mean over some tenths of a second)
   /// as far as they are known beforehand: empty, or kNobodyKnows, where they are not.
   std::vector<Eigen::Vector2f> next_mps;
-  std::vector<Yield> yields;   ///< empty: nobody gives way
-  std::vector<float> stood_s;  ///< see stood_after()
+  std::vector<Yield> yields;              ///< empty: nobody gives way
+  std::vector<StandingPosture> standing;  ///< see Yield::standing; as many as yields
+  std::vector<float> stood_s;             ///< see stood_after()
   /// What quiet_standing() needs; without a seed nobody breathes.
   std::optional<uint64_t> standing_seed;
   double now_s = 0;

@@ -157,6 +157,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   world->lead(driven);
   if (scene.yielding && scene.planted_feet) {
     bodies.yields.resize(avatars);
+    for (size_t id = 0; id < avatars; ++id)
+      bodies.standing.push_back(standing_posture(scene.seed, id));
     yielding = std::make_unique<YieldingStage>(scene, posing, bodies, avatars, options.culler.simd,
                                                workers);
   }

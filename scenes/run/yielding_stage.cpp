@@ -6,6 +6,7 @@
 #include <numeric>
 #include <string>
 
+#include "avatars/stepping/standing.h"
 #include "base/elementary.h"
 
 namespace throng {
@@ -44,6 +45,12 @@ bool is_held(const BodyStates& bodies, uint32_t id) {
 std::optional<Eigen::Vector2f> next_of(const BodyStates& bodies, uint32_t id) {
   if (bodies.next_mps.empty() || std::isnan(bodies.next_mps[id].x())) return {};
   return bodies.next_mps[id];
+}
+
+/// As far as its velocity is known beforehand, and as fast as its gait.
+bool comes_in_standing(const BodyStates& bodies, uint32_t id) {
+  const Eigen::Vector2f next_mps = next_of(bodies, id).value_or(Eigen::Vector2f::Zero());
+  return bodies.gait_mps[id] < kStanding_mps && next_mps.norm() < kStanding_mps;
 }
 
 int64_t steps_in(double time_s, const Scene& scene) {
@@ -98,8 +105,8 @@ YieldingStage::YieldingStage(const Scene& scene, const Posing& posing, const Bod
 void YieldingStage::archive(Archive& a, BodyStates& bodies) {
   a(steps_, was_there_);
   const auto motion = [&a](YieldMotion& m) {
-    a(m.turn_rad, m.turn_rps, m.arms[0], m.arms[1], m.arms_ps[0], m.arms_ps[1], m.is_near,
-      m.is_pressed);
+    a(m.turn_rad, m.turn_rps, m.arms[0], m.arms[1], m.arms_ps[0], m.arms_ps[1], m.standing,
+      m.standing_ps, m.is_near, m.is_pressed);
   };
   const auto numbers = [&a](auto& values) {
     for (auto& value : values) a(value);
@@ -117,7 +124,7 @@ void YieldingStage::archive(Archive& a, BodyStates& bodies) {
     numbers(around.people);
     for (Wall& wall : around.walls) a(wall.x, wall.y, wall.offset_m);
     Yield& yield = bodies.yields[i];
-    a(yield.trunk_rad, yield.hips_rad, yield.arms[0], yield.arms[1], yield.stretch);
+    a(yield.trunk_rad, yield.hips_rad, yield.arms[0], yield.arms[1], yield.standing, yield.stretch);
     numbers(yield.landing_m);
   }
   check_read(a, bodies);
@@ -139,10 +146,10 @@ void YieldingStage::check_read(Archive& a, const BodyStates& bodies) const {
     for (const float value :
          {seen_[i].vx_mps, seen_[i].vy_mps, long_ways_mps_[i].x(), long_ways_mps_[i].y(),
           seen_[i].phase, seen_[i].cycles_ps, m.turn_rad, m.turn_rps, m.arms_ps[0], m.arms_ps[1],
-          w.turn_rad, yield.trunk_rad, yield.hips_rad})
+          m.standing_ps, w.turn_rad, yield.trunk_rad, yield.hips_rad})
       if (!is_sound(value)) a.refuse("how a body gives way", std::to_string(value));
-    for (const float share :
-         {m.arms[0], m.arms[1], w.arms[0], w.arms[1], yield.arms[0], yield.arms[1]})
+    for (const float share : {m.arms[0], m.arms[1], w.arms[0], w.arms[1], yield.arms[0],
+                              yield.arms[1], m.standing, yield.standing})
       if (!(share >= 0 && share <= 1)) a.refuse("a share of an arm", std::to_string(share));
     for (const float stretch : {footings_[i].stretch, yield.stretch})
       if (!(stretch > 0.1f && stretch < 10))
@@ -184,14 +191,21 @@ void YieldingStage::see(const BodyStates& bodies, uint32_t first, uint32_t end) 
     seen.turn_rad = motions_[id].turn_rad;
     seen.arms = motions_[id].arms;
     seen.scale = bodies.scales[id];
+    const bool is_fresh = was_there_[id] == kAway || way.squaredNorm() > kJump_m * kJump_m;
+    // A person who comes in standing has stood before.
+    if (is_fresh) motions_[id].standing = comes_in_standing(bodies, id) ? 1 : 0;
     const Outline* outline = is_held(bodies, id) ? nullptr : posing_.gait_of(id).outline();
-    seen.swung = outline == nullptr ? nullptr : &outline->swung_at(bodies.gait_mps[id], seen.scale);
+    // Of arms on their way into a posture or back, where they are nearer to.
+    seen.swung = outline == nullptr ? nullptr
+                 : motions_[id].standing > 0.5f
+                     ? &outline->swung_in(bodies.standing[id])
+                     : &outline->swung_at(bodies.gait_mps[id], seen.scale);
     seen.sway_m = seen.swung == nullptr ? 0 : seen.scale * seen.swung->sway_m();
     if (outline == nullptr)
       seen.disc_m = seen.scale * posing_.model(bodies.types[id]).footprint_radius_m();
     else
       seen.disc_m = 0;
-    if (was_there_[id] == kAway || way.squaredNorm() > kJump_m * kJump_m) {
+    if (is_fresh) {
       const Eigen::Vector2f next_mps = next_of(bodies, id).value_or(Eigen::Vector2f::Zero());
       seen.vx_mps = next_mps.x();
       seen.vy_mps = next_mps.y();
@@ -308,10 +322,14 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
   was_there_[id] = kThere;
   if (is_fresh || is_turn_of(id)) wanted_[id] = wanted_of(id);
   // A person who has just come in has seen the others before.
-  if (is_fresh)
+  if (is_fresh) {
+    wanted_[id].standing = motion.standing;  // as see() has set it
     motion = wanted_[id];
-  else if (wanted_[id].is_near || !motion.is_at_rest())
+  } else if (wanted_[id].is_near || !motion.is_at_rest())
     follow(wanted_[id], step_s_, motion);
+  const bool stands_still = velocity_of(id).squaredNorm() < kStanding_mps * kStanding_mps;
+  const bool poses = bodies.stood_s[id] >= kStood_s || (motion.standing > 0.5f && stands_still);
+  if (poses || motion.standing > 0) follow_standing(poses, step_s_, motion);
   Yield& yield = bodies.yields[id];
   yield.trunk_rad = motion.turn_rad - yield.hips_rad;
   const float slowest = std::min(long_ways_mps_[id].squaredNorm(), velocity_of(id).squaredNorm());
@@ -319,6 +337,7 @@ void YieldingStage::give_way(uint32_t id, BodyStates& bodies) {
   const float most_rad = (stands ? kStandingHips_rps : kHips_rps) * step_s_;
   yield.hips_rad += std::clamp(kHipsShare * motion.turn_rad - yield.hips_rad, -most_rad, most_rad);
   yield.arms = motion.arms;
+  yield.standing = motion.standing;
 }
 
 Steps YieldingStage::steps_of(uint32_t id, const BodyStates& bodies,
@@ -427,6 +446,7 @@ void YieldingStage::make_room(std::span<const uint32_t> ids, int worker, BodySta
     if (!upper) {
       bodies.yields[id].trunk_rad = 0;
       bodies.yields[id].arms = {};
+      bodies.yields[id].standing = 0;
       continue;
     }
     const Gait& gait = posing_.gait_of(id);

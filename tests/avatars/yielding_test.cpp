@@ -460,7 +460,7 @@ TEST(Yielding, PostureRowsStayWithinTheJointsLimits) {
     yield.trunk_rad = 2 * unit(random) - 1;
     yield.arms = {unit(random), unit(random)};
     const std::vector<float> before = row;
-    put_yield(columns, yield, row);
+    put_yield(columns, yield, {}, row);
     for (size_t c = 0; c < row.size(); ++c) {
       const JointColumn& limits = model->kinematics.columns()[c];
       ASSERT_GE(row[c], limits.lower) << c;
@@ -485,7 +485,7 @@ TEST(Yielding, TrunksComeToTheirLimitWithoutAJerk) {
       const float phase = std::fmod(0.95f * kStep_s * static_cast<float>(i), 1.0f), speed = 1.4f;
       const float scale = 1;
       adult().postures({&phase, 1}, {&speed, 1}, {&scale, 1}, row);
-      put_yield(columns, yield, row);
+      put_yield(columns, yield, {}, row);
       const float now = row[static_cast<size_t>(columns.trunk)];
       if (i >= 2) {
         EXPECT_LT(std::abs(now - 2 * last[0] + last[1]) / (kStep_s * kStep_s), 1000 * kDegree) << i;

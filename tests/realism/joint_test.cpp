@@ -210,5 +210,14 @@ TEST(CrowdedWalking, KeepsTheLimits) {
   }
 }
 
+// An audience that stands, in whatever posture, and sets out.
+TEST(StandingAndSettingOut, KeepsTheLimits) {
+  JointSpeeds speeds;
+  run_subject(open_subject("concert", 14), 2, false,
+              [&](const Simulation&) { return std::vector<Sink*>{&speeds}; });
+  EXPECT_GT(speeds.frames(), 50000u);
+  expect_within_limits(speeds);
+}
+
 }  // namespace
 }  // namespace throng::realism

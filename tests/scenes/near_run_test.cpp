@@ -215,7 +215,7 @@ TEST(NearRun, RowsAtLargeObstaclesAreNoWiderThanPromised) {
   scene.exact = true;
   Simulation by_triangles(scene, {});
   size_t at_obstacles = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 90; ++i) {
     const Frame &wide = by_volumes.step(), &narrow = by_triangles.step();
     const uint32_t avatars = static_cast<uint32_t>(by_volumes.info().avatar_count());
     auto exact = narrow.near_pairs.begin();

@@ -1,4 +1,6 @@
 // People who stand: they face what they wait for, turn to it in steps, breathe and shift weight.
+#include "avatars/stepping/standing.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -214,6 +216,72 @@ TEST(StandingPeople, BreatheAndShiftTheirWeightUnlessTheSceneSaysOtherwise) {
       }
     }
   }
+}
+
+TEST(StandingPeople, TakePosturesFromTheStartAndLeaveThemWhenTheySetOut) {
+  Scene scene = audience(true);
+  scene.groups[0].delay_s = {3, 0, 3, 3};
+  Simulation simulation(scene, {.postures = true});
+  const auto& kinematics = simulation.info().models.front()->kinematics;
+  const auto elbow = static_cast<size_t>(kinematics.column_of("left_elbow_flexion"));
+  std::vector<float> walked_s(60, 0);
+  std::vector<float> elbows_rad;
+  int walking = 0;
+  for (int i = 0; i < 60 * 8; ++i) {
+    const Frame& frame = simulation.step();
+    for (size_t id = 0; id < 60; ++id) {
+      const float standing = simulation.bodies().yields[id].standing;
+      if (i < 60) {
+        EXPECT_EQ(standing, 1) << "person " << id << " in frame " << i;
+      }
+      if (i == 60) elbows_rad.push_back(frame.postures[frame.posture_offsets[id] + elbow]);
+      walked_s[id] = frame.speeds_mps[id] > 0.3f ? walked_s[id] + 1.0f / 60 : 0;
+      if (walked_s[id] < 1.2f) continue;
+      EXPECT_EQ(standing, 0) << "person " << id << " walks for " << walked_s[id] << " s";
+      ++walking;
+    }
+  }
+  EXPECT_GT(walking, 1000);
+  std::sort(elbows_rad.begin(), elbows_rad.end());
+  EXPECT_GT(elbows_rad[55] - elbows_rad[5], 0.5f) << "all hold their arms alike";
+  EXPECT_EQ(std::adjacent_find(elbows_rad.begin(), elbows_rad.end()), elbows_rad.end());
+}
+
+TEST(StandingPeople, WhoNeverStopsNeverTakesAPosture) {
+  for (const char* name : {"plaza", "crossing"}) {
+    Simulation simulation(load_scene(name), {});
+    std::vector<uint8_t> has_stopped;
+    size_t walked = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Frame& frame = simulation.step();
+      has_stopped.resize(frame.speeds_mps.size());
+      for (size_t id = 0; id < has_stopped.size(); ++id) {
+        has_stopped[id] |= frame.speeds_mps[id] < 2 * kStanding_mps;
+        if (has_stopped[id] != 0) continue;
+        ASSERT_EQ(simulation.bodies().yields[id].standing, 0)
+            << name << ": person " << id << " in frame " << i;
+        ++walked;
+      }
+    }
+    EXPECT_GT(walked, 20000u) << name;
+  }
+}
+
+TEST(StandingPeople, TakePosturesWhereTheyStop) {
+  Scene scene = hall(0, {10, 25});
+  scene.groups[0].model = audience(true).groups[0].model;
+  Simulation simulation(scene, {});
+  int standing = 0, before = 0;
+  for (int i = 0; i < 40 * 60; ++i) {
+    const Frame& frame = simulation.step();
+    for (size_t id = 0; id < 20; ++id) {
+      const Yield& yield = simulation.bodies().yields[id];
+      standing += i == 40 * 60 - 1 && yield.standing > 0.99f;
+      before += i > 60 && frame.speeds_mps[id] > 0.5f && yield.standing > 0.5f;
+    }
+  }
+  EXPECT_GE(standing, 18);
+  EXPECT_EQ(before, 0);
 }
 
 TEST(StandingPeople, StandTheSameForAnyThreadsAndSimdTarget) {

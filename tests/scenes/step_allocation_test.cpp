@@ -35,6 +35,7 @@ TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
   // Between the opening and the closing of its doors.
   expect_no_uncounted_growth(load_scene("metro"), "metro");
   expect_no_uncounted_growth(load_scene("ticket_office"), "ticket_office");
+  expect_no_uncounted_growth(load_scene("concert"), "concert");  // stands, then sets out
   Scene together = load_scene("corridor");
   for (Group& group : together.groups) group.companions = Companions{};
   expect_no_uncounted_growth(together, "companions");
