@@ -53,7 +53,7 @@ struct Digit {
 constexpr std::array<Digit, 4> kFingers = {
     {{0.074, 0.0093, 0.92}, {0.083, 0.0095, 0.94}, {0.076, 0.0093, 0.97}, {0.060, 0.0087, 1.00}}};
 constexpr std::array<double, 4> kKnuckles_rad = {0.34, 0.36, 0.38, 0.40};
-/// Breadth of a finger over its thickness: less than a millimetre stays between two fingers.
+/// Breadth of a finger over its thickness: less than two millimetres stay between two fingers.
 constexpr double kFingerBreadth = 1.07;
 constexpr Digit kThumb = {0.060, 0.0108, 0.55};
 
