@@ -33,7 +33,7 @@ std::vector<StandingPosture> all_means() {
 
 TEST(StandingPostures, PeopleTakeSeveralByIdAndTheSameEachTime) {
   constexpr uint64_t kPeople = 20000;
-  for (const uint64_t seed : {1, 2}) {
+  for (const uint64_t seed : {uint64_t{1}, uint64_t{2}}) {
     std::array<double, kArmHoldCount> counts{};
     double mirrored = 0;
     std::set<std::array<float, 4>> different;

@@ -15,8 +15,8 @@ struct Tuning {
   // Speed goes with the gap to who is ahead, which is who is less than shoulders_m aside of the
   // way; at stand_m people stand, from about room_m more on they walk freely.
   float stand_m = 0.667f;
-  float shoulders_m = 0.295f;
-  float room_m = 0.78f;
+  float shoulders_m = 0.304f;
+  float room_m = 0.77f;
   /// Oncoming people pass each other with a shoulder turned.
   float passing_m = 0.26f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
@@ -51,10 +51,10 @@ struct Tuning {
   // keeps its place sooner.
   float drift_mps = 0.12f, apart_m = 0.76f, open_apart_m = 0.42f, drift_m = 0.24f;
   float waits_drift_mps = 0.10f, waits_apart_m = 0.50f;
-  float wall_drift_mps = 0.25f, wall_drift_m = 0.25f;
+  float wall_drift_mps = 0.25f, wall_drift_m = 0.2f;
   // And to the right, so fast where so many come towards them: each way has its own side then. Not
   // where the wall to the right is at side_from_m, all of it where it is so much farther off.
-  float side_mps = 0.28f, oncoming = 2.5f, side_from_m = 0.4f, side_room_m = 0.6f;
+  float side_mps = 0.27f, oncoming = 2.5f, side_from_m = 0.4f, side_room_m = 0.6f;
   /// Times to take up a velocity, the most that a wish changes it across the way wanted, and the
   /// most that it changes at all.
   float speed_up_s = 0.19f, slow_down_s = 0.35f, across_mps2 = 2.0f, most_mps2 = 3.5f;

@@ -21,7 +21,6 @@ namespace {
 constexpr double kLength_m = 170;
 constexpr double kFirst_m = 104;
 constexpr double kLast_m = 126;
-constexpr double kProbe_m = 2;
 constexpr double kBegin_s = 10;
 constexpr double kEnd_s = 60;
 
