@@ -376,8 +376,8 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
            "which direction; needs `culling: {exact: true}`, see [near.md](near.md#where)",
            &Scene::contact_points),
       flag("yielding",
-           "bodies give way to those near them and to walls, and those who stand breathe and sway; "
-           "needs `planted_feet` ([realism.md](realism.md))",
+           "bodies give way to those near them and to walls, and those who stand breathe, sway and "
+           "hold their arms in several ways; needs `planted_feet` ([realism.md](realism.md))",
            &Scene::yielding),
       doors,
       separation};
