@@ -173,8 +173,8 @@ double Crowd::entering_mps(size_t slot) {
     const double ahead_m = offset.dot(way);
     const double aside_m = std::abs(way.x() * offset.y() - way.y() * offset.x());
     if (ahead_m <= 0 || aside_m > radii_m_[id] + radii_m_[other]) continue;
-    most_mps = std::min(most_mps, std::max(velocities_mps_[other].dot(way),
-                                           (ahead_m - kRoom_m) / kHeadway_s));
+    most_mps = std::min(
+        most_mps, std::max(velocities_mps_[other].dot(way), (ahead_m - kRoom_m) / kHeadway_s));
   }
   return std::max(most_mps, 0.0);
 }

@@ -119,21 +119,21 @@ KeyTable<Source> make_source_keys() {
   return {
       .text = {.name = "source", .meaning = "Where people enter while the scene runs"},
       .title = "a source",
-      .keys = {
-          own_key<Source>("area", "the rectangle they appear in, wherever there is room", "",
-                          map_rule("area"))
-              .required()
-              .reading([](Reading& reading, Fields& fields, Source& source) {
-                source.area = read_area(fields.file(), fields.require("area"),
-                                        "the area of a source", reading.scene.ground);
-              })
-              .hashing(&Source::area),
-          whole("count", "how many in all; they belong to the group and have ids from the start",
-                &Source::count, 0, kMaxBodies)
-              .required(),
-          number("rate_per_s", "how many a second", &Source::rate_per_s, kRateRange).required(),
-          number("start_s", "when the first one comes", &Source::start_s, kTimeRange),
-          flag("random", "at random (a Poisson process), not evenly spaced", &Source::random)},
+      .keys =
+          {own_key<Source>("area", "the rectangle they appear in, wherever there is room", "",
+                           map_rule("area"))
+               .required()
+               .reading([](Reading& reading, Fields& fields, Source& source) {
+                 source.area = read_area(fields.file(), fields.require("area"),
+                                         "the area of a source", reading.scene.ground);
+               })
+               .hashing(&Source::area),
+           whole("count", "how many in all; they belong to the group and have ids from the start",
+                 &Source::count, 0, kMaxBodies)
+               .required(),
+           number("rate_per_s", "how many a second", &Source::rate_per_s, kRateRange).required(),
+           number("start_s", "when the first one comes", &Source::start_s, kTimeRange),
+           flag("random", "at random (a Poisson process), not evenly spaced", &Source::random)},
       .later = {entering_speed()}};
 }
 

@@ -83,10 +83,10 @@ struct Companions {
 /// Where people of a group enter while the scene runs.
 struct Source {
   Rectangle area;
-  int count = 0;          ///< in all; each has an id from the start
-  double rate_per_s = 0;  ///< above 0
-  double start_s = 0;     ///< when the first one comes
-  bool random = false;    ///< a Poisson process; otherwise evenly spaced
+  int count = 0;                       ///< in all; each has an id from the start
+  double rate_per_s = 0;               ///< above 0
+  double start_s = 0;                  ///< when the first one comes
+  bool random = false;                 ///< a Poisson process; otherwise evenly spaced
   std::optional<double> enters_mps{};  ///< along their way; none: as those ahead let them
 };
 
