@@ -16,7 +16,7 @@ struct Tuning {
   // way; at stand_m people stand, from about room_m more on they walk freely.
   float stand_m = 0.667f;
   float shoulders_m = 0.304f;
-  float room_m = 0.77f;
+  float room_m = 0.79f;
   /// Oncoming people pass each other with a shoulder turned.
   float passing_m = 0.26f;
   /// Whoever ahead walks faster will be farther off: the gap is what it will be after so long.
