@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "scenes/file/shapes.h"
 #include "scenes/scenes.h"
@@ -54,6 +55,55 @@ TEST(Traffic, EverybodyIsOutsideInsideOrGoneAndAllGetThroughTheDoor) {
       ASSERT_EQ(static_cast<uint64_t>(std::count(present.begin(), present.end(), 1)), now.present);
     }
     EXPECT_EQ(now.left, 50u) << now.present << " are still inside, " << now.waiting << " wait";
+  }
+}
+
+/// The speed of each person of the source in the step in which it enters.
+std::vector<double> entering_speeds_mps(const Scene& scene) {
+  SmallWorld world(scene, 1);
+  std::vector<uint8_t> known(world.crowd.traffic().present().begin(),
+                             world.crowd.traffic().present().end());
+  std::vector<double> out;
+  for (int step = 0; step < 300; ++step) {
+    world.crowd.step();
+    for (uint32_t id = 0; id < world.crowd.size(); ++id) {
+      if (known[id] != 0 || world.crowd.traffic().present()[id] == 0) continue;
+      known[id] = 1;
+      out.push_back(world.crowd.velocities_mps()[id].norm());
+    }
+  }
+  return out;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+TEST(Traffic, PeopleEnterAtTheirSpeedOrAsThoseAheadLetThemOrAsTold) {
+  for (uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Scene scene = two_rooms(seed, 0, 10);
+    scene.obstacles.clear();
+    scene.groups[0].sources[0].area = {{-7.9, -0.5}, {-7.6, 0.5}};
+    const std::vector<double> free_mps = entering_speeds_mps(scene);
+    ASSERT_EQ(free_mps.size(), 10u);
+    EXPECT_GT(mean_of(free_mps), 1);
+
+    scene.groups[0].sources[0].enters_mps = 0.4;
+    EXPECT_NEAR(mean_of(entering_speeds_mps(scene)), 0.4, 0.1);
+    scene.groups[0].sources[0].enters_mps.reset();
+
+    // Those who stand right before the source, at most a metre ahead.
+    Group standing = group(12, {{-7.2, -1}, {-6.7, 1}}, {{{-7.2, -1}, {-6.7, 1}}});
+    standing.name = "standing";
+    standing.on_arrival = OnArrival::kStay;
+    standing.delay_s = {1000, 0, 1000, 1000};
+    scene.groups.push_back(standing);
+    const std::vector<double> behind_mps = entering_speeds_mps(scene);
+    ASSERT_GT(behind_mps.size(), 0u);
+    EXPECT_LT(mean_of(behind_mps), 0.6);
   }
 }
 
