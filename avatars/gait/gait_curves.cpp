@@ -31,6 +31,8 @@ constexpr double kPitchShare = 0.15;
 constexpr double kFastLean_deg = 2.5;
 // The speed is highest while both feet carry, just after a heel strike.
 constexpr double kSurgesFrom = 0.075;
+/// From -1, farthest back, to 1.
+double surge(double t) { return sin_cos(kTurn * 2 * (t - kSurgesFrom)).sin; }
 
 double slow_share(double rv) { return std::min(rv / kSlow, 1.0); }
 
@@ -154,14 +156,13 @@ double GaitCurves::pelvis_pitch(double t) const {
   const double amplitude = 8 * rv * (1 - rv);
   const double lean_deg =
       style_->lean_deg * slow_share(relative_speed_) + kFastLean_deg * fast_share(relative_speed_);
-  const double surge = sin_cos(kTurn * 2 * (t - kSurgesFrom)).sin;
-  return (amplitude - kPitchShare * amplitude * surge + lean_deg) * kDegree;
+  return (amplitude - kPitchShare * amplitude * surge(t) + lean_deg) * kDegree;
 }
 
 double GaitCurves::pelvis_forward(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
   const double quick = std::sqrt(std::max(relative_speed_ / kFast, 1.0));
-  return kSurge * 4 * rv * (1 - rv) / quick * sin_cos(kTurn * 2 * (t - kSurgesFrom)).sin;
+  return kSurge * 4 * rv * (1 - rv) / quick * surge(t);
 }
 
 double GaitCurves::pelvis_roll(double t) const {
