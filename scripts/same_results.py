@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Compare the results of two builds of throng, to the bit.
+
+same_results.py OLD NEW [--seconds S] [--scene NAME ...]
+
+Runs every bundled scene with both programs and compares event hashes, counters, and the tables that
+`throng export` makes of the logs; then the counts of `throng paper`. Times, run ids and file sizes are left
+out. Exit code 1 where results differ. Use it before and after a change that must not change results.
+"""
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+TABLES = ("events", "states", "touching", "near", "contacts", "separation", "counters")
+# Members of `run --json` and `paper --json` that time, memory or the build decide.
+VARIES = re.compile(r"(_ms|_ns|_us|wall_s|_bytes|_factor|fps)$|^(throng|run_id|log|lcm|machine|threads|ms)$")
+
+
+def results(value):
+    """`value` without the members that vary from run to run."""
+    if isinstance(value, dict):
+        return {key: results(member) for key, member in value.items() if not VARIES.search(key)}
+    if isinstance(value, list):
+        return [results(member) for member in value]
+    return value
+
+
+def read_json(program, arguments, path):
+    done = subprocess.run([program, *arguments, "--json", path], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{program} {' '.join(arguments)}: exit code {done.returncode}: {done.stderr}")
+    with open(path) as file:
+        return results(json.load(file))
+
+
+def run_of(program, scene, seconds, folder):
+    """What a run of `scene` leaves: its counters and hash, and a table for each channel of its log."""
+    log = os.path.join(folder, "run.lcmlog")
+    if os.path.exists(log):
+        os.remove(log)
+    arguments = ["run", scene, "--seconds", str(seconds), "--lcm", "off", "--log", log]
+    found = {"run": read_json(program, arguments, os.path.join(folder, "run.json"))}
+    for table in TABLES:
+        found[table] = subprocess.run([program, "export", log, "--csv", table], stdout=subprocess.PIPE, check=True).stdout
+    return found
+
+
+def differences(old, new, where=""):
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key in sorted(old.keys() | new.keys()):
+            yield from differences(old.get(key), new.get(key), f"{where}.{key}" if where else key)
+    elif old != new:
+        short = isinstance(old, (int, float, str)) and isinstance(new, (int, float, str))
+        yield f"{where}: {old!r} and {new!r}" if short else f"{where} differs"
+
+
+def compare(name, old, new):
+    found = list(differences(old, new))
+    hash_text = old["run"]["hash"] if "run" in old else ""
+    print(f"{name:<24} {hash_text:<16} {'; '.join(found) if found else 'same'}", flush=True)
+    return bool(found)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("old", help="a build/.../throng")
+    parser.add_argument("new", help="the build to compare with it")
+    parser.add_argument("--seconds", type=float, default=2, help="simulated time of each scene [2]")
+    parser.add_argument("--scene", nargs="+", help="these scenes only, without the paper's tables")
+    asked = parser.parse_args()
+
+    bundled = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "bundled")
+    scenes = asked.scene or sorted(name[:-5] for name in os.listdir(bundled) if name.endswith(".yaml"))
+    unlike = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for scene in scenes:
+            runs = [run_of(program, scene, asked.seconds, folder) for program in (asked.old, asked.new)]
+            unlike += compare(scene, *runs)
+        if not asked.scene:
+            tables = [read_json(program, ["paper"], os.path.join(folder, "paper.json")) for program in (asked.old, asked.new)]
+            unlike += compare("paper", *tables)
+    print(f"{unlike} differ" if unlike else "all the same")
+    return 1 if unlike else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
