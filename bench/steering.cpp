@@ -9,9 +9,9 @@
 
 #include "base/append.h"
 #include "bench/version_json.h"
-#include "scenes/crowd/crowd.h"
-#include "scenes/crowd/spawn.h"
-#include "scenes/ways/ways.h"
+#include "crowd/crowd.h"
+#include "crowd/navigation/ways.h"
+#include "crowd/spawn.h"
 
 namespace throng::bench {
 namespace {

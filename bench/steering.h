@@ -10,7 +10,7 @@
 #include "base/simd.h"
 #include "bench/comparison.h"
 #include "bench/spread.h"
-#include "scenes/file/steering_rule.h"
+#include "crowd/steering/steering_rule.h"
 
 namespace throng::bench {
 

@@ -8,7 +8,7 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
-#include "lcmtypes/log/log_check.h"
+#include "lcm_io/log/log_check.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/facts_dict.h"

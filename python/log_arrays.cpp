@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_gaps.h"
-#include "lcmtypes/log/log_reader.h"
+#include "lcm_io/codec/run_reader.h"
+#include "lcm_io/log/log_gaps.h"
+#include "lcm_io/log/log_reader.h"
 #include "python/facts_dict.h"
 
 namespace throng {

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "analysis/measures/comparison.h"
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/limits.h"
@@ -12,8 +13,7 @@
 #include "python/bindings.h"
 #include "python/interrupts.h"
 #include "python/run_request.h"
-#include "scenes/measures/comparison.h"
-#include "scenes/recorded/recording_summary.h"
+#include "recordings/recording_summary.h"
 #include "scenes/run/runner.h"
 
 namespace py = pybind11;

@@ -6,9 +6,13 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/contacts/contact_sink.h"
+#include "analysis/separation/separation_sink.h"
+#include "analysis/trace.h"
+#include "analysis/trajectories/trajectory_sink.h"
 #include "base/errors.h"
-#include "lcmtypes/codec/readable.h"
-#include "lcmtypes/log/log_sink.h"
+#include "lcm_io/codec/readable.h"
+#include "lcm_io/log/log_sink.h"
 #include "python/bindings.h"
 #include "python/facts_dict.h"
 #include "python/interrupts.h"
@@ -16,10 +20,6 @@
 #include "python/run_request.h"
 #include "scenes/run/runner.h"
 #include "scenes/separation/separation_check.h"
-#include "scenes/sinks/contacts/contact_sink.h"
-#include "scenes/sinks/separation/separation_sink.h"
-#include "scenes/sinks/trace.h"
-#include "scenes/sinks/trajectories/trajectory_sink.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
 

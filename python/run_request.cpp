@@ -9,9 +9,9 @@
 #include <set>
 #include <thread>
 
+#include "analysis/trajectories/walkable_area.h"
 #include "base/errors.h"
 #include "base/option_checks.h"
-#include "scenes/sinks/trajectories/walkable_area.h"
 
 namespace py = pybind11;
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/replay/run_source.h"
+#include "lcm_io/replay/run_source.h"
 
 namespace throng {
 

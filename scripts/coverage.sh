@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# How many lines of base, culling, kinematics, avatars and lcmtypes the tests of these folders run:
+# How many lines of base, culling, kinematics, avatars and lcm_io the tests of these folders run:
 # scripts/coverage.sh [LEAST], LEAST per cent of each folder (default 90). Prints a line a folder and
 # the lines that no test ran; exit code 1 if a folder has fewer. A page to look at:
 # build/coverage/report/index.html.
@@ -7,10 +7,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 least=${1:-90}
-folders=(base culling kinematics avatars lcmtypes)
+folders=(base culling kinematics avatars lcm_io)
 tests=(test_base test_volumes test_exact test_culler test_deadline test_recipe test_allocation
   test_no_miss test_near_pairs test_kinematics test_model test_primitives test_gait test_tri test_adult
-  test_lcmtypes)
+  test_lcm_io)
 if ! command -v gcovr >/dev/null; then
   echo "scripts/coverage.sh: expected gcovr; scripts/setup.sh reliability installs it" >&2
   exit 3

@@ -11,7 +11,8 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-LAYERS = ["base", "kinematics", "culling", "avatars", "scenes", "lcmtypes", "viewer", "python", "bench", "apps"]
+LAYERS = ["base", "kinematics", "culling", "avatars", "recordings", "crowd", "scenes", "lcm_io",
+          "analysis", "viewer", "python", "bench", "apps"]
 CELL, LABEL = 18, 190
 
 

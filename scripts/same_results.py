@@ -16,17 +16,22 @@ import sys
 import tempfile
 
 TABLES = ("events", "states", "touching", "near", "contacts", "separation", "counters")
-# Members of `run --json` and `paper --json` that time, memory or the build decide.
-VARIES = re.compile(r"(_ms|_ns|_us|wall_s|_bytes|_factor|fps)$|^(throng|run_id|log|lcm|machine|threads|ms)$")
+# Members of `run --json` that time, memory or the build decide.
+VARIES = re.compile(r"(_ms|_ns|wall_s|_bytes|_factor)$|^(throng|run_id|log|lcm|machine|threads)$")
+# Members of `paper --json` that time does not decide.
+COUNTS = ("collisions", "n_v", "n_u", "false_positive_rate", "tests", "updates")
 
 
-def results(value):
-    """`value` without the members that vary from run to run."""
+def without_times(value):
     if isinstance(value, dict):
-        return {key: results(member) for key, member in value.items() if not VARIES.search(key)}
+        return {key: without_times(member) for key, member in value.items() if not VARIES.search(key)}
     if isinstance(value, list):
-        return [results(member) for member in value]
+        return [without_times(member) for member in value]
     return value
+
+
+def counts(tables):
+    return {name: {key: row[key] for key in COUNTS if key in row} for name, row in tables.items()}
 
 
 def read_json(program, arguments, path):
@@ -34,7 +39,7 @@ def read_json(program, arguments, path):
     if done.returncode != 0:
         sys.exit(f"{program} {' '.join(arguments)}: exit code {done.returncode}: {done.stderr}")
     with open(path) as file:
-        return results(json.load(file))
+        return json.load(file)
 
 
 def run_of(program, scene, seconds, folder):
@@ -43,10 +48,16 @@ def run_of(program, scene, seconds, folder):
     if os.path.exists(log):
         os.remove(log)
     arguments = ["run", scene, "--seconds", str(seconds), "--lcm", "off", "--log", log]
-    found = {"run": read_json(program, arguments, os.path.join(folder, "run.json"))}
+    found = {"run": without_times(read_json(program, arguments, os.path.join(folder, "run.json")))}
     for table in TABLES:
         found[table] = subprocess.run([program, "export", log, "--csv", table], stdout=subprocess.PIPE, check=True).stdout
     return found
+
+
+def paper_of(program, folder):
+    tables = read_json(program, ["paper"], os.path.join(folder, "paper.json"))
+    return {"totals": tables["paper_totals"], "volumes": counts(tables["volumes"]),
+            "strategies": counts(tables["strategies"])}
 
 
 def differences(old, new, where=""):
@@ -81,8 +92,7 @@ def main():
             runs = [run_of(program, scene, asked.seconds, folder) for program in (asked.old, asked.new)]
             unlike += compare(scene, *runs)
         if not asked.scene:
-            tables = [read_json(program, ["paper"], os.path.join(folder, "paper.json")) for program in (asked.old, asked.new)]
-            unlike += compare("paper", *tables)
+            unlike += compare("paper", *(paper_of(program, folder) for program in (asked.old, asked.new)))
     print(f"{unlike} differ" if unlike else "all the same")
     return 1 if unlike else 0
 

@@ -7,7 +7,7 @@
 #include "apps/output/output_plan.h"
 #include "base/errors.h"
 #include "base/say.h"
-#include "lcmtypes/log/log_check.h"
+#include "lcm_io/log/log_check.h"
 
 namespace throng {
 namespace {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "analysis/measures/comparison.h"
 #include "apps/command.h"
 #include "apps/commands/comparison_report.h"
 #include "apps/input/run_source.h"
@@ -15,7 +16,6 @@
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/say.h"
-#include "scenes/measures/comparison.h"
 #include "scenes/run/runner.h"
 
 namespace throng {

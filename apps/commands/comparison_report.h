@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "scenes/measures/comparison.h"
+#include "analysis/measures/comparison.h"
 
 namespace throng {
 

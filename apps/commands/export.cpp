@@ -11,9 +11,9 @@
 #include "base/errors.h"
 #include "base/say.h"
 #include "base/text.h"
-#include "lcmtypes/export/csv_export.h"
-#include "lcmtypes/export/mcap_export.h"
-#include "lcmtypes/replay/file_kind.h"
+#include "lcm_io/export/csv_export.h"
+#include "lcm_io/export/mcap_export.h"
+#include "lcm_io/replay/file_kind.h"
 #include "scenes/file/scene_fields.h"
 
 namespace throng {

@@ -13,8 +13,8 @@
 #include "avatars/model/describe.h"
 #include "base/errors.h"
 #include "base/say.h"
-#include "lcmtypes/log/log_check.h"
-#include "lcmtypes/replay/file_kind.h"
+#include "lcm_io/log/log_check.h"
+#include "lcm_io/replay/file_kind.h"
 
 namespace throng {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "scenes/recorded/recording.h"
+#include "recordings/recording.h"
 
 namespace throng {
 

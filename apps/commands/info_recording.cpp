@@ -4,8 +4,8 @@
 
 #include "apps/commands/info.h"
 #include "base/text.h"
-#include "scenes/recorded/area_union.h"
-#include "scenes/recorded/recording_summary.h"
+#include "recordings/area_union.h"
+#include "recordings/recording_summary.h"
 
 namespace throng {
 namespace {

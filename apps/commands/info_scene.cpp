@@ -5,10 +5,10 @@
 #include "apps/commands/info.h"
 #include "avatars/model/describe.h"
 #include "base/append.h"
+#include "crowd/navigation/flow_field.h"
+#include "crowd/navigation/nav_mesh.h"
+#include "crowd/navigation/walkable.h"
 #include "scenes/file/scene.h"
-#include "scenes/ways/flow_field.h"
-#include "scenes/ways/nav_mesh.h"
-#include "scenes/ways/walkable.h"
 
 namespace throng {
 namespace {

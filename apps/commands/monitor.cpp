@@ -12,8 +12,8 @@
 #include "apps/process/stop_signal.h"
 #include "base/say.h"
 #include "base/text.h"
-#include "lcmtypes/log/log_reader.h"
-#include "lcmtypes/wire/receiver.h"
+#include "lcm_io/log/log_reader.h"
+#include "lcm_io/wire/receiver.h"
 
 namespace throng {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "apps/commands/monitor_view.h"
 #include "bench/version_json.h"
-#include "lcmtypes/codec/description.h"
+#include "lcm_io/codec/description.h"
 
 namespace throng {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "base/text.h"
-#include "lcmtypes/codec/description.h"
+#include "lcm_io/codec/description.h"
 
 namespace throng {
 namespace {

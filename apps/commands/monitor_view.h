@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/wire/monitor.h"
+#include "lcm_io/wire/monitor.h"
 
 namespace throng {
 

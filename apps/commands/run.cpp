@@ -23,12 +23,12 @@
 #include "base/files/whole_file.h"
 #include "base/say.h"
 #include "base/text.h"
-#include "lcmtypes/codec/readable.h"
-#include "lcmtypes/log/log_sink.h"
-#include "lcmtypes/replay/file_kind.h"
-#include "lcmtypes/wire/lcm_sink.h"
-#include "lcmtypes/wire/own_channels.h"
-#include "scenes/crowd/journeys.h"
+#include "crowd/journeys.h"
+#include "lcm_io/codec/readable.h"
+#include "lcm_io/log/log_sink.h"
+#include "lcm_io/replay/file_kind.h"
+#include "lcm_io/wire/lcm_sink.h"
+#include "lcm_io/wire/own_channels.h"
 #include "scenes/run/runner.h"
 
 namespace throng {

@@ -8,6 +8,11 @@
 #include <mutex>
 #include <thread>
 
+#include "analysis/studies/journal.h"
+#include "analysis/studies/ranks.h"
+#include "analysis/studies/study_plots.h"
+#include "analysis/studies/study_table.h"
+#include "analysis/studies/study_work.h"
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"
@@ -18,11 +23,6 @@
 #include "base/text.h"
 #include "base/version.h"
 #include "scenes/run/body_tables.h"
-#include "scenes/studies/journal.h"
-#include "scenes/studies/ranks.h"
-#include "scenes/studies/study_plots.h"
-#include "scenes/studies/study_table.h"
-#include "scenes/studies/study_work.h"
 
 namespace throng {
 namespace {

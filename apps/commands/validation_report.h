@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "scenes/validation/across_seeds.h"
-#include "scenes/validation/validation.h"
+#include "analysis/validation/across_seeds.h"
+#include "analysis/validation/validation.h"
 
 namespace throng {
 

@@ -4,8 +4,8 @@
 
 #include "apps/output/output_plan.h"
 #include "base/errors.h"
+#include "crowd/steering/steering.h"
 #include "culling/culler.h"
-#include "scenes/crowd/steering/steering.h"
 
 namespace throng {
 namespace {

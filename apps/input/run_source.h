@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/options/recording_options.h"
-#include "lcmtypes/replay/run_source.h"
+#include "lcm_io/replay/run_source.h"
 
 namespace throng {
 

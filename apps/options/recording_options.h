@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/options/command_line.h"
-#include "scenes/recorded/recording_flags.h"
+#include "recordings/recording_flags.h"
 
 namespace throng {
 

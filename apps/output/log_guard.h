@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "lcmtypes/codec/message_target.h"
+#include "lcm_io/codec/message_target.h"
 #include "scenes/run/sink.h"
 
 namespace throng {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
+#include "analysis/by_part.h"
+#include "analysis/trace.h"
+#include "analysis/trajectories/walkable_area.h"
 #include "base/errors.h"
 #include "scenes/separation/separation_check.h"
-#include "scenes/sinks/by_part.h"
-#include "scenes/sinks/trace.h"
-#include "scenes/sinks/trajectories/walkable_area.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
 

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "analysis/contacts/contact_sink.h"
+#include "analysis/separation/separation_sink.h"
+#include "analysis/trajectories/trajectory_sink.h"
 #include "apps/options/command_line.h"
 #include "apps/output/log_guard.h"
 #include "apps/output/output_plan.h"
-#include "scenes/sinks/contacts/contact_sink.h"
-#include "scenes/sinks/separation/separation_sink.h"
-#include "scenes/sinks/trajectories/trajectory_sink.h"
 
 namespace throng {
 

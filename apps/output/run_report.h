@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "lcmtypes/replay/run_source.h"
-#include "lcmtypes/wire/drive_receiver.h"
-#include "lcmtypes/wire/lockstep.h"
-#include "lcmtypes/wire/own_channels.h"
+#include "analysis/contacts/contact_statistics.h"
+#include "lcm_io/replay/run_source.h"
+#include "lcm_io/wire/drive_receiver.h"
+#include "lcm_io/wire/lockstep.h"
+#include "lcm_io/wire/own_channels.h"
 #include "scenes/run/runner.h"
-#include "scenes/sinks/contacts/contact_statistics.h"
-#include "scenes/sinks/separation/separation_monitor.h"
+#include "scenes/separation/separation_monitor.h"
 
 namespace throng {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "apps/options/command_line.h"
-#include "lcmtypes/wire/drive_receiver.h"
-#include "lcmtypes/wire/lockstep.h"
+#include "lcm_io/wire/drive_receiver.h"
+#include "lcm_io/wire/lockstep.h"
 
 namespace throng {
 

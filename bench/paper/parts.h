@@ -9,7 +9,7 @@
 
 #include "avatars/mesh/mesh.h"
 #include "culling/body_type.h"
-#include "scenes/box/box_world.h"
+#include "scenes/motion/box_world.h"
 
 namespace throng::paper {
 

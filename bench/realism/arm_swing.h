@@ -7,11 +7,11 @@
 #include <memory>
 #include <vector>
 
+#include "analysis/contacts/local_density.h"
 #include "avatars/gait/gait.h"
 #include "scenes/run/postures.h"
 #include "scenes/run/simulation.h"
 #include "scenes/run/sink.h"
-#include "scenes/sinks/contacts/local_density.h"
 
 namespace throng::realism {
 

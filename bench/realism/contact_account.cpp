@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/measures/contact_depths.h"
+#include "analysis/measures/heads.h"
+#include "analysis/measures/lasting_contacts.h"
+#include "analysis/measures/part_group.h"
 #include "bench/realism/hand_inside.h"
-#include "scenes/measures/contact_depths.h"
-#include "scenes/measures/heads.h"
-#include "scenes/measures/lasting_contacts.h"
-#include "scenes/measures/part_group.h"
 
 namespace throng::realism {
 namespace {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "scenes/measures/contact_measures.h"
-#include "scenes/measures/histogram.h"
+#include "analysis/measures/contact_measures.h"
+#include "analysis/measures/histogram.h"
 #include "scenes/run/sink.h"
 
 namespace throng::realism {

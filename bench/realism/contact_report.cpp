@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "scenes/measures/measure_table.h"
+#include "analysis/measures/measure_table.h"
 
 namespace throng::realism {
 namespace {

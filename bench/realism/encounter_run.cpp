@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/measures/contact_depths.h"
 #include "bench/realism/encounter_scene.h"
 #include "bench/realism/scene_switches.h"
-#include "scenes/measures/contact_depths.h"
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "scenes/measures/part_group.h"
+#include "analysis/measures/part_group.h"
+#include "analysis/validation/encounter.h"
 #include "scenes/run/sink.h"
-#include "scenes/validation/encounter.h"
 
 namespace throng::realism {
 

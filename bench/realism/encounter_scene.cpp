@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "bench/realism/made_scene.h"
-#include "scenes/dressing/recorded_world.h"
+#include "scenes/retargeting/recorded_world.h"
 #include "scenes/run/posing.h"
 
 namespace throng::realism {

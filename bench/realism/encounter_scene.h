@@ -5,9 +5,9 @@
 
 #include <span>
 
+#include "analysis/validation/encounter.h"
 #include "scenes/file/scene.h"
-#include "scenes/run/world.h"
-#include "scenes/validation/encounter.h"
+#include "scenes/motion/world.h"
 
 namespace throng::realism {
 

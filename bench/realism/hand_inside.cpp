@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "analysis/measures/part_group.h"
 #include "culling/distance/hull_depth.h"
-#include "scenes/measures/part_group.h"
 #include "scenes/run/frame_poses.h"
 
 namespace throng::realism {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "scenes/measures/measure_table.h"
+#include "analysis/measures/measure_table.h"
 
 namespace throng::realism {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/measures/histogram.h"
+#include "analysis/measures/histogram.h"
 #include "scenes/run/sink.h"
 
 namespace throng::realism {

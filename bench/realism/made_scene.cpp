@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "recordings/recording_builder.h"
 #include "scenes/file/recorded_scene.h"
-#include "scenes/recorded/recording_builder.h"
 #include "scenes/run/runner.h"
 
 namespace throng::realism {

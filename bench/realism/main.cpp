@@ -21,7 +21,7 @@
 #include "bench/realism/made_scene.h"
 #include "bench/realism/scene_switches.h"
 #include "bench/realism/subject.h"
-#include "lcmtypes/log/log_sink.h"
+#include "lcm_io/log/log_sink.h"
 
 namespace throng::realism {
 namespace {

@@ -1,8 +1,8 @@
 // The box of parts.
 #include "base/errors.h"
 #include "base/limits.h"
+#include "crowd/plan_limits.h"
 #include "scenes/file/key_tables.h"
-#include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {

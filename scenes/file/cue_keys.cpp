@@ -3,8 +3,8 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
+#include "crowd/plan_limits.h"
 #include "scenes/file/key_tables.h"
-#include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {

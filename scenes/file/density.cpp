@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/file/shapes.h"
+#include "crowd/navigation/footprints.h"
 
 namespace throng {
 namespace {

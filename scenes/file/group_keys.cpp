@@ -4,9 +4,9 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
+#include "crowd/plan_limits.h"
 #include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
-#include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {

@@ -118,8 +118,8 @@ struct Key {
     return std::move(*this);
   }
   /// The value of one member.
-  template <typename Value>
-  Key hashing(Value T::*member) && {
+  template <typename Value, typename Owner>
+  Key hashing(Value Owner::*member) && {
     hash = [member](Hasher& hasher, const T& value) { add_value(hasher, value.*member); };
     return std::move(*this);
   }

@@ -5,9 +5,9 @@
 #include "avatars/mesh/tri.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "crowd/navigation/footprints.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/scene_values.h"
-#include "scenes/file/shapes.h"
 
 namespace throng {
 namespace {

@@ -4,10 +4,10 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
+#include "crowd/navigation/footprints.h"
+#include "crowd/plan_limits.h"
 #include "scenes/file/key_tables.h"
-#include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
-#include "scenes/file/shapes.h"
 
 namespace throng {
 namespace {

@@ -9,9 +9,9 @@
 #include "base/elementary.h"
 #include "base/errors.h"
 #include "base/text.h"
+#include "crowd/plan_limits.h"
+#include "recordings/area_union.h"
 #include "scenes/file/scene_keys.h"
-#include "scenes/file/scene_limits.h"
-#include "scenes/recorded/area_union.h"
 
 namespace throng {
 namespace {
@@ -137,7 +137,12 @@ void take_recording(Scene& scene, bool has_ground, const std::string& where) {
   if (people.geometry) scene.area = recorded_area(facts, people.options.file.string()).polygons;
   if (!has_ground) scene.ground = ground_of(facts, scene.area);
   add_geometry(scene, where);
-  scene.groups.back().recorded = static_cast<int64_t>(people.recording->people().size());
+  Group& group = scene.groups.back();
+  group.recorded = static_cast<int64_t>(people.recording->people().size());
+  for (const RecordedPerson& person : people.recording->people()) {
+    group.recorded_heights += person.height_m ? 1 : 0;
+    group.tallest_recorded_m = std::max(group.tallest_recorded_m, person.height_m.value_or(0));
+  }
 }
 
 Scene recorded_scene(const RecordingOptions& options, bool recorded_frames) {

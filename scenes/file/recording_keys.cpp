@@ -2,11 +2,11 @@
 #include <cstdlib>
 
 #include "base/errors.h"
+#include "crowd/plan_limits.h"
+#include "recordings/units.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/recorded_scene.h"
-#include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
-#include "scenes/recorded/units.h"
 
 namespace throng {
 namespace {

@@ -1,7 +1,7 @@
 // Where people come from and go to.
 #include "base/errors.h"
+#include "crowd/plan_limits.h"
 #include "scenes/file/key_tables.h"
-#include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {

@@ -13,143 +13,15 @@
 
 #include "avatars/model/model.h"
 #include "base/rectangle.h"
+#include "crowd/crowd_plan.h"
+#include "crowd/steering/steering_rule.h"
+#include "recordings/recording.h"
+#include "recordings/walkable_wkt.h"
 #include "scenes/file/pair_rules.h"
 #include "scenes/file/part_volumes.h"
-#include "scenes/file/people.h"
-#include "scenes/file/separation_rule.h"
-#include "scenes/file/steering_rule.h"
-#include "scenes/recorded/recording.h"
-#include "scenes/recorded/walkable_wkt.h"
+#include "scenes/separation/separation_rule.h"
 
 namespace throng {
-
-/// How people stand who wait for their turn at a goal.
-struct QueueRule {
-  double spacing_m = 0.9;  ///< from one to the next, middle to middle
-  /// From where the first stands to the last, at least two corners; none: straight back.
-  std::vector<Eigen::Vector2d> line_m;
-
-  bool operator==(const QueueRule&) const = default;
-};
-
-/// Somewhere to go: into any one of the areas, whichever has the shortest way.
-struct Goal {
-  Goal() = default;
-  Goal(const Rectangle& area) : areas{area} {}
-
-  std::vector<Rectangle> areas;  ///< at least one
-  Distribution wait_s{};         ///< how long they stand there before going on
-  bool pass = false;       ///< reached on entering it; otherwise people walk to a place inside
-  int capacity = 0;        ///< of each area: how many are inside at once; 0: any number
-  bool has_queue = false;  ///< the file says so; a capacity says so, too
-  QueueRule queue{};
-
-  /// People come in one after another, in the order in which they came.
-  bool is_limited() const { return capacity > 0 || has_queue; }
-  /// Of an area of a limited goal: without a capacity it is a counter, for one at a time.
-  int most_inside() const { return capacity > 0 ? capacity : 1; }
-
-  bool contains(const Eigen::Vector2d& point) const {
-    for (const Rectangle& area : areas)
-      if (area.contains(point)) return true;
-    return false;
-  }
-  bool operator==(const Goal&) const = default;
-};
-
-/// A time of a run that is known when it comes: so long after the start, or after everybody of a
-/// group has been at a goal. Whoever cannot get there is not waited for.
-struct Cue {
-  double later_s = 0;
-  std::string group;  ///< its name; empty: after the start of the run
-  int goal = 0;       ///< which of the group's, counted from 1; 0: the last
-
-  bool operator==(const Cue&) const = default;
-};
-
-/// What people do who reached their last goal.
-enum class OnArrival : uint8_t { kLoop, kStay, kLeave };
-
-/// Who of a group walks with whom: in parties of two to four, whose members are companions.
-struct Companions {
-  double share = 0.6;  ///< of the people, how many walk in a party
-  /// How many parties of two, of three and of four there are, relative to each other; at least one
-  /// is above 0.
-  std::array<double, 3> sizes = {0.75, 0.21, 0.04};
-
-  static constexpr int kMost = 4;  ///< people in a party
-};
-
-/// Where people of a group enter while the scene runs.
-struct Source {
-  Rectangle area;
-  int count = 0;                       ///< in all; each has an id from the start
-  double rate_per_s = 0;               ///< above 0
-  double start_s = 0;                  ///< when the first one comes
-  bool random = false;                 ///< a Poisson process; otherwise evenly spaced
-  std::optional<double> enters_mps{};  ///< along their way; none: as those ahead let them
-};
-
-/// People of one model who start in one area, or enter from sources, and walk to goals.
-struct Group {
-  std::string name;
-  std::filesystem::path model;  ///< a URDF, absolute; "adult" in the file means the bundled one
-  std::shared_ptr<const Model> body;        ///< what `model` holds; load_scene() fills it
-  int count = 0;                            ///< at the start
-  OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
-  /// How close together they stand then, on the ground that is free to stand on: `count` follows
-  /// from it (see count_by_density()), and bodies are placed, not discs. 0: by darts.
-  double density_per_m2 = 0;
-  Rectangle spawn;                       ///< where they stand then
-  std::vector<Source> sources;           ///< of people who enter later
-  std::vector<Goal> goals;               ///< visited in order
-  Distribution delay_s{0, 0, 0, 0};      ///< standing still before setting out
-  std::optional<Cue> after;              ///< nobody sets out before; the delay begins with it
-  std::optional<Companions> companions;  ///< none: everybody walks alone
-  AgeShares ages = kAdultsOnly;
-  std::optional<Distribution> speed_mps;  ///< free speed; none: by age
-  std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()
-  std::optional<StyleShares> styles;      ///< of walking; none: by age
-  double radius_m = 0;                    ///< of the steering disc; 0: from the height
-  std::optional<Eigen::Vector2d> face_m;  ///< what they look at while they stand; none: their way
-  /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
-  /// goal, its spawn area, and no sources.
-  std::string driven;
-
-  int64_t recorded = 0;  ///< people of the scene's recording, who come and go as they did
-
-  /// Everybody there may ever be.
-  int64_t total() const {
-    int64_t sum = count + recorded;
-    for (const Source& source : sources) sum += source.count;
-    return sum;
-  }
-};
-
-/// Something solid that stands still.
-struct Obstacle {
-  enum class Kind { kBox, kCylinder, kMesh };
-  std::string name;
-  Kind kind = Kind::kBox;
-  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< a mesh: where its origin lies
-  double heading_rad = 0;
-  Eigen::Vector3d size_m =
-      Eigen::Vector3d::Ones();  ///< box edges; cylinder: diameter, diameter, height; mesh: extent
-  std::filesystem::path mesh_file;
-  Mesh mesh;  ///< the solid in the obstacle's own frame, whatever its kind
-};
-
-/// A leaf across a way, which lets people through while it is open: a part of the plan, not a body,
-/// so that nobody touches it. It never shuts on anybody.
-struct Door {
-  std::string name;
-  Eigen::Vector2d from_m = Eigen::Vector2d::Zero();  ///< its ends
-  Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
-  std::vector<Cue> opens;  ///< shut before the first of these; without any, open at first
-  std::vector<Cue> closes;
-
-  static constexpr double kThickness_m = 0.1;
-};
 
 /// The paper's world instead of a crowd: loose parts of one body, in turn, that fly in a closed
 /// box.
@@ -172,17 +44,12 @@ struct RecordedPeople {
   bool recorded_frames = false;  ///< a step is a recorded frame; otherwise at most 1/60 s
 };
 
-struct Scene {
+struct Scene : CrowdPlan {
   std::string name;
   std::string description;
   std::filesystem::path file;
-  uint64_t seed = 1;
   double step_s = 1.0 / 60.0;
   double duration_s = 10;
-  Rectangle ground;
-  std::vector<Group> groups;
-  std::vector<Obstacle> obstacles;
-  std::vector<Door> doors;
   std::vector<AreaPolygon> area;  ///< where people may be, of a recording; empty: on the ground
   std::optional<RecordedPeople> recorded;
   std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
@@ -196,9 +63,6 @@ struct Scene {
   std::optional<SeparationRule> separation;  ///< of robots from people; needs near_m
   bool planted_feet = true;                  ///< feet stay where they are put on curves, too
   bool yielding = true;  ///< bodies give way to what is near; who stands breathes and sways
-  /// Of a scene without groups, whose avatars something else has: how tall the tallest is; 0: as
-  /// tall as people may be.
-  double tallest_m = 0;
   std::vector<std::string> notes;  ///< what is not as the file says; a line each
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies
@@ -207,20 +71,6 @@ struct Scene {
 /// Hash of everything in a scene that shapes its frames, and of its name; not of its duration (a
 /// longer run begins with the shorter one's frames), its description, or where files lie.
 uint64_t content_hash_of(const Scene& scene);
-
-/// Not robots; a group without a body yet is one of people.
-bool has_people(const Group& group);
-
-/// Gives a group whose height nobody says that of its `body`, if it is a robot or driven: these are
-/// as large as their model. What the height of people is follows from their ages.
-void keep_own_size(Group& group);
-
-/// How tall the tallest avatar may be that the scene has at any time (m): by its own height where
-/// that is known, else by the largest that may be drawn.
-double tallest_m(const Scene& scene);
-
-/// What becomes of a group's model: how large, at which scale, where it stands.
-std::string describe_size(const Group& group);
 
 /// A path, or the name of a bundled scene. Throws InputError with file:line or a did-you-mean.
 Scene load_scene(const std::string& path_or_name);

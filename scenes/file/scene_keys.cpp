@@ -7,12 +7,12 @@
 #include "base/errors.h"
 #include "base/limits.h"
 #include "base/text.h"
+#include "crowd/navigation/footprints.h"
+#include "crowd/plan_limits.h"
 #include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/recorded_scene.h"
-#include "scenes/file/scene_limits.h"
 #include "scenes/file/scene_values.h"
-#include "scenes/file/shapes.h"
 
 namespace throng {
 namespace {
@@ -265,7 +265,7 @@ std::vector<Key<Scene>> rows_of_scenes() {
           .reading([](Reading&, Fields& fields, Scene& scene) {
             scene.description = fields.line_or("description", "");
           }),
-      whole("seed", "start of all random numbers", &Scene::seed, 0, INT64_MAX),
+      whole<Scene, uint64_t>("seed", "start of all random numbers", &Scene::seed, 0, INT64_MAX),
       number("step_s",
              "time from frame to frame; walking, culling and events happen at each; at most 0.1",
              &Scene::step_s, kStepRange)

@@ -8,9 +8,9 @@
 #include "base/elementary.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "crowd/navigation/footprints.h"
+#include "crowd/plan_limits.h"
 #include "scenes/file/scene.h"
-#include "scenes/file/scene_limits.h"
-#include "scenes/file/shapes.h"
 
 namespace throng {
 namespace {

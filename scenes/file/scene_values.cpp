@@ -4,7 +4,7 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
-#include "scenes/file/scene_limits.h"
+#include "crowd/plan_limits.h"
 
 namespace throng {
 namespace {

@@ -9,8 +9,8 @@
 #include "base/elementary.h"
 #include "base/errors.h"
 #include "base/limits.h"
-#include "scenes/file/scene_limits.h"
-#include "scenes/run/drive.h"
+#include "crowd/plan_limits.h"
+#include "scenes/motion/drive.h"
 
 namespace throng {
 namespace {

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "base/workers.h"
-#include "scenes/crowd/crowd_counters.h"
+#include "crowd/crowd_counters.h"
 #include "scenes/file/scene.h"
-#include "scenes/run/drive.h"
+#include "scenes/motion/drive.h"
+#include "scenes/motion/world.h"
 #include "scenes/run/sink.h"
-#include "scenes/run/world.h"
 
 namespace throng {
 

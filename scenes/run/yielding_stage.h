@@ -15,11 +15,11 @@
 #include "avatars/yielding/yielding.h"
 #include "base/files/archive.h"
 #include "base/workers.h"
-#include "scenes/crowd/neighbours/neighbour_grid.h"
+#include "crowd/navigation/walkable.h"
+#include "crowd/neighbours/neighbour_grid.h"
 #include "scenes/file/scene.h"
-#include "scenes/run/body_blocks.h"
+#include "scenes/motion/body_blocks.h"
 #include "scenes/run/posing.h"
-#include "scenes/ways/walkable.h"
 
 namespace throng {
 

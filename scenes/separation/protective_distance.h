@@ -3,7 +3,7 @@
 // speeds; a study's measure, not a safety function.
 #pragma once
 
-#include "scenes/file/separation_rule.h"
+#include "scenes/separation/separation_rule.h"
 
 namespace throng {
 

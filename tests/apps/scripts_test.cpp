@@ -74,7 +74,7 @@ TEST_F(Scripts, SetupThatFailsShowsWhatWasPrinted) {
 }
 
 TEST_F(Scripts, TheDemoReplaysItsLogWhereThrongListens) {
-  const std::string header = read_file(THRONG_SOURCE_DIR "/lcmtypes/codec/channels.h");
+  const std::string header = read_file(THRONG_SOURCE_DIR "/lcm_io/codec/channels.h");
   const size_t constant = header.find("kDefaultLcmUrl");
   ASSERT_NE(constant, std::string::npos);
   const size_t url = header.find('"', constant) + 1;

@@ -125,7 +125,7 @@ TEST(Model, is_a_person_where_it_has_human_legs_and_a_robot_otherwise) {
   EXPECT_TRUE(adult->is_person);
   EXPECT_EQ(adult->root_above_ground_m(), 0) << "the root of people lies on the ground";
   const auto rover =
-      load_model(std::filesystem::path(THRONG_SOURCE_DIR) / "tests/lcmtypes/fixtures/rover.urdf");
+      load_model(std::filesystem::path(THRONG_SOURCE_DIR) / "tests/lcm_io/fixtures/rover.urdf");
   EXPECT_FALSE(rover->is_person);
   EXPECT_NEAR(rover->root_above_ground_m(), 0.1f, 1e-6f) << "half the height of its base";
   EXPECT_FALSE(load_model(fixtures() / "humanoid_description/urdf/humanoid.urdf")->is_person)

@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "base/errors.h"
-#include "scenes/recorded/area_union.h"
-#include "scenes/recorded/recording.h"
-#include "scenes/recorded/walkable_wkt.h"
+#include "recordings/area_union.h"
+#include "recordings/recording.h"
+#include "recordings/walkable_wkt.h"
 #include "tests/fuzz/target_tools.h"
 #include "tests/fuzz/targets.h"
 

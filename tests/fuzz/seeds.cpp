@@ -4,17 +4,17 @@
 #include <iterator>
 
 #include "base/files/archive.h"
-#include "lcmtypes/codec/guard.h"
-#include "lcmtypes/codec/log_format.h"
-#include "lcmtypes/codec/running_checks.h"
-#include "lcmtypes/log/log_reader.h"
-#include "lcmtypes/log/log_sink.h"
-#include "scenes/box/box_world.h"
+#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/log_format.h"
+#include "lcm_io/codec/running_checks.h"
+#include "lcm_io/log/log_reader.h"
+#include "lcm_io/log/log_sink.h"
+#include "scenes/motion/box_world.h"
 #include "scenes/run/checkpoint.h"
 #include "tests/avatars/mesh_seeds.h"
 #include "tests/fuzz/targets.h"
-#include "tests/lcmtypes/synthetic_run.h"
-#include "tests/scenes/recorded/recording_seeds.h"
+#include "tests/lcm_io/synthetic_run.h"
+#include "tests/recordings/recording_seeds.h"
 
 namespace throng::fuzz {
 namespace {
@@ -165,7 +165,7 @@ void add_logs(std::vector<Bytes>& out) {
     out.push_back(flipped);
   }
   // Before there were checks.
-  add_files("tests/lcmtypes/fixtures", "old_log.lcmlog", size_t{1} << 20, out);
+  add_files("tests/lcm_io/fixtures", "old_log.lcmlog", size_t{1} << 20, out);
   for (const int32_t length : {0x7fffffff, -1, INT32_MIN, 0})
     for (const size_t field : {size_t{20}, size_t{24}}) {
       Bytes hostile = whole;

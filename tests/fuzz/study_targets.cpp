@@ -1,10 +1,10 @@
 // Studies: their files, their tables, their journals.
 #include <string>
 
+#include "analysis/studies/journal.h"
+#include "analysis/studies/study_plan.h"
+#include "analysis/studies/study_table.h"
 #include "base/errors.h"
-#include "scenes/studies/journal.h"
-#include "scenes/studies/study_plan.h"
-#include "scenes/studies/study_table.h"
 #include "tests/fuzz/target_tools.h"
 
 namespace throng::fuzz {

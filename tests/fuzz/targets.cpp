@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "analysis/trajectories/walkable_area.h"
 #include "avatars/avatars.h"
 #include "avatars/mesh/mesh_file.h"
 #include "avatars/mesh/tri.h"
 #include "base/errors.h"
 #include "kinematics/kdl_tree.h"
-#include "lcmtypes/codec/guard.h"
-#include "lcmtypes/codec/readable.h"
-#include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_check.h"
-#include "lcmtypes/replay/log_world.h"
-#include "scenes/box/box_world.h"
+#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/readable.h"
+#include "lcm_io/codec/run_reader.h"
+#include "lcm_io/log/log_check.h"
+#include "lcm_io/replay/log_world.h"
 #include "scenes/file/scene.h"
+#include "scenes/motion/box_world.h"
 #include "scenes/run/checkpoint.h"
-#include "scenes/sinks/trajectories/walkable_area.h"
 #include "tests/fuzz/target_tools.h"
 #include "tests/kinematics/finite_poses.h"
 

@@ -11,8 +11,8 @@
 #include "base/errors.h"
 #include "bench/paper/parts.h"
 #include "culling/exact/triangle_bvh.h"
-#include "scenes/box/loose_parts.h"
 #include "scenes/file/scene.h"
+#include "scenes/motion/loose_parts.h"
 #include "scenes/run/runner.h"
 
 namespace throng {

@@ -1,5 +1,5 @@
 // The box of the paper: nothing leaves it, nothing slows down, the same seed flies the same way.
-#include "scenes/box/box_world.h"
+#include "scenes/motion/box_world.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include "bench/realism/joint_speeds.h"
 #include "bench/realism/made_scene.h"
 #include "bench/realism/subject.h"
-#include "scenes/run/walk.h"
+#include "scenes/motion/walk.h"
 
 namespace throng::realism {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "scenes/scenes.h"
-#include "tests/scenes/crowd_world.h"
+#include "tests/crowd/crowd_world.h"
 
 namespace throng {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "avatars/gait/gait_curves.h"
 #include "base/random.h"
-#include "scenes/dressing/dress.h"
-#include "scenes/dressing/head_place.h"
+#include "scenes/retargeting/dress.h"
+#include "scenes/retargeting/head_place.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 #include "tests/scenes/walking_heads.h"

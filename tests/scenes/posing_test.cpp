@@ -7,8 +7,8 @@
 #include <array>
 #include <vector>
 
+#include "scenes/motion/walk.h"
 #include "scenes/run/body_tables.h"
-#include "scenes/run/walk.h"
 #include "tests/same_bits.h"
 
 namespace throng {

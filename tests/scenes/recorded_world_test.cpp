@@ -10,11 +10,11 @@
 
 #include "base/hasher.h"
 #include "base/random.h"
-#include "scenes/dressing/dress.h"
-#include "scenes/dressing/tracks.h"
 #include "scenes/file/recorded_scene.h"
+#include "scenes/retargeting/dress.h"
+#include "scenes/retargeting/tracks.h"
 #include "scenes/run/simulation.h"
-#include "tests/scenes/recorded/recording_folder.h"
+#include "tests/recordings/recording_folder.h"
 #include "tests/scenes/slide_meter.h"
 #include "tests/scenes/walking_heads.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/files/archive.h"
-#include "tests/scenes/crowd_world.h"
+#include "tests/crowd/crowd_world.h"
 
 namespace throng {
 

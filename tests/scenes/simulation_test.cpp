@@ -12,7 +12,7 @@
 
 #include "base/hasher.h"
 #include "scenes/run/runner.h"
-#include "tests/scenes/crowd_world.h"
+#include "tests/crowd/crowd_world.h"
 #include "tests/scenes/scene_file.h"
 
 namespace throng {

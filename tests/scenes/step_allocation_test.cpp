@@ -7,7 +7,7 @@
 #include "scenes/file/recorded_scene.h"
 #include "scenes/scenes.h"
 #include "tests/allocation_counter.h"
-#include "tests/scenes/recorded/recording_folder.h"
+#include "tests/recordings/recording_folder.h"
 
 namespace throng {
 namespace {

@@ -1,5 +1,5 @@
 // How people of a real scene walk: their feet on the ground, their bodies inside their bounds.
-#include "scenes/run/walk.h"
+#include "scenes/motion/walk.h"
 
 #include <gtest/gtest.h>
 

@@ -15,9 +15,9 @@ namespace {
 const std::set<std::string_view> kCode = {".cpp", ".h"};
 
 /// Files of which a program links one.
-const std::vector<std::set<std::string>> kAlternatives = {{"scenes/studies/ranks_launched.cpp",
-                                                           "scenes/studies/ranks_mpi.cpp",
-                                                           "scenes/studies/ranks_none.cpp"}};
+const std::vector<std::set<std::string>> kAlternatives = {{"analysis/studies/ranks_launched.cpp",
+                                                           "analysis/studies/ranks_mpi.cpp",
+                                                           "analysis/studies/ranks_none.cpp"}};
 
 std::vector<std::string> names_in(const std::string& text) {
   std::vector<std::string> names;

@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "base/random.h"
-#include "lcmtypes/wire/lcm_sink.h"
-#include "tests/lcmtypes/memory_bus.h"
-#include "tests/lcmtypes/synthetic_run.h"
+#include "lcm_io/wire/lcm_sink.h"
+#include "tests/lcm_io/memory_bus.h"
+#include "tests/lcm_io/synthetic_run.h"
 #include "tests/viewer/web_socket.h"
 
 namespace throng {

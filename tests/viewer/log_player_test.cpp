@@ -11,8 +11,8 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcmtypes/codec/log_format.h"
-#include "tests/lcmtypes/synthetic_run.h"
+#include "lcm_io/codec/log_format.h"
+#include "tests/lcm_io/synthetic_run.h"
 
 namespace throng {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "tests/lcmtypes/synthetic_run.h"
+#include "tests/lcm_io/synthetic_run.h"
 #include "viewer/replay/posture_basis.h"
 #include "viewer/replay/replay_file.h"
 

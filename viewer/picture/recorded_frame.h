@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_gaps.h"
+#include "lcm_io/codec/run_reader.h"
+#include "lcm_io/log/log_gaps.h"
 
 namespace throng {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lcmtypes/codec/run_reader.h"
+#include "lcm_io/codec/run_reader.h"
 #include "viewer/replay/posture_basis.h"
 #include "viewer/server/pair_begins.h"
 #include "viewer/server/run_message.h"

@@ -10,7 +10,7 @@
 
 #include "base/errors.h"
 #include "base/files/whole_file.h"
-#include "lcmtypes/log/log_gaps.h"
+#include "lcm_io/log/log_gaps.h"
 #include "viewer/picture/recorded_frame.h"
 
 namespace throng {

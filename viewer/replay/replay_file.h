@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "lcmtypes/codec/encoder.h"
+#include "lcm_io/codec/encoder.h"
 #include "viewer/replay/replay.h"
 
 namespace throng {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "lcmtypes/codec/guard.h"
+#include "lcm_io/codec/guard.h"
 #include "viewer/picture/recorded_frame.h"
 #include "viewer/server/questions.h"
 

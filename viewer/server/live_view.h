@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "lcmtypes/wire/receiver.h"
+#include "lcm_io/wire/receiver.h"
 #include "viewer/server/frame_message.h"
 #include "viewer/server/pair_history.h"
 #include "viewer/server/web_server.h"

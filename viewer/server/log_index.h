@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "lcmtypes/codec/run_reader.h"
-#include "lcmtypes/log/log_gaps.h"
+#include "lcm_io/codec/run_reader.h"
+#include "lcm_io/log/log_gaps.h"
 #include "viewer/server/pair_history.h"
 
 namespace throng {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lcmtypes/codec/run_reader.h"
+#include "lcm_io/codec/run_reader.h"
 
 namespace throng {
 

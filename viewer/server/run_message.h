@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "lcmtypes/codec/run_reader.h"
+#include "lcm_io/codec/run_reader.h"
 #include "viewer/server/little_endian.h"
 
 namespace throng {

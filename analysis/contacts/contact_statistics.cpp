@@ -1,0 +1,210 @@
+#include "analysis/contacts/contact_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng {
+
+ContactStatistics::ContactStatistics(const RunInfo& run)
+    : step_s_(run.step_s),
+      sample_every_(std::max<int64_t>(1, std::llround(1 / run.step_s))),
+      density_(*run.scene),
+      model_of_avatar_(run.model_of_avatar) {
+  for (const std::shared_ptr<const Model>& model : run.models) {
+    std::vector<uint32_t>& indices = name_of_part_.emplace_back();
+    for (const Part& part : model->parts) {
+      const auto known = std::find(names_.begin(), names_.end(), part.name);
+      indices.push_back(static_cast<uint32_t>(known - names_.begin()));
+      if (known == names_.end()) names_.push_back(part.name);
+    }
+  }
+  whole_body_ = static_cast<uint32_t>(names_.size());
+  names_.push_back("whole body");
+  people_.resize(model_of_avatar_.size());
+  touching_.assign(people_.size(), 0);
+  positions_m_.resize(people_.size());
+  part_counts_.assign(names_.size() * names_.size(), 0);
+  part_seconds_.assign(names_.size() * names_.size(), 0);
+  obstacle_part_counts_.assign(names_.size(), 0);
+}
+
+uint32_t ContactStatistics::name_index(uint32_t id, uint32_t part) const {
+  return part == kWholeBody ? whole_body_ : name_of_part_[model_of_avatar_[id]][part];
+}
+
+std::string ContactStatistics::part_name(uint32_t id, uint32_t part) const {
+  return names_[name_index(id, part)];
+}
+
+void ContactStatistics::place(const Frame& frame) {
+  for (size_t id = 0; id < positions_m_.size(); ++id)
+    positions_m_[id] = frame.roots[id].position_m.head<2>();
+  density_.place(positions_m_, frame.present);
+}
+
+void ContactStatistics::begin(PairKey pair) {
+  const uint32_t a = pair.a();
+  const uint32_t b = pair.b();
+  open_parts_[pair.bits()] = {frame_, is_first_};
+  const uint32_t row = name_index(a, pair.part_a());
+  if (!is_person(b)) {
+    ++obstacle_part_counts_[row];
+    if (open_obstacles_[key_of(a, b)]++ > 0) return;
+    ++people_[a].obstacle_contacts;
+    ++obstacle_contacts_;
+    return;
+  }
+  const uint32_t column = name_index(b, pair.part_b());
+  ++part_counts_[row * names_.size() + column];
+  if (row != column) ++part_counts_[column * names_.size() + row];
+  Open& open = open_[key_of(a, b)];
+  ++open.contact.part_contacts;
+  if (open.parts++ > 0) return;
+  const double density =
+      0.5 * (density_.around(positions_m_[a]) + density_.around(positions_m_[b]));
+  open.contact = {a,
+                  b,
+                  static_cast<double>(frame_) * step_s_,
+                  0,
+                  0.5 * (positions_m_[a] + positions_m_[b]),
+                  density,
+                  pair.part_a(),
+                  pair.part_b(),
+                  1,
+                  is_first_};
+  for (const uint32_t id : {a, b}) {
+    ++people_[id].contacts;
+    ++touching_[id];
+  }
+  met_.add(key_of(a, b));
+  ++contacts_;
+  ++minutes_.back().contacts;
+  ++densities_[DensityLevels::level_of(density)].contacts;
+}
+
+void ContactStatistics::add_part_time(PairKey pair, double duration_s) {
+  const uint32_t row = name_index(pair.a(), pair.part_a());
+  const uint32_t column = name_index(pair.b(), pair.part_b());
+  part_seconds_[row * names_.size() + column] += duration_s;
+  if (row != column) part_seconds_[column * names_.size() + row] += duration_s;
+}
+
+void ContactStatistics::finish(PairKey pair, bool cut) {
+  const auto part = open_parts_.find(pair.bits());
+  if (part == open_parts_.end()) return;
+  const OpenPart touched = part->second;
+  const double duration_s = static_cast<double>(frame_ - touched.frame) * step_s_;
+  open_parts_.erase(part);
+  const uint64_t key = key_of(pair.a(), pair.b());
+  if (!is_person(pair.b())) {
+    if (--open_obstacles_[key] == 0) open_obstacles_.erase(key);
+    return;
+  }
+  add_part_time(pair, duration_s);
+  part_contacts_.add({touched.frame, pair, frame_ - touched.frame, touched.is_cut || cut});
+  const auto open = open_.find(key);
+  if (--open->second.parts > 0) return;
+  Contact contact = open->second.contact;
+  open_.erase(open);
+  for (const uint32_t id : {contact.a, contact.b}) --touching_[id];
+  contact.duration_s = static_cast<double>(frame_) * step_s_ - contact.begin_s;
+  contact.cut = contact.cut || cut;
+  if (contact.cut)
+    ++cut_;
+  else
+    add_length(contact.duration_s);
+  ended_.push_back(contact);
+}
+
+void ContactStatistics::add_length(double duration_s) {
+  const auto frames = static_cast<size_t>(std::llround(duration_s / step_s_));
+  if (frames >= lengths_.size()) lengths_.resize(frames + 1, 0);
+  ++lengths_[frames];
+  ++whole_;
+}
+
+/// Each frame stands for the step that follows it.
+void ContactStatistics::spend_time(const Frame& frame) {
+  const auto is_here = [&](size_t id) { return frame.present.empty() || frame.present[id] != 0; };
+  MinuteRow& minute = minutes_.back();
+  for (size_t id = 0; id < people_.size(); ++id) {
+    if (!is_here(id)) continue;
+    people_[id].present_s += step_s_;
+    minute.person_s += step_s_;
+    if (touching_[id] > 0) people_[id].touching_s += step_s_;
+  }
+  if (frame.number % sample_every_ != 0) return;
+  for (size_t id = 0; id < people_.size(); ++id)
+    if (is_here(id))
+      densities_[DensityLevels::level_of(density_.around(positions_m_[id]))].person_s +=
+          static_cast<double>(sample_every_) * step_s_;
+}
+
+void ContactStatistics::frame(const Frame& frame) {
+  frame_ = frame.number;
+  ended_.clear();
+  const auto minute = static_cast<size_t>(static_cast<double>(frame_) * step_s_ / 60);
+  if (minutes_.size() <= minute) minutes_.resize(minute + 1);
+  place(frame);
+  // Begins first: a pair that is refined further than before changes its parts, not its contact.
+  for (const PairEvent& event : frame.events)
+    if (event.kind == EventKind::kBegin) begin(event.pair);
+  for (const PairEvent& event : frame.events)
+    if (event.kind == EventKind::kEnd) finish(event.pair, false);
+  spend_time(frame);
+  is_first_ = false;
+}
+
+void ContactStatistics::count_partners() {
+  uint64_t last = 0;  // of nobody with themselves
+  met_.for_each([&](uint64_t key) {
+    if (key == last) return;
+    last = key;
+    for (const uint64_t id : {key >> 32, key & UINT32_MAX}) ++people_[id].partners;
+  });
+}
+
+void ContactStatistics::end(const RunEnd& end) {
+  ended_.clear();
+  ++frame_;
+  for (const PairEvent& event : end.events)
+    if (event.kind == EventKind::kEnd) finish(event.pair, true);
+  count_partners();
+}
+
+ContactTotals ContactStatistics::totals() const {
+  ContactTotals totals;
+  totals.contacts = contacts_;
+  totals.obstacle_contacts = obstacle_contacts_;
+  for (const PersonContacts& person : people_) {
+    totals.people_touched += person.contacts > 0;
+    totals.person_s += person.present_s;
+    totals.touching_s += person.touching_s;
+  }
+  uint64_t shorter = 0;  // or as long
+  for (size_t frames = 0; frames < lengths_.size() && 2 * shorter < whole_; ++frames) {
+    shorter += lengths_[frames];
+    totals.median_s = static_cast<double>(frames) * step_s_;
+  }
+  return totals;
+}
+
+PartMatrix ContactStatistics::parts() const {
+  const size_t all = names_.size();
+  const bool has_whole = obstacle_part_counts_[whole_body_] > 0 ||
+                         std::any_of(part_counts_.end() - static_cast<ptrdiff_t>(all),
+                                     part_counts_.end(), [](uint64_t count) { return count > 0; });
+  const size_t shown = has_whole ? all : all - 1;
+  PartMatrix matrix;
+  for (size_t row = 0; row < shown; ++row) {
+    matrix.names.push_back(names_[row]);
+    matrix.obstacle_counts.push_back(obstacle_part_counts_[row]);
+    for (size_t column = 0; column < shown; ++column) {
+      matrix.counts.push_back(part_counts_[row * all + column]);
+      matrix.seconds.push_back(part_seconds_[row * all + column]);
+    }
+  }
+  return matrix;
+}
+
+}  // namespace throng

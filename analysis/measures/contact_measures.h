@@ -1,0 +1,89 @@
+// Contacts of two people: how many a person and minute, by density and by part; and how deep.
+// One rule: as in contact_statistics.h, but two people who part for less than half a second are
+// still at the same contact, and memory grows with the people who touch now, not with the contacts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "analysis/contacts/local_density.h"
+#include "analysis/measures/histogram.h"
+#include "analysis/measures/lasting_contacts.h"
+#include "analysis/measures/measure_table.h"
+#include "analysis/measures/part_group.h"
+#include "scenes/run/sink.h"
+
+namespace throng {
+
+class ContactMeasures {
+ public:
+  static constexpr double kGap_s = 0.5;
+  /// People per m2 within 2 m.
+  static constexpr std::array<double, 5> kBounds_per_m2 = {0.43, 1, 2, 3.57, 5};
+  static constexpr size_t kLevels = kBounds_per_m2.size() + 1;
+
+  /// Who parts for less than gap_s has not parted. Whoever came in less than settles_s ago does not
+  /// count: a body that appears beside another had no time to give way.
+  explicit ContactMeasures(const RunInfo& run, double gap_s = kGap_s, double settles_s = 0);
+
+  void frame(const Frame& frame);
+  void end();
+
+  /// After frame(), while its spans last: the level of density around two people; how deep two
+  /// parts of them are.
+  size_t level_of(uint32_t a, uint32_t b);
+  void add_depth(PairKey pair, double depth_m);
+
+  uint64_t contacts() const;
+  double person_s() const { return person_s_; }
+  /// By level of density.
+  const std::array<uint64_t, kLevels>& contacts_at() const { return contacts_; }
+  const std::array<double, kLevels>& person_s_at() const { return person_s_at_; }
+  MeasureTable contact_table() const;
+  MeasureTable depth_table() const;
+
+ private:
+  struct Deepest {
+    double of_people_m = -1;  ///< below 0: not looked at
+  };
+  struct Nothing {};
+
+  void place(const Frame& frame);
+  void note_newcomers(const Frame& frame);
+  bool is_settled(uint32_t person) const { return now_s_ - came_s_[person] >= settles_s_ - 1e-9; }
+  double density_at(uint32_t person);
+  void add_deepest(const Deepest& deepest);
+  void spend_time(const Frame& frame);
+  uint64_t people_key(PairKey pair) const { return pair.bits() >> 16; }
+  uint64_t group_key(PairKey pair) const;
+
+  double step_s_;
+  double gap_s_;
+  double settles_s_;
+  int64_t sample_every_;
+  size_t people_;
+  PartGroups groups_;
+  LocalDensity density_;
+  std::vector<Eigen::Vector2d> positions_m_;
+  std::vector<double> densities_;  ///< by person, of this frame; below 0: not asked for yet
+  std::vector<double> came_s_;     ///< by person; infinite: is not there
+  bool is_placed_ = false;
+  const Frame* frame_ = nullptr;
+  double now_s_ = 0;
+
+  LastingContacts<Deepest> open_;         ///< of two people
+  LastingContacts<Nothing> open_groups_;  ///< of groups of parts of two people
+  std::array<uint64_t, kLevels> contacts_{};
+  std::array<double, kLevels> person_s_at_{};
+  std::array<uint64_t, kGroupPairs> group_contacts_{};
+  double person_s_ = 0;
+
+  Histogram depths_;                  ///< of two parts, at sampled instants
+  Histogram deepest_;                 ///< of a contact
+  std::vector<Histogram> depths_at_;  ///< by level
+  std::vector<Histogram> depths_of_;  ///< by pair of groups
+};
+
+}  // namespace throng

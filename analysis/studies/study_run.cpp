@@ -1,0 +1,243 @@
+#include "analysis/studies/study_run.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "analysis/contacts/contact_statistics.h"
+#include "analysis/measures/part_group.h"
+#include "base/errors.h"
+#include "scenes/run/runner.h"
+
+namespace throng {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Kind = StudyMeasure::Kind;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double thread_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+/// How fast people are, and when they leave.
+class Movement {
+ public:
+  void frame(const Frame& frame, double step_s) {
+    const double now_s = static_cast<double>(frame.number) * step_s;
+    entered_s_.resize(frame.roots.size(), -1);
+    for (size_t id = 0; id < frame.roots.size(); ++id) {
+      const bool is_there = frame.present.empty() || frame.present[id] != 0;
+      if (is_there) {
+        ++person_frames_;
+        speeds_mps_ += static_cast<double>(frame.speeds_mps[id]);
+        if (entered_s_[id] < 0) entered_s_[id] = now_s;
+      } else if (entered_s_[id] >= 0) {
+        ++left_;
+        last_left_s_ = now_s;
+        stayed_s_ += now_s - entered_s_[id];
+        entered_s_[id] = -1;
+      }
+    }
+    ++frames_;
+  }
+
+  double mean_speed_mps() const { return mean(speeds_mps_, person_frames_); }
+  double mean_present() const { return mean(static_cast<double>(person_frames_), frames_); }
+  /// None if nobody left.
+  std::optional<double> last_left_s() const { return if_any(last_left_s_); }
+  std::optional<double> mean_stay_s() const { return if_any(mean(stayed_s_, left_)); }
+
+ private:
+  static double mean(double sum, uint64_t count) {
+    return count == 0 ? 0 : sum / static_cast<double>(count);
+  }
+  std::optional<double> if_any(double value) const {
+    return left_ > 0 ? std::optional(value) : std::nullopt;
+  }
+
+  std::vector<double> entered_s_;  ///< by person; below 0: is not there
+  uint64_t person_frames_ = 0, frames_ = 0, left_ = 0;
+  double speeds_mps_ = 0, stayed_s_ = 0, last_left_s_ = 0;
+};
+
+class Measuring final : public Sink {
+ public:
+  void begin(const RunInfo& run) override {
+    step_s_ = run.step_s;
+    contacts_ = std::make_unique<ContactStatistics>(run);
+  }
+  void frame(const RunInfo&, const Frame& frame) override {
+    movement_.frame(frame, step_s_);
+    contacts_->frame(frame);
+  }
+  void end(const RunInfo&, const RunEnd& end) override { contacts_->end(end); }
+
+  const Movement& movement() const { return movement_; }
+  const ContactStatistics& contacts() const { return *contacts_; }
+
+ private:
+  double step_s_ = 0;
+  Movement movement_;
+  std::unique_ptr<ContactStatistics> contacts_;
+};
+
+std::vector<uint64_t> contacts_by_kind(const PartMatrix& parts) {
+  std::vector<uint64_t> counts(kGroupPairs, 0);
+  std::vector<PartGroup> groups;
+  for (const std::string& name : parts.names) groups.push_back(part_group(name));
+  for (size_t i = 0; i < groups.size(); ++i)
+    for (size_t k = 0; k <= i; ++k)  // the matrix says it all twice
+      counts[group_pair(groups[i], groups[k])] += parts.counts[i * groups.size() + k];
+  return counts;
+}
+
+/// Cells in the order in which they are named.
+class Cells {
+ public:
+  void whole(uint64_t value) { cells_.push_back(fmt::format("{}", value)); }
+  void number(double value) { cells_.push_back(fmt::format("{:.9g}", value + 0.0)); }
+  void number(const std::optional<double>& value) {
+    if (value)
+      number(*value);
+    else
+      cells_.emplace_back();
+  }
+  void hash(uint64_t value) { cells_.push_back(fmt::format("{:016x}", value)); }
+  std::vector<std::string> take() { return std::move(cells_); }
+
+ private:
+  std::vector<std::string> cells_;
+};
+
+std::vector<std::string> measures_of(const RunSummary& summary, const Measuring& measuring,
+                                     double plan_growth) {
+  Cells cells;
+  const TrafficCounters& traffic = summary.traffic;
+  int stranded = 0;
+  for (const Stranding& stranding : summary.strandings) stranded += stranding.people;
+  cells.number(summary.simulated_s);
+  cells.whole(static_cast<uint64_t>(summary.avatars));
+  cells.number(plan_growth);
+  cells.whole(static_cast<uint64_t>(summary.unplaced));
+  for (const uint64_t count :
+       {traffic.entered, traffic.left, traffic.present, traffic.waiting, traffic.to_come})
+    cells.whole(count);
+  cells.whole(static_cast<uint64_t>(stranded));
+  const Movement& movement = measuring.movement();
+  cells.number(movement.mean_present());
+  cells.number(movement.mean_speed_mps());
+  cells.number(movement.mean_stay_s());
+  cells.number(movement.last_left_s());
+  cells.whole(summary.queuing_peak);
+  cells.number(summary.longest_stall_s);
+  cells.number(summary.deepest_overlap_m);
+  cells.number(summary.steering.mean_heading_rate_radps());
+  const ContactTotals totals = measuring.contacts().totals();
+  cells.whole(totals.contacts);
+  cells.number(totals.per_person_min());
+  cells.whole(totals.people_touched);
+  cells.number(totals.person_s > 0 ? totals.touching_s / totals.person_s : 0);
+  cells.number(totals.median_s);
+  cells.whole(totals.obstacle_contacts);
+  cells.whole(summary.begins);
+  cells.whole(summary.pairs_peak);
+  for (const uint64_t count : contacts_by_kind(measuring.contacts().parts())) cells.whole(count);
+  cells.hash(summary.run_id);
+  cells.hash(summary.hash);
+  return cells.take();
+}
+
+}  // namespace
+
+const std::vector<StudyMeasure>& study_measures() {
+  static const std::vector<StudyMeasure> measures = [] {
+    std::vector<StudyMeasure> all = {
+        {"simulated_s", Kind::kNumber, "how long the run was"},
+        {"people", Kind::kWhole, "everybody there may ever be"},
+        {"plan_growth", Kind::kNumber,
+         "factor by which `avatars` enlarged the sides of the plan; 1: not at all"},
+        {"unplaced", Kind::kWhole, "people who found no place at the start"},
+        {"entered", Kind::kWhole, "those of the start included"},
+        {"left", Kind::kWhole, "people who left, at their last goal"},
+        {"present", Kind::kWhole, "people who are there at the end"},
+        {"waiting", Kind::kWhole, "outside at the end, due, without room to enter"},
+        {"to_come", Kind::kWhole, "not due yet at the end"},
+        {"stranded", Kind::kWhole, "people who cannot reach a goal"},
+        {"mean_present", Kind::kNumber, "people who were there, mean over the frames"},
+        {"mean_speed_mps", Kind::kNumber, "mean over everybody and the frames they were there"},
+        {"mean_stay_s", Kind::kNumber, "from entering to leaving, of those who left"},
+        {"last_left_s", Kind::kNumber, "when the last one of those left"},
+        {"queuing_peak", Kind::kWhole, "people queuing at once"},
+        {"longest_stall_s", Kind::kNumber, "how long a walker stood still without queuing"},
+        {"deepest_overlap_m", Kind::kNumber, "of two steering discs"},
+        {"heading_rate_radps", Kind::kNumber, "how fast headings turn, mean"},
+        {"contacts", Kind::kWhole, "of two people, from their first parts that touch to the last"},
+        {"contacts_per_person_min", Kind::kNumber, "the same, a person and minute"},
+        {"people_touched", Kind::kWhole, "people with at least one contact"},
+        {"touching_share", Kind::kNumber, "of the time that people were there"},
+        {"median_contact_s", Kind::kNumber, "of contacts that began and ended within the run"},
+        {"obstacle_contacts", Kind::kWhole, "of a person and an obstacle"},
+        {"part_contacts", Kind::kWhole, "of two parts, obstacles included"},
+        {"part_pairs_peak", Kind::kWhole, "pairs of parts that touch at once"},
+    };
+    for (size_t pair = 0; pair < kGroupPairs; ++pair) {
+      std::string name = "contacts_" + name_of_group_pair(pair);
+      std::replace(name.begin(), name.end(), ' ', '_');
+      all.push_back({std::move(name), Kind::kWhole,
+                     "of two parts of two people: " + name_of_group_pair(pair)});
+    }
+    all.push_back({"run_id", Kind::kText, "of the scene, the seed and all that changes results"});
+    all.push_back({"hash", Kind::kText, "of all events"});
+    return all;
+  }();
+  return measures;
+}
+
+const std::vector<std::string>& study_times_columns() {
+  static const std::vector<std::string> columns = {"set_up_s", "wall_s", "processor_s",
+                                                   "realtime_factor", "peak_rss_mb"};
+  return columns;
+}
+
+std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads,
+                                  const std::shared_ptr<BodyTables>& tables,
+                                  const std::function<bool()>& keep_going) {
+  const auto start = Clock::now();
+  const double start_s = thread_s();
+  try {
+    PlannedRun planned = plan.planned(run);
+    Simulation simulation(std::move(planned.scene),
+                          {.threads = threads, .culler = planned.culler, .tables = tables});
+    const double set_up_s = seconds_since(start);
+    Measuring measuring;
+    Sink* const sink = &measuring;
+    const RunSummary summary =
+        throng::run(simulation, {&sink, 1}, [&](const Frame&) { return keep_going(); });
+    if (summary.stopped_early) return std::nullopt;
+    StudyRow row{run, measures_of(summary, measuring, planned.plan_growth), {}};
+    for (const double value : {set_up_s, seconds_since(start), thread_s() - start_s,
+                               summary.realtime_factor, peak_rss_mb()})
+      row.times.push_back(fmt::format("{:.4g}", value));
+    return row;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: run {}", plan.study().file.string(), run + 1),
+                     "a scene that can be run", error.what());
+  }
+}
+
+}  // namespace throng

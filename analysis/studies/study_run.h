@@ -1,0 +1,50 @@
+// One run of a study, carried out and measured.
+// One rule: what is measured depends on the run alone; what the clock says stays apart from it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/studies/study_plan.h"
+
+namespace throng {
+
+class BodyTables;
+
+/// A column that a run fills.
+struct StudyMeasure {
+  enum class Kind : uint8_t { kWhole, kNumber, kText };
+  std::string name;
+  Kind kind = Kind::kNumber;
+  std::string meaning;
+};
+
+/// In the order of the table.
+const std::vector<StudyMeasure>& study_measures();
+
+/// What the clock says of a run, and of the process that carried it out.
+struct StudyTimes {
+  double set_up_s = 0;     ///< before the first frame
+  double wall_s = 0;       ///< all of it
+  double processor_s = 0;  ///< of the thread that carried it out; others that helped have their own
+  double realtime_factor = 0;
+  double peak_rss_mb = 0;  ///< of the process so far
+};
+const std::vector<std::string>& study_times_columns();
+
+/// A finished run.
+struct StudyRow {
+  size_t run = 0;                     ///< counted from 0
+  std::vector<std::string> measures;  ///< a cell each
+  std::vector<std::string> times;     ///< a cell each
+};
+
+/// Nothing if keep_going() said no before the end. Throws InputError, naming the run.
+std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads,
+                                  const std::shared_ptr<BodyTables>& tables,
+                                  const std::function<bool()>& keep_going);
+
+}  // namespace throng

@@ -1,0 +1,218 @@
+#include "analysis/trajectories/walkable_area.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "base/append.h"
+#include "base/errors.h"
+#include "crowd/navigation/footprints.h"
+#include "crowd/plan_limits.h"
+#include "recordings/area_grid.h"
+
+namespace throng {
+namespace {
+
+namespace bp = boost::polygon;
+
+/// No disc of the smallest radius has room in less.
+constexpr double kLeastPiece_m2 = std::numbers::pi * kMinRadius_m * kMinRadius_m;
+/// Corners of a disc's outline: within 0.1 mm of the circle.
+constexpr int kDiscCorners = 64;
+
+/// A little larger to all sides.
+std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : corners)
+    middle += corner / static_cast<double>(corners.size());
+  for (Eigen::Vector2d& corner : corners)
+    for (int axis = 0; axis < 2; ++axis)
+      corner[axis] += std::copysign(kAreaUnit_m, corner[axis] - middle[axis]);
+  return corners;
+}
+
+/// All of it, or what a recording says of it.
+GridSet ground_of(const Scene& scene) {
+  GridSet ground;
+  const Eigen::Vector2d &low = scene.ground.min_m, &high = scene.ground.max_m;
+  if (!(low.minCoeff() >= -kMaxOnGrid_m && high.maxCoeff() <= kMaxOnGrid_m))
+    throw InputError(scene.name,
+                     fmt::format("a ground within {:g} km of the origin for its walkable area",
+                                 kMaxOnGrid_m / 1000),
+                     "a larger one");
+  if (scene.area.empty())
+    ground.insert(grid_polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
+  for (const AreaPolygon& polygon : scene.area) add_to(ground, polygon);
+  return ground;
+}
+
+template <typename Ring>
+std::vector<Eigen::Vector2d> ring_of(const Ring& ring, bool counter_clockwise) {
+  std::vector<Eigen::Vector2d> corners;
+  for (const GridPoint& point : ring) corners.push_back(metres(point));
+  if (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
+  if ((doubled_area(corners) > 0) != counter_clockwise)
+    std::reverse(corners.begin(), corners.end());
+  // The corner that a ring starts in says nothing: always the leftmost.
+  const auto first = std::min_element(corners.begin(), corners.end(),
+                                      [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+                                        return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+                                      });
+  std::rotate(corners.begin(), first, corners.end());
+  return corners;
+}
+
+std::string text_of(const std::vector<Eigen::Vector2d>& ring) {
+  std::string text = "(";
+  for (size_t i = 0; i <= ring.size(); ++i) {
+    const Eigen::Vector2d& corner = ring[i % ring.size()];
+    // Four digits are the whole unit; adding zero turns -0 into 0.
+    append(text, "{}{:.4f} {:.4f}", i == 0 ? "" : ", ", corner.x() + 0.0, corner.y() + 0.0);
+  }
+  return text + ")";
+}
+
+double area_m2(const WalkablePolygon& polygon) {
+  double doubled_m2 = doubled_area(polygon.outline);
+  for (const auto& hole : polygon.holes) doubled_m2 += doubled_area(hole);
+  return 0.5 * doubled_m2;
+}
+
+/// Of the ring from corner i - 1 to i + 1, in which the walkable side is on the left.
+struct Corner {
+  Eigen::Vector2d before, at, after;
+
+  Eigen::Vector2d inward() const {
+    const Eigen::Vector2d along = (after - at).normalized();
+    return {-along.y(), along.x()};
+  }
+  bool is_reflex() const {
+    const Eigen::Vector2d in = at - before, out = after - at;
+    return in.x() * out.y() - in.y() * out.x() < 0;
+  }
+};
+
+std::vector<Corner> corners_of(const WalkablePolygon& polygon) {
+  std::vector<Corner> corners;
+  const auto add = [&](const std::vector<Eigen::Vector2d>& ring) {
+    for (size_t i = 0, n = ring.size(); i < n; ++i)
+      corners.push_back({ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]});
+  };
+  add(polygon.outline);
+  for (const auto& hole : polygon.holes) add(hole);
+  return corners;
+}
+
+/// Whether a disc of the smallest radius has room that touches the middle of an edge; of large
+/// pieces one of the first edges says so.
+bool has_room_at_an_edge(const std::vector<Corner>& corners) {
+  constexpr size_t kMostEdges = 64;
+  const auto distance_m = [](const Eigen::Vector2d& p, const Corner& edge) {
+    const Eigen::Vector2d along = edge.after - edge.at;
+    const double t = std::clamp((p - edge.at).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    return (p - edge.at - t * along).norm();
+  };
+  const auto fits = [&](const Corner& edge) {
+    const Eigen::Vector2d p = 0.5 * (edge.at + edge.after) + kMinRadius_m * edge.inward();
+    return std::all_of(corners.begin(), corners.end(), [&](const Corner& other) {
+      return distance_m(p, other) >= kMinRadius_m - kAreaUnit_m;
+    });
+  };
+  const auto end =
+      corners.begin() + static_cast<std::ptrdiff_t>(std::min(kMostEdges, corners.size()));
+  return std::any_of(corners.begin(), end, fits);
+}
+
+/// Whether a disc of the smallest radius has room: something is left of the polygon less all that
+/// is nearer to its edges.
+bool has_room(const WalkablePolygon& polygon) {
+  if (area_m2(polygon) < kLeastPiece_m2) return false;
+  const std::vector<Corner> corners = corners_of(polygon);
+  if (has_room_at_an_edge(corners)) return true;
+  GridSet room, rim;
+  add_to(room, {polygon.outline, polygon.holes});
+  for (const Corner& corner : corners) {
+    const Eigen::Vector2d in = kMinRadius_m * corner.inward();
+    rim.insert(grid_polygon({corner.at, corner.after, corner.after + in, corner.at + in}));
+    if (!corner.is_reflex()) continue;
+    std::vector<Eigen::Vector2d> disc;
+    for (int i = 0; i < kDiscCorners; ++i) {
+      const double angle_rad = 2 * std::numbers::pi * i / kDiscCorners;
+      disc.emplace_back(corner.at +
+                        kMinRadius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+    }
+    rim.insert(grid_polygon(disc));
+  }
+  using namespace bp::operators;
+  std::vector<GridShape> left;
+  GridSet(room - rim).get(left);
+  return !left.empty();
+}
+
+std::string text_of(const WalkablePolygon& polygon) {
+  std::string text = fmt::format("({}", text_of(polygon.outline));
+  for (const auto& hole : polygon.holes) text += fmt::format(", {}", text_of(hole));
+  return text + ")";
+}
+
+}  // namespace
+
+std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
+  GridSet ground = ground_of(scene);
+  GridSet solid;
+  for (const Footprint& footprint : footprints_of(scene))
+    solid.insert(grid_polygon(inflated(footprint.corners)));
+  using namespace bp::operators;
+  std::vector<GridShape> shapes;
+  const GridSet left(ground - solid);
+  left.get(shapes);
+  std::sort(shapes.begin(), shapes.end(),
+            [](const GridShape& a, const GridShape& b) { return bp::area(a) > bp::area(b); });
+  std::vector<WalkablePolygon> area;
+  for (const GridShape& shape : shapes) {
+    WalkablePolygon& polygon = area.emplace_back();
+    polygon.outline = ring_of(shape, true);
+    for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole)
+      polygon.holes.push_back(ring_of(*hole, false));
+  }
+  return area;
+}
+
+TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
+                               std::string_view option) {
+  std::vector<WalkablePolygon> pieces = walkable_area(scene);
+  if (pieces.empty())
+    throw InputError(scene.name, "some ground that people can walk on for a trajectory", "none");
+  if (pieces.size() > 1) {
+    // Where no disc has room at all the largest piece, which comes first, stands for the area.
+    const auto narrow = std::stable_partition(pieces.begin(), pieces.end(), has_room);
+    pieces.erase(std::max(narrow, pieces.begin() + 1), pieces.end());
+  }
+  if (!piece && pieces.size() > 1)
+    throw InputError(
+        option, "to be told which piece of the walkable area a trajectory has, as SQLite holds one",
+        fmt::format("{} pieces, the largest of {:.1f} and {:.1f} m2; 'largest' or a number from 1 "
+                    "chooses one by its size",
+                    pieces.size(), area_m2(pieces[0]), area_m2(pieces[1])));
+  const auto count = static_cast<int64_t>(pieces.size());
+  if (piece.value_or(1) > count)
+    throw InputError(
+        option,
+        fmt::format("a piece of the walkable area of '{}', from 1 to {}", scene.name, count),
+        fmt::format("{}", *piece));
+  const auto chosen = static_cast<size_t>(piece.value_or(1));
+  return {fmt::format("POLYGON {}", text_of(pieces[chosen - 1])), chosen, pieces.size()};
+}
+
+std::optional<int64_t> trajectory_piece(std::string_view word) {
+  if (word == "largest") return 1;
+  int64_t number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error != std::errc() || end != word.data() + word.size() || number < 1) return std::nullopt;
+  return number;
+}
+
+}  // namespace throng

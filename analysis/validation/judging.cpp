@@ -1,0 +1,354 @@
+#include "analysis/validation/judging.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "analysis/measures/speed_and_spacing.h"
+
+namespace throng::validation {
+namespace {
+
+constexpr double kMostOff = 0.15;
+constexpr double kLeastInBand = 0.7;
+constexpr double kLeastBins = 0.5;
+
+std::vector<double> shares_of(std::span<const double> lanes) {
+  const double sum = std::accumulate(lanes.begin(), lanes.end(), 0.0);
+  std::vector<double> out(lanes.begin(), lanes.end());
+  for (double& share : out) share = sum > 0 ? share / sum : 0;
+  return out;
+}
+
+std::string lane_name(size_t lane) {
+  return fmt::format("{:.1f} to {:.1f} m", 0.5 * static_cast<double>(lane),
+                     0.5 * static_cast<double>(lane + 1));
+}
+
+template <class Holds>
+double share_of(const std::vector<double>& values, const Holds& holds) {
+  if (values.empty()) return Reading::kNone;
+  return static_cast<double>(std::count_if(values.begin(), values.end(), holds)) /
+         static_cast<double>(values.size());
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return Reading::kNone;
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Of the samples in the bin of density from `from` on; none with fewer than kLeastSamples.
+double mean_speed(std::span<const DensitySpeed> samples, double from) {
+  double sum_mps = 0;
+  size_t count = 0;
+  for (const DensitySpeed& sample : samples) {
+    if (sample.density < from || sample.density >= from + kRecordedBin) continue;
+    sum_mps += sample.speed_mps;
+    ++count;
+  }
+  return count < kLeastSamples ? Reading::kNone : sum_mps / static_cast<double>(count);
+}
+
+}  // namespace
+
+Judgement judge_doors(std::span<const DoorFlow> flows) {
+  Judgement out;
+  int near = 0, falls = 0, blocked = 0;
+  double before_per_s = 0;
+  for (const DoorFlow& flow : flows) {
+    const double theirs = recorded_door(flow.width_m).mean_per_s();
+    const double low = (1 - kMostOff) * theirs, high = (1 + kMostOff) * theirs;
+    const bool is_near = flow.flow_per_s >= low && flow.flow_per_s <= high;
+    const bool rises = flow.flow_per_s >= before_per_s;
+    const bool all_through = flow.through == flow.people;
+    near += is_near;
+    falls += !rises;
+    blocked += !all_through;
+    before_per_s = flow.flow_per_s;
+    const std::string at = fmt::format("{:.1f} m", flow.width_m);
+    out.readings.push_back(
+        {at, "flow", "1/s", flow.flow_per_s, theirs, low, high, is_near && rises});
+    const double people = flow.people;
+    out.readings.push_back({at, "people through", "", static_cast<double>(flow.through),
+                            Reading::kNone, people, people, all_through});
+  }
+  const auto count = static_cast<int>(flows.size());
+  out.readings.push_back({"all widths", "widths within 15 %", "", static_cast<double>(near),
+                          Reading::kNone, static_cast<double>(count), static_cast<double>(count),
+                          near == count, true});
+  out.passed = count > 0 && near == count && falls == 0 && blocked == 0;
+  out.summary = fmt::format(
+      "{} of {} widths within 15 % of the experiments' mean; the flow falls {} times from a width "
+      "to the next; not everybody comes through at {} widths",
+      near, count, falls, blocked);
+  return out;
+}
+
+Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed> samples) {
+  Judgement out;
+  int measured = 0, inside = 0;
+  double off_mps = 0;
+  for (const RecordedBin& bin : curve.bins) {
+    Reading reading{fmt::format("{:g} to {:g} {}", bin.from, bin.from + kRecordedBin, curve.unit),
+                    "mean speed",
+                    "m/s",
+                    Reading::kNone,
+                    bin.mean_mps,
+                    bin.low_mps,
+                    bin.high_mps,
+                    {}};
+    if (const double mean = mean_speed(samples, bin.from); !std::isnan(mean)) {
+      reading.ours = mean;
+      reading.met = mean >= bin.low_mps && mean <= bin.high_mps;
+      ++measured;
+      inside += *reading.met;
+      off_mps += std::abs(mean - bin.mean_mps);
+    }
+    out.readings.push_back(std::move(reading));
+  }
+  const auto bins = static_cast<double>(curve.bins.size());
+  const double off = measured > 0 ? off_mps / measured / curve.free_speed_mps : Reading::kNone;
+  const double share = measured > 0 ? static_cast<double>(inside) / measured : 0;
+  const bool enough = measured >= kLeastBins * bins;
+  out.readings.push_back({"all bins", "mean error, of free speed", "", off, Reading::kNone, 0,
+                          kMostOff, off <= kMostOff, true});
+  out.readings.push_back({"all bins", "share in the band", "", share, Reading::kNone, kLeastInBand,
+                          1, share >= kLeastInBand, true});
+  out.readings.push_back({"all bins", "bins with 20 samples", "", static_cast<double>(measured),
+                          Reading::kNone, kLeastBins * bins, bins, enough, true});
+  out.passed = enough && off <= kMostOff && share >= kLeastInBand;
+  out.summary = fmt::format(
+      "means {:.0f} % of the free speed off on average, {} of {} bins inside the band ({:.0f} %); "
+      "{} of the recording's {} bins reached",
+      100 * off, inside, measured, 100 * share, measured, curve.bins.size());
+  return out;
+}
+
+Judgement judge_fullest_lane(std::span<const double> lanes, double most_share) {
+  Judgement out;
+  const std::vector<double> shares = shares_of(lanes);
+  const auto fullest = std::max_element(shares.begin(), shares.end());
+  for (size_t i = 0; i < shares.size(); ++i)
+    out.readings.push_back({lane_name(i), "share of person-seconds", "", shares[i], Reading::kNone,
+                            Reading::kNone, most_share, shares[i] <= most_share});
+  out.passed = fullest != shares.end() && *fullest > 0 && *fullest <= most_share;
+  out.readings.push_back({"fullest lane", "share of person-seconds", "",
+                          fullest == shares.end() ? 0 : *fullest, Reading::kNone, Reading::kNone,
+                          most_share, out.passed, true});
+  out.summary =
+      fmt::format("the fullest lane holds {:.0f} % of the person-seconds, {} m from the inner wall",
+                  fullest == shares.end() ? 0 : 100 * *fullest,
+                  0.5 * static_cast<double>(fullest - shares.begin()));
+  return out;
+}
+
+Judgement judge_used_lanes(std::span<const double> lanes, int least_lanes, double least_share) {
+  Judgement out;
+  int used = 0;
+  std::string list;
+  const std::vector<double> shares = shares_of(lanes);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    used += shares[i] >= least_share;
+    list += fmt::format("{}{:.0f}", i == 0 ? "" : " ", 100 * shares[i]);
+    out.readings.push_back({lane_name(i),
+                            "share of person-seconds",
+                            "",
+                            shares[i],
+                            Reading::kNone,
+                            least_share,
+                            1,
+                            {}});
+  }
+  out.passed = used >= least_lanes;
+  out.readings.push_back({"all lanes", "lanes with enough", "", static_cast<double>(used),
+                          Reading::kNone, static_cast<double>(least_lanes), Reading::kNone,
+                          out.passed, true});
+  out.summary = fmt::format("{} lanes with {:.0f} % or more; from the inside: {} %", used,
+                            100 * least_share, list);
+  return out;
+}
+
+Judgement judge_overtaking(std::span<const Overtaking> starts) {
+  constexpr double kLeast = 0.95, kMostLost = 0.1;
+  Judgement out;
+  int past = 0, good = 0;
+  double lost = 0;
+  for (const Overtaking& start : starts) {
+    past += start.passed;
+    good += start.passed && start.lost_share <= kMostLost;
+    lost += start.lost_share;
+  }
+  const auto count = static_cast<double>(starts.size());
+  const double share = starts.empty() ? 0 : good / count;
+  out.passed = share >= kLeast;
+  out.readings = {
+      {"all starts", "pass and lose at most 10 %", "", share, Reading::kNone, kLeast, 1, out.passed,
+       true},
+      {"all starts", "pass", "", starts.empty() ? 0 : past / count, Reading::kNone, kLeast, 1, {}},
+      {"all starts",
+       "mean share of time lost",
+       "",
+       starts.empty() ? 0 : lost / count,
+       Reading::kNone,
+       Reading::kNone,
+       kMostLost,
+       {}}};
+  out.summary = fmt::format(
+      "{} of {} pass, {} of them losing at most 10 % of their time; {:.0f} % is lost on average",
+      past, starts.size(), good, starts.empty() ? 0 : 100 * lost / count);
+  return out;
+}
+
+Judgement judge_two_way(std::span<const std::vector<double>> crowds_per_m_s) {
+  constexpr double kLeast = 1.0, kGridlock = 0.1;
+  Judgement out;
+  const size_t minutes = crowds_per_m_s.empty() ? 0 : crowds_per_m_s.front().size();
+  double sum = 0, worst = minutes > 0 ? crowds_per_m_s.front().front() : 0;
+  for (size_t minute = 0; minute < minutes; ++minute) {
+    double slowest = crowds_per_m_s.front()[minute];
+    for (const std::vector<double>& crowd : crowds_per_m_s) {
+      slowest = std::min(slowest, crowd[minute]);
+      sum += crowd[minute];
+    }
+    worst = std::min(worst, slowest);
+    out.readings.push_back({fmt::format("minute {}", minute + 1), "flow both ways, slowest crowd",
+                            "1/(m s)", slowest, Reading::kNone, kGridlock, Reading::kNone,
+                            slowest >= kGridlock});
+  }
+  const auto count = static_cast<double>(minutes * crowds_per_m_s.size());
+  const double mean = count > 0 ? sum / count : 0;
+  out.readings.push_back({"all minutes", "flow both ways", "1/(m s)", mean, Reading::kNone, kLeast,
+                          Reading::kNone, mean >= kLeast, true});
+  out.passed = mean >= kLeast && worst >= kGridlock;
+  out.summary = fmt::format(
+      "{:.2f} people/(m s) both ways together over {} min, the mean of {} crowds; {:.2f} in the "
+      "worst minute of all",
+      mean, minutes, crowds_per_m_s.size(), worst);
+  return out;
+}
+
+void TwoWayUse::add(TwoWayUse more) {
+  from_right_wall_m.insert(from_right_wall_m.end(), more.from_right_wall_m.begin(),
+                           more.from_right_wall_m.end());
+  lane_orders.insert(lane_orders.end(), more.lane_orders.begin(), more.lane_orders.end());
+  speeds.insert(speeds.end(), more.speeds.begin(), more.speeds.end());
+}
+
+namespace {
+
+struct UsedWidth {
+  double at_wall, central;  ///< shares of the time
+  double order;
+  double nearer_wall_m;  ///< the median
+};
+
+UsedWidth used_width(const TwoWayUse& use) {
+  std::vector<double> nearer_m;
+  for (const double y : use.from_right_wall_m) nearer_m.push_back(std::min(y, use.width_m - y));
+  const auto is_at_wall = [](double away_m) { return away_m < TwoWayUse::kAtWall_m; };
+  const auto is_central = [&](double y) {
+    return std::abs(y - 0.5 * use.width_m) < 0.5 * TwoWayUse::kCentral_m;
+  };
+  return {share_of(nearer_m, is_at_wall), share_of(use.from_right_wall_m, is_central),
+          mean_of(use.lane_orders), median_of(nearer_m)};
+}
+
+void list_lanes(const TwoWayUse& ours, const TwoWayUse& theirs, Judgement& out) {
+  const auto lanes = static_cast<size_t>(ours.width_m / 0.5);
+  for (size_t lane = 0; lane < lanes; ++lane) {
+    const auto in_lane = [&](double y) {
+      return y >= 0.5 * static_cast<double>(lane) && y < 0.5 * static_cast<double>(lane + 1);
+    };
+    out.readings.push_back({lane_name(lane), "share of person-seconds", "",
+                            share_of(ours.from_right_wall_m, in_lane),
+                            share_of(theirs.from_right_wall_m, in_lane)});
+  }
+}
+
+/// Where both have enough samples.
+struct NearSpeeds {
+  int measured = 0, near = 0;
+};
+
+NearSpeeds judge_speeds_by_density(const TwoWayUse& ours, const TwoWayUse& theirs, Judgement& out) {
+  constexpr double kMostSpeedOff = 0.1;
+  NearSpeeds speeds;
+  for (size_t bin = 0; bin < SpeedAndSpacing::kDensityBins; ++bin) {
+    const double from = kRecordedBin * static_cast<double>(bin);
+    const double mps = mean_speed(ours.speeds, from);
+    const double recorded_mps = mean_speed(theirs.speeds, from);
+    if (std::isnan(mps) || std::isnan(recorded_mps)) continue;
+    const bool is_near = std::abs(mps - recorded_mps) <= kMostSpeedOff * recorded_mps;
+    ++speeds.measured;
+    speeds.near += is_near;
+    out.readings.push_back({fmt::format("{:g} to {:g} per m2", from, from + kRecordedBin),
+                            "mean speed", "m/s", mps, recorded_mps,
+                            (1 - kMostSpeedOff) * recorded_mps, (1 + kMostSpeedOff) * recorded_mps,
+                            is_near});
+  }
+  return speeds;
+}
+
+}  // namespace
+
+Judgement judge_two_way_use(const TwoWayUse& ours, const TwoWayUse& theirs) {
+  constexpr double kMostAtWall = 2, kLeastCentral = 0.75, kMostOrder = 0.9;
+  const UsedWidth own = used_width(ours), recorded = used_width(theirs);
+  const double most_at_wall = kMostAtWall * recorded.at_wall;
+  const double least_central = kLeastCentral * recorded.central;
+  Judgement out;
+  out.readings = {{"within 0.4 m of a wall", "share of the time", "", own.at_wall, recorded.at_wall,
+                   0, most_at_wall, own.at_wall <= most_at_wall, true},
+                  {"central metre", "share of the time", "", own.central, recorded.central,
+                   least_central, 1, own.central >= least_central, true},
+                  {"middle of the corridor", "lane order", "", own.order, recorded.order, 0,
+                   kMostOrder, own.order <= kMostOrder, true},
+                  {"middle of the corridor", "median distance to the nearer wall", "m",
+                   own.nearer_wall_m, recorded.nearer_wall_m}};
+  list_lanes(ours, theirs, out);
+  const auto [measured, near] = judge_speeds_by_density(ours, theirs, out);
+  out.readings.push_back({"all densities", "speeds within 10 %", "", static_cast<double>(near),
+                          Reading::kNone, static_cast<double>(measured),
+                          static_cast<double>(measured), measured > 0 && near == measured, true});
+  out.passed = std::all_of(out.readings.begin(), out.readings.end(),
+                           [](const Reading& reading) { return reading.met.value_or(true); });
+  out.summary = fmt::format(
+      "{:.0f} % of the time within 0.4 m of a wall (recorded {:.0f} %), {:.0f} % in the central "
+      "metre ({:.0f} %), lane order {:.2f} ({:.2f}); speeds within 10 % at {} of {} densities",
+      100 * own.at_wall, 100 * recorded.at_wall, 100 * own.central, 100 * recorded.central,
+      own.order, recorded.order, near, measured);
+  return out;
+}
+
+Judgement judge_far_exit(int near, int far, int people) {
+  constexpr double kLeast = 1.0 / 3;
+  Judgement out;
+  const double share = near + far > 0 ? static_cast<double>(far) / (near + far) : 0;
+  const bool all_out = near + far == people;
+  out.passed = share >= kLeast && all_out;
+  out.readings = {{"far exit", "share", "", share, Reading::kNone, kLeast, Reading::kNone,
+                   share >= kLeast, true},
+                  {"both exits", "people", "", static_cast<double>(near + far), Reading::kNone,
+                   static_cast<double>(people), static_cast<double>(people), all_out}};
+  out.summary = fmt::format("{} of {} by the far exit ({:.0f} %), {} by the near one", far, people,
+                            100 * share, near);
+  return out;
+}
+
+Outcome judged(Outcome outcome, Judgement judgement) {
+  outcome.passed = judgement.passed;
+  outcome.differs = judgement.differs;
+  outcome.measured = judgement.summary;
+  outcome.readings = std::move(judgement.readings);
+  return outcome;
+}
+
+}  // namespace throng::validation

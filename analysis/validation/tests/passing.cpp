@@ -1,0 +1,146 @@
+// People who pass each other: overtaking, two ways in one corridor.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "analysis/validation/recorded_situations.h"
+#include "base/random.h"
+
+namespace throng::validation {
+namespace {
+
+constexpr double kFast_mps = 1.5;
+constexpr double kSlow_mps = 0.6;
+constexpr double kLane_m = 3;
+constexpr double kPitch_m = 3.5;
+constexpr double kStart_m = 2;
+constexpr double kFinish_m = 32;
+constexpr double kLaneEnd_m = 36;
+constexpr int kLanes = 20;
+constexpr int kStarts = 200;
+
+constexpr Oval kTwoWay = {15, 3, 3};
+constexpr double kTwoWay_per_m2 = 2;
+constexpr int kTwoWayMinutes = 10;
+/// One crowd's flow differs from another's by some hundredths.
+constexpr uint64_t kTwoWayCrowds = 3;
+
+Outcome overtaking(const Conditions& conditions) {
+  Outcome outcome;
+  std::vector<Overtaking> starts;
+  constexpr uint64_t kRuns = kStarts / kLanes;
+  for (uint64_t run = 0; run < kRuns; ++run) {
+    const std::vector<Overtaking> more =
+        overtake(kLanes, conditions.model, conditions.seed_of_run(run, kRuns), outcome);
+    starts.insert(starts.end(), more.begin(), more.end());
+  }
+  return judged(std::move(outcome), judge_overtaking(starts));
+}
+
+Outcome two_way(const Conditions& conditions) {
+  Outcome outcome;
+  std::vector<std::vector<double>> flows;
+  for (uint64_t crowd = 0; crowd < kTwoWayCrowds; ++crowd)
+    flows.push_back(walk_two_ways(kTwoWayMinutes, conditions.model,
+                                  conditions.seed_of_run(crowd, kTwoWayCrowds), outcome));
+  return judged(std::move(outcome), judge_two_way(flows));
+}
+
+}  // namespace
+
+Plan overtaking_plan(int lanes, SteeringKind model, uint64_t seed) {
+  std::vector<Rectangle> open, goals;
+  for (int lane = 0; lane < lanes; ++lane) {
+    const double y = kPitch_m * lane;
+    open.push_back({{0, y}, {kLaneEnd_m, y + kLane_m}});
+    goals.push_back({{kLaneEnd_m - 2, y}, {kLaneEnd_m, y + kLane_m}});
+  }
+  Plan plan = carved("overtaking", open, {model}, seed);
+  const Eigen::Vector2d slack = Eigen::Vector2d::Constant(0.01);
+  for (int lane = 0; lane < lanes; ++lane)
+    for (const bool fast : {true, false}) {
+      const RandomKey key{seed, static_cast<uint64_t>(2 * lane + fast), 0, Purpose::kSpawnPosition};
+      const Eigen::Vector2d at(fast ? 0.7 : 5.0, kPitch_m * lane + random_uniform(key, 0.4, 2.6));
+      // One goal for all, so that one set of ways serves them.
+      plan.people(1, {at - slack, at + slack}, goals).speed_mps =
+          fixed(fast ? kFast_mps : kSlow_mps);
+    }
+  return plan;
+}
+
+std::vector<Overtaking> overtake(int lanes, SteeringKind model, uint64_t seed, Outcome& outcome) {
+  Trial trial(overtaking_plan(lanes, model, seed));
+  Gate start(Gate::Along::kX, kStart_m, 0, kPitch_m * lanes);
+  Gate finish(Gate::Along::kX, kFinish_m, 0, kPitch_m * lanes);
+  while (trial.step(90)) {
+    start.watch(trial);
+    finish.watch(trial);
+  }
+  note(outcome, trial);
+  const auto time_of = [](const Gate& gate, size_t id) {
+    for (const Gate::Passage& passage : gate.passages())
+      if (passage.id == id) return passage.time_s;
+    return 1e9;  // never
+  };
+  std::vector<Overtaking> out;
+  for (size_t fast = 0; fast + 1 < trial.size(); fast += 2) {
+    const double until_s = time_of(finish, fast);
+    const double alone_s = (kFinish_m - kStart_m) / kFast_mps;
+    const double taken_s = std::min(until_s, 90.0) - time_of(start, fast);
+    out.push_back({until_s < time_of(finish, fast + 1), taken_s / alone_s - 1});
+  }
+  return out;
+}
+
+Plan two_way_plan(SteeringKind model, uint64_t seed) {
+  Plan plan = kTwoWay.plan("two_way", {model}, seed);
+  const double area_m2 = kTwoWay.length_m() * kTwoWay.width_m;
+  kTwoWay.populate(plan, 2 * static_cast<int>(std::lround(0.5 * kTwoWay_per_m2 * area_m2)), {},
+                   true);
+  return plan;
+}
+
+std::vector<double> walk_two_ways(int minutes, SteeringKind model, uint64_t seed,
+                                  Outcome& outcome) {
+  Trial trial(two_way_plan(model, seed));
+  std::vector<double> flows(static_cast<size_t>(minutes), 0);
+  while (trial.step(60.0 * minutes)) {
+    const size_t minute = std::min(flows.size() - 1, static_cast<size_t>(trial.now_s() / 60));
+    for (size_t id = 0; id < trial.size(); ++id) {
+      const Eigen::Vector2d& before = trial.before_m(id);
+      const Eigen::Vector2d& now = trial.position_m(id);
+      if ((before.x() < 0) == (now.x() < 0)) continue;
+      // Half of the people, as populate() sends them, go counter-clockwise: to the left at the top.
+      const bool counter_clockwise = (now.y() > 0) == (now.x() < 0);
+      flows[minute] += counter_clockwise == (id % 2 == 0) ? 1 : -1;
+    }
+    outcome.wall_crossings += kTwoWay.strays(trial);
+  }
+  note(outcome, trial);
+  for (double& flow : flows) flow /= 60 * 2 * kTwoWay.width_m;  // by two lines across
+  return flows;
+}
+
+std::vector<Test> passing_tests() {
+  return {
+      {{"overtaking"},
+       {"Somebody fast overtakes"},
+       "A corridor 3 m wide, somebody with 1.5 m/s 4.3 m behind somebody with 0.6 m/s, each "
+       "anywhere across; from 2 to 32 m; 200 starts.",
+       "95 % are past by then, losing at most 10 % of the time that the way takes alone "
+       "(source: ours; people pass in corridors wider than two bodies)",
+       overtaking},
+      {{"two_way"},
+       {"Two ways in one corridor for ten minutes"},
+       "A corridor 3 m wide closes in an oval with straights of 15 m, 58 m round in its middle; "
+       "2 adults per m2, every second goes the other way; net passages of two lines across; three "
+       "crowds.",
+       "at least 1.0 people/(m s) both ways together on average, a tenth of it in every minute of "
+       "each crowd; source: "
+       "`bot` of the Pedestrian Dynamics Data Archive (0.63 m/s at 2 per m2, 1.26 people/(m s))",
+       two_way}};
+}
+
+}  // namespace throng::validation

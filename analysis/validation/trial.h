@@ -1,0 +1,106 @@
+// One run of a test's scene, watched: where everybody is, who passed which line when.
+// One rule: it only looks; walls are checked here with its own arithmetic, for every move of
+// everybody.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "analysis/measures/heads.h"
+#include "analysis/validation/plan.h"
+#include "analysis/validation/validation.h"
+#include "scenes/run/simulation.h"
+
+namespace throng::validation {
+
+class Trial {
+ public:
+  /// With bodies, everybody has a head; without, which is faster, only a place.
+  enum class With { kPlaces, kBodies };
+  explicit Trial(const Plan& plan, With with = With::kPlaces);
+
+  /// Advances by a step; false once the time is over or everybody has come and left.
+  bool step(double until_s);
+
+  double now_s() const { return now_s_; }
+  double step_s() const { return step_s_; }
+  size_t size() const { return positions_m_.size(); }
+  bool is_present(size_t id) const { return present_[id] != 0; }
+  size_t present() const;
+  int unplaced() const { return simulation_.unplaced(); }
+  uint16_t group(size_t id) const { return simulation_.info().group_of_avatar[id]; }
+  const Eigen::Vector2d& position_m(size_t id) const { return positions_m_[id]; }
+  /// Seen from above; without bodies the same as the place.
+  const Eigen::Vector2d& head_m(size_t id) const {
+    return heads_ ? heads_m_[id] : positions_m_[id];
+  }
+  /// A step earlier.
+  const Eigen::Vector2d& before_m(size_t id) const { return before_m_[id]; }
+  /// Of the latest step.
+  Eigen::Vector2d velocity_mps(size_t id) const {
+    return (positions_m_[id] - before_m_[id]) / step_s_;
+  }
+  /// The way that somebody's body faces; unit.
+  const Eigen::Vector2d& heading(size_t id) const { return headings_[id]; }
+  const Eigen::Vector2d& heading_before(size_t id) const { return headings_before_[id]; }
+  const RunInfo& info() const { return simulation_.info(); }
+  /// Moves so far that ended in a wall, went through one or left the ground.
+  int wall_crossings() const { return wall_crossings_; }
+  /// Of two discs, so far.
+  double deepest_overlap_m() const { return deepest_overlap_m_; }
+
+ private:
+  void take(const Frame& frame);
+  bool crosses_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
+
+  Simulation simulation_;
+  std::vector<Rectangle> walls_;
+  Rectangle ground_;
+  double step_s_;
+  double now_s_ = 0;
+  std::optional<Heads> heads_;
+  std::vector<Eigen::Vector2d> positions_m_;
+  std::vector<Eigen::Vector2d> heads_m_;  ///< empty without bodies
+  std::vector<Eigen::Vector2d> before_m_;
+  std::vector<Eigen::Vector2d> headings_;
+  std::vector<Eigen::Vector2d> headings_before_;
+  std::vector<uint8_t> present_;
+  std::vector<uint8_t> was_present_;
+  int wall_crossings_ = 0;
+  double deepest_overlap_m_ = 0;
+};
+
+/// A line across x or y, and who passed it upwards (or downwards) when, each person once.
+class Gate {
+ public:
+  enum class Along { kX, kY };  ///< the coordinate that grows through the gate
+  Gate(Along along, double at, double low, double high, bool upwards = true)
+      : axis_(along == Along::kX ? 0 : 1), at_(at), low_(low), high_(high), upwards_(upwards) {}
+
+  void watch(const Trial& trial);
+
+  struct Passage {
+    double time_s = 0;
+    size_t id = 0;
+  };
+  const std::vector<Passage>& passages() const { return passages_; }
+  /// Times in order, of everybody or of a group.
+  std::vector<double> times_s() const;
+
+ private:
+  int axis_;
+  double at_, low_, high_;
+  bool upwards_;
+  std::vector<Passage> passages_;
+  std::vector<uint8_t> passed_;
+};
+
+/// Adds to the outcome what every test watches: walls, overlaps, people who found no room.
+void note(Outcome& outcome, const Trial& trial);
+
+/// Persons per second from the first to the last of the times; 0 for fewer than two.
+double flow_per_s(const std::vector<double>& times_s);
+
+}  // namespace throng::validation

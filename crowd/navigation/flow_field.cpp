@@ -1,0 +1,430 @@
+#include "crowd/navigation/flow_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+#include "crowd/navigation/arrival.h"
+
+namespace throng {
+namespace {
+
+/// Two cells fit between the margins of a doorway of 0.8 m; finer ones only cost memory.
+constexpr double kFinestCell_m = 0.2;
+/// A field of a million cells takes 12 MB and half a second to march.
+constexpr double kMaxCells = 1 << 20;
+/// A centre passes this near to a wall, in a doorway.
+constexpr double kBodyMargin_m = 0.2;
+/// People would rather keep so far from walls: half the shoulders and a hand's breadth.
+constexpr double kComfort_m = 0.5;
+/// What a metre at a wall counts, in the open.
+constexpr double kSlowest = 2.5;
+/// Discs of 0.44 m (a person of 1.70 m) pass gaps so wide, with a centimetre to spare for where the
+/// walls stand to the cells.
+constexpr double kNarrowest_m = 0.43;
+/// Two cells whose way may lead through a gap that is too narrow: walls are at most so near to
+/// them.
+constexpr double kTight_m = 0.35;
+/// The radius of the disc of a person of 1.70 m.
+constexpr double kPerson_m = 0.22;
+/// People walk to a place of their own before a gap, not to wherever its corner holds them up: from
+/// so many cells.
+constexpr int kApproach = 2;
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+/// Neighbours in the order left, right, below, above; -1 where the grid ends.
+using Neighbours = std::array<ptrdiff_t, 4>;
+
+Neighbours neighbours_of(const FlowGrid& grid, size_t cell) {
+  const auto columns = static_cast<ptrdiff_t>(grid.columns());
+  const auto at = static_cast<ptrdiff_t>(cell);
+  const ptrdiff_t column = at % columns;
+  const ptrdiff_t row = at / columns;
+  return {column > 0 ? at - 1 : -1, column + 1 < columns ? at + 1 : -1, row > 0 ? at - columns : -1,
+          row + 1 < grid.rows() ? at + columns : -1};
+}
+
+template <typename Value>
+const Value* find_cell(const std::vector<std::pair<size_t, Value>>& by_cell, size_t cell) {
+  const auto at = std::lower_bound(by_cell.begin(), by_cell.end(), cell,
+                                   [](const auto& entry, size_t to) { return entry.first < to; });
+  return at == by_cell.end() || at->first != cell ? nullptr : &at->second;
+}
+
+/// The point within half a cell of a centre for which `worth` is greatest, to a 160th of a cell:
+/// the best of 49, then steps that halve.
+template <typename Worth>
+Eigen::Vector2d best_place(const Eigen::Vector2d& centre, double cell_m, const Worth& worth) {
+  const Eigen::Vector2d low = centre.array() - 0.5 * cell_m;
+  const Eigen::Vector2d high = centre.array() + 0.5 * cell_m;
+  Eigen::Vector2d best = centre;
+  double most = worth(centre);
+  const auto try_around = [&](const Eigen::Vector2d& middle, int reach, double step_m) {
+    for (int i = -reach; i <= reach; ++i)
+      for (int k = -reach; k <= reach; ++k) {
+        const Eigen::Vector2d point =
+            (middle + step_m * Eigen::Vector2d(i, k)).cwiseMax(low).cwiseMin(high);
+        const double found = worth(point);
+        if (found <= most) continue;
+        most = found;
+        best = point;
+      }
+  };
+  try_around(centre, 3, cell_m / 6);
+  for (const double part : {10, 20, 40, 80, 160})
+    try_around(Eigen::Vector2d(best), 1, cell_m / part);
+  return best;
+}
+
+float slowness_at(double clearance_m) {
+  const double tightness = std::clamp((kComfort_m - clearance_m) / kComfort_m, 0.0, 1.0);
+  return static_cast<float>(1 + (kSlowest - 1) * tightness);
+}
+
+/// Distance from the nearer neighbour along each axis: the upwind scheme's quadratic.
+double eikonal(double x, double y, double step_m) {
+  const double low = std::min(x, y);
+  const double high = std::max(x, y);
+  if (high - low >= step_m) return low + step_m;
+  const double gap = high - low;
+  return 0.5 * (low + high + std::sqrt(2 * step_m * step_m - gap * gap));
+}
+
+}  // namespace
+
+FlowGrid::FlowGrid(const Walkable& walkable)
+    : walkable_(&walkable), origin_m_(walkable.ground().min_m) {
+  const Eigen::Vector2d size = walkable.ground().size_m();
+  cell_m_ = std::max(kFinestCell_m, std::sqrt(size.prod() / kMaxCells));
+  cells_per_m_ = 1 / cell_m_;
+  columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
+  rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
+  const double margin = margin_m(cell_m_);
+  slowness_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  std::vector<float> clearances_m(slowness_.size());
+  for (size_t cell = 0; cell < slowness_.size(); ++cell) {
+    const Eigen::Vector2d centre = centre_m(cell);
+    const double clearance = walkable.obstacle_clearance_m(centre);
+    clearances_m[cell] = static_cast<float>(clearance);
+    if (clearance >= margin && walkable.ground().contains(centre))
+      slowness_[cell] = slowness_at(clearance);
+  }
+  find_narrow(walkable, clearances_m);
+  link(walkable, clearances_m);
+}
+
+/// Gaps that nobody's cell centre lies in: whoever fits between the walls passes all the same.
+void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clearances_m) {
+  const double widest_m = widest_gap_m(cell_m_);
+  // As far from walls as one can be between them: before a thin wall there is more room.
+  const auto room = [&](const Eigen::Vector2d& point) {
+    return walkable.gap_at(point, widest_m).width_m < widest_m
+               ? walkable.obstacle_clearance_m(point)
+               : -1.0;
+  };
+  for (size_t cell = 0; cell < slowness_.size(); ++cell) {
+    const Eigen::Vector2d centre = centre_m(cell);
+    if (is_free(cell) ||
+        static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2)
+      continue;
+    // In the gap, walls stand on both sides; seen from inside one of them, too.
+    const auto walls = walkable.near(centre);
+    const auto is_beside = [&](uint32_t wall) {
+      return walkable.nearest(wall, centre).distance_m < widest_m;
+    };
+    if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_beside) < 2) continue;
+    const Eigen::Vector2d place = best_place(centre, cell_m_, room);
+    if (room(place) >= kNarrowest_m / 2 && walkable.ground().contains(place))
+      narrow_.emplace_back(cell, place);
+  }
+  if (narrow_.empty()) return;
+  for (int round = 0; round < kApproach; ++round) add_mouths(walkable, clearances_m);
+  for (const auto& [cell, place] : narrow_)
+    slowness_[cell] = slowness_at(walkable.obstacle_clearance_m(place));
+}
+
+/// Before a gap a cell's centre may be too near one of its corners: there the way leads through
+/// whatever place of the cell is best to come to the gap from.
+void FlowGrid::add_mouths(const Walkable& walkable, std::span<const float> clearances_m) {
+  std::vector<std::pair<size_t, Eigen::Vector2d>> mouths;
+  for (const auto& [narrow, gap] : narrow_)
+    for (const ptrdiff_t next : neighbours_of(*this, narrow)) {
+      const auto cell = static_cast<size_t>(next);
+      if (next < 0 || is_free(cell) || is_narrow(cell)) continue;
+      if (static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2) continue;
+      const Eigen::Vector2d place =
+          best_place(centre_m(cell), cell_m_, [&, &middle = gap](const Eigen::Vector2d& point) {
+            return std::min(walkable.obstacle_clearance_m(point), kBodyMargin_m + 0.05) -
+                   0.01 * (point - middle).norm();
+          });
+      if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m &&
+          walkable.ground().contains(place))
+        mouths.emplace_back(cell, place);
+    }
+  const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::stable_sort(mouths.begin(), mouths.end(), by_cell);
+  mouths.erase(std::unique(mouths.begin(), mouths.end(),
+                           [](const auto& a, const auto& b) { return a.first == b.first; }),
+               mouths.end());
+  narrow_.insert(narrow_.end(), mouths.begin(), mouths.end());
+  std::sort(narrow_.begin(), narrow_.end(), by_cell);
+}
+
+/// Makes a way between two free cells, if somebody can walk straight from place to place.
+void FlowGrid::join(const Walkable& walkable, size_t from, size_t to) {
+  const Eigen::Vector2d start = place_m(from), end = place_m(to);
+  const bool is_new = is_narrow(from) || is_narrow(to);
+  const double widest_m = widest_gap_m(cell_m_);
+  const int steps = std::max(1, static_cast<int>(std::ceil((end - start).norm() / 0.04)));
+  bool is_gap = is_new;
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector2d point = start + (static_cast<double>(i) / steps) * (end - start);
+    // Round a single corner a shoulder may brush it; between two walls there has to be room.
+    if (is_new && walkable.obstacle_clearance_m(point) < 0.7 * kBodyMargin_m) return;
+    const Gap gap = walkable.gap_at(point, widest_m);
+    if (gap.width_m < kNarrowest_m) {
+      closures_.push_back(gap.across);
+      return;
+    }
+    is_gap = is_gap || gap.width_m < widest_m;
+  }
+  if (is_gap) passages_.push_back({start, end});
+  const unsigned side = to == from + 1 ? 1 : 3;
+  ways_[from] = static_cast<uint8_t>(ways_[from] | (1u << side));
+  ways_[to] = static_cast<uint8_t>(ways_[to] | (1u << (side - 1)));
+}
+
+void FlowGrid::link(const Walkable& walkable, std::span<const float> clearances_m) {
+  ways_.resize(slowness_.size());
+  for (size_t cell = 0; cell < slowness_.size(); ++cell) {
+    if (!is_free(cell)) continue;
+    const Neighbours around = neighbours_of(*this, cell);
+    for (const unsigned side : {1u, 3u}) {
+      const auto next = static_cast<size_t>(around[side]);
+      if (around[side] < 0 || !is_free(next)) continue;
+      if (std::min(clearances_m[cell], clearances_m[next]) < static_cast<float>(kTight_m)) {
+        join(walkable, cell, next);
+        continue;
+      }
+      ways_[cell] = static_cast<uint8_t>(ways_[cell] | (1u << side));
+      ways_[next] = static_cast<uint8_t>(ways_[next] | (1u << (side - 1)));
+    }
+  }
+}
+
+bool FlowGrid::is_narrow(size_t cell) const { return find_cell(narrow_, cell) != nullptr; }
+
+Eigen::Vector2d FlowGrid::place_m(size_t cell) const {
+  const Eigen::Vector2d* narrow = find_cell(narrow_, cell);
+  return narrow == nullptr ? centre_m(cell) : *narrow;
+}
+
+bool FlowGrid::reaches(size_t cell, const Rectangle& area) const {
+  // The first free cell before a wall lies within its margin and a cell.
+  const double off_m = std::max(kPerson_m + kWallKeepsOff_m, margin_m(cell_m_) + cell_m_);
+  return has_reached(*walkable_, area, place_m(cell), kPerson_m, off_m - kPerson_m);
+}
+
+std::array<ptrdiff_t, 4> FlowGrid::ways_from(size_t cell) const {
+  const auto at = static_cast<ptrdiff_t>(cell);
+  const auto columns = static_cast<ptrdiff_t>(columns_);
+  const unsigned ways = ways_[cell];
+  return {(ways & 1u) != 0 ? at - 1 : -1, (ways & 2u) != 0 ? at + 1 : -1,
+          (ways & 4u) != 0 ? at - columns : -1, (ways & 8u) != 0 ? at + columns : -1};
+}
+
+bool FlowGrid::is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+  const int steps = static_cast<int>(std::ceil(10 * (to - from).norm() / cell_m_));
+  for (int i = 0; i <= steps; ++i)
+    if (!is_free(cell_at(from + (i + 0.5) / (steps + 1) * (to - from)))) return false;
+  return true;
+}
+
+double FlowGrid::margin_m(double cell_m) { return std::max(kBodyMargin_m, 0.71 * cell_m); }
+
+Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
+  const auto columns = static_cast<size_t>(columns_);
+  const size_t column = cell % columns, row = cell / columns;
+  return origin_m_ + cell_m_ * Eigen::Vector2d(static_cast<double>(column) + 0.5,
+                                               static_cast<double>(row) + 0.5);
+}
+
+FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
+                     std::span<const uint8_t> closed, std::span<const KeepOff> keep_off)
+    : grid_(&grid), cells_(grid.cell_count()), is_closed_(closed.begin(), closed.end()) {
+  march(areas, closed, keep_off);
+  point_downhill();
+  lead_out_of_walls();
+  aim_through_gaps();
+}
+
+void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
+                      std::span<const KeepOff> keep_off) {
+  // A queue of (distance, cell): equal distances leave in the order of cells.
+  using Entry = std::pair<float, size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (size_t cell = 0; cell < cells_.size(); ++cell) {
+    // The cell's distance to a rectangle, so that small goals between cell centres count too.
+    const Eigen::Vector2d centre = grid_->centre_m(cell);
+    double away = 1e300;
+    for (const Rectangle& area : areas)
+      away = std::min(away, (centre - area.nearest_m(centre)).norm());
+    const bool is_free = grid_->is_free(cell), is_far = away > 0.71 * grid_->cell_m();
+    if (is_far || (!is_free && away > 0)) {
+      const auto is_reached = [&](const Rectangle& area) { return grid_->reaches(cell, area); };
+      const auto area = std::find_if(areas.begin(), areas.end(), is_reached);
+      if (area != areas.end())
+        aims_.emplace_back(cell, area->nearest_m(centre));
+      else if (is_far)
+        continue;
+    }
+    if (!is_free) continue;
+    cells_[cell].distance_m = static_cast<float>(away);
+    queue.emplace(cells_[cell].distance_m, cell);
+  }
+  const auto value = [&](ptrdiff_t cell) {
+    return cell < 0 ? kFar : cells_[static_cast<size_t>(cell)].distance_m;
+  };
+  while (!queue.empty()) {
+    const auto [distance, cell] = queue.top();
+    queue.pop();
+    if (distance > cells_[cell].distance_m) continue;
+    for (const ptrdiff_t next : grid_->ways_from(cell)) {
+      if (next < 0) continue;
+      const KeepOff off = keep_off.empty() ? KeepOff::kNo : keep_off[static_cast<size_t>(next)];
+      if (off == KeepOff::kBar) continue;
+      const Neighbours around = grid_->ways_from(static_cast<size_t>(next));
+      const auto x = static_cast<double>(std::min(value(around[0]), value(around[1])));
+      const auto y = static_cast<double>(std::min(value(around[2]), value(around[3])));
+      double step_m = grid_->cell_m() * grid_->slowness(static_cast<size_t>(next));
+      if (off == KeepOff::kShun) step_m *= kShun;
+      if (!closed.empty() && closed[static_cast<size_t>(next)] != 0) step_m += kClosed_m;
+      const auto found = static_cast<float>(eikonal(x, y, step_m));
+      if (!(found < cells_[static_cast<size_t>(next)].distance_m)) continue;
+      cells_[static_cast<size_t>(next)].distance_m = found;
+      if (!closed.empty())
+        is_closed_[static_cast<size_t>(next)] =
+            closed[static_cast<size_t>(next)] | is_closed_[cell];
+      queue.emplace(found, static_cast<size_t>(next));
+    }
+  }
+}
+
+void FlowField::point_downhill() {
+  const auto fall = [&](float here, ptrdiff_t back, ptrdiff_t ahead) {
+    const float behind = back < 0 ? kFar : cells_[static_cast<size_t>(back)].distance_m;
+    const float before = ahead < 0 ? kFar : cells_[static_cast<size_t>(ahead)].distance_m;
+    const float lower = std::min(behind, before);
+    if (!(lower < here)) return 0.0f;
+    return before < behind ? here - lower : lower - here;
+  };
+  for (size_t cell = 0; cell < cells_.size(); ++cell) {
+    if (!(cells_[cell].distance_m < kFar)) continue;
+    const Neighbours around = grid_->ways_from(cell);
+    const Eigen::Vector2f down(fall(cells_[cell].distance_m, around[0], around[1]),
+                               fall(cells_[cell].distance_m, around[2], around[3]));
+    if (down.squaredNorm() > 0) cells_[cell].direction = down.normalized();
+  }
+}
+
+void FlowField::lead_out_of_walls() {
+  // Whoever was pushed too near an obstacle goes to the nearest cell with a way: breadth first.
+  std::vector<size_t> front;
+  std::vector<uint8_t> known(cells_.size());
+  for (size_t cell = 0; cell < cells_.size(); ++cell) {
+    known[cell] = cells_[cell].distance_m < kFar;
+    if (known[cell]) front.push_back(cell);
+  }
+  for (size_t i = 0; i < front.size(); ++i) {
+    for (const ptrdiff_t next : neighbours_of(*grid_, front[i])) {
+      if (next < 0) continue;
+      const auto cell = static_cast<size_t>(next);
+      if (known[cell] || grid_->is_free(cell)) continue;
+      known[cell] = 1;
+      const Eigen::Vector2d out = grid_->centre_m(front[i]) - grid_->centre_m(cell);
+      // Mostly along the way of the cell outside: straight out would be turned back at once.
+      const Eigen::Vector2f way =
+          cells_[front[i]].direction + 0.5f * out.normalized().cast<float>();
+      cells_[cell].direction = way.normalized();
+      front.push_back(cell);
+    }
+  }
+}
+
+/// Cells of 0.2 m tell the way to a gap of half a metre no better than to its corner: there people
+/// walk to the place of the next cell but one, or of the next if a corner lies between. The next
+/// alone may lie straight beside them: before a door of 0.7 m they swung to and fro between two.
+void FlowField::aim_through_gaps() {
+  std::vector<size_t> cells;
+  for (const auto& [cell, place] : grid_->narrow()) cells.push_back(cell);
+  for (int round = 0; round < kApproach; ++round)
+    for (size_t i = 0, known = cells.size(); i < known; ++i)
+      for (const ptrdiff_t next : grid_->ways_from(cells[i]))
+        if (next >= 0) cells.push_back(static_cast<size_t>(next));
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  for (const size_t cell : cells) {
+    const size_t next = downhill_of(cell), second = downhill_of(next);
+    if (next == cell) continue;
+    const Eigen::Vector2d from = grid_->place_m(cell), to = grid_->place_m(second);
+    aims_.emplace_back(cell, grid_->is_free_between(from, to) ? to : grid_->place_m(next));
+  }
+  // A goal that no cell lies in is aimed at first.
+  const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::stable_sort(aims_.begin(), aims_.end(), by_cell);
+  aims_.erase(std::unique(aims_.begin(), aims_.end(),
+                          [](const auto& a, const auto& b) { return a.first == b.first; }),
+              aims_.end());
+}
+
+/// The nearest to the goal of a cell and those that one can walk to from it.
+size_t FlowField::downhill_of(size_t cell) const {
+  size_t best = cell;
+  for (const ptrdiff_t next : grid_->ways_from(cell))
+    if (next >= 0 && cells_[static_cast<size_t>(next)].distance_m < cells_[best].distance_m)
+      best = static_cast<size_t>(next);
+  return best;
+}
+
+const Eigen::Vector2d* FlowField::aim_at(const Eigen::Vector2d& point) const {
+  return aims_.empty() ? nullptr : find_cell(aims_, grid_->cell_at(point));
+}
+
+CellPatch FlowField::patch_at(const Eigen::Vector2d& point) const {
+  return {grid_->in_cells(point), grid_->columns(), grid_->rows()};
+}
+
+void FlowField::prefetch(const Eigen::Vector2d& point) const {
+  // A cell and the one to its right may lie in two lines of the cache.
+  const CellPatch patch = patch_at(point);
+  for (const size_t cell : {patch.cell, patch.cell + patch.above}) {
+    __builtin_prefetch(&cells_[cell]);
+    __builtin_prefetch(&cells_[cell + patch.right].distance_m);
+  }
+}
+
+Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
+  if (const Eigen::Vector2d* aim = aim_at(point)) {
+    const Eigen::Vector2d way = *aim - point;
+    const double length = way.norm();
+    if (length > 1e-3) return way / length;
+  }
+  const auto at = [&](size_t cell) -> const Eigen::Vector2f& { return cells_[cell].direction; };
+  Eigen::Vector2f blend = patch_at(point).blend(at);
+  // Where ways part, directions cancel: take the cell's own then.
+  if (!(blend.squaredNorm() > 0.01f)) blend = at(grid_->cell_at(point));
+  const Eigen::Vector2d way = blend.cast<double>();
+  const double square = way.squaredNorm();
+  return square > 0 ? Eigen::Vector2d(way / std::sqrt(square)) : Eigen::Vector2d::Zero();
+}
+
+double FlowField::distance_m(const Eigen::Vector2d& point) const {
+  return static_cast<double>(cells_[grid_->cell_at(point)].distance_m);
+}
+
+bool FlowField::reaches(const Eigen::Vector2d& point) const {
+  return cells_[grid_->cell_at(point)].distance_m < kFar;
+}
+
+}  // namespace throng

@@ -1,0 +1,156 @@
+// The way to a goal from everywhere: walking distance on a grid around inflated obstacles, and its
+// downhill direction. Gaps too narrow for the grid's cells are looked for between them.
+// One rule: built once a goal, O(1) a question (a binary search more before narrow gaps), the same
+// on every machine.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "crowd/navigation/cell_patch.h"
+#include "crowd/navigation/walkable.h"
+
+namespace throng {
+
+/// The cells of the ground, and which of them a person's centre may pass through.
+class FlowGrid {
+ public:
+  /// Keeps a reference to `walkable`.
+  explicit FlowGrid(const Walkable& walkable);
+
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  size_t cell_count() const { return slowness_.size(); }
+  double cell_m() const { return cell_m_; }
+  bool is_free(size_t cell) const { return slowness_[cell] > 0; }
+  /// How much longer a metre counts here than in the open: people keep off walls if they can. 0
+  /// where nobody passes.
+  double slowness(size_t cell) const { return static_cast<double>(slowness_[cell]); }
+  Eigen::Vector2d centre_m(size_t cell) const;
+  /// Where one passes through a free cell: its centre, or in a narrow gap the middle of the gap.
+  Eigen::Vector2d place_m(size_t cell) const;
+  /// Returns whether an agent in a cell has reached an area that no cell lies in, see
+  /// has_reached().
+  bool reaches(size_t cell, const Rectangle& area) const;
+  /// The cells left, right, below and above that one can walk to; -1 where none is.
+  std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
+  /// True if the straight way from point to point leads through free cells alone (to a tenth of
+  /// one).
+  bool is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
+  /// The cells in and before gaps that hold no cell's centre; ascending.
+  const std::vector<std::pair<size_t, Eigen::Vector2d>>& narrow() const { return narrow_; }
+  /// The straight ways from cell to cell through gaps that hold few centres of cells or none.
+  const std::vector<Passage>& passages() const { return passages_; }
+  /// From wall to wall, where two cells are near each other and nobody fits through between them.
+  const std::vector<Passage>& closures() const { return closures_; }
+  /// Points beyond the ground count as at its rim.
+  size_t cell_at(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d in_cells = this->in_cells(point);
+    const auto at = [](double cells, int count) {
+      return static_cast<size_t>(static_cast<int>(std::clamp(cells, 0.0, count - 0.5)));
+    };
+    return at(in_cells.y(), rows_) * static_cast<size_t>(columns_) + at(in_cells.x(), columns_);
+  }
+  /// From the grid's corner.
+  Eigen::Vector2d in_cells(const Eigen::Vector2d& point) const {
+    return cells_per_m_ * (point - origin_m_);
+  }
+  const Eigen::Vector2d& origin_m() const { return origin_m_; }
+
+  /// How far from a footprint a person's centre may pass, on cells of this size: half the hips, or
+  /// so far that no wall slips between two cell centres.
+  static double margin_m(double cell_m);
+  /// Wider gaps hold centres of cells that are neighbours, whichever way they run.
+  static double widest_gap_m(double cell_m) { return 2 * margin_m(cell_m) + 1.5 * cell_m; }
+
+ private:
+  void find_narrow(const Walkable& walkable, std::span<const float> clearances_m);
+  void add_mouths(const Walkable& walkable, std::span<const float> clearances_m);
+  void link(const Walkable& walkable, std::span<const float> clearances_m);
+  void join(const Walkable& walkable, size_t from, size_t to);
+  bool is_narrow(size_t cell) const;
+
+  const Walkable* walkable_;
+  Eigen::Vector2d origin_m_;
+  double cell_m_ = 0, cells_per_m_ = 0;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<float> slowness_;
+  std::vector<uint8_t> ways_;  ///< by cell, a bit for each of left, right, below, above
+  std::vector<std::pair<size_t, Eigen::Vector2d>> narrow_;
+  std::vector<Passage> passages_;
+  std::vector<Passage> closures_;
+};
+
+/// Of a cell.
+enum class KeepOff : uint8_t {
+  kNo,
+  kShun,  ///< a metre counts FlowField::kShun times
+  kBar,   ///< no way leads through
+};
+
+class FlowField {
+ public:
+  /// Solves |grad distance| = slowness from the areas of a goal by fast marching (Sethian 1996):
+  /// each point leads to the area with the shortest way. Keeps a reference to `grid`. `closed` has
+  /// 1 where a cell lies in a closed door, or nothing: a way through is as good as one that is
+  /// longer by kClosed_m for each such cell. `keep_off` says by cell where ways should not lead, or
+  /// nothing.
+  FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
+            std::span<const uint8_t> closed = {}, std::span<const KeepOff> keep_off = {});
+  FlowField(const FlowGrid& grid, const Rectangle& area)
+      : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
+
+  /// Unit direction to walk, blended between cells; zero at the goal and where no way leads to it.
+  Eigen::Vector2d direction(const Eigen::Vector2d& point) const;
+  /// Lets the memory bring what direction() of the same point will read.
+  void prefetch(const Eigen::Vector2d& point) const;
+  /// Walking distance to the goal from the point's cell, slow metres counted longer; infinite if
+  /// there is no way, or if the cell is too near an obstacle.
+  double distance_m(const Eigen::Vector2d& point) const;
+  bool reaches(const Eigen::Vector2d& point) const;
+  /// The same as distance_m() of any point of a cell.
+  float cell_distance_m(size_t cell) const { return cells_[cell].distance_m; }
+  /// True if the way from here leads through a closed door.
+  bool is_closed(const Eigen::Vector2d& point) const {
+    return !is_closed_.empty() && is_closed_[grid_->cell_at(point)] != 0;
+  }
+
+  /// People rather go round by this than wait for a door to open, which takes who knows how long. A
+  /// leaf is one to three cells thick.
+  static constexpr double kClosed_m = 20;
+  /// Nobody leads others past where they would rather stay away, unless the way round is long.
+  static constexpr double kShun = 4;
+
+ private:
+  /// Side by side, as both are asked for of one place.
+  struct Cell {
+    Eigen::Vector2f direction = Eigen::Vector2f::Zero();
+    float distance_m = std::numeric_limits<float>::infinity();
+  };
+
+  CellPatch patch_at(const Eigen::Vector2d& point) const;
+  void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
+             std::span<const KeepOff> keep_off);
+  void point_downhill();
+  void lead_out_of_walls();
+  void aim_through_gaps();
+  size_t downhill_of(size_t cell) const;
+  const Eigen::Vector2d* aim_at(const Eigen::Vector2d& point) const;
+
+  const FlowGrid* grid_;
+  std::vector<Cell> cells_;
+  std::vector<uint8_t> is_closed_;  ///< the way of each cell, or empty: there is no closed door
+  /// In and before narrow gaps, and before a goal that no free cell lies in, the place to walk to;
+  /// ascending by cell.
+  std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
+};
+
+}  // namespace throng

@@ -1,0 +1,150 @@
+#include "crowd/navigation/footprints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/elementary.h"
+
+namespace throng {
+namespace {
+
+/// Between the top of the tallest and what blocks nobody.
+constexpr double kAboveTallest_m = 0.1;
+/// Meshes hold floats: a beam of 100 m hangs that much higher or lower than it should.
+constexpr double kRoundingUp_m = 1e-5;
+/// A wall along the edge of a ground of 10 km may stand out by as much.
+constexpr double kRounding_m = 1e-3;
+/// Corners that lie closer together are one.
+constexpr double kSameCorner_m = 1e-6;
+
+/// Keeps of a convex polygon what has sign * p[axis] <= bound (Sutherland and Hodgman 1974).
+std::vector<Eigen::Vector2d> cut(const std::vector<Eigen::Vector2d>& corners, int axis, double sign,
+                                 double bound) {
+  std::vector<Eigen::Vector2d> kept;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d &p = corners[i], &q = corners[(i + 1) % corners.size()];
+    const double at_p = sign * p[axis] - bound, at_q = sign * q[axis] - bound;
+    if (at_p <= 0) kept.push_back(p);
+    if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0)) {
+      kept.push_back(p + (q - p) * (at_p / (at_p - at_q)));
+      kept.back()[axis] = sign * bound;
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
+  const auto before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  };
+  const auto turn = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                       const Eigen::Vector2d& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+  };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<Eigen::Vector2d> hull;
+  for (int pass = 0; pass < 2; ++pass) {  // the lower chain, then the upper
+    const size_t start = hull.size();
+    for (const Eigen::Vector2d& point : points) {
+      while (hull.size() >= start + 2 && turn(hull[hull.size() - 2], hull.back(), point) <= 0)
+        hull.pop_back();
+      hull.push_back(point);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+Rectangle bounds_of(const std::vector<Eigen::Vector2d>& points) {
+  Rectangle bounds{points.front(), points.front()};
+  for (const Eigen::Vector2d& point : points) {
+    bounds.min_m = bounds.min_m.cwiseMin(point);
+    bounds.max_m = bounds.max_m.cwiseMax(point);
+  }
+  return bounds;
+}
+
+std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle) {
+  const SinCos turn = sin_cos(obstacle.heading_rad);
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(obstacle.mesh.vertices.size());
+  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
+    const Eigen::Vector3d v = vertex.cast<double>();
+    points.emplace_back(obstacle.centre_m.x() + turn.cos * v.x() - turn.sin * v.y(),
+                        obstacle.centre_m.y() + turn.sin * v.x() + turn.cos * v.y());
+  }
+  return convex_hull(std::move(points));
+}
+
+double distance_m(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point) {
+  double square_m2 = std::numeric_limits<double>::infinity();
+  bool is_inside = true;
+  for (size_t i = 0; i < footprint.size(); ++i) {
+    const Eigen::Vector2d along = footprint[(i + 1) % footprint.size()] - footprint[i];
+    const Eigen::Vector2d offset = point - footprint[i];
+    is_inside = is_inside && along.x() * offset.y() - along.y() * offset.x() >= 0;
+    const double t = std::clamp(along.dot(offset) / along.squaredNorm(), 0.0, 1.0);
+    square_m2 = std::min(square_m2, (offset - t * along).squaredNorm());
+  }
+  return is_inside ? 0 : std::sqrt(square_m2);
+}
+
+std::vector<Eigen::Vector2d> footprint_of(const Door& door) {
+  const Eigen::Vector2d along = (door.to_m - door.from_m).normalized();
+  const Eigen::Vector2d aside = 0.5 * Door::kThickness_m * Eigen::Vector2d(-along.y(), along.x());
+  return convex_hull(
+      {door.from_m - aside, door.to_m - aside, door.to_m + aside, door.from_m + aside});
+}
+
+std::vector<Eigen::Vector2d> clipped(std::vector<Eigen::Vector2d> footprint,
+                                     const Rectangle& ground) {
+  const Rectangle reach = ground.grown(kRounding_m);
+  if (std::all_of(footprint.begin(), footprint.end(),
+                  [&](const Eigen::Vector2d& corner) { return reach.contains(corner); }))
+    return footprint;
+  for (int axis = 0; axis < 2; ++axis) {
+    footprint = cut(footprint, axis, 1, ground.max_m[axis]);
+    footprint = cut(footprint, axis, -1, -ground.min_m[axis]);
+  }
+  std::vector<Eigen::Vector2d> corners;
+  for (const Eigen::Vector2d& corner : footprint)
+    if (corners.empty() || (corner - corners.back()).norm() > kSameCorner_m)
+      corners.push_back(corner);
+  while (corners.size() > 1 && (corners.front() - corners.back()).norm() <= kSameCorner_m)
+    corners.pop_back();
+  corners = convex_hull(std::move(corners));
+  if (corners.size() < 3) corners.clear();
+  return corners;
+}
+
+double headroom_m(const CrowdPlan& plan) { return tallest_m(plan) + kAboveTallest_m; }
+
+std::vector<Footprint> footprints_of(const CrowdPlan& plan) {
+  const double headroom = headroom_m(plan);
+  std::vector<Footprint> footprints;
+  for (const Obstacle& obstacle : plan.obstacles) {
+    if (!blocks_people(obstacle, headroom)) continue;
+    std::vector<Eigen::Vector2d> corners = clipped(footprint_of(obstacle), plan.ground);
+    if (!corners.empty()) footprints.push_back({&obstacle, std::move(corners)});
+  }
+  return footprints;
+}
+
+bool blocks_people(const Obstacle& obstacle, double headroom_m) {
+  double bottom = headroom_m;
+  double top = 0;
+  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
+    const double z = obstacle.centre_m.z() + static_cast<double>(vertex.z());
+    bottom = std::min(bottom, z);
+    top = std::max(top, z);
+  }
+  return bottom < headroom_m - kRoundingUp_m && top > 0;
+}
+
+}  // namespace throng

@@ -1,0 +1,354 @@
+#include "crowd/navigation/nav_mesh.h"
+
+#include <DetourNavMesh.h>
+#include <DetourNavMeshBuilder.h>
+#include <DetourNavMeshQuery.h>
+#include <Recast.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "base/elementary.h"
+#include "crowd/navigation/flow_field.h"
+#include "crowd/navigation/footprints.h"
+
+namespace throng {
+namespace {
+
+/// A doorway of 0.8 m leaves four such voxels between the bodies' margins.
+constexpr double kFinestVoxel_m = 0.1;
+/// A million voxels build in about a second.
+constexpr double kMaxVoxels = 1 << 20;
+/// Recast walks 40 000 sides of voxels round a region, and leaves out the rest of a longer contour.
+constexpr double kMaxVoxelsARow = 15'000;
+/// In fewer rows than this Recast finds no region.
+constexpr double kFewestVoxels = 4;
+/// A mesh has at most 65 534 corners, and a footprint three of them at least.
+constexpr size_t kMaxFootprints = 65'534;
+constexpr float kVoxelHeight_m = 0.1f;
+/// Corners of a contour may leave it by so many voxels, so that straight walls are one edge.
+constexpr float kContourError = 1.3f;
+constexpr int kCornersAPolygon = 6;
+constexpr int kMergeVoxels = 400;
+constexpr unsigned short kWalk = 1;
+/// How far beside the mesh a point may lie: against a wall, in the margin that bodies keep.
+constexpr double kBeside_m = 0.5;
+constexpr int kMaxPolygons = 4096;  // of one path
+constexpr int kMaxCorners = 1024;
+constexpr int kMaxNodes = 65535;  // Detour numbers the nodes of a search with 16 bits
+
+/// A convex footprint, wider by a margin on all sides.
+std::vector<Eigen::Vector2d> widened(const std::vector<Eigen::Vector2d>& footprint,
+                                     double margin_m) {
+  // Around each corner a polygon that encloses the circle of the margin.
+  constexpr int kSides = 12;
+  const double half_rad = 3.14159265358979323846 / kSides;
+  const double radius_m = margin_m / sin_cos(half_rad).cos;
+  std::vector<Eigen::Vector2d> points;
+  for (const Eigen::Vector2d& corner : footprint)
+    for (int k = 0; k < kSides; ++k) {
+      const SinCos turn = sin_cos((2 * k + 1) * half_rad);
+      points.push_back(corner + radius_m * Eigen::Vector2d(turn.cos, turn.sin));
+    }
+  return convex_hull(std::move(points));
+}
+
+}  // namespace
+
+double Path::length_m() const {
+  double length = 0;
+  for (size_t i = 1; i < corners_m.size(); ++i) length += (corners_m[i] - corners_m[i - 1]).norm();
+  return length;
+}
+
+struct NavMesh::State {
+  template <typename T, void (*Free)(T*)>
+  struct Freed {
+    void operator()(T* owned) const { Free(owned); }
+  };
+  template <typename T, void (*Free)(T*)>
+  using Owned = std::unique_ptr<T, Freed<T, Free>>;
+
+  State(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
+        std::span<const Passage> passages, std::span<const Passage> closures);
+
+  bool build(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
+             std::span<const Passage> passages, std::span<const Passage> closures);
+  void mark(const Passage& passage, unsigned char area, rcCompactHeightfield& open) const;
+  bool take(rcPolyMesh& polygons);
+  void name_pieces();
+
+  // Recast's y is up, its z our y. Relative to a corner of the ground, where floats are finest.
+  std::array<float, 3> local(const Eigen::Vector2d& point) const {
+    return {static_cast<float>(point.x() - origin_m.x()), 0,
+            static_cast<float>(point.y() - origin_m.y())};
+  }
+  Eigen::Vector2d world(const float* point) const {
+    return origin_m + Eigen::Vector2d(static_cast<double>(point[0]), static_cast<double>(point[2]));
+  }
+  dtPolyRef polygon_at(const Eigen::Vector2d& point, float* nearest) const;
+
+  double voxel_m = 0;
+  Eigen::Vector2d size_m;  ///< of the ground; a very narrow one is made wider to all sides
+  Eigen::Vector2d origin_m;
+  Owned<dtNavMesh, dtFreeNavMesh> mesh;
+  Owned<dtNavMeshQuery, dtFreeNavMeshQuery> query;
+  dtQueryFilter filter;
+  std::vector<int> pieces;  ///< by polygon
+};
+
+NavMesh::State::State(const Rectangle& ground,
+                      std::span<const std::vector<Eigen::Vector2d>> footprints,
+                      std::span<const Passage> passages, std::span<const Passage> closures)
+    : voxel_m(std::max({kFinestVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels),
+                        ground.size_m().maxCoeff() / kMaxVoxelsARow})),
+      size_m(ground.size_m().cwiseMax(kFewestVoxels * voxel_m)),
+      origin_m(ground.min_m - 0.5 * (size_m - ground.size_m())) {
+  if (build(ground, footprints, passages, closures))
+    name_pieces();
+  else
+    mesh.reset();
+}
+
+/// What Recast is handed is right, or it is not called: it checks nothing itself.
+bool NavMesh::State::build(const Rectangle& ground,
+                           std::span<const std::vector<Eigen::Vector2d>> footprints,
+                           std::span<const Passage> passages, std::span<const Passage> closures) {
+  const Eigen::Vector2d size = size_m;
+  const bool is_ground = origin_m.allFinite() && size.allFinite() &&
+                         ground.size_m().minCoeff() > 0 && std::isfinite(voxel_m) &&
+                         footprints.size() <= kMaxFootprints;
+  if (!is_ground) return false;
+  const auto width = static_cast<float>(size.x());
+  const auto depth = static_cast<float>(size.y());
+  const auto voxel = static_cast<float>(voxel_m);
+  const float low[] = {0, -1, 0};
+  const float high[] = {width, 3, depth};
+  int columns = 0, rows = 0;
+  rcCalcGridSize(low, high, voxel, &columns, &rows);
+  if (columns < 1 || rows < 1) return false;
+  rcContext context(false);
+  const Owned<rcHeightfield, rcFreeHeightField> solid(rcAllocHeightfield());
+  if (!solid ||
+      !rcCreateHeightfield(&context, *solid, columns, rows, low, high, voxel, kVoxelHeight_m))
+    return false;
+  const float corners[] = {0, 0, 0, width, 0, 0, width, 0, depth, 0, 0, depth};
+  const int triangles[] = {0, 2, 1, 0, 3, 2};
+  const unsigned char areas[] = {RC_WALKABLE_AREA, RC_WALKABLE_AREA};
+  if (!rcRasterizeTriangles(&context, corners, 4, triangles, areas, 2, *solid, 1)) return false;
+  const Owned<rcCompactHeightfield, rcFreeCompactHeightfield> open(rcAllocCompactHeightfield());
+  if (!open || !rcBuildCompactHeightfield(&context, 2, 1, *solid, *open)) return false;
+  // Footprints are what steering holds people off; so the mesh takes them, not the triangles.
+  const double margin_m = FlowGrid::margin_m(voxel_m);
+  for (const std::vector<Eigen::Vector2d>& footprint : footprints) {
+    std::vector<float> outline;
+    for (const Eigen::Vector2d& corner : widened(footprint, margin_m)) {
+      const std::array<float, 3> point = local(corner);
+      outline.insert(outline.end(), point.begin(), point.end());
+    }
+    const auto is_finite = [](float each) { return std::isfinite(each); };
+    if (outline.empty() || !std::all_of(outline.begin(), outline.end(), is_finite)) return false;
+    rcMarkConvexPolyArea(&context, outline.data(), static_cast<int>(outline.size() / 3), -1, 3,
+                         RC_NULL_AREA, *open);
+  }
+  // Whoever fits through a gap passes it, and nobody else, whatever voxels made of the margins.
+  for (const Passage& closure : closures) mark(closure, RC_NULL_AREA, *open);
+  for (const Passage& passage : passages) mark(passage, RC_WALKABLE_AREA, *open);
+  const Owned<rcContourSet, rcFreeContourSet> contours(rcAllocContourSet());
+  const Owned<rcPolyMesh, rcFreePolyMesh> polygons(rcAllocPolyMesh());
+  if (!contours || !polygons) return false;
+  return rcBuildDistanceField(&context, *open) &&
+         rcBuildRegions(&context, *open, 0, 0, kMergeVoxels) &&
+         rcBuildContours(&context, *open, kContourError, 0, *contours) &&
+         rcBuildPolyMesh(&context, *contours, kCornersAPolygon, *polygons) &&
+         polygons->npolys > 0 && take(*polygons);
+}
+
+void NavMesh::State::mark(const Passage& passage, unsigned char area,
+                          rcCompactHeightfield& open) const {
+  const double reach_m = 0.8 * voxel_m;  // no step from voxel to voxel is left out
+  const Eigen::Vector2d from = passage.from_m - origin_m;
+  const Eigen::Vector2d way = passage.to_m - passage.from_m;
+  const auto voxel_at = [&](double offset_m, int count) {
+    return std::clamp(static_cast<int>(std::floor(offset_m / voxel_m)), 0, count - 1);
+  };
+  const Eigen::Vector2d low = from.cwiseMin(from + way).array() - reach_m;
+  const Eigen::Vector2d high = from.cwiseMax(from + way).array() + reach_m;
+  for (int row = voxel_at(low.y(), open.height); row <= voxel_at(high.y(), open.height); ++row)
+    for (int column = voxel_at(low.x(), open.width); column <= voxel_at(high.x(), open.width);
+         ++column) {
+      const Eigen::Vector2d centre = voxel_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+      const double along = way.squaredNorm() > 0
+                               ? std::clamp(way.dot(centre - from) / way.squaredNorm(), 0.0, 1.0)
+                               : 0.0;
+      if ((centre - from - along * way).norm() > reach_m) continue;
+      const rcCompactCell& cell = open.cells[column + row * open.width];
+      const unsigned end = unsigned{cell.index} + unsigned{cell.count};
+      for (unsigned span = cell.index; span < end; ++span) open.areas[span] = area;
+    }
+}
+
+bool NavMesh::State::take(rcPolyMesh& polygons) {
+  std::fill_n(polygons.flags, polygons.npolys, kWalk);
+  dtNavMeshCreateParams params{};
+  params.verts = polygons.verts;
+  params.vertCount = polygons.nverts;
+  params.polys = polygons.polys;
+  params.polyAreas = polygons.areas;
+  params.polyFlags = polygons.flags;
+  params.polyCount = polygons.npolys;
+  params.nvp = polygons.nvp;
+  params.walkableHeight = 2;
+  params.walkableRadius = static_cast<float>(FlowGrid::margin_m(voxel_m));
+  params.walkableClimb = kVoxelHeight_m;
+  std::copy_n(polygons.bmin, 3, params.bmin);
+  std::copy_n(polygons.bmax, 3, params.bmax);
+  params.cs = polygons.cs;
+  params.ch = polygons.ch;
+  params.buildBvTree = true;
+  unsigned char* data = nullptr;
+  int size = 0;
+  if (!dtCreateNavMeshData(&params, &data, &size)) return false;
+  mesh.reset(dtAllocNavMesh());
+  if (!mesh || dtStatusFailed(mesh->init(data, size, DT_TILE_FREE_DATA))) {
+    dtFree(data);
+    return false;
+  }
+  query.reset(dtAllocNavMeshQuery());
+  return query != nullptr && dtStatusSucceed(query->init(mesh.get(), kMaxNodes));
+}
+
+/// Floods from every polygon that has no name yet.
+void NavMesh::State::name_pieces() {
+  const dtMeshTile* tile = static_cast<const dtNavMesh&>(*mesh).getTile(0);
+  pieces.assign(static_cast<size_t>(tile->header->polyCount), -1);
+  int piece = 0;
+  std::vector<unsigned> front;
+  for (size_t seed = 0; seed < pieces.size(); ++seed) {
+    if (pieces[seed] >= 0) continue;
+    pieces[seed] = piece;
+    front.assign(1, static_cast<unsigned>(seed));
+    while (!front.empty()) {
+      const dtPoly& polygon = tile->polys[front.back()];
+      front.pop_back();
+      for (unsigned link = polygon.firstLink; link != DT_NULL_LINK; link = tile->links[link].next) {
+        const unsigned next = mesh->decodePolyIdPoly(tile->links[link].ref);
+        if (pieces[next] >= 0) continue;
+        pieces[next] = piece;
+        front.push_back(next);
+      }
+    }
+    ++piece;
+  }
+}
+
+dtPolyRef NavMesh::State::polygon_at(const Eigen::Vector2d& point, float* nearest) const {
+  if (!point.allFinite()) return 0;
+  const std::array<float, 3> centre = local(point);
+  // Where voxels are coarse the mesh keeps farther from the rim.
+  const auto beside = static_cast<float>(std::max(kBeside_m, 1.5 * voxel_m));
+  const float reach[] = {beside, 2, beside};
+  dtPolyRef polygon = 0;
+  if (dtStatusFailed(query->findNearestPoly(centre.data(), reach, &filter, &polygon, nearest)))
+    return 0;
+  return polygon;
+}
+
+NavMesh::NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
+                 std::span<const Passage> passages, std::span<const Passage> closures)
+    : state_(std::make_unique<State>(ground, footprints, passages, closures)) {}
+NavMesh::~NavMesh() = default;
+NavMesh::NavMesh(NavMesh&&) noexcept = default;
+
+bool NavMesh::is_built() const { return state_->mesh != nullptr; }
+int NavMesh::polygon_count() const { return static_cast<int>(state_->pieces.size()); }
+double NavMesh::voxel_m() const { return state_->voxel_m; }
+
+int NavMesh::piece_at(const Eigen::Vector2d& point) const {
+  if (!is_built()) return -1;
+  float nearest[3];
+  const dtPolyRef polygon = state_->polygon_at(point, nearest);
+  return polygon == 0 ? -1 : state_->pieces[state_->mesh->decodePolyIdPoly(polygon)];
+}
+
+Path NavMesh::path(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+  Path path;
+  if (!is_built()) return path;
+  const State& s = *state_;
+  float start[3], end[3];
+  const dtPolyRef first = s.polygon_at(from, start);
+  dtPolyRef last = s.polygon_at(to, end);
+  if (first == 0) return path;
+  if (last == 0) {  // nowhere near the mesh: as near as the polygon we are in
+    last = first;
+    if (!to.allFinite() ||
+        dtStatusFailed(s.query->closestPointOnPoly(first, s.local(to).data(), end, nullptr)))
+      return path;
+  } else {
+    path.arrives = true;
+  }
+  std::vector<dtPolyRef> polygons(kMaxPolygons);
+  int count = 0;
+  if (dtStatusFailed(s.query->findPath(first, last, start, end, &s.filter, polygons.data(), &count,
+                                       kMaxPolygons)) ||
+      count == 0) {
+    path.arrives = false;
+    return path;
+  }
+  if (polygons[static_cast<size_t>(count - 1)] != last) {
+    path.arrives = false;
+    float nearest[3];
+    if (dtStatusSucceed(s.query->closestPointOnPoly(polygons[static_cast<size_t>(count - 1)], end,
+                                                    nearest, nullptr)))
+      std::copy_n(nearest, 3, end);
+  }
+  std::vector<float> corners(size_t{3} * kMaxCorners);
+  int corner_count = 0;
+  if (dtStatusFailed(s.query->findStraightPath(start, end, polygons.data(), count, corners.data(),
+                                               nullptr, nullptr, &corner_count, kMaxCorners))) {
+    path.arrives = false;
+    return path;
+  }
+  for (int i = 0; i < corner_count; ++i)
+    path.corners_m.push_back(s.world(&corners[3 * static_cast<size_t>(i)]));
+  return path;
+}
+
+/// The sample of an area that is on a piece of the mesh, nearest to the middle; else the middle.
+Eigen::Vector2d NavMesh::place_in(const Rectangle& area, int piece) const {
+  constexpr int kSamples = 8;
+  Eigen::Vector2d best = area.middle_m();
+  if (piece_at(best) == piece) return best;
+  double best_m2 = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kSamples; ++i)
+    for (int j = 0; j <= kSamples; ++j) {
+      const Eigen::Vector2d share(i / double{kSamples}, j / double{kSamples});
+      const Eigen::Vector2d point = area.min_m + area.size_m().cwiseProduct(share);
+      const double away_m2 = (point - area.middle_m()).squaredNorm();
+      if (away_m2 >= best_m2 || piece_at(point) != piece) continue;
+      best_m2 = away_m2;
+      best = point;
+    }
+  return best;
+}
+
+Path NavMesh::path(const Eigen::Vector2d& from, std::span<const Rectangle> areas) const {
+  Path best;
+  double best_m = std::numeric_limits<double>::infinity();
+  const int piece = piece_at(from);
+  for (const Rectangle& area : areas) {
+    const Eigen::Vector2d to = place_in(area, piece);
+    Path found = path(from, to);
+    if (found.corners_m.empty()) return found;
+    // A way that ends short counts after all that arrive, the nearest end first.
+    const double short_m = found.arrives ? 0 : 1e9 + (found.corners_m.back() - to).norm();
+    if (found.length_m() + short_m >= best_m) continue;
+    best_m = found.length_m() + short_m;
+    best = std::move(found);
+  }
+  return best;
+}
+
+}  // namespace throng

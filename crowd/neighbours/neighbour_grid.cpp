@@ -1,0 +1,141 @@
+#include "crowd/neighbours/neighbour_grid.h"
+
+#include <cmath>
+
+#include "crowd/neighbours/neighbour_search.h"
+
+namespace throng {
+namespace {
+
+/// Nine cells then hold some thirty people: the ten nearest of somebody are mostly among them.
+constexpr double kCellsASpacing = 1.8;
+constexpr double kSmallestCell_m = 1.0;
+constexpr double kLargestCell_m = 5.0;
+constexpr double kMaxCells = 1 << 20;
+
+}  // namespace
+
+NeighbourGrid::NeighbourGrid(const Rectangle& ground, size_t people, SimdTarget target)
+    : middle_m_(0.5 * (ground.min_m + ground.max_m)) {
+  const Eigen::Vector2d size = ground.size_m();
+  const double spacing_m =
+      std::sqrt(size.prod() / static_cast<double>(std::max<size_t>(people, 1)));
+  const double cell_m =
+      std::max(std::clamp(kCellsASpacing * spacing_m, kSmallestCell_m, kLargestCell_m),
+               std::sqrt(size.prod() / kMaxCells));
+  shape_.cell_m = static_cast<float>(cell_m);
+  shape_.cells_per_m = 1 / shape_.cell_m;
+  shape_.columns = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m)));
+  shape_.rows = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m)));
+  shape_.low_x = static_cast<float>(-0.5 * size.x());
+  shape_.low_y = static_cast<float>(-0.5 * size.y());
+  shape_.slack_m = 1e-4f + 1e-6f * static_cast<float>(size.maxCoeff());
+  starts_.resize(static_cast<size_t>(shape_.columns) * static_cast<size_t>(shape_.rows) + 1);
+  search_ = neighbour_search_on(target);
+}
+
+GridView NeighbourGrid::view() const {
+  GridView view = shape_;
+  view.x = x_.data();
+  view.y = y_.data();
+  view.starts = starts_.data();
+  view.slack_m += static_cast<float>(slack_m_);
+  return view;
+}
+
+void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m,
+                            std::span<const uint8_t> present) {
+  slack_m_ = 0;
+  cells_.resize(positions_m.size());
+  for (size_t id = 0; id < positions_m.size(); ++id) {
+    cells_[id] = kAbsent;
+    if (!present.empty() && present[id] == 0) continue;
+    const Eigen::Vector2f place = local(positions_m[id]);
+    cells_[id] =
+        static_cast<uint32_t>(row_of(shape_, place.y())) * static_cast<uint32_t>(shape_.columns) +
+        static_cast<uint32_t>(column_of(shape_, place.x()));
+  }
+  sort(positions_m);
+}
+
+/// By counting.
+void NeighbourGrid::sort(std::span<const Eigen::Vector2d> positions_m) {
+  const size_t count = cells_.size();
+  std::fill(starts_.begin(), starts_.end(), 0);
+  size_t slots = 0;
+  for (const uint32_t cell : cells_) {
+    if (cell == kAbsent) continue;
+    ++starts_[cell + 1];
+    ++slots;
+  }
+  // Room for everybody from the start: who enters later must not make a step allocate.
+  order_.reserve(count);
+  order_.resize(slots);
+  x_.resize(count + kPadding);
+  y_.resize(count + kPadding);
+  for (size_t cell = 1; cell < starts_.size(); ++cell) starts_[cell] += starts_[cell - 1];
+  // Filling moves each start to its cell's end, which is the next cell's start: shift back after.
+  for (size_t id = 0; id < count; ++id) {
+    if (cells_[id] == kAbsent) continue;
+    const uint32_t slot = starts_[cells_[id]]++;
+    order_[slot] = static_cast<uint32_t>(id);
+    move(slot, positions_m[id]);
+  }
+  std::move_backward(starts_.begin(), starts_.end() - 1, starts_.end());
+  starts_.front() = 0;
+}
+
+/// A comparison is written so that NaN is refused, too.
+void NeighbourGrid::archive(Archive& a) {
+  a(cells_, slack_m_);
+  if (!a.is_reading()) return;
+  for (const uint32_t cell : cells_)
+    if (cell != kAbsent && cell + 1 >= starts_.size()) a.refuse("a cell of the ground", "another");
+  if (!(slack_m_ >= 0)) a.refuse("a way of at least 0 m", "another");
+}
+
+void NeighbourGrid::rebuild_as_read(std::span<const Eigen::Vector2d> positions_m) {
+  sort(positions_m);
+}
+
+void NeighbourGrid::nearest(std::span<const uint32_t> slots, float reach_m, uint32_t* found,
+                            uint8_t* counts) const {
+  search_(view(), slots, reach_m, found, counts);
+}
+
+void nearest_scalar(const GridView& grid, std::span<const uint32_t> slots, float reach_m,
+                    uint32_t* found, uint8_t* counts) {
+  struct Candidate {
+    float square_m2;
+    uint32_t slot;
+  };
+  constexpr size_t kMost = NeighbourGrid::kMost;
+  for (const uint32_t own : slots) {
+    const Rings rings(grid, own);
+    Candidate best[kMost];
+    size_t count = 0;
+    for (int ring = 1;; ++ring) {
+      const float covered_m = rings.covered_m(ring, reach_m);
+      count = 0;
+      rings.for_rows(ring, [&](uint32_t first, uint32_t last) {
+        for (uint32_t slot = first; slot < last; ++slot) {
+          const float dx = grid.x[slot] - grid.x[own];
+          const float dy = grid.y[slot] - grid.y[own];
+          const float square_m2 = dx * dx + dy * dy;
+          if (slot == own || square_m2 > covered_m * covered_m) continue;
+          // Slots come in ascending order: an equal one that came before stays before.
+          if (count == kMost && !(square_m2 < best[kMost - 1].square_m2)) continue;
+          size_t place = count < kMost ? count++ : kMost - 1;
+          for (; place > 0 && square_m2 < best[place - 1].square_m2; --place)
+            best[place] = best[place - 1];
+          best[place] = {square_m2, slot};
+        }
+      });
+      if (count == kMost || !(covered_m < reach_m)) break;
+    }
+    counts[own] = static_cast<uint8_t>(count);
+    for (size_t k = 0; k < count; ++k) found[kMost * size_t{own} + k] = best[k].slot;
+  }
+}
+
+}  // namespace throng

@@ -1,0 +1,394 @@
+#include "crowd/parties.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "crowd/crowd_tuning.h"
+
+namespace throng {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+// Places. Companions walk 0.75 to 0.8 m apart abreast, those in the middle a little behind, and
+// more so where the crowd is denser (Moussaid et al. 2010, Zanlungo et al. 2014).
+constexpr double kAbreast_m = 0.8;
+constexpr double kBend_m = 0.12;      ///< how far those in the middle are behind in the open
+constexpr double kBendMore_m2 = 0.5;  ///< and more for each stranger on a square metre
+constexpr double kMostBend_m = 0.3;   ///< but no more than by this
+constexpr double kInFile_m = 0.9;
+/// Discs of that radius; wider ones keep so much more room.
+constexpr double kRadius_m = 0.22;
+/// Where bodies have so much room beside each other they walk in file, and as they like from the
+/// second on; parties of four in two rows below the third and in one above the fourth.
+constexpr double kFile_m = 0.45, kBeside_m = 0.75, kRows_m = 1.4, kLine_m = 1.9;
+/// Of that room strangers take some from the first density on and all at the second.
+constexpr double kLoose_per_m2 = 0.3, kDense_per_m2 = 1.3;
+/// A shoulder keeps so far from walls.
+constexpr double kShoulder_m = 0.3;
+/// Ways bend around walls that are nearer.
+constexpr double kBends_m = 1.6;
+/// How far ahead they look for room, in so many steps.
+constexpr double kProbe_m = 0.75;
+constexpr int kProbes = 4;
+
+/// Companions so near, whose ways are within 60 degrees (the cosine), walk beside each other.
+constexpr double kRow_m = 4;
+constexpr double kSameWay = 0.5;
+/// Where all of a party are as near as this to the first, nobody is behind.
+constexpr double kNear_m = 2.5;
+/// Whose way parts from that of the first of the party within sight follows them: the cosine.
+constexpr double kParts = 0.3;
+constexpr double kSight_m = 6;
+/// They see who is there if nothing that stops people is so near to the straight way, by samples.
+constexpr double kBody_m = 0.2;
+constexpr int kSightSamples = 8;
+
+// Taking a place: the most that a way is bent for it (the tangent) and from how far off, sooner
+// where there is less room; the distance along the way for which somebody hurries by all of it, and
+// the bounds of that.
+constexpr double kMostAside = 0.5, kAside_m = 0.8;
+/// Who is so far beside its place falls back by up to so much.
+constexpr double kAstray_m = 0.35, kFarAstray_m = 0.8, kFallBack_m = 0.9;
+constexpr double kAlong_m = 1.5, kSlow = 0.7, kHurry = 1.15;
+
+// Waiting: whoever is this much farther ahead than in formation slows down, and stands from so much
+// more on; companions farther off are lost, and those who have not got on for so long are not
+// waited for.
+constexpr double kLeads_m = 0.7, kStands_m = 2;
+constexpr double kLost_m = 25;
+constexpr double kPatience_s = 30;
+constexpr double kProgress_m = 0.3;
+/// Who hurries after the others, behind by so much.
+constexpr double kBehind_m = 1;
+/// In a passage so narrow, and in a dense crowd, nobody stands in others' way: the least pace.
+constexpr double kPassage_m = 1.4;
+constexpr double kInTheWay = 0.6;
+
+/// Whoever waits steps so far aside from the line of the one waited for, on the side where it is
+/// already unless that is as little as this.
+constexpr double kStepAside_m = 0.9, kInLine_m = 0.15;
+
+double smooth_step(double from, double to, double x) {
+  const double share = tuning::share_between(from, to, x);
+  return share * share * (3 - 2 * share);
+}
+
+Eigen::Vector2d left_of(const Eigen::Vector2d& way) { return {-way.y(), way.x()}; }
+
+/// Where somebody of a row should be: ahead of its middle and to the left of it.
+struct Place {
+  double ahead_m = 0, left_m = 0;
+};
+
+/// The place of one of `count`, of whom `ahead` are farther ahead and `left` farther left, with so
+/// much room beside each other.
+Place place_of(size_t count, size_t ahead, size_t left, double abreast_m, double room_m,
+               double bend_m) {
+  const double last = static_cast<double>(count) - 1;
+  const double in_file = 0.5 * last - static_cast<double>(ahead);
+  const double in_line = 0.5 * last - static_cast<double>(left);
+  const Place file{in_file * kInFile_m, 0};
+  // In line, as near to each other as the room asks for, and behind each other for it.
+  const double step_m = std::min(abreast_m, room_m / last);
+  const double behind_m = std::max(
+      count > 2 ? bend_m : 0.0, std::sqrt(std::max(0.0, abreast_m * abreast_m - step_m * step_m)));
+  Place line{0, in_line * step_m};
+  if (count == 2) {
+    line.ahead_m = in_file * behind_m;
+  } else {  // a V of three, a U of four
+    const bool is_inner = left > 0 && left + 1 < count;
+    const double inner = last - 1;
+    line.ahead_m = behind_m * (is_inner ? -2 / (inner + 2) : inner / (inner + 2));
+  }
+  if (count == 4) {
+    // Two and two: whoever is ahead of two others walks in the first row.
+    const double side = left < 2 ? 0.5 : -0.5;
+    const Place rows{ahead < 2 ? 0.5 * kInFile_m : -0.5 * kInFile_m,
+                     side * std::min(abreast_m, room_m)};
+    const double share = smooth_step(kRows_m, kLine_m, room_m);
+    line.ahead_m = rows.ahead_m + share * (line.ahead_m - rows.ahead_m);
+    line.left_m = rows.left_m + share * (line.left_m - rows.left_m);
+  }
+  const double share = smooth_step(kFile_m, kBeside_m, room_m);
+  return {file.ahead_m + share * (line.ahead_m - file.ahead_m), share * line.left_m};
+}
+
+}  // namespace
+
+struct Parties::Row {
+  uint32_t mask = UINT32_MAX;  ///< of the members
+  std::array<const Member*, Companions::kMost> members{};
+  size_t count = 0;
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< unit
+  Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();
+  double abreast_m = 0, room_m = 0, bend_m = 0;  ///< see place_of()
+};
+
+Parties::Parties(const Ways& ways, std::span<const Person> people) : ways_(ways) {
+  for (uint32_t id = 0; id < people.size();) {
+    uint32_t end = id + 1;
+    while (people[id].party != Person::kAlone && end < people.size() &&
+           people[end].party == people[id].party)
+      ++end;
+    if (end - id > 1) parties_.push_back({id, end});
+    id = end;
+  }
+  if (!any()) return;
+  in_party_.assign(people.size(), 0);
+  for (size_t i = 0; i < parties_.size(); ++i)
+    for (uint32_t id = parties_[i].begin; id < parties_[i].end; ++id)
+      in_party_[id] = static_cast<uint32_t>(i + 1);
+  for (const Person& person : people) radii_m_.push_back(person.radius_m);
+  strangers_per_m2_.assign(people.size(), 0);
+  wishes_.resize(people.size());
+  visits_.assign(people.size(), UINT32_MAX);
+  nearest_m_.assign(people.size(), kFar);
+  since_s_.assign(people.size(), 0);
+}
+
+void Parties::archive(Archive& a) {
+  if (!any()) return;
+  a(visits_, nearest_m_, since_s_);
+  if (!a.is_reading()) return;
+  // Written so that NaN is refused, too.
+  for (size_t id = 0; id < visits_.size(); ++id)
+    if (!(nearest_m_[id] >= 0) || !(since_s_[id] >= 0) || since_s_[id] == kFar)
+      a.refuse("progress of somebody with companions", "something else");
+}
+
+Eigen::Vector2d Parties::way(uint32_t id) const {
+  const Wish& wish = wishes_[id];
+  if (wish.alone.isZero()) return wish.alone;
+  const Eigen::Vector2d way = wish.towards.isZero() ? wish.alone + wish.aside : wish.towards;
+  const double length = way.norm();
+  return length > 0 ? Eigen::Vector2d(way / length) : wish.alone;
+}
+
+void Parties::gather(uint32_t remainder, uint32_t parts, const Journeys& journeys,
+                     std::span<const Eigen::Vector2d> positions_m, double now_s, Workers& workers) {
+  constexpr size_t kAtOnce = 32;
+  const size_t blocks = (parties_.size() + kAtOnce - 1) / kAtOnce;
+  workers.for_blocks(static_cast<int>(blocks), [&](int block, int) {
+    const size_t begin = static_cast<size_t>(block) * kAtOnce;
+    const size_t end = std::min(begin + kAtOnce, parties_.size());
+    const auto is_due = [&](const Party& party) { return party.begin % parts == remainder; };
+    // What they read of the fields is there when it is needed.
+    for (size_t i = begin; i < end; ++i)
+      for (uint32_t id = parties_[i].begin; is_due(parties_[i]) && id < parties_[i].end; ++id)
+        journeys.prefetch(id, positions_m[id]);
+    for (size_t i = begin; i < end; ++i)
+      if (is_due(parties_[i])) gather(parties_[i], journeys, positions_m, now_s);
+  });
+}
+
+void Parties::gather(const Party& party, const Journeys& journeys,
+                     std::span<const Eigen::Vector2d> positions_m, double now_s) {
+  std::array<Member, Companions::kMost> all;
+  size_t count = 0;
+  bool are_near = true;
+  for (uint32_t id = party.begin; id < party.end; ++id) {
+    wishes_[id] = {};
+    const Doing doing = journeys.doing(id);
+    if (doing != Doing::kWalking && doing != Doing::kWaiting) continue;
+    all[count] = member(id, journeys, positions_m[id]);
+    wishes_[id].alone = all[count].way;
+    const Member &m = all[count++], &first = all[0];
+    are_near &= m.is_on_way && m.visits == first.visits &&
+                (m.at_m - first.at_m).squaredNorm() < kNear_m * kNear_m;
+  }
+  // Who is near is awaited, whatever the progress.
+  for (size_t i = 0; i < count; ++i) {
+    if (are_near)
+      visits_[all[i].id] = UINT32_MAX;
+    else
+      watch_progress(all[i], journeys.doing(all[i].id) == Doing::kWaiting, now_s);
+  }
+  const std::span<const Member> members(all.data(), count);
+  Row row;
+  for (size_t who = 0; who < count && count > 1; ++who) {
+    const Member& m = members[who];
+    if (m.way.isZero()) continue;
+    Wish& wish = wishes_[m.id];
+    find_row(members, who, row);
+    const double length_m = row.count > 1 ? keep_place(row, m, wish) : 0;
+    wait_for_others(members, who, row, length_m, wish);
+  }
+}
+
+Parties::Member Parties::member(uint32_t id, const Journeys& journeys,
+                                const Eigen::Vector2d& at_m) const {
+  const Stop& stop = journeys.stop(id);
+  Member m{.id = id, .visits = journeys.visits(id), .at_m = at_m, .field = &journeys.field(id)};
+  m.way = journeys.direction(id, at_m);
+  m.is_on_way = journeys.doing(id) == Doing::kWalking && !stop.contains(at_m) &&
+                !journeys.is_at_goal(id, at_m);
+  return m;
+}
+
+void Parties::watch_progress(Member& m, bool waits, double now_s) {
+  m.to_go_m = m.field->distance_m(m.at_m);
+  // Waiting at a goal, or to set out, ends by itself.
+  if (waits || m.visits != visits_[m.id] || m.to_go_m < nearest_m_[m.id] - kProgress_m) {
+    visits_[m.id] = m.visits;
+    nearest_m_[m.id] = m.to_go_m;
+    since_s_[m.id] = now_s;
+  }
+  m.is_awaited = now_s - since_s_[m.id] < kPatience_s;
+}
+
+/// Those beside whom somebody walks, the same for all who see the same ones: then `row` knows the
+/// rest already.
+void Parties::find_row(std::span<const Member> members, size_t who, Row& row) const {
+  const Member& self = members[who];
+  uint32_t mask = 0;
+  for (size_t i = 0; i < members.size() && self.is_on_way; ++i) {
+    const Member& m = members[i];
+    if (m.is_on_way && m.visits == self.visits && m.way.dot(self.way) >= kSameWay &&
+        (m.at_m - self.at_m).squaredNorm() <= kRow_m * kRow_m)
+      mask |= 1u << i;
+  }
+  if (mask == row.mask) return;
+  row = {};
+  row.mask = mask;
+  double strangers_per_m2 = 0, radius_m = 0;
+  for (size_t i = 0; i < members.size(); ++i) {
+    if ((mask >> i & 1) == 0) continue;
+    row.members[row.count++] = &members[i];
+    row.way += members[i].way;
+    row.middle_m += members[i].at_m;
+    strangers_per_m2 += strangers_per_m2_[members[i].id];
+    radius_m += radii_m_[members[i].id];
+  }
+  if (row.count < 2) return;
+  const auto count = static_cast<double>(row.count);
+  row.way.normalize();
+  row.middle_m /= count;
+  strangers_per_m2 /= count;
+  row.abreast_m = kAbreast_m + 2 * (radius_m / count - kRadius_m);
+  row.room_m = room_m(row, *self.field, (count - 1) * row.abreast_m) *
+               (1 - smooth_step(kLoose_per_m2, kDense_per_m2, strangers_per_m2));
+  row.bend_m = kBend_m + std::min(kBendMore_m2 * strangers_per_m2, kMostBend_m);
+}
+
+/// How much room bodies have beside each other, from the middle of a row on along its way.
+double Parties::room_m(const Row& row, const FlowField& field, double wanted_m) const {
+  const Walkable& walkable = ways_.walkable();
+  const auto free_m = [&](const Eigen::Vector2d& from_m, const Eigen::Vector2d& to) {
+    double way_m = 0;
+    constexpr int kMostSteps = 8;
+    for (int i = 0; i < kMostSteps && way_m < wanted_m; ++i) {
+      const double step_m = walkable.clearance_m(from_m + way_m * to) - kShoulder_m;
+      if (step_m < 0.02) break;
+      way_m += step_m;
+    }
+    return way_m;
+  };
+  double least_m = wanted_m;
+  Eigen::Vector2d at_m = row.middle_m, way = row.way;
+  double clear_m = 0;
+  for (int i = 0; i < kProbes; ++i, clear_m -= kProbe_m) {
+    // Far from walls there is room to both sides.
+    if (clear_m < kShoulder_m + 0.5 * wanted_m) clear_m = walkable.clearance_m(at_m);
+    if (clear_m < kShoulder_m + 0.5 * wanted_m) {
+      const Eigen::Vector2d left = left_of(way);
+      least_m = std::min(least_m, free_m(at_m, left) + free_m(at_m, -left));
+    }
+    at_m += kProbe_m * way;
+    if (clear_m > kBends_m) continue;
+    const Eigen::Vector2d next = field.direction(at_m);
+    if (!next.isZero()) way = next;
+  }
+  return least_m;
+}
+
+/// Returns how far the last of the row should be behind.
+double Parties::keep_place(const Row& row, const Member& self, Wish& wish) const {
+  const Eigen::Vector2d left = left_of(row.way);
+  const auto place_now = [&](const Member& m) {
+    return Place{(m.at_m - row.middle_m).dot(row.way), (m.at_m - row.middle_m).dot(left)};
+  };
+  const Place now = place_now(self);
+  size_t ahead = 0, to_left = 0;
+  for (size_t i = 0; i < row.count; ++i) {
+    const Member& m = *row.members[i];
+    const Place other = place_now(m);
+    ahead += other.ahead_m > now.ahead_m || (other.ahead_m == now.ahead_m && m.id < self.id);
+    to_left += other.left_m > now.left_m || (other.left_m == now.left_m && m.id < self.id);
+  }
+  const auto place = [&](size_t before, size_t beside) {
+    return place_of(row.count, before, beside, row.abreast_m, row.room_m, row.bend_m);
+  };
+  const Place wanted = place(ahead, to_left);
+  const double aside_m = wanted.left_m - now.left_m;
+  double along_m = wanted.ahead_m - now.ahead_m;
+  // Nobody walks through those who are in between: but for the first, they come from behind.
+  if (ahead > 0) along_m -= kFallBack_m * smooth_step(kAstray_m, kFarAstray_m, std::abs(aside_m));
+  const double wholly_m = std::clamp(row.room_m, kFile_m, kAside_m);
+  const double aside = std::clamp(aside_m / wholly_m, -1.0, 1.0);
+  // Not into a wall.
+  const double clearance_m =
+      ways_.walkable().clearance_m(self.at_m + std::copysign(kShoulder_m, aside) * left);
+  const double free = std::clamp((clearance_m - 0.1) / 0.2, 0.0, 1.0);
+  wish.aside = kMostAside * aside * free * left;
+  wish.pace = std::clamp(1 + along_m / kAlong_m, kSlow, kHurry);
+  double length_m = 0;
+  for (size_t i = 0; i < row.count; ++i)
+    length_m = std::max(length_m, wanted.ahead_m - place(i, i).ahead_m);
+  return length_m;
+}
+
+void Parties::wait_for_others(std::span<const Member> members, size_t who, const Row& row,
+                              double length_m, Wish& wish) const {
+  const Member& self = members[who];
+  const Member* last = nullptr;
+  double behind_m = 0, ahead_m = 0;
+  for (const Member& m : members) {
+    if (m.id == self.id) continue;
+    const double away_m = (m.at_m - self.at_m).norm();
+    // How far that one is behind.
+    double lag_m = m.to_go_m - self.to_go_m;
+    if (m.visits != self.visits)
+      lag_m = m.visits < self.visits ? away_m : -away_m;
+    else if (m.is_on_way && self.is_on_way && away_m < kRow_m && m.way.dot(self.way) > kSameWay)
+      lag_m = (self.at_m - m.at_m).dot(row.way);  // both are in the row
+    else if (!self.is_on_way || !(std::abs(lag_m) < kFar))
+      lag_m = 0;  // at the goal already, or pressed to a wall, on no cell of the field
+    if (std::abs(lag_m) > kLost_m) continue;
+    ahead_m = std::max(ahead_m, -lag_m);
+    if (!m.is_awaited || lag_m <= behind_m) continue;
+    behind_m = lag_m;
+    last = &m;
+  }
+  if (ahead_m > kBehind_m && behind_m < kBehind_m) wish.pace = std::max(wish.pace, kHurry);
+  const Member& first = members.front();
+  if (first.id != self.id && first.is_on_way && self.is_on_way && first.visits == self.visits &&
+      first.way.dot(self.way) < kParts &&
+      (first.at_m - self.at_m).squaredNorm() < kSight_m * kSight_m &&
+      ways_.walkable().is_clear_between(self.at_m, first.at_m, kBody_m, kSightSamples))
+    wish.towards = (first.at_m - self.at_m).normalized();
+  if (last == nullptr) return;
+  const double too_far_m = behind_m - length_m - kLeads_m;
+  double left_over = 1 - std::clamp(too_far_m / kStands_m, 0.0, 1.0);
+  if (left_over == 1) return;
+  double least = kInTheWay * smooth_step(kLoose_per_m2, kDense_per_m2, strangers_per_m2_[self.id]);
+  if (ways_.walkable().gap_at(self.at_m, kPassage_m).width_m < kPassage_m) least = kInTheWay;
+  left_over = std::max(left_over, least);
+  wish.pace = std::min(wish.pace, left_over);
+  wish.behind_m = last->at_m;
+  // Out of the way of those who come between.
+  const Eigen::Vector2d left = left_of(self.way);
+  const double off_m = (self.at_m - last->at_m).dot(left);
+  const auto clearance_m = [&](double side) {
+    return ways_.walkable().clearance_m(self.at_m + side * kStepAside_m * left);
+  };
+  double side = off_m > 0 ? 1 : -1;
+  if (std::abs(off_m) < kInLine_m) side = clearance_m(1) > clearance_m(-1) ? 1 : -1;
+  const double lack = std::clamp(1 - std::abs(off_m) / kStepAside_m, 0.0, 1.0);
+  if (clearance_m(side) > kShoulder_m)
+    wish.aside += kMostAside * lack * std::min(1.0, 2 * (1 - left_over)) * side * left;
+}
+
+}  // namespace throng

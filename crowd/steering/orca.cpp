@@ -1,0 +1,187 @@
+#include "crowd/steering/orca.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+using Eigen::Vector2f;
+
+Vector2f left_of(const Vector2f& v) { return {-v.y(), v.x()}; }
+float dot(const Vector2f& a, const Vector2f& b) { return a.x() * b.x() + a.y() * b.y(); }
+float cross(const Vector2f& a, const Vector2f& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// What to look for: the point nearest to a target, or the one farthest along a direction.
+struct Wish {
+  Vector2f vector;
+  bool is_direction = false;
+};
+
+/// The best point on the border of planes[index] that meets the planes before it and the speed
+/// limit. False if there is none.
+bool solve_on_border(std::span<const HalfPlane> planes, size_t index, const Wish& wish,
+                     float max_speed, Vector2f& v) {
+  const HalfPlane& plane = planes[index];
+  const float room = max_speed * max_speed - plane.offset_mps * plane.offset_mps;
+  if (room < 0) return false;
+  const Vector2f foot = plane.offset_mps * plane.normal;
+  const Vector2f along = left_of(plane.normal);
+  float high = std::sqrt(room);
+  float low = -high;
+  for (size_t i = 0; i < index; ++i) {
+    const float slope = dot(planes[i].normal, along);
+    const float need = planes[i].violation_mps(foot);  // slope * t >= need
+    if (std::abs(slope) <= kTiny_mps) {
+      if (need > kTiny_mps) return false;
+    } else if (slope > 0) {
+      low = std::max(low, need / slope);
+    } else {
+      high = std::min(high, need / slope);
+    }
+  }
+  if (low > high) return false;
+  const float wanted = dot(along, wish.vector);
+  const float t = wish.is_direction ? (wanted > 0 ? high : low) : std::clamp(wanted, low, high);
+  v = {foot.x() + t * along.x(), foot.y() + t * along.y()};
+  return true;
+}
+
+/// Incremental linear program in the plane: returns the index of the first plane that cannot be met
+/// together with those before it (v then meets those), or planes.size().
+size_t solve(std::span<const HalfPlane> planes, const Wish& wish, float max_speed, Vector2f& v) {
+  if (wish.is_direction) {
+    v = max_speed * wish.vector;
+  } else {
+    const float length = std::sqrt(dot(wish.vector, wish.vector));
+    v = wish.vector;
+    if (length > max_speed) v *= max_speed / length;
+  }
+  for (size_t i = 0; i < planes.size(); ++i) {
+    if (planes[i].violation_mps(v) <= kTiny_mps) continue;
+    if (!solve_on_border(planes, i, wish, max_speed, v)) return i;
+  }
+  return planes.size();
+}
+
+/// From planes[failed] on: lowers the worst violation of the soft planes. A third dimension, the
+/// violation, is eliminated plane by plane: where plane i is the worst, the others are no worse,
+/// which is again a half-plane of velocities for each.
+void relax(std::span<const HalfPlane> planes, size_t hard, size_t failed, float max_speed,
+           Vector2f& v) {
+  std::array<HalfPlane, kMostPlanes> others;
+  float worst = 0;
+  for (size_t i = std::max(failed, hard); i < planes.size(); ++i) {
+    if (planes[i].violation_mps(v) <= worst + kTiny_mps) continue;
+    std::copy(planes.begin(), planes.begin() + static_cast<ptrdiff_t>(hard), others.begin());
+    size_t count = hard;
+    for (size_t j = hard; j < i; ++j) {
+      const Vector2f difference = planes[j].normal - planes[i].normal;
+      const float length = std::sqrt(dot(difference, difference));
+      // Same direction: one of the two is the tighter everywhere, and i is worse than j could be.
+      if (length <= kTiny_mps) continue;
+      others[count++] = {difference / length,
+                         (planes[j].offset_mps - planes[i].offset_mps) / length};
+    }
+    Vector2f candidate = v;
+    const std::span<const HalfPlane> bounds(others.data(), count);
+    if (solve(bounds, {planes[i].normal, true}, max_speed, candidate) == count) v = candidate;
+    worst = std::max(worst, planes[i].violation_mps(v));
+  }
+}
+
+}  // namespace
+
+HalfPlane avoid(const Encounter& e) {
+  const Vector2f velocity = e.own_velocity_mps - e.other_velocity_mps;
+  const float gap_square = dot(e.offset_m, e.offset_m);
+  const float radius_square = e.radius_m * e.radius_m;
+  const bool overlaps = gap_square <= radius_square;
+  const float rate = overlaps ? 1 / e.step_s : 1 / e.horizon_s;
+  const Vector2f w(velocity.x() - e.offset_m.x() * rate, velocity.y() - e.offset_m.y() * rate);
+  const float w_square = dot(w, w);
+  const float w_along = dot(w, e.offset_m);
+  HalfPlane plane;
+  float change_mps = 0;  // signed length of u along the normal
+  if (overlaps || (w_along < 0 && w_along * w_along > radius_square * w_square)) {
+    // The cut-off circle of radius R / horizon is nearest.
+    const float w_length = std::sqrt(w_square);
+    if (w_length > kTiny_mps) {
+      plane.normal = {w.x() / w_length, w.y() / w_length};
+    } else if (gap_square > 0) {
+      const float gap = std::sqrt(gap_square);
+      plane.normal = {-e.offset_m.x() / gap, -e.offset_m.y() / gap};
+    }
+    change_mps = e.radius_m * rate - w_length;
+  } else {
+    // One of the cone's legs is.
+    const float leg = std::sqrt(gap_square - radius_square);
+    const float side_leg = cross(e.offset_m, w) > 0 ? leg : -leg;
+    // The leg's direction, turned left.
+    plane.normal = {-(side_leg * e.offset_m.y() + e.radius_m * e.offset_m.x()) / gap_square,
+                    (side_leg * e.offset_m.x() - e.radius_m * e.offset_m.y()) / gap_square};
+    change_mps = -dot(plane.normal, velocity);
+  }
+  // Room to come nearer is always halved: all of it for one would freeze the other.
+  const float share = change_mps > 0 ? e.share : 0.5f;
+  plane.offset_mps = dot(plane.normal, e.own_velocity_mps) + share * change_mps;
+  return plane;
+}
+
+HalfPlane keep_off(const Vector2f& normal, float clearance_m, float horizon_s) {
+  return {normal, -std::max(0.0f, clearance_m) / horizon_s};
+}
+
+Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard, const Vector2f& wanted_mps,
+                         float max_speed_mps) {
+  assert(planes.size() <= kMostPlanes);
+  Vector2f v = Vector2f::Zero();
+  const size_t failed = solve(planes, {wanted_mps, false}, max_speed_mps, v);
+  // Hard planes all allow standing still; only rounding can make them fail.
+  if (failed < static_cast<size_t>(hard)) return Vector2f::Zero();
+  if (failed < planes.size()) relax(planes, static_cast<size_t>(hard), failed, max_speed_mps, v);
+  return v;
+}
+
+size_t add_walls(const SteeringView& people, size_t i, float nearer_m, HalfPlane* planes) {
+  const uint32_t first = people.wall_starts[i], end = people.wall_starts[i + 1];
+  for (uint32_t w = first; w < end; ++w)
+    *planes++ = keep_off({people.wall_x[w], people.wall_y[w]},
+                         people.wall_clearance_m[w] + nearer_m, people.wall_horizon_s);
+  return end - first;
+}
+
+void decide_orca_scalar(const SteeringView& p, std::span<const uint32_t> slots, float* next_x_mps,
+                        float* next_y_mps) {
+  std::array<HalfPlane, kMostPlanes> planes;
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const uint32_t slot = slots[i];
+    const Seen& own = p.seen[slot];
+    const size_t walls = add_walls(p, i, 0, planes.data());
+    size_t count = walls;
+    Encounter e;
+    e.own_velocity_mps = {own.vx_mps, own.vy_mps};
+    e.horizon_s = own.horizon_s;
+    e.step_s = p.period_s;
+    for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
+      const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
+      const Seen& seen = p.seen[other];
+      e.offset_m = {seen.x_m - own.x_m, seen.y_m - own.y_m};
+      // Two in one place part along x, each to its own side.
+      if (e.offset_m.x() == 0 && e.offset_m.y() == 0)
+        e.offset_m.x() = slot < other ? 1e-6f : -1e-6f;
+      e.other_velocity_mps = {seen.vx_mps, seen.vy_mps};
+      e.radius_m = own.radius_m + seen.radius_m;
+      e.share = share_of(own.urge, seen.urge);
+      planes[count++] = avoid(e);
+    }
+    const Vector2f v = choose_velocity({planes.data(), count}, static_cast<int>(walls),
+                                       {own.wanted_x_mps, own.wanted_y_mps}, own.max_speed_mps);
+    next_x_mps[slot] = v.x();
+    next_y_mps[slot] = v.y();
+  }
+}
+
+}  // namespace throng

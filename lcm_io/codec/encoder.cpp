@@ -1,0 +1,475 @@
+#include "lcm_io/codec/encoder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "base/checksum.h"
+#include "base/errors.h"
+#include "base/limits.h"
+#include "lcm_io/codec/contact_rows.h"
+#include "lcm_io/codec/counter_rows.h"
+#include "lcm_io/codec/log_format.h"
+#include "lcm_io/codec/near_rows.h"
+#include "lcm_io/codec/pair_columns.h"
+#include "lcm_io/codec/readable.h"
+#include "lcm_io/codec/separation_rows.h"
+
+namespace throng {
+namespace {
+
+constexpr int64_t kSecond_us = 1'000'000;
+
+// Everybody on a scene's ground, and every part of a body there, is nearer than int32 can say.
+static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
+
+// Where they differ from target to target.
+constexpr size_t kInstanceAt = 8 + 2 * 8, kSeqAt = 8 + 4 * 8;
+
+constexpr int kRunBytes = static_cast<int>(kMaxMessageBytes - kHeaderBytes) - 12;
+constexpr size_t kStatesFixed = kHeaderBytes + 5 * sizeof(int32_t);
+constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte of who is absent
+constexpr size_t kPartsFixed = kHeaderBytes + 4 * sizeof(int32_t);
+constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
+constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
+constexpr size_t kShortfallsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 32;
+
+/// A message takes some hundred microseconds; all slots together fit the second cache.
+constexpr size_t kSlotsAThread = 4;
+
+/// A reader takes no more pieces of one thing.
+void require_few(const RunInfo& run, size_t chunks) {
+  if (chunks > static_cast<size_t>(kMaxChunks))
+    throw InputError(run.scene->name,
+                     fmt::format("avatars and joints for at most {} messages a frame", kMaxChunks),
+                     fmt::format("{}", chunks));
+}
+
+/// `levels` may be empty: then everything got as far as this run refines.
+uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
+  return levels.empty() ? static_cast<uint8_t>(last) : levels[i];
+}
+
+/// The message in the room of `buffer`, which holds the largest.
+template <class Message>
+std::span<uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer) {
+  const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
+  assert(size > 0);
+  return {buffer.data(), static_cast<size_t>(size)};
+}
+
+}  // namespace
+
+int Outlet::description_chunks() const {
+  return chunks_of(encoder_.description_.size(), static_cast<size_t>(kRunBytes));
+}
+
+void Outlet::send_description_chunk(int chunk) { encoder_.send_description_chunk(*this, chunk); }
+
+void Outlet::repeat_end() { encoder_.send(*this, Channel::kEnd, end_, 0, 1); }
+
+void Outlet::send_last_checks() { encoder_.send_checks(*this, encoder_.last_hash_, true); }
+
+void RunEncoder::add(const EncoderOptions& options, MessageTarget& target) {
+  assert(options.state_every >= 1);
+  outlets_.push_back(std::make_unique<Outlet>(*this, options, target));
+}
+
+void RunEncoder::choose_outlets() {
+  open_.clear();
+  for (const auto& outlet : outlets_)
+    if (outlet->target_.wants_messages()) open_.push_back(outlet.get());
+}
+
+template <class Message>
+void RunEncoder::number(Message& message, int chunk, int chunk_count) const {
+  message.utime = utime_us_;
+  message.run_id = run_id_;
+  message.frame = frame_;
+  message.chunk = chunk;
+  message.chunk_count = chunk_count;
+  message.schema = kSchema;
+}
+
+/// What an encoded message says to this target, `ahead` messages behind the one that is next.
+void RunEncoder::address(const Outlet& to, Channel channel, int64_t ahead,
+                         std::span<uint8_t> bytes) {
+  put_big_endian(bytes.data() + kInstanceAt, to.instance_);
+  put_big_endian(bytes.data() + kSeqAt, to.said_[channel].messages + ahead);
+}
+
+template <class Message>
+void RunEncoder::send(const Outlets& to, Channel channel, Message& message, int chunk,
+                      int chunk_count) {
+  number(message, chunk, chunk_count);
+  const std::span<uint8_t> bytes = encoded(message, buffer_);
+  for (Outlet* outlet : to) {
+    address(*outlet, channel, 0, bytes);
+    hand_over(*outlet, channel, bytes, checksum(bytes));
+  }
+}
+
+template <class Message>
+void RunEncoder::send(Outlet& to, Channel channel, Message& message, int chunk, int chunk_count) {
+  number(message, chunk, chunk_count);
+  const std::span<uint8_t> bytes = encoded(message, buffer_);
+  address(to, channel, 0, bytes);
+  hand_over(to, channel, bytes, checksum(bytes));
+}
+
+void RunEncoder::hand_over(Outlet& to, Channel channel, std::span<const uint8_t> bytes,
+                           uint64_t checksum) {
+  to.said_.add(channel, to.said_.messages(), utime_us_, bytes.size(), checksum);
+  to.target_.message(channel, utime_us_, bytes);
+}
+
+void RunEncoder::begin(const RunInfo& run) {
+  run_id_ = static_cast<int64_t>(run.run_id);
+  last_level_ = run.culler.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+  int threads = 1;
+  bool part_poses = false;
+  for (const auto& outlet : outlets_) {
+    outlet->instance_ = outlet->options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
+    outlet->said_ = {};
+    outlet->clamped_ = 0;
+    threads = std::max(threads, outlet->options_.threads);
+    part_poses = part_poses || outlet->options_.part_poses;
+  }
+  if (!workers_ || workers_->threads() != threads) workers_.emplace(threads);
+  utime_us_ = frame_ = 0;
+  last_second_ = -1;
+
+  monitor_.reset();
+  if (run.scene->separation) monitor_.emplace(run);
+  describe_checks(run, checks_);
+
+  description_ = readable_description(run);
+
+  ranges_.clear();
+  for (const auto& model : run.models) ranges_.push_back(column_ranges(*model));
+
+  // As many avatars a message as fit, model by model of different width.
+  const auto plan = [&](size_t fixed, size_t per_avatar, size_t per_item, auto items_of) {
+    std::vector<AvatarRange> chunks;
+    size_t bytes = kMaxMessageBytes;
+    for (int avatar = 0; avatar < run.avatar_count(); ++avatar) {
+      const int items = items_of(run.model_of_avatar[static_cast<size_t>(avatar)]);
+      const size_t more = per_avatar + per_item * static_cast<size_t>(items);
+      if (chunks.empty() || bytes + more > kMaxMessageBytes) {
+        chunks.push_back({avatar, 0, 0});
+        bytes = fixed;
+      }
+      bytes += more;
+      ++chunks.back().count;
+      chunks.back().items += items;
+    }
+    return chunks;
+  };
+  state_chunks_ = plan(kStatesFixed, kStatesPerAvatar, 2,
+                       [&](uint16_t model) { return static_cast<int>(ranges_[model].size()); });
+  require_few(run, state_chunks_.size());
+  const size_t slots = threads == 1 ? 1 : kSlotsAThread * static_cast<size_t>(threads);
+  states_.resize(std::max<size_t>(1, std::min(state_chunks_.size(), slots)));
+  for (StatesSlot& slot : states_) {
+    slot.bytes.resize(kMaxMessageBytes);
+    slot.checksums.resize(outlets_.size());
+  }
+  part_chunks_ = plan(kPartsFixed, 0, kPartsPerPart,
+                      [&](uint16_t model) { return run.models[model]->part_count(); });
+  if (part_poses) require_few(run, part_chunks_.size());
+  choose_outlets();
+  for (Outlet* outlet : open_) outlet->target_.after_begin(*outlet);
+}
+
+void RunEncoder::send_description_chunk(Outlet& to, int chunk) {
+  const auto total = static_cast<int>(description_.size());
+  run_.total_bytes = total;
+  run_.offset = chunk * kRunBytes;
+  run_.size = std::min(kRunBytes, total - run_.offset);
+  const auto first = description_.begin() + run_.offset;
+  run_.data.assign(first, first + run_.size);
+  send(to, Channel::kRun, run_, chunk, to.description_chunks());
+}
+
+void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
+  choose_outlets();
+  const bool is_first = last_second_ < 0;
+  if (run.resumed && is_first) {  // what the first events refer to
+    utime_us_ = run.resumed->utime_us;
+    frame_ = run.resumed->frame;
+    send_touching(run.resumed->touching, run.resumed->levels);
+  }
+  utime_us_ = frame.utime_us;
+  frame_ = frame.number;
+  send_events(frame.events);
+  if (frame.utime_us / kSecond_us != last_second_) {
+    last_second_ = frame.utime_us / kSecond_us;
+    send_touching(frame.pairs, frame.levels);
+  }
+  if (run.culler.near.is_asked()) send_near(run, frame);
+  if (run.culler.near.contact_points) send_contacts(frame.contact_points);
+  if (monitor_) {
+    monitor_->frame(run, frame);
+    send_separation();
+  }
+  states_to_.clear();
+  parts_to_.clear();
+  for (Outlet* outlet : open_) {
+    if (!is_first && !states_are_due(outlet->options_.state_every, frame.number)) continue;
+    states_to_.push_back(outlet);
+    if (outlet->options_.part_poses) parts_to_.push_back(outlet);
+  }
+  if (!states_to_.empty()) send_states(run, frame);
+  if (!parts_to_.empty()) send_parts(run, frame);
+  const auto begins = std::count_if(frame.events.begin(), frame.events.end(),
+                                    [](const PairEvent& e) { return e.kind == EventKind::kBegin; });
+  for (Outlet* outlet : open_) {
+    send_stages(*outlet, frame);
+    send_counters(*outlet, frame, begins);
+    send_checks(*outlet, frame.hash, false);
+  }
+  for (Outlet* outlet : open_) outlet->target_.after_frame(*outlet);
+}
+
+/// Also when there are none: a receiver learns that nothing touches, or is near. set(first, count)
+/// fills `m`.
+template <class Message, class Set>
+void RunEncoder::send_rows(Channel channel, Message& m, size_t rows, size_t per_message,
+                           const Set& set) {
+  const int chunks = std::max(1, chunks_of(rows, per_message));
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * per_message;
+    set(first, std::min(per_message, rows - first));
+    send(open_, channel, m, chunk, chunks);
+  }
+}
+
+void RunEncoder::send_events(std::span<const PairEvent> events) {
+  const int chunks = chunks_of(events.size(), kEventsPerMessage);
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
+    set_events(events_, events.subspan(first, std::min(kEventsPerMessage, events.size() - first)));
+    send(open_, Channel::kEvents, events_, chunk, chunks);
+  }
+}
+
+void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels) {
+  assert(levels.empty() || levels.size() == pairs.size());
+  send_rows(Channel::kTouching, touching_, pairs.size(), kTouchingPerMessage,
+            [&](size_t first, size_t count) {
+              resize_pairs(touching_, count);
+              for (size_t i = 0; i < count; ++i)
+                set_pair(touching_, i, pairs[first + i], level_at(levels, first + i, last_level_));
+            });
+}
+
+void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
+  const size_t rows = frame.near_pairs.size() + frame.near_people.size();
+  send_rows(Channel::kNear, near_, rows, kNearPerMessage, [&](size_t first, size_t) {
+    set_near_chunk(near_, run.culler.near, frame.near_hash, frame.near_pairs, frame.near_people,
+                   first);
+  });
+}
+
+void RunEncoder::send_contacts(std::span<const ContactPoint> points) {
+  send_rows(
+      Channel::kContacts, contacts_, points.size(), kContactsPerMessage,
+      [&](size_t first, size_t count) { set_contacts(contacts_, points.subspan(first, count)); });
+}
+
+void RunEncoder::send_separation() {
+  const std::span<const Shortfall> begun = monitor_->begun(), ended = monitor_->ended();
+  const size_t rows = begun.size() + ended.size();
+  const int chunks = chunks_of(rows, kShortfallsPerMessage);
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const size_t first = static_cast<size_t>(chunk) * kShortfallsPerMessage;
+    const size_t count = std::min(kShortfallsPerMessage, rows - first);
+    begin_separation(separation_, count);
+    for (size_t i = 0; i < count; ++i) {
+      const bool is_begin = first + i < begun.size();
+      set_shortfall(separation_, i, is_begin ? EventKind::kBegin : EventKind::kEnd,
+                    is_begin ? begun[first + i] : ended[first + i - begun.size()]);
+    }
+    send(open_, Channel::kSeparation, separation_, chunk, chunks);
+  }
+}
+
+bool RunEncoder::states_are_due(double state_every, int64_t frame) const {
+  // A multiple that rounding put a hair behind its frame is that frame's all the same.
+  const auto multiples = [state_every](int64_t number) {
+    return std::floor(static_cast<double>(number) / state_every + 1e-6);
+  };
+  return multiples(frame) > multiples(frame - 1);
+}
+
+/// Some chunks at a time are encoded side by side, then sent in their order.
+void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
+  assert(static_cast<int>(frame.roots.size()) == run.avatar_count());
+  const auto chunks = static_cast<int>(state_chunks_.size());
+  const auto slots = static_cast<int>(states_.size());
+  for (int first = 0; first < chunks; first += slots) {
+    const int count = std::min(slots, chunks - first);
+    workers_->for_blocks(count, [&](int i, int) {
+      StatesSlot& slot = states_[static_cast<size_t>(i)];
+      const int chunk = first + i;
+      fill_states(run, frame, state_chunks_[static_cast<size_t>(chunk)], slot.message);
+      number(slot.message, chunk, chunks);
+      const std::span<uint8_t> bytes = encoded(slot.message, slot.bytes);
+      slot.size = bytes.size();
+      for (size_t t = 0; t < states_to_.size(); ++t) {
+        address(*states_to_[t], Channel::kStates, i, bytes);
+        slot.checksums[t] = checksum(bytes);
+      }
+    });
+    for (int i = 0; i < count; ++i) {
+      StatesSlot& slot = states_[static_cast<size_t>(i)];
+      const std::span<uint8_t> bytes(slot.bytes.data(), slot.size);
+      for (size_t t = 0; t < states_to_.size(); ++t) {
+        Outlet& outlet = *states_to_[t];
+        outlet.clamped_ += slot.message.clamped;
+        address(outlet, Channel::kStates, 0, bytes);
+        hand_over(outlet, Channel::kStates, bytes, slot.checksums[t]);
+      }
+    }
+  }
+}
+
+void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
+                             states_t& m) const {
+  const auto count = static_cast<size_t>(range.count);
+  m.first_avatar = range.first;
+  m.avatar_count = range.count;
+  m.joint_value_count = range.items;
+  m.clamped = 0;
+  for (auto* column : {&m.root_x_100um, &m.root_y_100um, &m.root_z_100um}) column->resize(count);
+  for (auto* column : {&m.root_qw, &m.root_qx, &m.root_qy, &m.root_qz}) column->resize(count);
+  m.speed_mps.resize(count);
+  m.joint_values.resize(static_cast<size_t>(range.items));
+  const auto first = static_cast<size_t>(range.first);
+  m.present.clear();
+  if (!frame.present.empty()) {
+    const auto present = frame.present.subspan(first, count);
+    if (std::find(present.begin(), present.end(), 0) != present.end())
+      m.present.assign(present.begin(), present.end());
+  }
+  m.present_count = static_cast<int32_t>(m.present.size());
+  size_t value = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t avatar = first + i;
+    const RootPose& root = frame.roots[avatar];
+    m.root_x_100um[i] = quantised_position(root.position_m.x(), m.clamped);
+    m.root_y_100um[i] = quantised_position(root.position_m.y(), m.clamped);
+    m.root_z_100um[i] = quantised_position(root.position_m.z(), m.clamped);
+    m.root_qw[i] = quantised_unit(root.world_from_root.w(), m.clamped);
+    m.root_qx[i] = quantised_unit(root.world_from_root.x(), m.clamped);
+    m.root_qy[i] = quantised_unit(root.world_from_root.y(), m.clamped);
+    m.root_qz[i] = quantised_unit(root.world_from_root.z(), m.clamped);
+    m.speed_mps[i] = frame.speeds_mps[avatar];
+    const float* posture = frame.postures.data() + frame.posture_offsets[avatar];
+    for (const ColumnRange& column : ranges_[run.model_of_avatar[avatar]])
+      m.joint_values[value++] = column.quantised_value(*posture++, m.clamped);
+  }
+}
+
+void RunEncoder::send_parts(const RunInfo& run, const Frame& frame) {
+  const auto chunks = static_cast<int>(part_chunks_.size());
+  for (int chunk = 0; chunk < chunks; ++chunk) {
+    const AvatarRange& range = part_chunks_[static_cast<size_t>(chunk)];
+    parts_t& m = parts_;
+    m.first_avatar = range.first;
+    m.avatar_count = range.count;
+    m.part_count = range.items;
+    m.clamped = 0;
+    for (auto* column : {&m.x_100um, &m.y_100um, &m.z_100um}) column->clear();
+    for (auto* column : {&m.qw, &m.qx, &m.qy, &m.qz}) column->clear();
+    for (int i = range.first; i < range.first + range.count; ++i) {
+      const auto avatar = static_cast<size_t>(i);
+      const size_t first = frame.posture_offsets[avatar];
+      add_part_poses(*run.models[run.model_of_avatar[avatar]], frame.roots[avatar],
+                     run.scale_of_avatar[avatar],
+                     frame.postures.subspan(first, frame.posture_offsets[avatar + 1] - first));
+    }
+    for (Outlet* outlet : parts_to_) outlet->clamped_ += m.clamped;
+    send(parts_to_, Channel::kParts, m, chunk, chunks);
+  }
+}
+
+void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float scale,
+                                std::span<const float> posture) {
+  const RootFrame root_frame{root.world_from_root, scale};
+  poses_.resize(static_cast<size_t>(model.part_count()));
+  forward_kinematics(model.kinematics, posture, {&root_frame, 1}, poses_);
+  parts_t& m = parts_;
+  for (const PartPose& pose : poses_) {
+    const Eigen::Isometry3d relative = to_isometry(pose);
+    const Eigen::Vector3d position = root.position_m + relative.translation();
+    const Eigen::Quaternionf q(Eigen::Quaterniond(relative.linear()).cast<float>());
+    m.x_100um.push_back(quantised_position(position.x(), m.clamped));
+    m.y_100um.push_back(quantised_position(position.y(), m.clamped));
+    m.z_100um.push_back(quantised_position(position.z(), m.clamped));
+    m.qw.push_back(quantised_unit(q.w(), m.clamped));
+    m.qx.push_back(quantised_unit(q.x(), m.clamped));
+    m.qy.push_back(quantised_unit(q.y(), m.clamped));
+    m.qz.push_back(quantised_unit(q.z(), m.clamped));
+  }
+}
+
+void RunEncoder::send_stages(Outlet& to, const Frame& frame) {
+  fill_stages(stages_, frame, to.options_.with_clock_times);
+  send(to, Channel::kStages, stages_, 0, 1);
+}
+
+void RunEncoder::send_counters(Outlet& to, const Frame& frame, int64_t begins) {
+  fill_counters(counters_, frame, begins, to.options_.with_clock_times);
+  send(to, Channel::kCounters, counters_, 0, 1);
+}
+
+void RunEncoder::send_checks(Outlet& to, uint64_t hash, bool is_last) {
+  number(checks_, 0, 1);
+  checks_.number = to.said_.messages();
+  checks_.hash = static_cast<int64_t>(hash);
+  checks_.is_last = is_last;
+  to.said_.fill(checks_);
+  const std::span<uint8_t> bytes = encoded(checks_, buffer_);
+  address(to, Channel::kChecks, 0, bytes);
+  seal(bytes);
+  hand_over(to, Channel::kChecks, bytes, checksum(bytes));
+}
+
+void RunEncoder::fill_end(const RunEnd& end, const Outlet& of, end_t& m) {
+  m.frames = end.frames;
+  m.begins = static_cast<int64_t>(end.begins);
+  m.ends = static_cast<int64_t>(end.ends);
+  m.hash = static_cast<int64_t>(end.hash);
+  m.channels.clear();
+  m.messages.clear();
+  m.bytes.clear();
+  for (const Channel channel : kAllChannels) {
+    if (channel == Channel::kEnd || !is_named(channel, of.totals(channel).messages)) continue;
+    m.channels.emplace_back(name_of(channel));
+    m.messages.push_back(of.totals(channel).messages);
+    m.bytes.push_back(of.totals(channel).bytes);
+  }
+  m.channel_count = static_cast<int32_t>(m.channels.size());
+}
+
+void RunEncoder::end(const RunInfo&, const RunEnd& end) {
+  choose_outlets();
+  utime_us_ = end.utime_us;
+  frame_ = end.frames;
+  last_hash_ = end.hash;
+  send_events(end.events);
+  if (monitor_) {
+    monitor_->end();
+    send_separation();
+  }
+  for (Outlet* outlet : open_) {
+    fill_end(end, *outlet, outlet->end_);
+    send(*outlet, Channel::kEnd, outlet->end_, 0, 1);
+    outlet->target_.after_end(*outlet);
+  }
+}
+
+}  // namespace throng

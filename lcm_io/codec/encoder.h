@@ -1,0 +1,138 @@
+// Turns a run into messages, once for all that they go to: the wire, the log.
+// One rule: what a target gets depends on the run and its own options only, never on a clock, a
+// thread or another target; after the first frames nothing is allocated unless a frame has more
+// events than any before.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/workers.h"
+#include "lcm_io/codec/channels.h"
+#include "lcm_io/codec/description.h"
+#include "lcm_io/codec/message_target.h"
+#include "scenes/run/sink.h"
+#include "scenes/separation/separation_monitor.h"
+#include "throng/checks_t.hpp"
+#include "throng/contact_points_t.hpp"
+#include "throng/counters_t.hpp"
+#include "throng/events_t.hpp"
+#include "throng/near_t.hpp"
+#include "throng/parts_t.hpp"
+#include "throng/run_t.hpp"
+#include "throng/separation_t.hpp"
+#include "throng/stages_t.hpp"
+#include "throng/states_t.hpp"
+#include "throng/touching_t.hpp"
+
+namespace throng {
+
+class RunEncoder final : public Sink {
+ public:
+  RunEncoder() = default;
+  /// Of one target. Keeps a reference to it.
+  RunEncoder(const EncoderOptions& options, MessageTarget& target) { add(options, target); }
+
+  RunEncoder(const RunEncoder&) = delete;  // outlets know where it is
+  RunEncoder& operator=(const RunEncoder&) = delete;
+
+  /// One target more, before begin(). Keeps a reference.
+  void add(const EncoderOptions& options, MessageTarget& target);
+
+  SinkNeeds needs() const override { return {.postures = true}; }
+  /// Encodes the description; what is sent of it is up to the targets. Throws InputError if it is
+  /// larger than a reader takes.
+  void begin(const RunInfo& run) override;
+  /// Messages in this order: events, touching (once a simulated second), near (where distances are
+  /// asked for), contacts (where their points are), separation (where the scene has one), states,
+  /// parts, stages, counters, checks.
+  /// A run that was resumed first sends what touched before, as touching of the frame before.
+  void frame(const RunInfo& run, const Frame& frame) override;
+  /// The last ends, then THRONG_END.
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+  /// Of the target that was added as number `i`.
+  Outlet& outlet(size_t i = 0) { return *outlets_[i]; }
+  const Outlet& outlet(size_t i = 0) const { return *outlets_[i]; }
+
+ private:
+  struct AvatarRange {
+    int first = 0;
+    int count = 0;
+    int items = 0;  // joint values, or parts
+  };
+  /// A states message with room for its bytes.
+  struct StatesSlot {
+    states_t message{};
+    std::vector<uint8_t> bytes;
+    size_t size = 0;
+    std::vector<uint64_t> checksums;  // by target: they differ in instance and seq
+  };
+  using Outlets = std::vector<Outlet*>;
+
+  friend class Outlet;
+  void choose_outlets();
+  template <class Message>
+  void number(Message& message, int chunk, int chunk_count) const;
+  template <class Message>
+  void send(const Outlets& to, Channel channel, Message& message, int chunk, int chunk_count);
+  template <class Message>
+  void send(Outlet& to, Channel channel, Message& message, int chunk, int chunk_count);
+  static void address(const Outlet& to, Channel channel, int64_t ahead, std::span<uint8_t> bytes);
+  void hand_over(Outlet& to, Channel channel, std::span<const uint8_t> bytes, uint64_t checksum);
+  void send_description_chunk(Outlet& to, int chunk);
+  template <class Message, class Set>
+  void send_rows(Channel channel, Message& m, size_t rows, size_t per_message, const Set& set);
+  void send_events(std::span<const PairEvent> events);
+  void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
+  void send_near(const RunInfo& run, const Frame& frame);
+  void send_contacts(std::span<const ContactPoint> points);
+  void send_separation();
+  bool states_are_due(double state_every, int64_t frame) const;
+  void send_states(const RunInfo& run, const Frame& frame);
+  void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
+                   states_t& m) const;
+  void send_parts(const RunInfo& run, const Frame& frame);
+  void add_part_poses(const Model& model, const RootPose& root, float scale,
+                      std::span<const float> posture);
+  void send_stages(Outlet& to, const Frame& frame);
+  void send_counters(Outlet& to, const Frame& frame, int64_t begins);
+  void send_checks(Outlet& to, uint64_t hash, bool is_last);
+  static void fill_end(const RunEnd& end, const Outlet& of, end_t& m);
+
+  std::vector<std::unique_ptr<Outlet>> outlets_;
+  Outlets open_;                  // those that want messages now
+  Outlets states_to_, parts_to_;  // those of them that get these with this frame
+
+  int64_t run_id_ = 0;
+  int64_t utime_us_ = 0;
+  int64_t frame_ = 0;
+  int64_t last_second_ = -1;
+  PairLevel last_level_ = PairLevel::kPartVolume;  // what a pair without a level got to
+
+  std::vector<uint8_t> description_;
+  std::vector<std::vector<ColumnRange>> ranges_;  // by model
+  std::vector<AvatarRange> state_chunks_, part_chunks_;
+  std::vector<PartPose> poses_;
+
+  // Some of these and one of each other, reused; their vectors keep their capacity.
+  std::optional<Workers> workers_;
+  std::vector<StatesSlot> states_;
+  run_t run_{};
+  events_t events_{};
+  touching_t touching_{};
+  near_t near_{};
+  contact_points_t contacts_{};
+  separation_t separation_{};
+  std::optional<SeparationMonitor> monitor_;  // of a run whose scene has a separation
+  stages_t stages_{};
+  counters_t counters_{};
+  parts_t parts_{};
+  checks_t checks_{};
+  std::vector<uint8_t> buffer_ = std::vector<uint8_t>(kMaxMessageBytes);
+  uint64_t last_hash_ = 0;  // of the run's end
+};
+
+}  // namespace throng

@@ -1,0 +1,359 @@
+#include "lcm_io/codec/run_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/errors.h"
+#include "lcm_io/codec/contact_rows.h"
+#include "lcm_io/codec/near_rows.h"
+#include "lcm_io/codec/pair_columns.h"
+
+namespace throng {
+
+bool RunReader::follows(Channel channel) {
+  if (header_.run_id == run_id() && header_.instance == instance() && has_run_) {
+    is_free_ = false;
+    return true;
+  }
+  // The description's first round; later ones have a higher seq.
+  const bool begins = channel == Channel::kRun && header_.seq < header_.chunk_count;
+  if (!is_free_ && !begins && !end_) {
+    ++foreign_;
+    return false;
+  }
+  *this = [this] {
+    RunReader fresh;
+    fresh.tally_.run_id = header_.run_id;
+    fresh.tally_.instance = header_.instance;
+    fresh.header_ = header_;
+    fresh.is_sound_ = true;
+    fresh.has_run_ = true;
+    fresh.is_free_ = false;
+    fresh.refused_ = refused_;
+    fresh.foreign_ = foreign_;
+    fresh.refusal_ = std::move(refusal_);
+    return fresh;
+  }();
+  return true;
+}
+
+void RunReader::rewind() {
+  tally_.channels = {};
+  state_.frame = pending_.frame = -1;
+  pending_avatars_ = 0;
+  pending_chunks_.clear();
+  touching_.clear();
+  pending_touching_.clear();
+  for (Gathering* all : {&gathering_touching_, &gathering_near_, &gathering_contacts_}) *all = {};
+  new_events_.clear();
+  near_pairs_.clear();
+  near_people_.clear();
+  contact_points_.clear();
+  new_shortfalls_.clear();
+  counters_.reset();
+  stages_.reset();
+  end_.reset();
+  checks_.reset();
+}
+
+RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
+  ++refused_;
+  refusal_ = std::string(channel) + ": " + std::move(why);
+  return Update::kRefused;
+}
+
+template <class Message>
+RunReader::Update RunReader::take(Channel channel, std::span<const uint8_t> bytes) {
+  Message message;
+  std::string defect = decode(bytes, message);
+  if (!defect.empty()) return refuse(name_of(channel), std::move(defect));
+  is_sound_ = true;
+  if (!follows(channel)) return Update::kNothing;
+  tally_.count(channel, header_, bytes.size());
+  Update update = Update::kNothing;
+  defect = use(message, update);
+  return defect.empty() ? update : refuse(name_of(channel), std::move(defect));
+}
+
+RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t> bytes) {
+  is_sound_ = false;
+  const std::optional<Channel> channel = channel_of(name);
+  if (!channel) return Update::kNothing;
+  std::string defect = read_header(*channel, bytes, header_);
+  if (!defect.empty()) return refuse(name, std::move(defect));
+  switch (*channel) {
+    case Channel::kRun:
+      return take<run_t>(*channel, bytes);
+    case Channel::kStates:
+      return take<states_t>(*channel, bytes);
+    case Channel::kEvents:
+      return take<events_t>(*channel, bytes);
+    case Channel::kTouching:
+      return take<touching_t>(*channel, bytes);
+    case Channel::kCounters:
+      return take<counters_t>(*channel, bytes);
+    case Channel::kEnd:
+      return take<end_t>(*channel, bytes);
+    case Channel::kParts:
+      return take<parts_t>(*channel, bytes);
+    case Channel::kChecks:
+      return take<checks_t>(*channel, bytes);
+    case Channel::kStages:
+      return take<stages_t>(*channel, bytes);
+    case Channel::kNear:
+      return take<near_t>(*channel, bytes);
+    case Channel::kSeparation:
+      return take<separation_t>(*channel, bytes);
+    case Channel::kContacts:
+      return take<contact_points_t>(*channel, bytes);
+  }
+  return Update::kNothing;
+}
+
+std::string RunReader::use(counters_t& counters, Update& update) {
+  counters_ = counters;
+  update = Update::kCounters;
+  return "";
+}
+
+std::string RunReader::use(stages_t& stages, Update&) {
+  stages_ = std::move(stages);
+  return "";
+}
+
+std::string RunReader::use(end_t& end, Update& update) {
+  end_ = std::move(end);
+  tally_.close(*end_);
+  update = Update::kEnd;
+  return "";
+}
+
+std::string RunReader::use(const parts_t&, Update&) { return ""; }
+
+std::string RunReader::use(checks_t& checks, Update& update) {
+  checks_ = std::move(checks);
+  update = Update::kChecks;
+  return "";
+}
+
+std::string RunReader::use(const run_t& piece, Update& update) {
+  if (run_) return "";
+  if (piece.total_bytes != total_bytes_) {
+    pieces_.clear();
+    piece_bytes_ = 0;
+    total_bytes_ = piece.total_bytes;
+  }
+  const bool is_new = pieces_.emplace(piece.offset, piece.data).second;
+  if (is_new) piece_bytes_ += piece.size;
+  if (piece_bytes_ < total_bytes_) return "";
+  std::string defect = adopt_description();
+  if (defect.empty()) update = Update::kRun;
+  return defect;
+}
+
+std::string RunReader::adopt_description() {
+  std::vector<uint8_t> bytes;
+  bytes.reserve(static_cast<size_t>(total_bytes_));
+  bool is_contiguous = true;
+  for (const auto& [offset, data] : pieces_) {
+    is_contiguous = is_contiguous && static_cast<size_t>(offset) == bytes.size();
+    bytes.insert(bytes.end(), data.begin(), data.end());
+  }
+  pieces_.clear();
+  piece_bytes_ = 0;
+  if (!is_contiguous) return "pieces that overlap";
+  auto description = std::make_unique<run_description_t>();
+  std::string defect = decode(bytes, *description);
+  if (!defect.empty()) return defect;
+  run_ = std::move(description);
+  models_.resize(run_->models.size());
+  for (const model_t& model : run_->models) ranges_.push_back(column_ranges(model));
+  posture_offsets_ = {0};
+  for (const int16_t model : run_->model_of_avatar)
+    posture_offsets_.push_back(posture_offsets_.back() +
+                               ranges_[static_cast<size_t>(model)].size());
+  std::erase_if(touching_, [this](const auto& entry) { return !has_pair(*run_, entry.first); });
+  return "";
+}
+
+std::string RunReader::use(const states_t& m, Update& update) {
+  if (!run_) return "";
+  const auto avatars = static_cast<int64_t>(run_->avatar_count);
+  if (m.first_avatar < 0 || m.first_avatar + int64_t{m.avatar_count} > avatars)
+    return "avatars that the run does not have";
+  const auto first = static_cast<size_t>(m.first_avatar);
+  const auto count = static_cast<size_t>(m.avatar_count);
+  const size_t first_value = posture_offsets_[first];
+  if (posture_offsets_[first + count] - first_value != static_cast<size_t>(m.joint_value_count))
+    return "joint values that the models do not have";
+  if (m.frame < pending_.frame || m.frame <= state_.frame) return "";
+  if (m.frame > pending_.frame || pending_chunks_.size() != static_cast<size_t>(m.chunk_count)) {
+    if (pending_avatars_ > 0) ++tally_[Channel::kStates].incomplete;
+    pending_.frame = m.frame;
+    pending_.utime_us = m.utime;
+    pending_.roots.resize(static_cast<size_t>(avatars));
+    pending_.speeds_mps.resize(static_cast<size_t>(avatars));
+    pending_.postures.resize(posture_offsets_.back());
+    pending_.present.resize(static_cast<size_t>(avatars));
+    pending_chunks_.assign(static_cast<size_t>(m.chunk_count), false);
+    pending_avatars_ = 0;
+  }
+  if (pending_chunks_[static_cast<size_t>(m.chunk)]) return "";
+  pending_chunks_[static_cast<size_t>(m.chunk)] = true;
+  for (size_t i = 0, value = 0; i < count; ++i) {
+    RootPose& root = pending_.roots[first + i];
+    root.position_m = {position_of(m.root_x_100um[i]), position_of(m.root_y_100um[i]),
+                       position_of(m.root_z_100um[i])};
+    root.world_from_root = rotation_of(m.root_qw[i], m.root_qx[i], m.root_qy[i], m.root_qz[i]);
+    pending_.speeds_mps[first + i] = m.speed_mps[i];
+    pending_.present[first + i] = m.present.empty() || m.present[i] != 0 ? 1 : 0;
+    for (const ColumnRange& range :
+         ranges_[static_cast<size_t>(run_->model_of_avatar[first + i])]) {
+      pending_.postures[first_value + value] = range.value_of(m.joint_values[value]);
+      ++value;
+    }
+  }
+  pending_avatars_ += m.avatar_count;
+  if (std::find(pending_chunks_.begin(), pending_chunks_.end(), false) != pending_chunks_.end())
+    return "";
+  const bool is_whole = pending_avatars_ == run_->avatar_count;
+  pending_avatars_ = 0;
+  if (!is_whole) return "chunks that do not add up to the run's avatars";
+  std::swap(state_, pending_);
+  update = Update::kState;
+  return "";
+}
+
+namespace {
+
+/// A hundred thousand people shoulder to shoulder have a million; who says more lies.
+constexpr size_t kMaxTouching = size_t{1} << 22;
+
+/// Whether all pairs are of bodies and parts that the run has; without a description nobody knows.
+template <class Message>
+std::string defect_of_pairs(const Message& m, const run_description_t* run, size_t touching) {
+  if (touching + m.a.size() > kMaxTouching)
+    return fmt::format("more than {} pairs that touch", kMaxTouching);
+  for (size_t i = 0; run != nullptr && i < m.a.size(); ++i)
+    if (!has_pair(*run, pair_at(m, i)))
+      return fmt::format("a pair that the run does not have: {}:{} - {}:{}", m.a[i], m.part_a[i],
+                         m.b[i], m.part_b[i]);
+  return "";
+}
+
+}  // namespace
+
+std::string RunReader::use(const events_t& m, Update& update) {
+  std::string defect = defect_of_pairs(m, run_.get(), touching_.size());
+  if (!defect.empty()) return defect;
+  new_events_.clear();
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    const PairKey pair = pair_at(m, i);
+    const auto kind = static_cast<EventKind>(m.kind[i]);
+    const auto level = static_cast<PairLevel>(m.level[i]);
+    new_events_.push_back({pair, kind, level});
+    if (kind == EventKind::kBegin)
+      touching_[pair] = level;
+    else
+      touching_.erase(pair);
+  }
+  update = Update::kEvents;
+  return "";
+}
+
+/// What was gathered for another frame is of no use then.
+template <class Message>
+bool RunReader::begins_anew(Channel channel, const Message& message, Gathering& gathering) {
+  if (message.frame == gathering.frame) return false;
+  if (!gathering.chunks.empty()) ++tally_[channel].incomplete;
+  gathering = {message.frame, {}};
+  return true;
+}
+
+template <class Message>
+bool RunReader::completes(const Message& message, Gathering& gathering) {
+  gathering.chunks.insert(message.chunk);
+  if (gathering.chunks.size() < static_cast<size_t>(message.chunk_count)) return false;
+  gathering = {};
+  return true;
+}
+
+std::string RunReader::use(const touching_t& m, Update& update) {
+  std::string defect = defect_of_pairs(m, run_.get(), pending_touching_.size());
+  if (!defect.empty()) return defect;
+  if (begins_anew(Channel::kTouching, m, gathering_touching_)) pending_touching_.clear();
+  for (size_t i = 0; i < m.a.size(); ++i)
+    pending_touching_.emplace(pair_at(m, i), static_cast<PairLevel>(m.level[i]));
+  if (!completes(m, gathering_touching_)) return "";
+  // Events of a later frame that overtook it would be undone: the next set, a second on, is right.
+  if (m.frame >= tally(Channel::kEvents).last_frame) touching_.swap(pending_touching_);
+  pending_touching_.clear();
+  update = Update::kTouching;
+  return "";
+}
+
+std::string RunReader::use(const near_t& m, Update& update) {
+  const size_t before = m.frame == gathering_near_.frame
+                            ? pending_near_pairs_.size() + pending_near_people_.size()
+                            : 0;
+  std::string defect = defect_of_pairs(m, run_.get(), before);
+  if (!defect.empty()) return defect;
+  if (begins_anew(Channel::kNear, m, gathering_near_)) {
+    pending_near_pairs_.clear();
+    pending_near_people_.clear();
+  }
+  if (gathering_near_.chunks.contains(m.chunk)) return "";
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    (m.of[i] == 0 ? pending_near_pairs_ : pending_near_people_).push_back(near_at(m, i));
+  }
+  if (!completes(m, gathering_near_)) return "";
+  near_pairs_.swap(pending_near_pairs_);
+  near_people_.swap(pending_near_people_);
+  update = Update::kNear;
+  return "";
+}
+
+std::string RunReader::use(const contact_points_t& m, Update& update) {
+  const size_t before = m.frame == gathering_contacts_.frame ? pending_contact_points_.size() : 0;
+  std::string defect = defect_of_pairs(m, run_.get(), before);
+  if (!defect.empty()) return defect;
+  if (begins_anew(Channel::kContacts, m, gathering_contacts_)) pending_contact_points_.clear();
+  if (gathering_contacts_.chunks.contains(m.chunk)) return "";
+  for (size_t i = 0; i < m.a.size(); ++i) pending_contact_points_.push_back(contact_at(m, i));
+  if (!completes(m, gathering_contacts_)) return "";
+  contact_points_.swap(pending_contact_points_);
+  update = Update::kContacts;
+  return "";
+}
+
+std::string RunReader::use(const separation_t& m, Update& update) {
+  for (size_t i = 0; run_ != nullptr && i < m.robot.size(); ++i)
+    if (std::max(m.robot[i], m.person[i]) >= run_->avatar_count)
+      return fmt::format("a robot {} and a person {} that the run does not have", m.robot[i],
+                         m.person[i]);
+  new_shortfalls_.clear();
+  for (size_t i = 0; i < m.robot.size(); ++i) new_shortfalls_.push_back(shortfall_at(m, i));
+  update = Update::kSeparation;
+  return "";
+}
+
+std::shared_ptr<const Model> RunReader::model(size_t index) {
+  std::shared_ptr<const Model>& model = models_.at(index);
+  if (!model) model = to_model(run_->models.at(index));
+  return model;
+}
+
+void RunReader::part_poses(int avatar, std::vector<PartPose>& out) {
+  const auto i = static_cast<size_t>(avatar);
+  const std::shared_ptr<const Model> body = model(static_cast<size_t>(run_->model_of_avatar.at(i)));
+  const RootFrame root{state_.roots.at(i).world_from_root, run_->scale_of_avatar.at(i)};
+  out.resize(static_cast<size_t>(body->part_count()));
+  forward_kinematics(
+      body->kinematics,
+      std::span(state_.postures)
+          .subspan(posture_offsets_[i], posture_offsets_[i + 1] - posture_offsets_[i]),
+      {&root, 1}, out);
+}
+
+}  // namespace throng

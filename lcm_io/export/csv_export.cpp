@@ -1,0 +1,202 @@
+#include "lcm_io/export/csv_export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/append.h"
+
+namespace throng {
+namespace {
+
+constexpr size_t kPiece = 1 << 16;
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+double seconds(int64_t utime_us) { return 1e-6 * static_cast<double>(utime_us); }
+
+/// Without names where the run's description has not come yet.
+std::string names_of(const run_description_t* description, PairKey pair) {
+  if (description == nullptr) return fmt::format("{},{},,,,", pair.a(), pair.b());
+  const run_description_t& run = *description;
+  return fmt::format("{},{},{},{},{},{}", pair.a(), pair.b(), quoted(body_name(run, pair.a())),
+                     quoted(body_name(run, pair.b())),
+                     quoted(part_name(run, pair.a(), pair.part_a())),
+                     quoted(part_name(run, pair.b(), pair.part_b())));
+}
+
+constexpr const char* kPairColumns = "a,b,name_a,name_b,part_a,part_b";
+
+void add_events(RunReader& run, const MessageHeader& header, std::string& out) {
+  for (const PairEvent& event : run.new_events())
+    append(out, "{},{:.6f},{},{},{}\n", header.frame, seconds(header.utime_us),
+           event.kind == EventKind::kBegin ? "begin" : "end", names_of(run.run(), event.pair),
+           static_cast<int>(event.level));
+}
+
+void add_touching(RunReader& run, const MessageHeader& header, std::string& out) {
+  for (const auto& [pair, level] : run.touching())
+    append(out, "{},{:.6f},{},{}\n", header.frame, seconds(header.utime_us),
+           names_of(run.run(), pair), static_cast<int>(level));
+}
+
+void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
+  const auto add = [&](std::span<const NearPair> rows, const char* of) {
+    for (const NearPair& row : rows) {
+      append(out, "{},{:.6f},{},{},{},{},{}", header.frame, seconds(header.utime_us), of,
+             names_of(run.run(), row.pair), static_cast<int>(row.level), row.lo_m, row.hi_m);
+      if (row.level != PairLevel::kExact) {
+        out += ",,,,,,,,,,,,\n";
+        continue;
+      }
+      for (const auto* point : {&row.point_a_m, &row.point_b_m})
+        for (const double x : *point) append(out, ",{:.6f}", x);
+      for (const float x : row.normal) append(out, ",{:.6f}", x);
+      append(out, ",{:.6f},", row.depth_m);
+      if (!std::isnan(row.closing_mps))
+        append(out, "{:.6f},{:.6f}", row.closing_mps, row.contact_in_s());
+      else
+        out += ',';
+      out += '\n';
+    }
+  };
+  add(run.near_pairs(), "parts");
+  add(run.near_people(), "people");
+}
+
+void add_contacts(RunReader& run, const MessageHeader& header, std::string& out) {
+  for (const ContactPoint& row : run.contact_points()) {
+    append(out, "{},{:.6f},{}", header.frame, seconds(header.utime_us),
+           names_of(run.run(), row.pair));
+    for (const double x : row.point_m) append(out, ",{:.6f}", x);
+    for (const float x : row.direction) append(out, ",{:.6f}", x);
+    append(out, ",{:.6f}\n", row.depth_m);
+  }
+}
+
+void add_separation(RunReader& run, const MessageHeader& header, std::string& out) {
+  for (const auto& [kind, shortfall] : run.new_shortfalls())
+    append(out, "{},{:.6f},{},{},{},{},{},{},{},{},{},{}\n", header.frame, seconds(header.utime_us),
+           kind == EventKind::kBegin ? "begin" : "end", shortfall.robot, shortfall.person,
+           name_of(shortfall.region), shortfall.begin_frame, shortfall.least_lo_m,
+           shortfall.least_hi_m, shortfall.most_short_m, shortfall.is_cut ? 1 : 0,
+           shortfall.is_beyond_margin ? 1 : 0);
+}
+
+void add_states(RunReader& run, const MessageHeader&, std::string& out) {
+  const CrowdState& state = run.state();
+  for (size_t id = 0; id < state.roots.size(); ++id) {
+    if (!state.present.empty() && state.present[id] == 0) continue;
+    const RootPose& root = state.roots[id];
+    const Eigen::Vector3f ahead = root.world_from_root * Eigen::Vector3f::UnitX();
+    append(out, "{},{:.6f},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", state.frame,
+           seconds(state.utime_us), id, quoted(body_name(*run.run(), static_cast<uint32_t>(id))),
+           root.position_m.x(), root.position_m.y(), root.position_m.z(),
+           std::atan2(static_cast<double>(ahead.y()), static_cast<double>(ahead.x())),
+           state.speeds_mps[id]);
+  }
+}
+
+constexpr const char* kStages[] = {"sphere", "box", "part_volume", "exact"};
+
+std::string counter_columns() {
+  std::string out = "frame,time_s";
+  for (const char* stage : kStages)
+    append(out, ",{}_updates,{}_tests,{}_passed", stage, stage, stage);
+  return out + ",posed_bodies,begins,ends,persisting,touching";
+}
+
+void add_counters(RunReader& run, const MessageHeader& header, std::string& out) {
+  const counters_t& counters = *run.counters();
+  append(out, "{},{:.6f}", header.frame, seconds(header.utime_us));
+  for (size_t i = 0; i < std::size(kStages); ++i)
+    append(out, ",{},{},{}", counters.updates[i], counters.tests[i], counters.passed[i]);
+  append(out, ",{},{},{},{},{}\n", counters.posed_bodies, counters.begins, counters.ends,
+         counters.persisting, counters.touching);
+}
+
+/// One channel: what its rows are called and how a message becomes some.
+struct Table {
+  const char* channel;
+  RunReader::Update update;
+  std::string columns;
+  void (*add)(RunReader& run, const MessageHeader& header, std::string& out);
+};
+
+const std::vector<Table>& tables() {
+  using Update = RunReader::Update;
+  static const std::vector<Table> all = {
+      {"events", Update::kEvents, fmt::format("frame,time_s,kind,{},level", kPairColumns),
+       add_events},
+      {"states", Update::kState, "frame,time_s,id,name,x_m,y_m,z_m,heading_rad,speed_mps",
+       add_states},
+      {"touching", Update::kTouching, fmt::format("frame,time_s,{},level", kPairColumns),
+       add_touching},
+      {"near", Update::kNear,
+       fmt::format("frame,time_s,of,{},level,lo_m,hi_m,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,"
+                   "normal_x,normal_y,normal_z,depth_m,closing_mps,contact_in_s",
+                   kPairColumns),
+       add_near},
+      {"contacts", Update::kContacts,
+       fmt::format("frame,time_s,{},x_m,y_m,z_m,direction_x,direction_y,direction_z,depth_m",
+                   kPairColumns),
+       add_contacts},
+      {"separation", Update::kSeparation,
+       "frame,time_s,kind,robot,person,region,begin_frame,least_lo_m,least_hi_m,most_short_m,cut,"
+       "beyond_margin",
+       add_separation},
+      {"counters", Update::kCounters, counter_columns(), add_counters}};
+  return all;
+}
+
+const Table* table_of(std::string_view channel) {
+  for (const Table& table : tables())
+    if (table.channel == channel) return &table;
+  return nullptr;
+}
+
+}  // namespace
+
+const std::vector<std::string>& csv_channels() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> out;
+    for (const Table& table : tables()) out.emplace_back(table.channel);
+    return out;
+  }();
+  return names;
+}
+
+std::string csv_channel(std::string_view name) {
+  std::string lower(name);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (lower.starts_with("throng_")) lower.erase(0, 7);
+  return table_of(lower) != nullptr ? lower : "";
+}
+
+std::string export_csv(ExportedLog& log, const std::string& channel,
+                       const std::function<void(std::string_view text)>& write,
+                       const std::function<bool()>& keep_going) {
+  const Table& table = *table_of(channel);
+  std::string text = table.columns + "\n";
+  bool is_stopped = false;
+  while (log.next()) {
+    is_stopped = !keep_going();
+    if (is_stopped) break;
+    RunReader& run = log.run();
+    if (log.update() != table.update || run.header() == nullptr) continue;
+    table.add(run, *run.header(), text);
+    if (text.size() < kPiece) continue;
+    write(text);
+    text.clear();
+  }
+  write(text);
+  return is_stopped ? "stopped" : log.missing();
+}
+
+}  // namespace throng

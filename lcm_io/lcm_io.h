@@ -1,0 +1,11 @@
+// LCM: runs as messages - sent, logged, checked and read again - and avatars that messages drive.
+#pragma once
+
+#include "lcm_io/codec/run_reader.h"
+#include "lcm_io/log/log_check.h"
+#include "lcm_io/log/log_reader.h"
+#include "lcm_io/log/log_sink.h"
+#include "lcm_io/wire/drive_receiver.h"
+#include "lcm_io/wire/lcm_sink.h"
+#include "lcm_io/wire/lockstep.h"
+#include "lcm_io/wire/receiver.h"

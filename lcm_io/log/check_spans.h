@@ -1,0 +1,62 @@
+// Compares the messages of a log with the checks that were written into it.
+// One rule: what is damaged, missing or too much lies between two checks, and is named by its
+// channel; behind such a place the comparison goes on with what the checks say.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/running_checks.h"
+#include "lcm_io/log/log_reader.h"
+
+namespace throng {
+
+/// Messages of a channel between two checks that are not what was written.
+struct DamagedSpan {
+  Channel channel = Channel::kRun;
+  int64_t from_frame = -1;  ///< of the checks before; -1: the beginning of the log
+  int64_t to_frame = 0;     ///< of the checks behind
+  uint64_t from_byte = 0;   ///< of the log
+  uint64_t to_byte = 0;
+  int64_t written = 0;  ///< messages, by the checks
+  int64_t found = 0;
+
+  bool holds(Channel where, uint64_t byte) const {
+    return where == channel && byte >= from_byte && byte < to_byte;
+  }
+};
+
+/// Throng's logs have simulation time as stamps and the sender's numbers. A recorder puts its own
+/// numbers and the clock's stamps in their place: then the message's own time counts, and its place
+/// between two checks.
+bool is_recorders_stamp(const MessageHeader& header, const LogEvent& event);
+
+class CheckSpans {
+ public:
+  /// Counts a message; `header` is null where it has none that can be read.
+  void add(Channel channel, const LogEvent& event, const MessageHeader* header);
+
+  /// What differs from the checks that come next. Before add() of the message that they are.
+  std::vector<DamagedSpan> differences(const checks_t& said, const LogEvent& event,
+                                       const MessageHeader& header) const;
+  /// Goes on with what was said.
+  void adopt(const checks_t& said, const LogEvent& event);
+  /// Fills in what was counted in place of what was said.
+  void fill(checks_t& said, const LogEvent& event, const MessageHeader& header) const;
+
+  /// Whether messages are missing before these checks, so that nothing can be compared: the
+  /// recorder began late, or lost some.
+  bool is_gap(const checks_t& said, const LogEvent& event, const MessageHeader& header) const;
+
+ private:
+  RunningChecks sums_, at_last_;
+  int64_t next_number_ = 0;
+  int64_t last_frame_ = -1;
+  uint64_t last_byte_ = 0;
+  /// Whom a recorder heard first: only that run's messages count.
+  std::optional<std::pair<int64_t, int64_t>> recorded_;
+};
+
+}  // namespace throng

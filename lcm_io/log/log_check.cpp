@@ -1,0 +1,433 @@
+#include "lcm_io/log/log_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "base/text.h"
+#include "lcm_io/codec/run_reader.h"
+#include "lcm_io/log/log_gaps.h"
+#include "lcm_io/log/log_hash.h"
+#include "lcm_io/log/log_reader.h"
+
+namespace throng {
+namespace {
+
+size_t index_of(Channel channel) { return static_cast<size_t>(channel); }
+
+class Judge {
+ public:
+  explicit Judge(const std::filesystem::path& file) : log_(file) { report_.bytes = log_.size(); }
+
+  LogReport run() {
+    LogEvent event;
+    for (;;) {
+      const LogReader::Status status = log_.next(event);
+      if (status == LogReader::Status::kEvent) {
+        take(event);
+      } else if (status == LogReader::Status::kEnd || !skip_damage(status)) {
+        break;
+      }
+    }
+    finish();
+    return report_;
+  }
+  const RunReader& reader() const { return reader_; }
+
+ private:
+  bool skip_damage(LogReader::Status status) {
+    const LogDamage damage = throng::skip_damage(log_, status);
+    problem(damage.problem);
+    (damage.is_torn ? report_.torn : report_.damaged) = true;
+    if (damage.goes_on)
+      problem(fmt::format("byte {}: {} bytes skipped", damage.from, damage.bytes));
+    return damage.goes_on;
+  }
+
+  void take(const LogEvent& event) {
+    if (event.number != next_number_)
+      problem(fmt::format("byte {}: expected event number {}, found {}", event.offset, next_number_,
+                          event.number));
+    next_number_ = event.number < INT64_MAX ? event.number + 1 : 0;
+    if (event.stamp_us < last_stamp_us_)
+      problem(fmt::format("byte {}: stamp {} us after {} us", event.offset, event.stamp_us,
+                          last_stamp_us_));
+    last_stamp_us_ = event.stamp_us;
+    ++report_.log_events;
+    report_.sound_bytes += event.bytes;
+    const std::optional<Channel> channel = channel_of(event.channel);
+    if (!channel) {
+      ++report_.foreign_messages;
+      if (foreign_.size() < kMaxForeign) foreign_.emplace(event.channel, event.offset);
+      return;
+    }
+    MessageHeader header;
+    const bool has_header = read_header(*channel, event.data, header).empty();
+    take(*channel, event);
+    spans_.add(*channel, event, has_header ? &header : nullptr);
+    ++report_.uncovered;
+    if (has_header && *channel == Channel::kChecks && is_covered_) {
+      report_.uncovered = 0;
+      is_covered_ = false;
+    }
+  }
+
+  void take(Channel channel, const LogEvent& event) {
+    LogReport::ChannelReport& sum = report_.channels[index_of(channel)];
+    ++sum.messages;
+    sum.bytes += static_cast<int64_t>(event.data.size());
+    MessageHeader header;
+    std::string defect = check_message(channel, event.data);
+    if (defect.empty()) defect = read_header(channel, event.data, header);
+    if (!defect.empty()) {
+      ++sum.refused;
+      problem(fmt::format("byte {}: {}: {}", event.offset, event.channel, defect));
+      return;
+    }
+    number(channel, event, header);
+    compare_stamp(event, header);
+    if (is_over_ && !is_recording_)
+      problem(fmt::format("byte {}: {}: a message behind the last one of the run", event.offset,
+                          event.channel));
+    // Behind the last frame come the last ends, under the number of a frame that never was.
+    if (channel == Channel::kCounters)
+      report_.last_frame = std::max(report_.last_frame, header.frame);
+    report_.last_utime_us = std::max(report_.last_utime_us, header.utime_us);
+    const int64_t foreign = reader_.foreign();
+    const auto update = reader_.take(event.channel, event.data);
+    if (update == RunReader::Update::kRefused)
+      problem(fmt::format("byte {}: {}", event.offset, reader_.refusal()));
+    if (reader_.foreign() != foreign)
+      problem(fmt::format("byte {}: {}: of another run ({:016x})", event.offset, event.channel,
+                          static_cast<uint64_t>(header.run_id)));
+    if (update == RunReader::Update::kTouching && !has_frames_ && adopted_frame_ < 0)
+      adopt_touching(header.frame);
+    if (!has_frames_ && channel != Channel::kRun && channel != Channel::kTouching) {
+      has_frames_ = true;
+      was_resumed_ = adopted_frame_ >= 0 && header.frame > adopted_frame_;
+    }
+    if (update == RunReader::Update::kEvents) {
+      hash_.add(header.frame, reader_.new_events());
+      pair_up(event);
+    }
+    if (update == RunReader::Update::kChecks) compare_checks(event, header);
+    if (update == RunReader::Update::kCounters) {
+      compare_touching(event);
+      compare_present(event);
+    }
+    if (update == RunReader::Update::kEnd) compare_totals(event);
+  }
+
+  void number(Channel channel, const LogEvent& event, const MessageHeader& header) {
+    int64_t& next = next_seq_[index_of(channel)];
+    if (header.seq != next)
+      problem(fmt::format("byte {}: {}: expected seq {}, found {}", event.offset, event.channel,
+                          next, header.seq));
+    if (header.seq > next) report_.channels[index_of(channel)].missing += header.seq - next;
+    next = header.seq + 1;
+  }
+
+  /// Throng stamps with simulation time, a recorder with its clock; no log has both.
+  void compare_stamp(const LogEvent& event, const MessageHeader& header) {
+    const bool is_recorders = is_recorders_stamp(header, event);
+    if (!has_stamp_) is_recording_ = is_recorders;
+    has_stamp_ = true;
+    if (is_recorders != is_recording_ || (!is_recorders && event.stamp_us != header.utime_us))
+      problem(fmt::format("byte {}: {}: stamp {} us, its message says {} us", event.offset,
+                          event.channel, event.stamp_us, header.utime_us));
+  }
+
+  void compare_checks(const LogEvent& event, const MessageHeader& header) {
+    const checks_t& said = *reader_.checks();
+    if (!report_.has_checks) describe(said);
+    report_.has_checks = true;
+    report_.repaired = report_.repaired || said.is_repaired != 0;
+    for (const DamagedSpan& span : spans_.differences(said, event, header)) tell_damage(span);
+    compare_hash(said, event, spans_.is_gap(said, event, header));
+    if (said.check_kind != kCheckKind) {
+      problem(fmt::format("byte {}: checksums of kind {}, this program knows kind {}", event.offset,
+                          said.check_kind, kCheckKind));
+      return;
+    }
+    spans_.adopt(said, event);
+    last_checks_byte_ = event.offset;
+    report_.checked_frame = said.frame;
+    is_covered_ = true;
+    is_over_ = is_over_ || said.is_last != 0;
+  }
+
+  void tell_damage(const DamagedSpan& span) {
+    report_.damage.push_back(span);
+    const std::string from = span.from_frame < 0
+                                 ? std::string("the beginning")
+                                 : fmt::format("the checks of frame {}", span.from_frame);
+    const std::string what =
+        span.written == span.found
+            ? "damaged, " + counted(span.found, "message")
+            : fmt::format("{}, {} were written", counted(span.found, "message"), span.written);
+    problem(fmt::format("bytes {} to {}: {}: {}, between {} and those of frame {}", span.from_byte,
+                        span.to_byte, name_of(span.channel), what, from, span.to_frame));
+  }
+
+  void compare_hash(const checks_t& said, const LogEvent& event, bool is_gap) {
+    if (!LogHash::is_known(said.hash_kind)) return;
+    const auto kind = static_cast<EventHashKind>(said.hash_kind);
+    hash_.start_from(static_cast<uint64_t>(said.hash_at_start));
+    const auto written = static_cast<uint64_t>(said.hash);
+    const uint64_t found = hash_.value(kind);
+    if (found == written) return;
+    const bool is_known =
+        std::any_of(report_.damage.begin(), report_.damage.end(), [&](const DamagedSpan& span) {
+          return span.channel == Channel::kEvents && span.to_byte == event.offset;
+        });
+    if (!is_known && !is_gap) {
+      DamagedSpan span{Channel::kEvents, report_.checked_frame, said.frame, last_checks_byte_,
+                       event.offset};
+      report_.damage.push_back(span);
+      problem(
+          fmt::format("byte {}: the run says hash {:016x} of its events up to frame {}, those in "
+                      "the log have {:016x}",
+                      event.offset, written, said.frame, found));
+    }
+    hash_.go_on_from(kind, written);
+  }
+
+  /// Of the whole run, at its end.
+  void compare_hash(const end_t& end, const LogEvent& event) {
+    const auto written = static_cast<uint64_t>(end.hash);
+    if (!report_.has_checks) {
+      report_.hash_agrees = hash_.is_old_hash(written);
+      if (was_resumed_) return;  // what came before the log is not known
+    } else if (!LogHash::is_known(reader_.checks()->hash_kind)) {
+      return;
+    } else {
+      const auto kind = static_cast<EventHashKind>(reader_.checks()->hash_kind);
+      report_.hash_agrees = hash_.value(kind) == written;
+    }
+    if (report_.hash_agrees) return;
+    report_.finished = false;
+    problem(fmt::format("byte {}: the run says hash {:016x}, the events in the log have another",
+                        event.offset, written));
+  }
+
+  void describe(const checks_t& said) {
+    report_.version = printable(said.version);
+    report_.commit = printable(said.commit.substr(0, said.commit.find(' ')));
+    report_.strategy = printable(said.strategy);
+    report_.leaves_out = printable(said.leaves_out, 200);
+  }
+
+  /// A resumed run begins with what touched when it was stopped.
+  void adopt_touching(int64_t frame) {
+    for (const auto& [pair, level] : reader_.touching()) open_.insert(pair);
+    adopted_ = static_cast<int64_t>(open_.size());
+    adopted_frame_ = frame;
+  }
+
+  void pair_up(const LogEvent& event) {
+    for (const PairEvent& e : reader_.new_events()) {
+      const bool is_begin = e.kind == EventKind::kBegin;
+      ++(is_begin ? report_.begins : report_.ends);
+      if (is_begin) ++report_.begins_by_level[static_cast<size_t>(e.level)];
+      const bool whole = e.pair.part_a() == kWholeBody;
+      if (whole ? e.level > PairLevel::kBox : e.level == PairLevel::kSphere)
+        problem(fmt::format("byte {}: pair {}:{} - {}:{} at level {}", event.offset, e.pair.a(),
+                            e.pair.part_a(), e.pair.b(), e.pair.part_b(),
+                            static_cast<int>(e.level)));
+      const bool fits = is_begin ? open_.insert(e.pair).second : open_.erase(e.pair) == 1;
+      if (fits) continue;
+      problem(fmt::format("byte {}: pair {}:{} - {}:{} {}", event.offset, e.pair.a(),
+                          e.pair.part_a(), e.pair.b(), e.pair.part_b(),
+                          is_begin ? "begins twice" : "ends without a begin"));
+    }
+  }
+
+  void compare_touching(const LogEvent& event) {
+    const int64_t said = reader_.counters()->touching;
+    if (said != static_cast<int64_t>(open_.size()))
+      problem(fmt::format("byte {}: {} pairs touch by the counters, {} by the events", event.offset,
+                          said, open_.size()));
+  }
+
+  /// An absent avatar touches nobody.
+  void compare_present(const LogEvent& event) {
+    const CrowdState& crowd = reader_.state();
+    if (crowd.frame != reader_.counters()->frame) return;
+    const auto is_absent = [&crowd](uint32_t body) {
+      return body < crowd.present.size() && crowd.present[body] == 0;
+    };
+    for (const PairKey& pair : open_)
+      if (is_absent(pair.a()) || is_absent(pair.b()))
+        problem(fmt::format("byte {}: pair {}:{} - {}:{} of an avatar that is absent", event.offset,
+                            pair.a(), pair.part_a(), pair.b(), pair.part_b()));
+  }
+
+  void compare_totals(const LogEvent& event) {
+    const end_t& end = *reader_.end();
+    report_.finished = has_end_ = true;
+    // The totals are the whole run's, the log may hold its last part.
+    const int64_t begins_before = end.begins - report_.begins;
+    const int64_t ends_before = end.ends - report_.ends;
+    const bool is_whole = begins_before == 0 && ends_before == 0;
+    const bool is_rest =
+        was_resumed_ && ends_before >= 0 && begins_before - ends_before == adopted_;
+    if (!(is_whole || is_rest) || !open_.empty()) {
+      report_.finished = false;
+      problem(fmt::format(
+          "byte {}: the run says {} begins and {} ends, the log has {} and {}, {} pairs open",
+          event.offset, end.begins, end.ends, report_.begins, report_.ends, open_.size()));
+    }
+    for (size_t i = 0; i < end.channels.size(); ++i) {
+      const std::optional<Channel> channel = channel_of(end.channels[i]);
+      if (!channel) continue;
+      const LogReport::ChannelReport& found = report_.channels[index_of(*channel)];
+      if (found.messages == end.messages[i] && found.bytes == end.bytes[i]) continue;
+      report_.finished = false;
+      problem(fmt::format(
+          "byte {}: the run says {} messages of {} bytes on {}, the log has {} of {}", event.offset,
+          end.messages[i], end.bytes[i], end.channels[i], found.messages, found.bytes));
+    }
+    compare_hash(end, event);
+  }
+
+  void finish() {
+    report_.open_pairs = static_cast<int64_t>(open_.size());
+    if (!reader_.run()) problem("no complete run description");
+    if (report_.has_checks && report_.uncovered > 0) report_.finished = false;
+    if (!report_.has_checks) report_.uncovered = 0;
+    if (reader_.run() && !has_end_ && !report_.torn)
+      report_.cut_off = describe_cut(report_.last_frame, reader_.run()->step_s);
+    name_foreign();
+  }
+
+  /// A recorder takes down whatever it hears; Throng writes nothing but its own.
+  void name_foreign() {
+    if (is_recording_) return;
+    for (const auto& [name, offset] : foreign_) {
+      const std::vector<std::string> none;
+      const std::vector<std::string>& known = reader_.checks() ? reader_.checks()->channels : none;
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      report_.strange_channels.insert(name);
+      problem(fmt::format("byte {}: '{}' is no channel of a run", offset, printable(name)));
+    }
+  }
+
+  void problem(std::string_view text) {
+    if (++report_.problem_count <= static_cast<int64_t>(LogReport::kMaxProblems))
+      report_.problems.emplace_back(text);
+  }
+
+  LogReader log_;
+  LogReport report_;
+  RunReader reader_;
+  std::set<PairKey> open_;
+  CheckSpans spans_;
+  uint64_t last_checks_byte_ = 0;
+  LogHash hash_;
+  bool is_covered_ = false;  // by the checks that were taken last
+  bool is_over_ = false;     // the last checks came
+  bool has_end_ = false;
+  bool has_stamp_ = false, is_recording_ = false;
+  static constexpr size_t kMaxForeign = 64;
+  std::map<std::string, uint64_t, std::less<>> foreign_;  // names, and where each is first
+  int64_t adopted_ = 0;  // pairs that touched before a resumed run's first frame
+  int64_t adopted_frame_ = -1;
+  bool has_frames_ = false, was_resumed_ = false;
+  std::array<int64_t, kChannelCount> next_seq_{};
+  int64_t next_number_ = 0;
+  int64_t last_stamp_us_ = 0;
+};
+
+std::string describe_run(const run_description_t& run) {
+  std::string out =
+      fmt::format("scene {}, seed {}, {}, step {:.6g} s, parts by {}{}\n", printable(run.scene),
+                  run.seed, counted(run.avatar_count, "avatar"), run.step_s,
+                  printable(run.part_volume), run.exact ? ", decided by triangles" : "");
+  for (const model_t& model : run.models) {
+    size_t vertices = 0;
+    for (const part_t& part : model.parts) vertices += part.mesh.coordinates_m.size() / 3;
+    out += fmt::format("model {}: {} ({} move), {}, {}, {:.2f} m\n", printable(model.name),
+                       counted(model.joint_count, "joint"), model.column_count,
+                       counted(model.part_count, "part"), counted(vertices, "vertex", "vertices"),
+                       model.height_m);
+  }
+  std::vector<int64_t> members(run.groups.size());
+  for (const int16_t group : run.group_of_avatar) ++members[static_cast<size_t>(group)];
+  for (size_t i = 0; i < run.groups.size(); ++i)
+    out += fmt::format(
+        "group {}: {}{}\n", printable(run.groups[i]), counted(members[i], "avatar"),
+        run.drive_channels[i].empty() ? "" : ", driven by " + printable(run.drive_channels[i]));
+  out += fmt::format("ground {:.1f} x {:.1f} m, {}\n", run.ground_max_m[0] - run.ground_min_m[0],
+                     run.ground_max_m[1] - run.ground_min_m[1],
+                     counted(run.obstacle_count, "obstacle"));
+  return out;
+}
+
+std::string describe_channels(const LogReport& report) {
+  std::string out = fmt::format("{:<16}{:>10}{:>14}{:>12}{:>12}{:>9}\n", "channel", "messages",
+                                "bytes", "per s", "kB/s", "missing");
+  const double seconds = static_cast<double>(report.last_utime_us) * 1e-6;
+  for (const Channel channel : kAllChannels) {
+    const LogReport::ChannelReport& sum = report.channels[index_of(channel)];
+    if (sum.messages == 0) continue;
+    const double per_s = seconds > 0 ? static_cast<double>(sum.messages) / seconds : 0;
+    const double kb_per_s = seconds > 0 ? static_cast<double>(sum.bytes) * 1e-3 / seconds : 0;
+    out += fmt::format("{:<16}{:>10}{:>14}{:>12.1f}{:>12.1f}{:>9}\n", name_of(channel),
+                       sum.messages, sum.bytes, per_s, kb_per_s, sum.missing);
+  }
+  if (report.foreign_messages > 0)
+    out += fmt::format("{:<16}{:>10}\n", "other channels", report.foreign_messages);
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> describe_coverage(const LogReport& report) {
+  if (!report.has_checks)
+    return {report.finished
+                ? "none, as in every log of an older Throng; the hash of the events is right"
+                : "none: cut off before the first, or a log of an older Throng; damage may go "
+                  "unnoticed"};
+  std::vector<std::string> out = {fmt::format("up to those of frame {}", report.checked_frame)};
+  if (report.uncovered > 0)
+    out.push_back("not covered: " + counted(report.uncovered, "message") + " behind those");
+  if (report.repaired)
+    out.push_back("repaired: what was damaged is left out, checksums are of what is here");
+  return out;
+}
+
+LogReport check_log(const std::filesystem::path& file) { return Judge(file).run(); }
+
+std::string describe_log(const std::filesystem::path& file) {
+  Judge judge(file);
+  const LogReport report = judge.run();
+  std::string out = fmt::format("LCM log, {} bytes, {} events, {:.3f} s, {}\n", report.bytes,
+                                report.log_events, static_cast<double>(report.last_utime_us) * 1e-6,
+                                report.finished ? "finished" : "not finished");
+  if (const run_description_t* run = judge.reader().run())
+    out += fmt::format("run {:016x}\n", static_cast<uint64_t>(judge.reader().run_id())) +
+           describe_run(*run);
+  if (!report.version.empty())
+    out += fmt::format("made by Throng {}, commit {}\n", report.version, report.commit);
+  if (!report.strategy.empty() && report.strategy != name_of(Strategy::kPipeline))
+    out += fmt::format("strategy {}\n", report.strategy);
+  if (!report.leaves_out.empty()) out += fmt::format("leaves out {}\n", report.leaves_out);
+  out += describe_channels(report);
+  for (const std::string& line : describe_coverage(report))
+    out += fmt::format("checksums {}\n", line);
+  out += fmt::format("pair events: {}, {}, {} open\n", counted(report.begins, "begin"),
+                     counted(report.ends, "end"), counted(report.open_pairs, "pair"));
+  if (report.torn)
+    out += fmt::format("torn: the last {} bytes are no whole event\n",
+                       report.bytes - report.sound_bytes);
+  for (const std::string& problem : report.problems) out += "problem: " + problem + "\n";
+  const auto shown = static_cast<int64_t>(report.problems.size());
+  if (report.problem_count > shown)
+    out += fmt::format("and {} problems more\n", report.problem_count - shown);
+  return out;
+}
+
+}  // namespace throng

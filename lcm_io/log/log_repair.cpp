@@ -1,0 +1,156 @@
+#include <optional>
+
+#include "base/errors.h"
+#include "lcm_io/codec/run_reader.h"
+#include "lcm_io/log/check_spans.h"
+#include "lcm_io/log/log_check.h"
+#include "lcm_io/log/log_hash.h"
+#include "lcm_io/log/log_reader.h"
+#include "lcm_io/log/log_sink.h"
+
+namespace throng {
+namespace {
+
+/// Copies what is sound. What it writes is counted by the judge's own means, so that the checks in
+/// the new log are right for the judge.
+class Mender {
+ public:
+  Mender(const LogReport& report, const std::filesystem::path& out) : report_(report), out_(out) {}
+
+  void take(const LogEvent& event) {
+    const std::optional<Channel> channel = channel_of(event.channel);
+    if (!channel) {
+      if (!report_.strange_channels.contains(event.channel)) write(event, event.data);
+      return;
+    }
+    MessageHeader header;
+    if (!check_message(*channel, event.data).empty() ||
+        !read_header(*channel, event.data, header).empty() || !has_stamp_of_log(event, header))
+      return;
+    if (*channel == Channel::kChecks)
+      take_checks(event, header);
+    else if (!is_damaged(*channel, event.offset))
+      keep(*channel, event, header, event.data);
+  }
+
+  int64_t close() {
+    out_.close();
+    return out_.events();
+  }
+
+ private:
+  bool has_stamp_of_log(const LogEvent& event, const MessageHeader& header) {
+    const bool is_recorders = is_recorders_stamp(header, event);
+    if (!is_recording_) is_recording_ = is_recorders;
+    return is_recorders == *is_recording_ && (is_recorders || event.stamp_us == header.utime_us);
+  }
+
+  bool is_damaged(Channel channel, uint64_t byte) const {
+    // The spans are in the order of the log: those before this byte are done with.
+    while (next_span_ < report_.damage.size() && report_.damage[next_span_].to_byte <= byte)
+      ++next_span_;
+    for (size_t i = next_span_; i < report_.damage.size(); ++i) {
+      if (report_.damage[i].holds(channel, byte)) return true;
+      if (report_.damage[i].from_byte > byte) break;
+    }
+    return false;
+  }
+
+  void keep(Channel channel, const LogEvent& event, const MessageHeader& header,
+            std::span<const uint8_t> data) {
+    LogEvent kept = event;
+    kept.data = data;
+    spans_.add(channel, kept, &header);
+    if (channel == Channel::kEvents) add_to_hash(header.frame, data);
+    write(event, data);
+  }
+
+  void write(const LogEvent& event, std::span<const uint8_t> data) {
+    out_.copy(event.number, event.channel, event.stamp_us, data);
+  }
+
+  void add_to_hash(int64_t frame, std::span<const uint8_t> data) {
+    RunReader reader;  // without a description it takes every pair
+    reader.take(name_of(Channel::kEvents), data);
+    hash_.add(frame, reader.new_events());
+  }
+
+  void take_checks(const LogEvent& event, const MessageHeader& header) {
+    checks_t said;
+    if (!decode(event.data, said).empty()) return;
+    const checks_t was = said;
+    if (said.check_kind == kCheckKind && spans_.is_gap(said, event, header)) {
+      spans_.adopt(said, event);
+      adopt_hash(said);
+    } else if (said.check_kind == kCheckKind) {
+      if (!spans_.differences(said, event, header).empty()) spans_.fill(said, event, header);
+      tell_hash(said);
+    }
+    const bool is_changed = said.number != was.number || said.hash != was.hash ||
+                            said.channels != was.channels || said.messages != was.messages ||
+                            said.bytes != was.bytes || said.checks != was.checks;
+    if (!is_changed) {
+      keep(Channel::kChecks, event, header, event.data);
+    } else {
+      said.is_repaired = 1;
+      std::vector<uint8_t> bytes(static_cast<size_t>(said.getEncodedSize()));
+      said.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      seal(bytes);
+      keep(Channel::kChecks, event, header, bytes);
+    }
+  }
+
+  void adopt_hash(const checks_t& said) {
+    if (LogHash::is_known(said.hash_kind))
+      hash_.go_on_from(static_cast<EventHashKind>(said.hash_kind),
+                       static_cast<uint64_t>(said.hash));
+  }
+
+  void tell_hash(checks_t& said) {
+    if (!LogHash::is_known(said.hash_kind)) return;
+    hash_.start_from(static_cast<uint64_t>(said.hash_at_start));
+    said.hash = static_cast<int64_t>(hash_.value(static_cast<EventHashKind>(said.hash_kind)));
+  }
+
+  const LogReport& report_;
+  LogFile out_;
+  CheckSpans spans_;
+  LogHash hash_;
+  std::optional<bool> is_recording_;
+  mutable size_t next_span_ = 0;
+};
+
+/// Copies what is sound by the report on `in`; how many messages.
+int64_t mend(const std::filesystem::path& in, const std::filesystem::path& out) {
+  const LogReport report = check_log(in);
+  LogReader log(in);
+  Mender mender(report, out);
+  LogEvent event;
+  for (;;) {
+    const LogReader::Status status = log.next(event);
+    if (status == LogReader::Status::kEnd) break;
+    if (status == LogReader::Status::kEvent)
+      mender.take(event);
+    else if (!log.resync())
+      break;
+  }
+  return mender.close();
+}
+
+}  // namespace
+
+int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path& out) {
+  std::error_code error;
+  if (std::filesystem::equivalent(in, out, error))
+    throw EnvironmentError(out.string() +
+                           ": the repaired log has to be another file than the torn one");
+  const int64_t messages = mend(in, out);
+  // Pieces of several logs whose numbers repeat may agree with checks that are not theirs, until
+  // something between them is gone. What lies before the first doubt is beyond it.
+  const LogReport mended = check_log(out);
+  if (mended.damage.empty()) return messages;
+  std::filesystem::resize_file(out, mended.damage.front().from_byte);
+  return check_log(out).log_events;
+}
+
+}  // namespace throng

@@ -1,0 +1,81 @@
+#include "lcm_io/replay/log_states.h"
+
+#include "base/checksum.h"
+
+namespace throng {
+
+LogStates::LogStates(const std::filesystem::path& file, std::vector<DamagedSpan> damage)
+    : log_(file), damage_(std::move(damage)) {}
+
+bool LogStates::next() {
+  LogEvent event;
+  while (!is_over_) {
+    const LogReader::Status status = log_.next(event);
+    if (status == LogReader::Status::kEvent) {
+      if (take(event)) return true;
+    } else if (status == LogReader::Status::kEnd) {
+      is_over_ = true;
+    } else {
+      is_damaged_ = has_hole_ = true;
+      is_over_ = !log_.resync();
+    }
+  }
+  return false;
+}
+
+/// True if it completes states.
+bool LogStates::take(const LogEvent& event) {
+  const std::optional<Channel> channel = channel_of(event.channel);
+  if (channel != Channel::kRun && channel != Channel::kStates) return false;
+  MessageHeader header;
+  if (!read_header(*channel, event.data, header).empty() || !is_ours(*channel, header))
+    return false;
+  if (holds_damage(*channel, event.offset)) {
+    has_hole_ = has_hole_ || channel == Channel::kStates;
+    refusal_ = "damaged, as the checks in the log say";
+    return false;
+  }
+  if (channel == Channel::kRun) {
+    if (run_.run() == nullptr) hash_.add(checksum(event.data.subspan(kMessageHeaderBytes)));
+    if (run_.take(event.channel, event.data) == RunReader::Update::kRefused)
+      refusal_ = run_.refusal();
+    return false;
+  }
+  has_hole_ = has_hole_ || header.seq != next_seq_;
+  next_seq_ = header.seq < INT64_MAX ? header.seq + 1 : 0;
+  hash_.add(checksum(event.data.subspan(kMessageHeaderBytes)));
+  const RunReader::Update update = run_.take(event.channel, event.data);
+  if (update == RunReader::Update::kRefused) {
+    has_hole_ = true;
+    refusal_ = run_.refusal();
+  }
+  if (update != RunReader::Update::kState) return false;
+  is_behind_hole_ = has_hole_ && frame_ >= 0;
+  has_hole_ = false;
+  frames_since_ = frame_ < 0 ? 0 : state().frame - frame_;
+  frame_ = state().frame;
+  hash_.add(static_cast<uint64_t>(frames_since_));
+  return true;
+}
+
+/// The run that is described first.
+bool LogStates::is_ours(Channel channel, const MessageHeader& header) {
+  const std::pair id(header.run_id, header.instance);
+  if (!id_ && channel == Channel::kRun) id_ = id;
+  if (!id_) return false;
+  // The same run once more, behind its first.
+  const bool begins_anew = channel == Channel::kRun && header.seq == 0 && frame_ >= 0;
+  if (id == id_ && !begins_anew) return true;
+  has_other_runs_ = true;
+  is_over_ = is_over_ || begins_anew;
+  return false;
+}
+
+bool LogStates::holds_damage(Channel channel, uint64_t byte) {
+  while (next_damage_ < damage_.size() && damage_[next_damage_].to_byte <= byte) ++next_damage_;
+  for (size_t i = next_damage_; i < damage_.size() && damage_[i].from_byte <= byte; ++i)
+    if (damage_[i].holds(channel, byte)) return true;
+  return false;
+}
+
+}  // namespace throng

@@ -1,0 +1,110 @@
+#include "lcm_io/wire/lcm_sink.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <lcm/lcm-cpp.hpp>
+#include <thread>
+#include <utility>
+
+#include "base/say.h"
+#include "lcm_io/wire/lcm_url.h"
+
+namespace throng {
+namespace {
+
+constexpr int kEndCopies = 5;
+constexpr std::chrono::milliseconds kEndPause{20};
+constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
+// A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
+constexpr std::chrono::milliseconds kDescriptionPause{1};
+
+void say_line(const std::string& text) { say("{}\n", text); }
+
+}  // namespace
+
+LcmSink::LcmSink(const LcmOptions& options)
+    : LcmSink(options, is_usable(options.url) ? std::make_shared<lcm::LCM>(options.url) : nullptr) {
+}
+
+LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
+    : options_(options), lcm_(std::move(lcm)) {
+  for (const Channel channel : kAllChannels)
+    channels_[static_cast<size_t>(channel)] = name_of(channel);
+  if (!options_.warn) options_.warn = say_line;
+  if (good()) return;
+  if (is_tcpq(options_.url)) {
+    server_is_lost_ = true;
+    options_.warn(fmt::format(
+        "LCM has no server at {}: nothing is published, messages are counted as dropped, "
+        "the run goes on; start the server before the run; to do without LCM: --lcm off",
+        options_.url));
+    return;
+  }
+  options_.warn(fmt::format(
+      "LCM cannot use {}: nothing is published, the run goes on; {}; to do without LCM: "
+      "--lcm off",
+      options_.url, kMulticastWayOut));
+}
+
+LcmSink::~LcmSink() = default;
+
+bool LcmSink::good() const { return lcm_ && lcm_->good(); }
+
+EncoderOptions LcmSink::encoding() const {
+  return {.state_every = options_.state_every, .part_poses = options_.part_poses};
+}
+
+void LcmSink::after_begin(Outlet& outlet) {
+  for (int chunk = 0; chunk < outlet.description_chunks(); ++chunk) {
+    if (chunk > 1 && good()) std::this_thread::sleep_for(kDescriptionPause);
+    outlet.send_description_chunk(chunk);
+  }
+  round_started_ = Clock::now();
+  next_chunk_ = 0;
+}
+
+void LcmSink::after_frame(Outlet& outlet) {
+  // Spread over the second, so that a large description does not come as a burst on top of a frame.
+  const auto now = Clock::now();
+  const int chunks = outlet.description_chunks();
+  const double round = (now - round_started_) / kDescriptionPeriod;
+  const int due = static_cast<int>(std::min(1.0, round) * chunks);
+  for (; next_chunk_ < due; ++next_chunk_) outlet.send_description_chunk(next_chunk_);
+  if (next_chunk_ == chunks) {
+    next_chunk_ = 0;
+    round_started_ = now;
+  }
+}
+
+void LcmSink::after_end(Outlet& outlet) {
+  if (server_is_lost_) return;
+  for (int copy = 1; copy < kEndCopies; ++copy) {
+    std::this_thread::sleep_for(kEndPause);
+    outlet.repeat_end();
+  }
+  outlet.send_last_checks();
+}
+
+void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {
+  send(channels_[static_cast<size_t>(channel)], bytes);
+}
+
+void LcmSink::send(const std::string& name, std::span<const uint8_t> bytes) {
+  if (!wants_messages()) return;
+  if (!server_is_lost_ &&
+      lcm_->publish(name, bytes.data(), static_cast<unsigned>(bytes.size())) == 0) {
+    ++messages_;
+    bytes_ += static_cast<int64_t>(bytes.size());
+    return;
+  }
+  // liblcm would look for the server again with each message, and say so each time.
+  const bool was_lost = std::exchange(server_is_lost_, is_tcpq(options_.url));
+  if (dropped_++ == 0 && !was_lost)
+    options_.warn(
+        fmt::format("LCM did not take a message on {} ({}); the run goes on, further ones "
+                    "are only counted",
+                    name, options_.url));
+}
+
+}  // namespace throng

@@ -1,0 +1,68 @@
+#include "lcm_io/wire/receiver.h"
+
+#include <fmt/format.h>
+
+#include <lcm/lcm-cpp.hpp>
+#include <utility>
+
+#include "base/errors.h"
+#include "lcm_io/wire/lcm_url.h"
+
+namespace throng {
+namespace {
+
+// liblcm queues 30 messages a subscription: a frame of 5000 people is ten. This holds some seconds
+// of a large crowd, 120 MB at the very most.
+constexpr int kQueuedMessages = 2000;
+constexpr int kMostAtOnce = 4096;
+
+}  // namespace
+
+Receiver::Receiver(const std::string& url)
+    : lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
+  if (!lcm_ || !lcm_->good())
+    throw EnvironmentError(fmt::format("LCM cannot listen on {}; {}", url, way_out(url)));
+  subscribe();
+}
+
+Receiver::Receiver(std::shared_ptr<lcm::LCM> lcm) : lcm_(std::move(lcm)) { subscribe(); }
+
+Receiver::~Receiver() = default;
+
+void Receiver::subscribe() {
+  // A function, not a member: g++ 12's sanitizer mistakes LCM's call through a member pointer.
+  static constexpr auto on_message = [](const lcm::ReceiveBuffer* buffer,
+                                        const std::string& channel, Receiver* self) {
+    self->take(channel, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
+  };
+  lcm_->subscribeFunction("THRONG_.*", +on_message, this)->setQueueCapacity(kQueuedMessages);
+}
+
+void Receiver::take(std::string_view channel, std::span<const uint8_t> bytes) {
+  // Between here and receive() lies C code that nothing may be thrown through.
+  try {
+    const int64_t foreign = inbox_.run().foreign();
+    const RunReader::Update update = inbox_.take(channel, bytes);
+    const bool is_followed = inbox_.run().header() && inbox_.run().foreign() == foreign;
+    if (is_followed) last_heard_ = Clock::now();
+    if (listener_ && *listener_) (*listener_)({channel, bytes, update});
+  } catch (...) {
+    if (!thrown_) thrown_ = std::current_exception();
+  }
+}
+
+int Receiver::receive(std::chrono::milliseconds wait, const Listener& listener) {
+  if (Clock::now() - last_heard_ > kSilence) inbox_.run().forget();
+  listener_ = &listener;
+  int taken = 0;
+  int timeout_ms = static_cast<int>(wait.count());
+  while (taken < kMostAtOnce && !thrown_ && lcm_->handleTimeout(timeout_ms) > 0) {
+    ++taken;
+    timeout_ms = 0;
+  }
+  listener_ = nullptr;
+  if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+  return taken;
+}
+
+}  // namespace throng

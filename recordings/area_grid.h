@@ -1,0 +1,62 @@
+// Polygons on a grid of 0.1 mm, on which unions and differences are exact.
+#pragma once
+
+#include <Eigen/Core>
+#include <boost/polygon/polygon.hpp>
+#include <cmath>
+#include <vector>
+
+#include "recordings/walkable_wkt.h"
+
+namespace throng {
+
+/// Whole numbers make sums of polygons exact.
+inline constexpr double kAreaUnit_m = 1e-4;
+/// How far from the origin polygons on the grid may lie: 32 bits hold twice as much.
+inline constexpr double kMaxOnGrid_m = 1e5;
+
+using GridPoint = boost::polygon::point_data<int>;
+using GridSet = boost::polygon::polygon_set_data<int>;
+using GridShape = boost::polygon::polygon_with_holes_data<int>;
+
+/// @pre No coordinate is beyond kMaxOnGrid_m.
+inline GridPoint grid_point(const Eigen::Vector2d& p) {
+  return {static_cast<int>(std::lround(p.x() / kAreaUnit_m)),
+          static_cast<int>(std::lround(p.y() / kAreaUnit_m))};
+}
+
+inline Eigen::Vector2d metres(const GridPoint& point) {
+  return {kAreaUnit_m * point.x(), kAreaUnit_m * point.y()};
+}
+
+inline boost::polygon::polygon_data<int> grid_polygon(const std::vector<Eigen::Vector2d>& corners) {
+  std::vector<GridPoint> points;
+  for (const Eigen::Vector2d& corner : corners) points.push_back(grid_point(corner));
+  boost::polygon::polygon_data<int> polygon;
+  polygon.set(points.begin(), points.end());
+  return polygon;
+}
+
+/// What a ring encloses, whichever way it runs; of one that crosses itself all of its loops.
+inline GridSet grid_set(const AreaPolygon::Ring& ring) {
+  GridSet left, right, both;
+  left.insert(grid_polygon(ring));
+  right.insert(grid_polygon(ring), true);
+  std::vector<GridShape> shapes;
+  left.get(shapes);
+  right.get(shapes);
+  for (const GridShape& shape : shapes) both.insert(shape);
+  return both;
+}
+
+/// Adds the outline less the holes.
+inline void add_to(GridSet& set, const AreaPolygon& polygon) {
+  GridSet own = grid_set(polygon.outline);
+  using namespace boost::polygon::operators;
+  for (const AreaPolygon::Ring& hole : polygon.holes) own = GridSet(own - grid_set(hole));
+  std::vector<GridShape> shapes;
+  own.get(shapes);
+  for (const GridShape& shape : shapes) set.insert(shape);
+}
+
+}  // namespace throng

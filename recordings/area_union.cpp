@@ -1,0 +1,419 @@
+#include "recordings/area_union.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/geometry/geometries/box.hpp>
+#include <boost/geometry/geometries/point.hpp>
+#include <boost/geometry/index/rtree.hpp>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "base/errors.h"
+#include "recordings/area_grid.h"
+#include "recordings/area_seam.h"
+
+namespace throng {
+namespace {
+
+namespace bg = boost::geometry;
+using BoxPoint = bg::model::point<double, 2, bg::cs::cartesian>;
+using Box = bg::model::box<BoxPoint>;
+using BoxTree = bg::index::rtree<std::pair<Box, uint32_t>, bg::index::quadratic<16>>;
+
+/// Of edges of different polygons whose boxes meet, each counted twice: a union of as many takes
+/// 5 s.
+constexpr size_t kMaxPairs = 500'000;
+/// Of all edges whose boxes meet: as many are looked at in a second.
+constexpr size_t kMaxVisits = 5'000'000;
+/// Two edges that differ by less are one line.
+constexpr double kNoWidth_m = 1e-6;
+/// Files that print millimetres put the ends of a cut so far off the line that they lie on.
+constexpr double kStraight_m = 1e-3;
+Box box_of(Eigen::Vector2d low, Eigen::Vector2d high, double margin_m) {
+  low.array() -= margin_m;
+  high.array() += margin_m;
+  return {BoxPoint(low.x(), low.y()), BoxPoint(high.x(), high.y())};
+}
+
+Box box_of(const AreaEdge& edge) {
+  return box_of(edge.from.cwiseMin(edge.to), edge.from.cwiseMax(edge.to),
+                kMaxAreaGap_m + kAreaRounding_m);
+}
+
+Box box_of(const AreaPolygon& polygon) {
+  Eigen::Vector2d low = polygon.outline.front(), high = low;
+  for (const Eigen::Vector2d& corner : polygon.outline) {
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
+  }
+  return box_of(low, high, kMaxAreaGap_m + kAreaRounding_m);
+}
+
+bool contains(const AreaPolygon& polygon, const Eigen::Vector2d& p) {
+  bool is_inside = false;
+  const auto add = [&](const AreaPolygon::Ring& ring) {
+    for (size_t i = 0, k = ring.size() - 1; i < ring.size(); k = i++)
+      if ((ring[i].y() > p.y()) != (ring[k].y() > p.y()) &&
+          p.x() < ring[i].x() + (p.y() - ring[i].y()) / (ring[k].y() - ring[i].y()) *
+                                    (ring[k].x() - ring[i].x()))
+        is_inside = !is_inside;
+  };
+  add(polygon.outline);
+  for (const AreaPolygon::Ring& hole : polygon.holes) add(hole);
+  return is_inside;
+}
+
+class Joiner {
+ public:
+  Joiner(const std::vector<AreaPolygon>& polygons, const std::string& where)
+      : polygons_(polygons),
+        where_(where),
+        group_(polygons.size()),
+        has_slit_(polygons.size(), false) {
+    std::iota(group_.begin(), group_.end(), 0u);
+    list_edges();
+    find_pairs();
+    find_nested();
+  }
+
+  JoinedArea join() {
+    JoinedArea out;
+    std::vector<std::vector<uint32_t>> members(polygons_.size());
+    for (uint32_t i = 0; i < polygons_.size(); ++i) members[group_of(i)].push_back(i);
+    for (uint32_t i = 0; i < polygons_.size(); ++i) {
+      // A group stands where its first polygon does, which names it.
+      if (members[i].size() == 1 && !has_slit_[i]) out.polygons.push_back(polygons_[i]);
+      if (members[i].size() > 1 || (members[i].size() == 1 && has_slit_[i]))
+        join_group(members[i], out);
+    }
+    std::set<std::pair<uint32_t, uint32_t>> gaps;
+    for (const auto& [pair, seam] : seams_) {
+      if (!(seam.width_m > kAreaUnit_m && seam.length_m > seam.width_m)) continue;
+      gaps.insert(pair);
+      if (seam.width_m <= out.widest_m) continue;
+      out.widest_m = seam.width_m;
+      out.widest_at_m = seam.middle_m;
+    }
+    out.gaps = static_cast<int64_t>(gaps.size());
+    return out;
+  }
+
+ private:
+  struct Origin {
+    Eigen::Vector2d corner_m;
+    uint32_t polygon = 0;
+    uint32_t order = 0;
+    bool is_shared = false;  ///< by several polygons, or by the sides of a slit
+  };
+  struct Corner {
+    Eigen::Vector2d at_m;
+    uint32_t order = std::numeric_limits<uint32_t>::max();  ///< in the input; none: the largest
+    bool is_kept = false;
+  };
+  using CornerRing = std::vector<Corner>;
+
+  [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
+    throw InputError(where_, expected + " in the walkable area (WKT)", found);
+  }
+
+  static uint64_t key_of(const GridPoint& point) {
+    return (static_cast<uint64_t>(static_cast<uint32_t>(point.x())) << 32) |
+           static_cast<uint32_t>(point.y());
+  }
+
+  void list_edges() {
+    for (uint32_t i = 0; i < polygons_.size(); ++i) {
+      const auto add = [&](AreaPolygon::Ring ring, bool is_outline) {
+        if ((doubled_area(ring) > 0) != is_outline) std::reverse(ring.begin(), ring.end());
+        // A hole that is as narrow all over is an obstacle.
+        const bool may_slit = width_of(ring) > kMaxAreaGap_m;
+        for (size_t k = 0; k < ring.size(); ++k)
+          if (ring[k] != ring[(k + 1) % ring.size()])
+            edges_.push_back({ring[k], ring[(k + 1) % ring.size()], i, may_slit});
+      };
+      add(polygons_[i].outline, true);
+      for (const AreaPolygon::Ring& hole : polygons_[i].holes) add(hole, false);
+    }
+    std::vector<std::pair<Box, uint32_t>> boxes;
+    for (uint32_t i = 0; i < edges_.size(); ++i) boxes.emplace_back(box_of(edges_[i]), i);
+    tree_ = BoxTree(boxes);
+  }
+
+  /// Calls visit(i) for all boxes that meet one; it tells whether the pair counts.
+  template <typename Visit>
+  void for_each_meeting(const BoxTree& tree, const Box& box, const Visit& visit) {
+    for (auto it = tree.qbegin(bg::index::intersects(box)); it != tree.qend(); ++it) {
+      pairs_ += visit(it->second) ? 1 : 0;
+      if (pairs_ > kMaxPairs || ++visits_ > kMaxVisits)
+        refuse(fmt::format("polygons of which at most {} pairs of edges lie side by side",
+                           kMaxPairs / 2),
+               "more; join or simplify them in the file");
+    }
+  }
+
+  void find_pairs() {
+    for (const AreaEdge& edge : edges_)
+      for_each_meeting(tree_, box_of(edge), [&](uint32_t k) {
+        const AreaEdge& other = edges_[k];
+        if (other.polygon == edge.polygon) return &edge < &other && add_slit(edge, other);
+        if (other.polygon < edge.polygon ||
+            !(edge.distance_m(other) <= kMaxAreaGap_m + kAreaRounding_m))
+          return true;
+        const std::optional<Seam> seam = seam_between(edge, other);
+        if (seam) seams_.push_back({{edge.polygon, other.polygon}, *seam});
+        unite(edge.polygon, other.polygon);
+        return true;
+      });
+    // The order of a tree says nothing.
+    std::stable_sort(seams_.begin(), seams_.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+  }
+
+  /// A gap between two edges of one polygon, which is closed like one between polygons.
+  bool add_slit(const AreaEdge& a, const AreaEdge& b) {
+    const double most_m = kMaxAreaGap_m + kAreaRounding_m;
+    if (!(a.may_slit && b.may_slit && a.distance_m(b) <= most_m)) return false;
+    const std::optional<Seam> seam = seam_between(a, b);
+    if (!seam || !(seam->width_m >= 0)) return false;
+    // Of a notch that ends in a point only one that is as narrow all along.
+    const bool ends = a.to == b.from, begins = b.to == a.from;
+    if (ends && !(std::min(b.distance_m(a.from), a.distance_m(b.to)) <= most_m)) return false;
+    if (begins && !(std::min(b.distance_m(a.to), a.distance_m(b.from)) <= most_m)) return false;
+    has_slit_[a.polygon] = true;
+    // The union itself closes what has no width, and takes off what sticks out without one.
+    if (seam->width_m > kNoWidth_m) seams_.push_back({{a.polygon, b.polygon}, *seam});
+    const auto mark = [&](const Eigen::Vector2d& corner, const AreaEdge& other) {
+      if (other.distance_m(corner) <= most_m) slit_corners_.push_back(corner);
+    };
+    mark(a.from, b);
+    mark(a.to, b);
+    mark(b.from, a);
+    mark(b.to, a);
+    return true;
+  }
+
+  /// A polygon in another one, whose edges are far from its own.
+  void find_nested() {
+    std::vector<std::pair<Box, uint32_t>> boxes;
+    for (uint32_t i = 0; i < polygons_.size(); ++i) boxes.emplace_back(box_of(polygons_[i]), i);
+    const BoxTree tree(boxes);
+    for (uint32_t i = 0; i < polygons_.size(); ++i)
+      for_each_meeting(tree, boxes[i].first, [&](uint32_t k) {
+        if (k == i || group_of(i) == group_of(k)) return false;
+        if (contains(polygons_[k], polygons_[i].outline.front())) unite(i, k);
+        return true;
+      });
+  }
+
+  uint32_t group_of(uint32_t i) {
+    while (group_[i] != i) i = group_[i] = group_[group_[i]];
+    return i;
+  }
+  void unite(uint32_t i, uint32_t k) {
+    i = group_of(i);
+    k = group_of(k);
+    group_[std::max(i, k)] = std::min(i, k);
+  }
+
+  void join_group(const std::vector<uint32_t>& members, JoinedArea& out) {
+    GridSet all;
+    origins_.clear();
+    uint32_t order = 0;
+    for (const uint32_t i : members) {
+      const auto add = [&](const AreaPolygon::Ring& ring) {
+        for (const Eigen::Vector2d& corner : ring) {
+          if (!(corner.cwiseAbs().maxCoeff() <= kMaxOnGrid_m))
+            refuse(fmt::format("polygons that adjoin within {:g} km of the recording's middle",
+                               kMaxOnGrid_m / 1000),
+                   fmt::format("a corner at ({:g}, {:g}) m; is it in other units?", corner.x(),
+                               corner.y()));
+          Origin& origin =
+              origins_.try_emplace(key_of(grid_point(corner)), Origin{corner, i, order, false})
+                  .first->second;
+          origin.is_shared |= origin.polygon != i;
+          ++order;
+        }
+      };
+      add(polygons_[i].outline);
+      for (const AreaPolygon::Ring& hole : polygons_[i].holes) add(hole);
+      add_to(all, polygons_[i]);
+    }
+    for (const Eigen::Vector2d& corner : slit_corners_)
+      if (const auto found = origins_.find(key_of(grid_point(corner))); found != origins_.end())
+        found->second.is_shared = true;
+    const uint32_t group = members.front();
+    for (const auto& [pair, seam] : seams_)
+      if (group_of(pair.first) == group) all.insert(grid_polygon(seam.filling));
+    std::vector<GridShape> shapes;
+    all.get(shapes);
+    std::vector<std::pair<uint32_t, AreaPolygon>> found;
+    for (const GridShape& shape : shapes) {
+      CornerRing outline = corners_of(shape);
+      if (outline.size() < 3 || is_closed_gap(outline)) continue;
+      const uint32_t first = begin_with_first(outline);
+      std::vector<std::pair<uint32_t, AreaPolygon::Ring>> holes;
+      for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole) {
+        CornerRing ring = corners_of(*hole);
+        if (ring.size() < 3 || is_closed_gap(ring)) continue;
+        const uint32_t first_of_hole = begin_with_first(ring);
+        holes.emplace_back(first_of_hole, ring_of(ring));
+      }
+      std::stable_sort(holes.begin(), holes.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+      AreaPolygon& polygon = found.emplace_back(first, AreaPolygon{}).second;
+      polygon.outline = ring_of(outline);
+      for (auto& hole : holes) polygon.holes.push_back(std::move(hole.second));
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& polygon : found) out.polygons.push_back(std::move(polygon.second));
+  }
+
+  static AreaPolygon::Ring ring_of(const CornerRing& corners) {
+    AreaPolygon::Ring ring;
+    for (const Corner& corner : corners) ring.push_back(corner.at_m);
+    return ring;
+  }
+
+  /// Of something long and thin: its area over half of its way round.
+  static double width_of(const AreaPolygon::Ring& ring) {
+    double round_m = 0;
+    for (size_t i = 0; i < ring.size(); ++i)
+      round_m += (ring[(i + 1) % ring.size()] - ring[i]).norm();
+    return std::abs(doubled_area(ring)) / round_m;
+  }
+
+  /// What is left where the gaps of several polygons meet.
+  static bool is_closed_gap(const CornerRing& corners) {
+    return std::none_of(corners.begin(), corners.end(),
+                        [](const Corner& c) { return c.is_kept; }) &&
+           width_of(ring_of(corners)) <= kMaxAreaGap_m;
+  }
+
+  static uint32_t begin_with_first(CornerRing& corners) {
+    const auto first =
+        std::min_element(corners.begin(), corners.end(),
+                         [](const Corner& a, const Corner& b) { return a.order < b.order; });
+    const uint32_t order = first->order;
+    std::rotate(corners.begin(), first, corners.end());
+    return order;
+  }
+
+  /// A corner of one polygon alone, which no other polygon is near.
+  bool is_own(const Origin& origin) const {
+    if (origin.is_shared) return false;
+    const Eigen::Vector2d& p = origin.corner_m;
+    // Edges have their margin.
+    for (auto it = tree_.qbegin(bg::index::intersects(box_of(p, p, kOffGrid_m)));
+         it != tree_.qend(); ++it) {
+      const AreaEdge& edge = edges_[it->second];
+      if (edge.polygon != origin.polygon &&
+          edge.distance_m(p) <= kMaxAreaGap_m + kAreaRounding_m + kOffGrid_m)
+        return false;
+    }
+    return true;
+  }
+
+  template <typename Ring>
+  CornerRing corners_of(const Ring& ring) const {
+    CornerRing corners;
+    for (const GridPoint& point : ring) {
+      Corner corner{metres(point)};
+      if (const auto found = origins_.find(key_of(point)); found != origins_.end()) {
+        corner.at_m = found->second.corner_m;
+        corner.order = found->second.order;
+        corner.is_kept = is_own(found->second);
+      }
+      if (corners.empty() || corners.back().at_m != corner.at_m) corners.push_back(corner);
+    }
+    while (corners.size() > 1 && corners.front().at_m == corners.back().at_m) corners.pop_back();
+    return corners.size() < 3 ? corners : straightened(std::move(corners));
+  }
+
+  static double off_line_m(const Corner& corner, const Corner& from, const Corner& to) {
+    return AreaEdge{from.at_m, to.at_m}.distance_m(corner.at_m);
+  }
+
+  /// Less the corners that are not kept and lie on a line of the others (Douglas and Peucker 1973).
+  static CornerRing straightened(CornerRing corners) {
+    // Begins with a corner that stays: one that is kept, else the lowest of the leftmost.
+    const auto begin =
+        std::min_element(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
+          return std::tuple(!a.is_kept, a.at_m.x(), a.at_m.y()) <
+                 std::tuple(!b.is_kept, b.at_m.x(), b.at_m.y());
+        });
+    std::rotate(corners.begin(), begin, corners.end());
+    corners.push_back(corners.front());
+    std::vector<uint8_t> stays(corners.size(), 0);
+    std::vector<std::pair<size_t, size_t>> open;
+    size_t last = 0;
+    for (size_t i = 1; i < corners.size(); ++i) {
+      if (!corners[i].is_kept && i + 1 < corners.size()) continue;
+      open.emplace_back(std::exchange(last, i), i);
+      stays[i] = 1;
+    }
+    while (!open.empty()) {
+      const auto [from, to] = open.back();
+      open.pop_back();
+      double farthest_m = kStraight_m;
+      size_t farthest = 0;
+      for (size_t i = from + 1; i < to; ++i) {
+        const double off_m = off_line_m(corners[i], corners[from], corners[to]);
+        if (off_m > farthest_m) {
+          farthest_m = off_m;
+          farthest = i;
+        }
+      }
+      if (farthest == 0) continue;
+      stays[farthest] = 1;
+      open.emplace_back(from, farthest);
+      open.emplace_back(farthest, to);
+    }
+    CornerRing out;
+    for (size_t i = 1; i < corners.size(); ++i)
+      if (stays[i] != 0) out.push_back(corners[i]);
+    // Where nothing is kept, the corner that it began with may lie on a line, too.
+    if (out.size() > 3 && !out.back().is_kept &&
+        off_line_m(out.back(), out[out.size() - 2], out.front()) <= kStraight_m)
+      out.pop_back();
+    return out;
+  }
+
+  const std::vector<AreaPolygon>& polygons_;
+  const std::string& where_;
+  std::vector<uint32_t> group_;  ///< of a polygon: another of its group, or itself
+  std::vector<bool> has_slit_;
+  std::vector<Eigen::Vector2d> slit_corners_;
+  std::vector<AreaEdge> edges_;
+  BoxTree tree_;
+  size_t pairs_ = 0, visits_ = 0;
+  std::vector<std::pair<std::pair<uint32_t, uint32_t>, Seam>> seams_;
+  std::unordered_map<uint64_t, Origin> origins_;  ///< of a group, by grid point
+};
+
+}  // namespace
+
+JoinedArea join(std::vector<AreaPolygon> polygons, const std::string& where) {
+  return Joiner(polygons, where).join();
+}
+
+JoinedArea recorded_area(const RecordingFacts& facts, const std::string& where) {
+  if (facts.wkt.empty()) return {};
+  std::vector<AreaPolygon> area = parse_area(facts.wkt, where);
+  const auto place = [&](AreaPolygon::Ring& ring) {
+    for (Eigen::Vector2d& corner : ring) corner = corner * facts.wkt_unit_m - facts.shift_m;
+  };
+  for (AreaPolygon& polygon : area) {
+    place(polygon.outline);
+    for (AreaPolygon::Ring& hole : polygon.holes) place(hole);
+  }
+  return join(std::move(area), where);
+}
+
+}  // namespace throng

@@ -1,0 +1,302 @@
+#include "scenes/retargeting/dress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "avatars/gait/gait.h"
+#include "base/elementary.h"
+#include "scenes/retargeting/head_place.h"
+#include "scenes/retargeting/smoothing.h"
+#include "scenes/retargeting/sway.h"
+
+namespace throng {
+namespace {
+
+/// A stride takes a second: what a way does in less is sway.
+constexpr double kWayReach_s = 1.2;
+/// Of the parabolas that take noise off a head, and how much at most.
+constexpr double kNoiseReach_s = 0.13;
+constexpr double kMostNoise_m = 0.01;
+/// A heading is that of the way over so much to both sides: what is shorter is a shuffle.
+constexpr double kHeadingWay_m = 0.4;
+constexpr double kHeadingReach_s = 1.0;  ///< and no turn is faster than one smoothed over this
+/// How far ahead people know where they go, and over what the way is smoothed for that.
+constexpr double kNext_s = 0.3;
+constexpr double kNextReach_s = 0.5;
+/// Two directions that are nearly opposite have no middle.
+constexpr double kLeastDirection = 1e-6;
+
+double usual_interval_s(std::span<const Sample> track) {
+  std::vector<double> intervals;
+  const size_t count = std::min<size_t>(track.size() - 1, 64);
+  for (size_t i = 0; i < count; ++i) intervals.push_back(track[i + 1].time_s - track[i].time_s);
+  if (intervals.empty()) return 0;
+  const auto middle = intervals.begin() + static_cast<ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+Knot::Next next_of(const Sample& from, const Sample& to, double hole_s) {
+  const double time_s = to.time_s - from.time_s;
+  if (time_s > hole_s) return Knot::Next::kAway;
+  const double way_m = (to.position_m - from.position_m).norm();
+  return way_m > kFastestRun_mps * time_s && way_m > 0.5 ? Knot::Next::kJump : Knot::Next::kWay;
+}
+
+/// The direction at each sample as the way just before and just after has it, the nearer in time
+/// the more: those who stand turn from where they came to where they go.
+class Headings {
+ public:
+  explicit Headings(std::span<const Sample> track, std::span<const WayPoint> way)
+      : track_(track), way_(way) {}
+
+  std::vector<double> along_way() {
+    std::vector<double> headings(track_.size());
+    size_t back = 0, ahead = 0;
+    double last = first_rad();
+    for (size_t i = 0; i < track_.size(); ++i) {
+      while (back + 1 < i && apart_m(back + 1, i) >= kHeadingWay_m) ++back;
+      ahead = std::max(ahead, i);
+      while (ahead + 1 < track_.size() && apart_m(i, ahead) < kHeadingWay_m) ++ahead;
+      const Eigen::Vector2d direction = towards(back, i) + towards(i, ahead);
+      if (direction.norm() > kLeastDirection)
+        last = near(arc_tan2(direction.y(), direction.x()), last);
+      headings[i] = last;
+    }
+    return headings;
+  }
+
+  /// As the file has them; what it leaves out is as the one before.
+  std::vector<double> recorded() const {
+    std::vector<double> headings(track_.size());
+    double last = first_recorded_rad();
+    for (size_t i = 0; i < track_.size(); ++i) {
+      if (!std::isnan(track_[i].heading_rad))
+        last = near(static_cast<double>(track_[i].heading_rad), last);
+      headings[i] = last;
+    }
+    return headings;
+  }
+
+  bool are_recorded() const {
+    return std::any_of(track_.begin(), track_.end(),
+                       [](const Sample& sample) { return !std::isnan(sample.heading_rad); });
+  }
+
+ private:
+  /// The same direction, less than half a turn from `last`.
+  static double near(double heading_rad, double last) {
+    return last + std::remainder(heading_rad - last, kTurn);
+  }
+  double apart_m(size_t a, size_t b) const {
+    return (way_[b].position_m - way_[a].position_m).norm();
+  }
+  /// The direction from one to the other, the shorter the longer that takes; hardly any where they
+  /// are too near for one.
+  Eigen::Vector2d towards(size_t from, size_t to) const {
+    const Eigen::Vector2d way = way_[to].position_m - way_[from].position_m;
+    const double length_m = way.norm();
+    if (length_m < 0.5 * kHeadingWay_m) return kLeastDirection * way;
+    return way / (length_m * (0.05 + track_[to].time_s - track_[from].time_s));
+  }
+  double first_rad() const {
+    const Eigen::Vector2d way = way_.back().position_m - way_.front().position_m;
+    return way.norm() > 0 ? arc_tan2(way.y(), way.x()) : 0;
+  }
+  double first_recorded_rad() const {
+    for (const Sample& sample : track_)
+      if (!std::isnan(sample.heading_rad)) return static_cast<double>(sample.heading_rad);
+    return 0;
+  }
+
+  std::span<const Sample> track_;
+  std::span<const WayPoint> way_;
+};
+
+/// By straight lines through what lies within reach, as positions are: nobody turns at once.
+std::vector<double> smoothed(std::span<const Sample> track, std::span<const double> angles) {
+  std::vector<Sample> as_track(track.begin(), track.end());
+  for (size_t i = 0; i < as_track.size(); ++i) as_track[i].position_m = {angles[i], 0};
+  std::vector<double> out;
+  for (const WayPoint& point : way_of(as_track, kHeadingReach_s))
+    out.push_back(point.position_m.x());
+  return out;
+}
+
+/// A stretch of a track without absence or jump.
+class Stretch {
+ public:
+  Stretch(std::span<const Sample> track, const Wearer& wearer, std::span<Knot> knots)
+      : track_(track), wearer_(wearer), knots_(knots), way_(way_of(track, kWayReach_s)) {}
+
+  void dress() {
+    place();
+    turn();
+    for (size_t i = 0; i < track_.size(); ++i) {
+      const SinCos heading = sin_cos(static_cast<double>(knots_[i].heading_rad));
+      const Eigen::Vector2d& v = way_[i].velocity_mps;
+      knots_[i].ahead_mps = static_cast<float>(v.x() * heading.cos + v.y() * heading.sin);
+    }
+    find_next();
+    find_phases();
+  }
+
+ private:
+  bool is_head() const { return wearer_.tracked == TrackedPoint::kHead; }
+
+  void place() {
+    std::vector<Eigen::Vector2d> heads;
+    if (is_head()) heads = without_noise(track_, kNoiseReach_s, kMostNoise_m);
+    for (size_t i = 0; i < track_.size(); ++i) {
+      const Eigen::Vector2d& at = is_head() ? heads[i] : track_[i].position_m;
+      knots_[i].time_s = track_[i].time_s;
+      knots_[i].x_m = at.x();
+      knots_[i].y_m = at.y();
+    }
+  }
+
+  void turn() {
+    Headings headings(track_, way_);
+    // What the file says of turns is as true as its positions.
+    const std::vector<double> all =
+        headings.are_recorded() ? headings.recorded() : smoothed(track_, headings.along_way());
+    const double turns = kTurn * std::floor(all.front() / kTurn);
+    for (size_t i = 0; i < all.size(); ++i)
+      knots_[i].heading_rad = static_cast<float>(all[i] - turns);
+  }
+
+  void find_next() {
+    const std::vector<WayPoint> way = way_of(track_, kNextReach_s);
+    size_t then = 0;
+    for (size_t i = 0; i < track_.size(); ++i) {
+      then = std::max(then, i);
+      while (then + 1 < track_.size() && track_[then].time_s < track_[i].time_s + kNext_s - kSame_s)
+        ++then;
+      Eigen::Vector2d next_mps = way[i].velocity_mps;
+      if (then > i)
+        next_mps =
+            (way[then].position_m - way[i].position_m) / (track_[then].time_s - track_[i].time_s);
+      knots_[i].next_x_mps = static_cast<float>(next_mps.x());
+      knots_[i].next_y_mps = static_cast<float>(next_mps.y());
+    }
+  }
+
+  void find_phases() {
+    for (Knot& knot : knots_) knot.phase = std::numeric_limits<float>::quiet_NaN();
+    if (!is_head() || !wearer_.head->has_head()) return;
+    std::vector<SwaySample> sway;
+    for (size_t i = 0; i < track_.size(); ++i) {
+      const Eigen::Vector2d& v = way_[i].velocity_mps;
+      const double speed_mps = v.norm();
+      const Eigen::Vector2d off_m = track_[i].position_m - way_[i].position_m;
+      const double left_m = speed_mps > 0 ? (v.x() * off_m.y() - v.y() * off_m.x()) / speed_mps : 0;
+      const auto speed = static_cast<float>(speed_mps);
+      const double stride_m =
+          static_cast<double>(wearer_.gait->stride_length_m(speed, wearer_.scale));
+      sway.push_back({track_[i].time_s, left_m, speed_mps / stride_m});
+    }
+    const std::vector<float> since_left = strides_since_left(sway);
+    for (size_t i = 0; i < knots_.size(); ++i) {
+      const float leftmost = wearer_.head->leftmost_phase(knots_[i].ahead_mps, wearer_.scale);
+      knots_[i].phase = phase_of(since_left[i] + leftmost);  // NaN stays NaN
+    }
+    bridge_phases();
+  }
+
+  /// How far the gait goes on from a sample to the next by the distance walked.
+  double strides_after(size_t i) const {
+    const double ahead_mps = static_cast<double>(std::max(knots_[i].ahead_mps, 0.0f));
+    const double stride_m = static_cast<double>(
+        wearer_.gait->stride_length_m(static_cast<float>(ahead_mps), wearer_.scale));
+    return ahead_mps * (track_[i + 1].time_s - track_[i].time_s) / stride_m;
+  }
+
+  /// Where no sway is seen before or between those that are, by distance, so that nobody has to
+  /// change step all at once when one is seen.
+  void bridge_phases() {
+    const auto is_seen = [](const Knot& knot) { return !std::isnan(knot.phase); };
+    const auto first = std::find_if(knots_.begin(), knots_.end(), is_seen);
+    if (first == knots_.end()) return;
+    auto seen = static_cast<size_t>(first - knots_.begin());
+    for (size_t i = seen; i > 0; --i)
+      knots_[i - 1].phase = phase_of(static_cast<double>(knots_[i].phase) - strides_after(i - 1));
+    while (true) {
+      size_t next = seen + 1;
+      double strides = 0;
+      for (; next < knots_.size() && !is_seen(knots_[next]); ++next)
+        strides += strides_after(next - 1);
+      if (next == knots_.size()) return;
+      strides += strides_after(next - 1);
+      const auto from = static_cast<double>(knots_[seen].phase);
+      const double off =
+          std::remainder(static_cast<double>(knots_[next].phase) - (from + strides), 1.0);
+      double walked = 0;
+      for (size_t i = seen + 1; i < next; ++i) {
+        walked += strides_after(i - 1);
+        knots_[i].phase = phase_of(from + walked + (strides > 0 ? off * walked / strides : 0));
+      }
+      seen = next;
+    }
+  }
+
+  std::span<const Sample> track_;
+  const Wearer& wearer_;
+  std::span<Knot> knots_;
+  std::vector<WayPoint> way_;
+};
+
+/// Harmonic mean of two slopes, weighted by their intervals; 0 at an extreme (Fritsch and Butland
+/// 1984): a cubic with such slopes is monotone wherever the points are.
+double slope(double h0, double s0, double h1, double s1) {
+  if (!(s0 * s1 > 0)) return 0;
+  const double w0 = 2 * h1 + h0, w1 = h1 + 2 * h0;
+  return (w0 + w1) / (w0 / s0 + w1 / s1);
+}
+
+double cubic(double from, double to, double slope_from, double slope_to, double h, double u) {
+  const double v = 1 - u;
+  return from * v * v * (1 + 2 * u) + slope_from * h * u * v * v + to * u * u * (1 + 2 * v) -
+         slope_to * h * u * u * v;
+}
+
+}  // namespace
+
+std::vector<Knot> dressed(std::span<const Sample> track, const Wearer& wearer) {
+  std::vector<Knot> knots(track.size());
+  const double hole_s = std::max(kMaxTrackGap_s, 1.5 * usual_interval_s(track));
+  size_t begin = 0;
+  for (size_t i = 0; i < track.size(); ++i) {
+    const bool is_last = i + 1 == track.size();
+    knots[i].next = is_last ? Knot::Next::kAway : next_of(track[i], track[i + 1], hole_s);
+    if (knots[i].next == Knot::Next::kWay) continue;
+    const size_t count = i + 1 - begin;
+    Stretch(track.subspan(begin, count), wearer, std::span(knots).subspan(begin, count)).dress();
+    begin = i + 1;
+  }
+  return knots;
+}
+
+Eigen::Vector2d position_between(const Knot* before, const Knot& from, const Knot& to,
+                                 const Knot* after, double time_s) {
+  const double h = to.time_s - from.time_s;
+  const double u = std::clamp((time_s - from.time_s) / h, 0.0, 1.0);
+  Eigen::Vector2d out;
+  for (const auto coordinate : {&Knot::x_m, &Knot::y_m}) {
+    const double s = (to.*coordinate - from.*coordinate) / h;
+    double first = s, last = s;
+    if (before != nullptr) {
+      const double h0 = from.time_s - before->time_s;
+      first = slope(h0, (from.*coordinate - before->*coordinate) / h0, h, s);
+    }
+    if (after != nullptr) {
+      const double h1 = after->time_s - to.time_s;
+      last = slope(h, s, h1, (after->*coordinate - to.*coordinate) / h1);
+    }
+    out[coordinate == &Knot::x_m ? 0 : 1] =
+        cubic(from.*coordinate, to.*coordinate, first, last, h, u);
+  }
+  return out;
+}
+
+}  // namespace throng

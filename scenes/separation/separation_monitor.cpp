@@ -1,0 +1,241 @@
+#include "scenes/separation/separation_monitor.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "scenes/run/frame_poses.h"
+#include "scenes/separation/protective_distance.h"
+
+namespace throng {
+namespace {
+
+constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+
+auto key_of(const Shortfall& shortfall) {
+  return std::tuple(shortfall.robot, shortfall.person, shortfall.region);
+}
+
+/// The material of a part at `point_m` (from the root), where it was before.
+Eigen::Vector3d carried_back(const PartPose& now, const PartPose& then,
+                             const Eigen::Vector3d& point_m) {
+  const Eigen::Isometry3d then_from_now = to_isometry(then) * to_isometry(now).inverse();
+  return then_from_now * point_m;
+}
+
+}  // namespace
+
+SeparationMonitor::SeparationMonitor(const RunInfo& run)
+    : rule_(*run.scene->separation),
+      step_s_(run.step_s),
+      near_m_(run.culler.near.near_m),
+      model_of_avatar_(run.model_of_avatar) {
+  for (const std::shared_ptr<const Model>& model : run.models) {
+    std::vector<BodyRegion>& regions = regions_.emplace_back();
+    for (const Part& part : model->parts) regions.push_back(body_region(part.name));
+  }
+  for (uint32_t id = 0; id < model_of_avatar_.size(); ++id) {
+    const uint16_t model = model_of_avatar_[id];
+    const bool is_robot = !run.models[model]->is_person;
+    robot_index_.push_back(is_robot ? static_cast<int32_t>(robots_.size()) : -1);
+    if (is_robot) robots_.push_back(id);
+    if (is_robot) continue;
+    for (const BodyRegion region : regions_[model])
+      totals_.regions[static_cast<size_t>(region)].is_there = true;
+  }
+  totals_.robots = static_cast<uint32_t>(robots_.size());
+  if (!rule_.is_measured()) return;
+  for (const uint32_t robot : robots_) {
+    const auto parts = static_cast<size_t>(run.models[model_of_avatar_[robot]]->part_count());
+    was_.push_back({false, {}, std::vector<PartPose>(parts), std::vector<PartPose>(parts)});
+  }
+}
+
+void SeparationMonitor::pose_robots(const RunInfo& run, const Frame& frame) {
+  for (size_t i = 0; i < was_.size(); ++i) part_poses(run, frame, robots_[i], was_[i].now);
+}
+
+void SeparationMonitor::remember_robots(const Frame& frame) {
+  for (size_t i = 0; i < was_.size(); ++i) {
+    Was& was = was_[i];
+    was.is_known = frame.present.empty() || frame.present[robots_[i]] != 0;
+    was.root = frame.roots[robots_[i]];
+    was.parts.swap(was.now);
+  }
+}
+
+/// How fast the robot's own material at the nearest point came towards the person.
+double SeparationMonitor::robot_mps(const NearPair& pair, bool robot_is_a) const {
+  const uint32_t robot = robot_is_a ? pair.pair.a() : pair.pair.b();
+  const uint32_t part = robot_is_a ? pair.pair.part_a() : pair.pair.part_b();
+  const Was& was = was_[static_cast<size_t>(robot_index_[robot])];
+  if (pair.level != PairLevel::kExact || !was.is_known || part >= was.now.size()) return kNowhere;
+  const auto& point = robot_is_a ? pair.point_a_m : pair.point_b_m;
+  const Eigen::Vector3d root = roots_[robot].position_m;
+  const Eigen::Vector3d from_root = Eigen::Vector3d(point.data()) - root;
+  const Eigen::Vector3d then = carried_back(was.now[part], was.parts[part], from_root);
+  const Eigen::Vector3d moved = (root - was.root.position_m) + (from_root - then);
+  const Eigen::Vector3d a_to_b = Eigen::Vector3f(pair.normal.data()).cast<double>();
+  return moved.dot(a_to_b) * (robot_is_a ? 1 : -1) / step_s_;
+}
+
+void SeparationMonitor::find(const NearPair& pair) {
+  const uint32_t a = pair.pair.a(), b = pair.pair.b();
+  const bool robot_is_a = is_robot(a) && is_person(b);
+  if (!robot_is_a && !(is_person(a) && is_robot(b))) return;
+  const uint32_t person = robot_is_a ? b : a;
+  const uint32_t part = robot_is_a ? pair.pair.part_b() : pair.pair.part_a();
+  const std::vector<BodyRegion>& regions = regions_[model_of_avatar_[person]];
+  Found found;
+  found.robot_index = static_cast<uint32_t>(robot_index_[robot_is_a ? a : b]);
+  found.person = person;
+  found.region = part < regions.size() ? regions[part] : BodyRegion::kOther;
+  RegionSeparation& row = found.row;
+  row.robot = robot_is_a ? a : b;
+  row.region = found.region;
+  row.lo_m = pair.lo_m;
+  row.hi_m = pair.hi_m;
+  row.pair = pair.pair;
+  row.closing_mps = pair.closing_mps;
+  const double measured = rule_.is_measured() ? robot_mps(pair, robot_is_a) : kNowhere;
+  const double robot = rule_.robot_mps.value_or(measured);
+  const double human = rule_.human_mps.value_or(static_cast<double>(pair.closing_mps) - measured);
+  row.robot_mps = static_cast<float>(robot);
+  row.human_mps = static_cast<float>(human);
+  row.required_m = static_cast<float>(protective_distance(rule_, human, robot).total_m());
+  if (found.is_judged()) row.spare_m = row.lo_m - row.required_m;
+  ++totals_.pairs;
+  totals_.unjudged += !found.is_judged();
+  totals_.beyond_margin += row.required_m > near_m_;
+  found_.push_back(found);
+}
+
+/// The least of each region; a margin's width where nothing is within it.
+void SeparationMonitor::fill_rows(const Frame& frame) {
+  rows_.clear();
+  size_t next = 0;
+  std::array<RegionSeparation, kBodyRegions> of_robot;
+  for (size_t i = 0; i < robots_.size(); ++i) {
+    of_robot.fill({});
+    uint32_t last_person = UINT32_MAX;
+    std::array<bool, kBodyRegions> counted{};
+    for (; next < found_.size() && found_[next].robot_index == i; ++next) {
+      const Found& found = found_[next];
+      if (found.person != last_person) counted = {};
+      last_person = found.person;
+      const auto region = static_cast<size_t>(found.region);
+      RegionSeparation& row = of_robot[region];
+      const float spare_m = row.spare_m;
+      const uint32_t people_short = row.people_short;
+      if (row.is_far() || std::tuple(found.row.lo_m, found.row.hi_m, found.row.pair) <
+                              std::tuple(row.lo_m, row.hi_m, row.pair))
+        row = found.row;
+      row.spare_m =
+          found.is_judged() && !(found.row.spare_m >= spare_m) ? found.row.spare_m : spare_m;
+      row.people_short = people_short + (found.is_short() && !counted[region] ? 1 : 0);
+      counted[region] |= found.is_short();
+    }
+    if (!frame.present.empty() && frame.present[robots_[i]] == 0) continue;
+    for (size_t region = 0; region < kBodyRegions; ++region) {
+      RegionTotals& totals = totals_.regions[region];
+      if (!totals.is_there) continue;
+      RegionSeparation& row = of_robot[region];
+      if (row.is_far()) {
+        row.robot = robots_[i];
+        row.region = static_cast<BodyRegion>(region);
+        row.lo_m = near_m_;
+      }
+      if (std::tuple(row.lo_m, row.hi_m) < std::tuple(totals.least_lo_m, totals.least_hi_m) &&
+          !row.is_far()) {
+        totals.least_lo_m = row.lo_m;
+        totals.least_hi_m = row.hi_m;
+      }
+      if (row.people_short > 0) totals.short_s += step_s_;
+      rows_.push_back(row);
+    }
+  }
+}
+
+void SeparationMonitor::close(Shortfall shortfall, bool cut) {
+  shortfall.end_frame = frame_;
+  shortfall.is_cut |= cut;
+  ended_.push_back(shortfall);
+}
+
+/// What is found of a robot and a region of a person goes on, begins or ends. `open` is the place
+/// in open_ behind all that come before.
+void SeparationMonitor::judge(std::span<const Found> of_triple, size_t& open) {
+  const Found& first = of_triple.front();
+  const auto key = std::tuple(first.row.robot, first.person, first.region);
+  for (; open < open_.size() && key_of(open_[open]) < key; ++open) close(open_[open], false);
+  const bool was_open = open < open_.size() && key_of(open_[open]) == key;
+  bool is_short = false, is_unjudged = false;
+  for (const Found& found : of_triple) {
+    is_short |= found.is_short();
+    is_unjudged |= !found.is_judged();
+  }
+  // What cannot be judged neither begins nor ends.
+  const bool goes_on = is_short || (was_open && is_unjudged);
+  if (was_open && !goes_on) close(open_[open], false);
+  if (was_open && goes_on) still_open_.push_back(open_[open]);
+  if (was_open) ++open;
+  if (!goes_on) return;
+  if (!was_open)
+    still_open_.push_back({.robot = first.row.robot,
+                           .person = first.person,
+                           .region = first.region,
+                           .begin_frame = frame_,
+                           .is_cut = frames_seen_ <= (rule_.is_measured() ? 2 : 1)});
+  Shortfall& shortfall = still_open_.back();
+  for (const Found& found : of_triple) {
+    if (std::tuple(found.row.lo_m, found.row.hi_m) <
+        std::tuple(shortfall.least_lo_m, shortfall.least_hi_m)) {
+      shortfall.least_lo_m = found.row.lo_m;
+      shortfall.least_hi_m = found.row.hi_m;
+    }
+    if (found.is_judged())
+      shortfall.most_short_m = std::max(shortfall.most_short_m, 0 - found.row.spare_m);
+    shortfall.is_beyond_margin |= found.row.required_m > near_m_;
+  }
+  RegionTotals& totals = totals_.regions[static_cast<size_t>(first.region)];
+  totals.most_short_m = std::max(totals.most_short_m, shortfall.most_short_m);
+  if (was_open) return;
+  ++totals.shortfalls;
+  ++totals_.shortfalls;
+  begun_.push_back(shortfall);
+}
+
+void SeparationMonitor::frame(const RunInfo& run, const Frame& frame) {
+  frame_ = frame.number;
+  ++frames_seen_;
+  roots_ = frame.roots;
+  found_.clear();
+  begun_.clear();
+  ended_.clear();
+  still_open_.clear();
+  pose_robots(run, frame);
+  for (const NearPair& pair : frame.near_pairs) find(pair);
+  remember_robots(frame);
+  std::sort(found_.begin(), found_.end(), [](const Found& p, const Found& q) {
+    return std::tuple(p.key(), p.row.pair) < std::tuple(q.key(), q.row.pair);
+  });
+  fill_rows(frame);
+  size_t open = 0;
+  for (size_t i = 0; i < found_.size();) {
+    size_t end = i + 1;
+    while (end < found_.size() && found_[end].key() == found_[i].key()) ++end;
+    judge({found_.data() + i, end - i}, open);
+    i = end;
+  }
+  for (; open < open_.size(); ++open) close(open_[open], false);
+  open_.swap(still_open_);
+}
+
+void SeparationMonitor::end() {
+  begun_.clear();
+  ended_.clear();
+  ++frame_;
+  for (const Shortfall& shortfall : open_) close(shortfall, true);
+  open_.clear();
+}
+
+}  // namespace throng

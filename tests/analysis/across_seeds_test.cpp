@@ -1,0 +1,127 @@
+// What several seeds say together: nobody hides a bad one among good ones.
+#include "analysis/validation/across_seeds.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace throng::validation {
+namespace {
+
+/// 1.0 to 1.2 is accepted.
+Reading flow(double ours, bool headline = true) {
+  return {"door", "flow", "1/s", ours, 1.1, 1.0, 1.2, ours >= 1.0 && ours <= 1.2, headline};
+}
+
+SeedOutcome seed_with(uint64_t seed, double ours) {
+  SeedOutcome out{seed, {}, 1};
+  out.outcome.readings = {flow(ours)};
+  out.outcome.passed = *out.outcome.readings[0].met;
+  out.outcome.measured = "flow of seed " + std::to_string(seed);
+  return out;
+}
+
+TEST(AcrossSeeds, OneSeedSaysWhatItMeasured) {
+  const std::vector<SeedOutcome> seeds = {seed_with(7, 1.1)};
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.verdict(), Verdict::kPass);
+  EXPECT_EQ(outcome.measured, "flow of seed 7");
+  EXPECT_TRUE(std::isnan(outcome.readings[0].worst));
+}
+
+TEST(AcrossSeeds, ATestFailsWhereOneSeedFails) {
+  const std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.3), seed_with(3, 1.05)};
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.verdict(), Verdict::kFail);
+  EXPECT_EQ(outcome.readings[0].met, false);
+  EXPECT_THAT(outcome.measured, testing::HasSubstr("2 of 3 seeds pass; worst, seed 2: flow"));
+}
+
+TEST(AcrossSeeds, ReadingsAreTheMeanAndTheOneFarthestOff) {
+  const std::vector<SeedOutcome> seeds = {seed_with(1, 1.02), seed_with(2, 1.1),
+                                          seed_with(3, 1.15)};
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.verdict(), Verdict::kPass);
+  EXPECT_NEAR(outcome.readings[0].ours, 1.09, 1e-12);
+  EXPECT_EQ(outcome.readings[0].worst, 1.02) << "0.02 from the bound, others 0.05";
+}
+
+TEST(AcrossSeeds, MeansOfOneNameTellWhereTheyAre) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.02), seed_with(2, 1.1)};
+  EXPECT_THAT(across_seeds(seeds).measured, testing::HasSubstr("; means: flow 1.06 1/s"));
+  for (SeedOutcome& each : seeds) {
+    each.outcome.readings.push_back(flow(1.2));
+    each.outcome.readings.back().at = "gate";
+  }
+  EXPECT_THAT(across_seeds(seeds).measured,
+              testing::HasSubstr("; means: flow (door) 1.06 1/s, flow (gate) 1.2 1/s"));
+}
+
+TEST(AcrossSeeds, ASeedWithoutAReadingIsNoZero) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
+  seeds[0].outcome.readings[0].ours = Reading::kNone;
+  seeds[0].outcome.readings[0].met.reset();
+  const Outcome outcome = across_seeds(seeds);
+  EXPECT_EQ(outcome.readings[0].ours, 1.1);
+  EXPECT_EQ(outcome.readings[0].met, true);
+}
+
+TEST(AcrossSeeds, AllOthersCountForWallsAndPlaces) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
+  seeds[1].outcome.wall_crossings = 3;
+  seeds[1].outcome.unplaced = 2;
+  EXPECT_EQ(across_seeds(seeds).wall_crossings, 3);
+  EXPECT_EQ(across_seeds(seeds).unplaced, 2);
+}
+
+TEST(Verdict, OfATestThatFailsAndDiffersIsFail) {
+  Outcome outcome;
+  outcome.differs = true;
+  EXPECT_EQ(outcome.verdict(), Verdict::kFail);
+  outcome.passed = true;
+  EXPECT_EQ(outcome.verdict(), Verdict::kDiffers);
+  // As a test that differs and in which people found no room.
+  const validation::Test full{{"full"}, {"full"}, "", "", [&](const Conditions&) {
+                                Outcome without_room = outcome;
+                                without_room.unplaced = 1;
+                                return without_room;
+                              }};
+  EXPECT_EQ(carry_out(full, {}).verdict(), Verdict::kFail);
+}
+
+TEST(AcrossSeeds, FailingOutweighsDifferingAndSkipping) {
+  std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
+  seeds[0].outcome.differs = true;
+  EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kDiffers);
+  EXPECT_THAT(across_seeds(seeds).measured, testing::HasSubstr("1 of 2 seeds pass, 1 differ; "));
+  seeds[1].outcome.passed = false;
+  EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kFail);
+  for (SeedOutcome& each : seeds) {
+    each.outcome = {};
+    each.outcome.skipped = true;
+  }
+  EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kSkipped);
+}
+
+TEST(Conditions, SeedsOfSeveralRunsNeverMeet) {
+  EXPECT_EQ(Conditions{}.seed_of_run(0, 3), 1u);
+  EXPECT_EQ(Conditions{}.seed_of_run(2, 3), 3u);
+  Conditions second;
+  second.seed = 2;
+  EXPECT_EQ(second.seed_of_run(0, 3), 4u);
+}
+
+TEST(Conditions, OfARunAreTheSameButForTheSeed) {
+  Conditions conditions;
+  conditions.seed = 2;
+  conditions.recordings = "recordings";
+  const Conditions third = conditions.of_run(2, 3);
+  EXPECT_EQ(third.seed, conditions.seed_of_run(2, 3));
+  EXPECT_EQ(third.recordings, conditions.recordings);
+}
+
+}  // namespace
+}  // namespace throng::validation

@@ -1,0 +1,335 @@
+// How people move, stand and meet: every criterion can fail, and the instruments see what is there.
+#include "analysis/validation/behaviour.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "analysis/validation/companions.h"
+#include "analysis/validation/recorded_inflow.h"
+
+namespace throng::validation {
+namespace {
+
+TEST(AccelerationsOfPeople, FailWhereOneSceneJerks) {
+  EXPECT_TRUE(judge_accelerations(std::vector<Accelerated>{{"a", 4.9, 1000}}).passed);
+  EXPECT_FALSE(
+      judge_accelerations(std::vector<Accelerated>{{"a", 3, 1000}, {"b", 5.1, 1000}}).passed);
+  EXPECT_FALSE(judge_accelerations({}).passed);
+}
+
+TEST(Queues, FailForPeopleWhoSpinAndForTooFewOfThem) {
+  EXPECT_TRUE(judge_queues(std::vector<Queued>{{"a", 9, 99, 600}}).passed);
+  EXPECT_FALSE(judge_queues(std::vector<Queued>{{"a", 11, 99, 600}}).passed);
+  EXPECT_FALSE(judge_queues(std::vector<Queued>{{"a", 0, 0, 299}}).passed);
+  EXPECT_FALSE(judge_queues({}).passed);
+}
+
+TEST(Audience, FailsForOneMomentOfLookingAway) {
+  EXPECT_TRUE(judge_audience(std::vector<double>{1, 0.96, 1}).passed);
+  EXPECT_FALSE(judge_audience(std::vector<double>{1, 0.94, 1}).passed);
+  EXPECT_FALSE(judge_audience({}).passed);
+}
+
+TEST(StandingClose, FailsForTooFewAndForBodiesInEachOther) {
+  EXPECT_TRUE(judge_standing(std::vector<Standing>{{4, 3.97, 0.005}}).passed);
+  EXPECT_FALSE(judge_standing(std::vector<Standing>{{4, 3.9, -0.1}}).passed);
+  EXPECT_FALSE(judge_standing(std::vector<Standing>{{4, 4, 0.02}}).passed);
+}
+
+TEST(Encounters, FailForASingleTouch) {
+  std::vector<MetTwo> met(100, {EncounterKind::kCrossing, 0.4, false});
+  EXPECT_TRUE(judge_encounters(met).passed) << "bodies give way at 0.4 m";
+  met[50].touched = true;
+  EXPECT_FALSE(judge_encounters(met).passed);
+  EXPECT_FALSE(judge_encounters({}).passed);
+}
+
+/// Contacts that give a rate in so many person-minutes.
+CountedContacts at_rate(double per_person_min, double person_min = 60) {
+  return {static_cast<uint64_t>(std::lround(per_person_min * person_min / 2)), 60 * person_min};
+}
+
+/// As recorded people have them, with an hour at each level.
+PlaceContacts recorded_place() {
+  PlaceContacts place{"as recorded", {}};
+  for (const RecordedContacts& theirs : recorded_contacts())
+    place.levels.push_back(at_rate(theirs.per_person_min));
+  return place;
+}
+
+PlaceContacts with_rate(size_t level, double per_person_min, double person_min = 60) {
+  PlaceContacts place = recorded_place();
+  place.levels[level] = at_rate(per_person_min, person_min);
+  return place;
+}
+
+constexpr double kFromDense_per_m2 = 2;
+
+/// As `contacts` judges, and as `contacts_walked_again` does.
+bool pass(const std::vector<PlaceContacts>& places) {
+  return judge_contacts(places, kFromDense_per_m2).passed;
+}
+bool pass_walked_again(const std::vector<PlaceContacts>& places) {
+  return judge_contacts(places, 0).passed;
+}
+
+TEST(ContactsByDensity, PassForThoseOfRecordedPeople) {
+  EXPECT_TRUE(pass({recorded_place()}));
+  EXPECT_TRUE(pass_walked_again({recorded_place()}));
+}
+
+TEST(ContactsByDensity, FailForTooManyAtAnyLevel) {
+  for (size_t i = 0; i < recorded_contacts().size(); ++i) {
+    const double bound = i == 0 ? 1 : 1.5 * recorded_contacts()[i].per_person_min;
+    for (const auto& passes : {pass, pass_walked_again}) {
+      EXPECT_TRUE(passes({with_rate(i, 0.99 * bound, 1000)})) << "level " << i;
+      EXPECT_FALSE(passes({with_rate(i, 1.01 * bound, 1000)})) << "level " << i;
+    }
+  }
+}
+
+TEST(ContactsByDensity, FailForTooFewFromTwoPerSquareMetreOn) {
+  for (const size_t i : {3u, 4u}) {
+    const double bound = 0.5 * recorded_contacts()[i].per_person_min;
+    for (const auto& passes : {pass, pass_walked_again}) {
+      EXPECT_FALSE(passes({with_rate(i, 0.99 * bound, 1000)})) << "level " << i;
+      EXPECT_TRUE(passes({with_rate(i, 1.01 * bound, 1000)})) << "level " << i;
+    }
+  }
+  EXPECT_FALSE(pass({with_rate(3, 7)})) << "3 per m2";
+}
+
+TEST(ContactsByDensity, FailForTooFewBelowThatOnlyOnTheRecordingsOwnGround) {
+  PlaceContacts few = with_rate(1, 0.4);  // 0.5 per m2; 1.1 at least
+  EXPECT_TRUE(pass({few}));
+  EXPECT_FALSE(pass_walked_again({few}));
+  few = with_rate(2, 2.5);  // 1.5 per m2; 2.7 at least
+  EXPECT_TRUE(pass({few}));
+  EXPECT_FALSE(pass_walked_again({few}));
+  EXPECT_TRUE(pass_walked_again({with_rate(0, 0)})) << "no bound asks people with room to touch";
+}
+
+TEST(ContactsByDensity, HaveALowerBoundOnlyWhereTooFewFail) {
+  const Judgement contacts = judge_contacts(std::vector{recorded_place()}, kFromDense_per_m2);
+  const Judgement again = judge_contacts(std::vector{recorded_place()}, 0);
+  const auto lows = [](const Judgement& judgement) {
+    std::vector<double> out;
+    for (const Reading& reading : judgement.readings)
+      if (reading.met && reading.what == "contacts")
+        out.push_back(std::isnan(reading.low) ? -1 : reading.low);
+    return out;
+  };
+  using testing::DoubleNear;
+  EXPECT_THAT(lows(contacts),
+              testing::ElementsAre(-1, -1, -1, DoubleNear(8.2, 1e-9), DoubleNear(25.6, 1e-9)));
+  EXPECT_THAT(lows(again), testing::ElementsAre(0, DoubleNear(1.1, 1e-9), DoubleNear(2.7, 1e-9),
+                                                DoubleNear(8.2, 1e-9), DoubleNear(25.6, 1e-9)));
+}
+
+TEST(ContactsByDensity, FailWhereTheyFallByMoreThanChance) {
+  PlaceContacts place = recorded_place();
+  // 3.2 a minute at 0.43 to 1 per m2 and 2.8 at 1 to 2: both as recorded, each for itself.
+  place.levels[1] = at_rate(3.2, 600);
+  place.levels[2] = at_rate(2.8, 600);
+  EXPECT_FALSE(pass({place}));
+  EXPECT_FALSE(pass_walked_again({place}));
+  place.levels[2] = at_rate(3.15, 600);
+  EXPECT_TRUE(pass({place})) << "2 % is chance";
+}
+
+TEST(ContactsByDensity, FailForACrowdThatIsNeverDense) {
+  PlaceContacts place = recorded_place();
+  place.levels.resize(2);
+  EXPECT_FALSE(pass({place}));
+  EXPECT_FALSE(pass_walked_again({place}));
+}
+
+TEST(ContactsByDensity, FailForACrowdThatNoLowerBoundIsAskedOf) {
+  PlaceContacts place = recorded_place();
+  place.levels.resize(3);  // up to 2 per m2
+  EXPECT_FALSE(pass({place})) << "three levels, all of them with upper bounds alone";
+  EXPECT_TRUE(pass_walked_again({place}));
+}
+
+TEST(ContactsByDensity, AreThoseOfAllPeopleNotTheMeanOfPlaces) {
+  // 4.5 a minute for 9 of 10 people, 0.1 for the others: the mean of places, 2.3, is as recorded.
+  const PlaceContacts full = with_rate(1, 4.5, 900), empty = with_rate(1, 0.1, 100);
+  EXPECT_FALSE(pass({full, empty}));
+  EXPECT_FALSE(pass_walked_again({full, empty}));
+  // The same at 3 per m2: 5 for 9 of 10 people and 20 for the others are 6.5 of all, 12.5 by place.
+  EXPECT_FALSE(pass({with_rate(3, 5, 900), with_rate(3, 20, 100)}));
+  // Ten places with too many and one, with most people, that makes up for them.
+  std::vector<PlaceContacts> places(10, with_rate(1, 4, 10));
+  places.push_back(with_rate(1, 2, 1000));
+  EXPECT_TRUE(pass(places));
+  EXPECT_TRUE(pass_walked_again(places));
+}
+
+TEST(ContactsByDensity, AreNotJudgedAtALevelThatAllPlacesTogetherWatchedForLessThanHalfAnHour) {
+  PlaceContacts place = recorded_place(), brief = recorded_place();
+  place.levels[4] = brief.levels[4] = at_rate(999, 14.9);
+  EXPECT_TRUE(pass({place, brief})) << "29.8 min";
+  place.levels[4] = at_rate(999, 15.2);
+  EXPECT_FALSE(pass({place, brief})) << "30.1 min, in no place as many";
+  EXPECT_FALSE(pass({}));
+}
+
+TEST(CompanionsTogether, FailForPartiesThatScatterAndForThoseThatPart) {
+  const std::vector<Together> near = {{"a", 1000, 960}}, far = {{"a", 1000, 960}, {"b", 1000, 940}};
+  EXPECT_TRUE(judge_companions(near, {100, 96, 0}).passed);
+  EXPECT_FALSE(judge_companions(far, {100, 96, 0}).passed);
+  EXPECT_FALSE(judge_companions(near, {100, 94, 0}).passed);
+  EXPECT_FALSE(judge_companions(near, {100, 100, 1}).passed);
+  EXPECT_FALSE(judge_companions({}, {100, 100, 0}).passed);
+}
+
+TEST(CompanionsTogether, EveryPartyIsAGroupAndFindsRoom) {
+  for (const Plan& plan : {crossing_parties_plan(SteeringRule{}.model, 1),
+                           parties_at_a_door_plan(SteeringRule{}.model, 1),
+                           parties_with_two_exits_plan(SteeringRule{}.model, 1)}) {
+    const Trial trial(plan);
+    EXPECT_EQ(trial.unplaced(), 0) << plan.scene.name;
+    for (size_t id = 1; id < trial.size(); ++id) {
+      if (trial.group(id) != trial.group(id - 1)) continue;
+      EXPECT_LT((trial.position_m(id) - trial.position_m(id - 1)).norm(), 3) << plan.scene.name;
+    }
+  }
+}
+
+TEST(CompanionsTogether, TwoWhoAreNoCompanionsPart) {
+  Plan plan("apart", {{-20, -4}, {20, 4}}, {}, 1);
+  Group& group = plan.people(2, {{-1, -1}, {1, 1}}, {{{15, -4}, {20, 4}}});
+  group.companions = Companions{1, {1, 0, 0}};
+  Outcome outcome;
+  EXPECT_GT(stay_together("together", plan, 30, outcome).share(), 0.95);
+  // Of one group, and nobody's companions: one is fast.
+  group.companions.reset();
+  group.speed_mps = Distribution{1.2, 0.6, 0.5, 2};
+  plan.scene.seed = 3;
+  EXPECT_LT(stay_together("apart", plan, 30, outcome).share(), 0.95);
+}
+
+std::vector<SpeedAndSpacing::Spacing> cells(double shift_m) {
+  return {{"1 to 2", true, 600, {0.4 + shift_m, 0.5 + shift_m, 0.7 + shift_m}},
+          {"1 to 2", false, 600, {0.3, 0.4, 0.6}},
+          {"2 to 3", true, 499, {0.1, 0.1, 0.1}}};
+}
+
+TEST(Spacing, FailsNineCentimetresOffAndForACrowdThatIsNeverSoDense) {
+  EXPECT_TRUE(judge_spacing(cells(0.07), cells(0)).passed);
+  EXPECT_FALSE(judge_spacing(cells(0.09), cells(0)).passed);
+  EXPECT_FALSE(judge_spacing(cells(-0.09), cells(0)).passed);
+  auto few = cells(0);
+  few[0].pairs = 499;
+  EXPECT_TRUE(judge_spacing(few, cells(0)).passed) << "half of the cells is enough";
+  few[1].pairs = 499;
+  EXPECT_FALSE(judge_spacing(few, cells(0)).passed);
+}
+
+TEST(Spacing, OfOnePercentMayBeFartherOff) {
+  auto ours = cells(0);
+  ours[0].quantiles_m[0] += 0.11;
+  EXPECT_TRUE(judge_spacing(ours, cells(0)).passed);
+  ours[0].quantiles_m[0] += 0.02;
+  EXPECT_FALSE(judge_spacing(ours, cells(0)).passed);
+}
+
+TEST(WalkedAgain, IsSkippedWithoutTheRecordings) {
+  std::vector<validation::Test> tests = spacing_tests();
+  tests.push_back(contact_tests().back());
+  for (const validation::Test& test : tests) {
+    SCOPED_TRACE(test.ids[0]);
+    const Outcome outcome = carry_out(test, {});
+    EXPECT_EQ(outcome.verdict(), Verdict::kSkipped);
+    EXPECT_THAT(outcome.measured, testing::HasSubstr("--recordings"));
+  }
+}
+
+/// With the recordings, where they are at hand.
+TEST(WalkedAgain, EverybodyOfARecordingComesInWhenAndWhereTheyDid) {
+  const char* const folder = std::getenv("THRONG_RECORDINGS");
+  if (folder == nullptr) GTEST_SKIP() << "THRONG_RECORDINGS names no folder of recordings";
+  for (const char* id : kInflowSites) {
+    const InflowSite site = inflow_site(id, {});
+    Outcome outcome;
+    const auto recording = recording_of(site, {.recordings = folder}, outcome);
+    const Plan plan = with_inflow(site, *recording);
+    Trial trial(plan);
+    ASSERT_EQ(trial.size(), recording->people().size()) << id;
+    std::vector<double> came_s(trial.size(), -1);
+    while (trial.step(120))
+      for (size_t i = 0; i < trial.size(); ++i)
+        if (trial.is_present(i) && came_s[i] < 0) came_s[i] = trial.now_s();
+    std::vector<double> firsts_s;
+    for (const RecordedPerson& person : recording->people()) firsts_s.push_back(person.first_s);
+    std::sort(firsts_s.begin(), firsts_s.end());
+    std::sort(came_s.begin(), came_s.end());
+    double sum_s = 0;
+    for (size_t i = 0; i < came_s.size(); ++i) {
+      EXPECT_GE(came_s[i], firsts_s[i] - 0.06) << id;
+      sum_s += came_s[i] - firsts_s[i];
+    }
+    EXPECT_LT(sum_s / static_cast<double>(came_s.size()), 1) << id;
+    EXPECT_EQ(trial.present(), 0u) << id;
+  }
+}
+
+TEST(Behaviour, AWalkerWhoTurnsBackAccelerates) {
+  Plan plan("alone", {{0, 0}, {20, 2}}, {}, 1);
+  Group& group = plan.people(1, {{1, 0.9}, {1.2, 1.1}}, {{{18, 0}, {20, 2}}});
+  Outcome outcome;
+  const Accelerated straight = accelerations_of("alone", plan, 10, outcome);
+  EXPECT_EQ(straight.samples, 99u);
+  EXPECT_LT(straight.at_999_mps2, 0.1);
+  group.goals[0].areas = {{{6, 0}, {8, 2}}};
+  group.goals.push_back(group.goals[0]);
+  group.goals[1].areas = {{{0, 0}, {1, 2}}};
+  const Accelerated found = accelerations_of("alone", plan, 10, outcome);
+  EXPECT_GT(found.at_999_mps2, 0.5);
+  EXPECT_LT(found.at_999_mps2, 5);
+}
+
+TEST(Behaviour, AQueueIsThatBeforeTheDoor) {
+  Plan plan("closed", {{0, 0}, {10, 4}}, {}, 1);
+  plan.wall_along_y(0, 4, 8, {2}, 0.7);
+  plan.people(30, {{0.5, 0.5}, {7, 3.5}}, {{{9, 0}, {10, 4}}});
+  Outcome outcome;
+  const Queued before = queue_in("before", plan, {{0, 0}, {8, 4}}, 20, outcome);
+  const Queued behind = queue_in("behind", plan, {{8.2, 0}, {10, 4}}, 20, outcome);
+  EXPECT_GT(before.waited_s, 30);
+  EXPECT_LT(behind.waited_s, 0.1 * before.waited_s);
+  EXPECT_GE(before.all_turns, before.net_turns);
+}
+
+TEST(Behaviour, WhoStandsFacesWhatTheGroupFaces) {
+  Plan plan("hall", {{0, 0}, {20, 20}}, {}, 1);
+  Group& group = plan.people(20, {{4, 4}, {16, 16}}, {{{0, 0}, {20, 2}}});
+  group.delay_s = fixed(100);
+  group.face_m = Eigen::Vector2d(10, 25);
+  Outcome outcome;
+  const std::vector<double> shares = facing_shares(plan, 2, outcome);
+  ASSERT_EQ(shares.size(), 21u);
+  for (const double share : shares) EXPECT_GE(share, 0.95);
+  plan.scene.groups[0].face_m.reset();
+  EXPECT_TRUE(facing_shares(plan, 2, outcome).empty()) << "no audience";
+}
+
+TEST(Behaviour, EncountersBeginWhereTheyAreDrawnAndAreTheSameAgain) {
+  const std::vector<MetTwo> met = meet(10, {});
+  ASSERT_EQ(met.size(), 10u);
+  for (size_t i = 0; i < met.size(); ++i) {
+    EXPECT_EQ(met[i].kind, Encounter(1, i).kind());
+    EXPECT_GT(met[i].nearest_m, 0.2) << i;
+    EXPECT_LT(met[i].nearest_m, 4) << i << ": they hardly met";
+  }
+  const std::vector<MetTwo> again = meet(10, {});
+  for (size_t i = 0; i < met.size(); ++i) EXPECT_EQ(met[i].nearest_m, again[i].nearest_m);
+}
+
+}  // namespace
+}  // namespace throng::validation

@@ -1,0 +1,429 @@
+// How near robots come to regions of people: by hand, against an oracle that looks at every pair of
+// every frame anew, and what is refused.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "analysis/separation/separation_sink.h"
+#include "base/random.h"
+#include "scenes/run/frame_poses.h"
+#include "scenes/run/runner.h"
+#include "scenes/run/simulation.h"
+#include "scenes/separation/protective_distance.h"
+#include "scenes/separation/separation_check.h"
+#include "tests/scenes/scene_file.h"
+
+namespace throng {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(BodyRegions, EveryPartOfTheBundledPersonIsOfOne) {
+  std::map<BodyRegion, int> parts;
+  const std::shared_ptr<const Model> adult = load_model(adult_urdf());
+  for (const Part& part : adult->parts) {
+    EXPECT_NE(body_region(part.name), BodyRegion::kOther) << part.name;
+    ++parts[body_region(part.name)];
+  }
+  const std::map<BodyRegion, int> expected = {
+      {BodyRegion::kHead, 1},      {BodyRegion::kTrunk, 2}, {BodyRegion::kUpperArms, 2},
+      {BodyRegion::kLowerArms, 2}, {BodyRegion::kHands, 2}, {BodyRegion::kLegs, 4},
+      {BodyRegion::kFeet, 2}};
+  EXPECT_EQ(parts, expected);
+}
+
+TEST(BodyRegions, FollowFromTheName) {
+  EXPECT_EQ(body_region("Neck_1"), BodyRegion::kNeck);
+  EXPECT_EQ(body_region("left_forearm"), BodyRegion::kLowerArms);
+  EXPECT_EQ(body_region("RIGHT_TOE"), BodyRegion::kFeet);
+  EXPECT_EQ(body_region("arm"), BodyRegion::kOther) << "upper or lower";
+  EXPECT_EQ(body_region("head_and_neck"), BodyRegion::kOther) << "two regions";
+  EXPECT_EQ(body_region(""), BodyRegion::kOther);
+}
+
+double uniform(uint64_t seed, uint32_t index, double low, double high) {
+  return random_uniform({seed, 0, 0, Purpose::kBoxWorld}, low, high, index);
+}
+
+/// Both move in small steps until the robot stands.
+double walked_m(const SeparationRule& rule, double human_mps, double robot_mps) {
+  const double stops_s = rule.stopping_s ? *rule.stopping_s : robot_mps / *rule.deceleration_mps2;
+  const int steps = 20000;
+  double sum_m = rule.intrusion_m + rule.human_error_m + rule.robot_error_m;
+  const double step_s = (rule.reaction_s + stops_s) / steps;
+  for (int i = 0; i < steps; ++i) {
+    const double now_s = (i + 0.5) * step_s;
+    const double braking_s = std::max(0.0, now_s - rule.reaction_s);
+    sum_m += step_s * (human_mps + robot_mps * (stops_s > 0 ? 1 - braking_s / stops_s : 1));
+  }
+  return sum_m;
+}
+
+TEST(ProtectiveDistance, IsWhatBothCoverUntilTheRobotStands) {
+  for (uint64_t seed = 0; seed < 200; ++seed) {
+    SeparationRule rule;
+    rule.reaction_s = uniform(seed, 0, 0.01, 1);
+    if (seed % 2 == 0)
+      rule.stopping_s = uniform(seed, 1, 0.01, 2);
+    else
+      rule.deceleration_mps2 = uniform(seed, 1, 0.2, 10);
+    rule.intrusion_m = uniform(seed, 2, 0, 0.5);
+    rule.human_error_m = uniform(seed, 3, 0, 0.2);
+    rule.robot_error_m = uniform(seed, 4, 0, 0.2);
+    const double human = uniform(seed, 5, -2, 2), robot = uniform(seed, 6, -2, 2);
+    const double expected = walked_m(rule, std::max(0.0, human), std::max(0.0, robot));
+    EXPECT_NEAR(protective_distance(rule, human, robot).total_m(), expected, 1e-3 * expected)
+        << "seed " << seed;
+  }
+  SeparationRule rule;
+  rule.stopping_s = 0.1;
+  EXPECT_TRUE(std::isnan(protective_distance(rule, NAN, 1).total_m()));
+  EXPECT_TRUE(std::isnan(protective_distance(rule, 1, NAN).total_m()));
+}
+
+/// Two robots that walk among people, and what is asked of them.
+std::string scene_text(const std::string& separation, const std::string& more = "near_m: 0.6\n") {
+  return fmt::format(
+      "step_s: 1/20\nduration_s: 2\nculling: {{exact: {}}}\n"
+      "ground: {{min_m: [-5, -4], max_m: [5, 4]}}\n"
+      "groups:\n"
+      "  - {{name: picker, model: {}/examples/picker.urdf, count: 2, height_m: 1.3, speed_mps: "
+      "0.8, "
+      "radius_m: 0.4, spawn: {{min_m: [-4, -3], max_m: [4, 3]}}, goals: [{{min_m: [-4, -3], max_m: "
+      "[-2, 3]}}, {{min_m: [2, -3], max_m: [4, 3]}}]}}\n"
+      "  - {{name: people, count: 8, spawn: {{min_m: [-4, -3], max_m: [4, 3]}}, goals: [{{min_m: "
+      "[2, -3], max_m: [4, 3]}}, {{min_m: [-4, -3], max_m: [-2, 3]}}]}}\n"
+      "{}separation: {}\n",
+      separation.find("human_mps: ") == std::string::npos, THRONG_SOURCE_DIR, more, separation);
+}
+
+constexpr const char* kNamed =
+    "{human_mps: 1, robot_mps: 0.8, reaction_s: 0.1, stopping_s: 0.2, intrusion_m: 0.05}";
+constexpr const char* kMeasured =
+    "{reaction_s: 0.2, deceleration_mps2: 2, intrusion_m: 0.05, human_error_m: 0.03, "
+    "robot_error_m: 0.02}";
+
+using Triple = std::tuple<uint32_t, uint32_t, BodyRegion>;
+
+/// A pair of parts of a robot and a person.
+struct SeenPair {
+  NearPair near;
+  uint32_t person;
+  float required_m;  ///< NaN where there is no speed
+};
+/// What one frame says, pair by pair and without order.
+struct Seen {
+  std::map<std::pair<uint32_t, BodyRegion>, std::vector<SeenPair>> pairs;
+  std::map<Triple, bool> is_short, is_unknown;
+};
+
+class Oracle {
+ public:
+  Oracle(const RunInfo& run, const SeparationRule& rule) : run_(run), rule_(rule) {}
+
+  Seen look(const Frame& frame) {
+    Seen seen;
+    std::map<uint32_t, std::vector<Eigen::Isometry3d>> now;
+    for (uint32_t id = 0; id < run_.model_of_avatar.size(); ++id)
+      if (!model(id).is_person) now[id] = poses(frame, id);
+    for (const NearPair& pair : frame.near_pairs)
+      for (const bool robot_is_a : {true, false}) {
+        const uint32_t robot = robot_is_a ? pair.pair.a() : pair.pair.b();
+        const uint32_t person = robot_is_a ? pair.pair.b() : pair.pair.a();
+        const auto avatars = run_.model_of_avatar.size();
+        if (robot >= avatars || person >= avatars || model(robot).is_person ||
+            !model(person).is_person)
+          continue;
+        const uint32_t part = robot_is_a ? pair.pair.part_b() : pair.pair.part_a();
+        const BodyRegion region = body_region(model(person).parts[part].name);
+        double robot_mps = NAN;
+        const uint32_t own = robot_is_a ? pair.pair.part_a() : pair.pair.part_b();
+        if (was_.contains(robot)) {
+          const Eigen::Vector3d at((robot_is_a ? pair.point_a_m : pair.point_b_m).data());
+          const Eigen::Vector3d then = was_[robot][own] * (now[robot][own].inverse() * at);
+          Eigen::Vector3d normal(pair.normal[0], pair.normal[1], pair.normal[2]);
+          if (!robot_is_a) normal = -normal;
+          robot_mps = (at - then).dot(normal) / run_.step_s;
+        }
+        const double human_mps =
+            rule_.human_mps.value_or(static_cast<double>(pair.closing_mps) - robot_mps);
+        robot_mps = rule_.robot_mps.value_or(robot_mps);
+        const double required = protective_distance(rule_, human_mps, robot_mps).total_m();
+        seen.pairs[{robot, region}].push_back({pair, person, static_cast<float>(required)});
+        const Triple triple{robot, person, region};
+        seen.is_short[triple] |= static_cast<double>(pair.lo_m) < required;
+        seen.is_unknown[triple] |= std::isnan(required);
+      }
+    was_ = now;
+    return seen;
+  }
+
+ private:
+  const Model& model(uint32_t id) const { return *run_.models[run_.model_of_avatar[id]]; }
+  std::vector<Eigen::Isometry3d> poses(const Frame& frame, uint32_t id) const {
+    std::vector<PartPose> parts(static_cast<size_t>(model(id).part_count()));
+    part_poses(run_, frame, id, parts);
+    std::vector<Eigen::Isometry3d> out;
+    for (const PartPose& part : parts)
+      out.push_back(Eigen::Translation3d(frame.roots[id].position_m) * to_isometry(part));
+    return out;
+  }
+
+  const RunInfo& run_;
+  SeparationRule rule_;
+  std::map<uint32_t, std::vector<Eigen::Isometry3d>> was_;
+};
+
+class Separation : public SceneFile {
+ protected:
+  static constexpr int kFrames = 40;
+  /// Runs a scene beside the oracle; returns how many shortfalls there were.
+  size_t compare(const std::string& separation, uint64_t seed) {
+    Scene scene = load(scene_text(separation) + fmt::format("seed: {}\n", seed));
+    const SeparationRule rule = *scene.separation;
+    Simulation simulation(std::move(scene), {});
+    const RunInfo& run = simulation.info();
+    SeparationMonitor monitor(run);
+    Oracle oracle(run, rule);
+    std::map<Triple, int64_t> open;
+    size_t begun = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      SCOPED_TRACE(fmt::format("seed {}, frame {}", seed, i));
+      const Frame& frame = simulation.step();
+      const Seen seen = oracle.look(frame);
+      monitor.frame(run, frame);
+      compare_rows(monitor, seen);
+      begun += compare_shortfalls(monitor, seen, i, open);
+      if (HasFailure()) return begun;
+    }
+    monitor.end();
+    std::set<Triple> ended;
+    for (const Shortfall& each : monitor.ended()) {
+      EXPECT_TRUE(each.is_cut);
+      EXPECT_EQ(each.end_frame, kFrames);
+      ended.insert({each.robot, each.person, each.region});
+    }
+    EXPECT_EQ(ended.size(), open.size());
+    EXPECT_EQ(begun, monitor.totals().shortfalls);
+    return begun;
+  }
+
+ private:
+  static void compare_rows(const SeparationMonitor& monitor, const Seen& seen) {
+    ASSERT_EQ(monitor.rows().size(), 2u * 7) << "two robots, and no neck";
+    for (const RegionSeparation& row : monitor.rows()) {
+      const auto found = seen.pairs.find({row.robot, row.region});
+      if (found == seen.pairs.end()) {
+        ASSERT_TRUE(row.is_far());
+        ASSERT_EQ(row.lo_m, 0.6f);
+        ASSERT_EQ(row.people_short, 0u);
+        continue;
+      }
+      const auto key = [](const SeenPair& p) {
+        return std::tuple(p.near.lo_m, p.near.hi_m, p.near.pair);
+      };
+      const SeenPair& least =
+          *std::min_element(found->second.begin(), found->second.end(),
+                            [&](const SeenPair& p, const SeenPair& q) { return key(p) < key(q); });
+      ASSERT_EQ(row.pair, least.near.pair);
+      ASSERT_EQ(row.lo_m, least.near.lo_m);
+      ASSERT_EQ(row.hi_m, least.near.hi_m);
+      expect_same(row.required_m, least.required_m);
+      float spare_m = NAN;
+      std::set<uint32_t> people;
+      for (const SeenPair& pair : found->second) {
+        const float spare = pair.near.lo_m - pair.required_m;
+        if (!std::isnan(spare)) spare_m = std::isnan(spare_m) ? spare : std::min(spare_m, spare);
+        if (spare < 0) people.insert(pair.person);
+      }
+      expect_same(row.spare_m, spare_m);
+      ASSERT_EQ(row.people_short, people.size());
+    }
+  }
+  /// Poses as matrices round differently.
+  static void expect_same(float found, float expected) {
+    if (std::isnan(expected))
+      ASSERT_TRUE(std::isnan(found));
+    else
+      ASSERT_NEAR(found, expected, 1e-5);
+  }
+  static size_t compare_shortfalls(const SeparationMonitor& monitor, const Seen& seen, int frame,
+                                   std::map<Triple, int64_t>& open) {
+    std::set<Triple> begins, ends;
+    for (const auto& [triple, is_short] : seen.is_short)
+      if (is_short && !open.contains(triple)) begins.insert(triple);
+    for (const auto& [triple, since] : open) {
+      const auto is_short = seen.is_short.find(triple), is_unknown = seen.is_unknown.find(triple);
+      const bool goes_on =
+          is_short != seen.is_short.end() && (is_short->second || is_unknown->second);
+      if (!goes_on) ends.insert(triple);
+    }
+    std::set<Triple> begun, ended;
+    for (const Shortfall& each : monitor.begun()) {
+      begun.insert({each.robot, each.person, each.region});
+      EXPECT_EQ(each.begin_frame, frame);
+    }
+    for (const Shortfall& each : monitor.ended()) {
+      const Triple triple{each.robot, each.person, each.region};
+      ended.insert(triple);
+      EXPECT_EQ(each.begin_frame, open[triple]);
+      EXPECT_EQ(each.end_frame, frame);
+      EXPECT_GT(each.most_short_m, 0);
+    }
+    EXPECT_EQ(begun, begins);
+    EXPECT_EQ(ended, ends);
+    for (const Triple& triple : ended) open.erase(triple);
+    for (const Triple& triple : begun) open[triple] = frame;
+    return begun.size();
+  }
+};
+
+TEST_F(Separation, OfNamedSpeedsIsWhatEveryPairSays) {
+  size_t begun = 0;
+  for (uint64_t seed = 1; seed <= 20 && !HasFailure(); ++seed) begun += compare(kNamed, seed);
+  EXPECT_GT(begun, 100u);
+}
+
+TEST_F(Separation, OfMeasuredSpeedsIsWhatEveryPairSays) {
+  size_t begun = 0;
+  for (uint64_t seed = 1; seed <= 4 && !HasFailure(); ++seed) begun += compare(kMeasured, seed);
+  EXPECT_GT(begun, 10u);
+}
+
+/// An arm of 0.6 m that turns towards somebody who stands still.
+TEST_F(Separation, MeasuresTheSpeedOfTheArmNotOfTheBase) {
+  Scene scene = load(fmt::format(
+      "step_s: 1/100\nduration_s: 1\nculling: {{exact: true}}\nnear_m: 1\n"
+      "ground: {{min_m: [-5, -4], max_m: [5, 4]}}\n"
+      "groups:\n"
+      "  - {{name: picker, model: {}/examples/picker.urdf, driven: PICK, count: 1, spawn: {{min_m: "
+      "[-0.1, -0.1], max_m: [0.1, 0.1]}}}}\n"
+      "  - {{name: person, driven: STAND, count: 1, spawn: {{min_m: [0.4, 0.8], max_m: [0.6, "
+      "1]}}}}\nseparation: {{reaction_s: 0.1, stopping_s: 0.1}}\n",
+      THRONG_SOURCE_DIR));
+  Simulation simulation(std::move(scene), {});
+  SeparationMonitor monitor(simulation.info());
+  constexpr double kTurn_radps = 0.5;
+  int seen = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double joints[] = {kTurn_radps * i / 100, 0};
+    DrivenPose pose;
+    pose.joints = joints;
+    ASSERT_EQ(simulation.drive(0, pose), 0);
+    const Frame& frame = simulation.step();
+    monitor.frame(simulation.info(), frame);
+    if (i < 2) continue;
+    for (const RegionSeparation& row : monitor.rows()) {
+      if (row.is_far() || row.pair.part_a() != 2) continue;
+      for (const NearPair& pair : frame.near_pairs) {
+        if (pair.pair != row.pair) continue;
+        const Eigen::Vector3d at(pair.point_a_m.data());
+        const Eigen::Vector3d speed =
+            kTurn_radps * Eigen::Vector3d::UnitZ().cross(at - frame.roots[0].position_m);
+        const Eigen::Vector3d normal(pair.normal[0], pair.normal[1], pair.normal[2]);
+        EXPECT_NEAR(row.robot_mps, speed.dot(normal), 2e-3);
+        EXPECT_NEAR(row.human_mps, 0, 2e-3);
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(seen, 20);
+}
+
+TEST_F(Separation, IsRefusedWhereItCannotBeJudged) {
+  const auto refusal = [&](const std::string& text) {
+    try {
+      Simulation simulation(load(text), {});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refusal(scene_text(kNamed)), "accepted");
+  EXPECT_THAT(refusal(scene_text(kNamed, "")), HasSubstr("s.yaml:8: expected 'near_m'"));
+  EXPECT_THAT(refusal(scene_text(kNamed, "near_m: 0.3\n")),
+              HasSubstr("of at least 0.51, the distance that 'separation' requires, found 0.3"));
+  EXPECT_THAT(refusal(scene_text(kMeasured, "near_m: 0.05\n")),
+              HasSubstr("of at least 0.1, the distance that 'separation' requires at least"));
+  std::string coarse = scene_text(kMeasured);
+  coarse.replace(coarse.find("exact: true"), 11, "exact: false");
+  EXPECT_THAT(refusal(coarse), HasSubstr("--exact"));
+}
+
+TEST_F(Separation, SaysWhatIsWrongInTheFile) {
+  EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1}")),
+              HasSubstr("expected one of 'stopping_s' and 'deceleration_mps2', found neither"));
+  EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1, stopping_s: 1, deceleration_mps2: 1}")),
+              HasSubstr("found both"));
+  EXPECT_THAT(complaint(scene_text("{stopping_s: 0.1}")), HasSubstr("reaction_s"));
+  EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1, stopping_s: 1, human_mps: -1}")),
+              HasSubstr("human_mps"));
+  EXPECT_THAT(complaint(kGround + "groups: [{count: 1, spawn: {min_m: [1, 1], max_m: [9, 9]}, "
+                                  "goals: [{min_m: [1, 1], max_m: [9, 9]}]}]\n"
+                                  "separation: {reaction_s: 0.1, stopping_s: 1}\n"),
+              HasSubstr("found people alone"));
+}
+
+TEST_F(Separation, SaysHowFarTheMarginReaches) {
+  EXPECT_TRUE(separation_notes(load(scene_text(kNamed))).empty());
+  // 0.6 - 0.5 * (0.2 + 0.5 * 0.25) over 0.2 + 0.25.
+  const auto notes =
+      separation_notes(load(scene_text("{robot_mps: 0.5, reaction_s: 0.2, deceleration_mps2: 2}")));
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("at up to 0.972 m/s"));
+  EXPECT_THAT(separation_notes(load(scene_text(kMeasured))), testing::SizeIs(1));
+}
+
+TEST_F(Separation, IsPartOfWhatARunIsAndOfNothingElse) {
+  const Scene with = load(scene_text(kNamed));
+  std::string text = scene_text(kNamed);
+  const Scene without = load(text.substr(0, text.find("separation")));
+  EXPECT_NE(with.content_hash, without.content_hash);
+  Simulation a(with, {}), b(without, {});
+  EXPECT_EQ(run(a, {}).hash, run(b, {}).hash);
+}
+
+TEST_F(Separation, FilesSayWhatTheMonitorSaw) {
+  Simulation simulation(load(scene_text(kMeasured)), {});
+  SeparationSink sink(folder_ / "out", *simulation.scene().separation);
+  Sink* const sinks[] = {&sink};
+  const RunSummary summary = run(simulation, sinks);
+  const auto lines_of = [&](const char* name) {
+    std::ifstream in(folder_ / "out" / name);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+  };
+  const auto rows = lines_of("separation.csv"), shortfalls = lines_of("shortfalls.csv");
+  EXPECT_EQ(static_cast<int64_t>(rows.size()), 1 + summary.frames * 2 * 7);
+  EXPECT_EQ(shortfalls.size(), 1 + sink.totals()->shortfalls);
+  EXPECT_GT(shortfalls.size(), 3u);
+  for (const auto& lines : {rows, shortfalls}) {
+    const auto commas = std::count(lines[0].begin(), lines[0].end(), ',');
+    for (const std::string& line : lines)
+      EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas) << line;
+  }
+  // Seconds too near are the same in both, region by region: each robot once, whoever it is.
+  std::map<std::string, double> short_s;
+  for (size_t i = 1; i < rows.size(); ++i) {
+    std::vector<std::string> fields;
+    std::istringstream in(rows[i]);
+    for (std::string field; std::getline(in, field, ',');) fields.push_back(field);
+    if (fields.back() != "0") short_s[fields[3]] += 0.05;
+  }
+  for (size_t i = 0; i < kBodyRegions; ++i)
+    EXPECT_NEAR(sink.totals()->regions[i].short_s,
+                short_s[std::string(name_of(static_cast<BodyRegion>(i)))], 1e-6);
+  std::ifstream figure(folder_ / "out" / "separation.svg");
+  EXPECT_EQ(has_gnuplot(), figure.good());
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,216 @@
+// Study files: which runs they ask for, and what is wrong with them, line by line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "analysis/studies/study_plan.h"
+#include "analysis/studies/study_run.h"
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kScene = R"(name: square
+ground: {min_m: [-10, -10], max_m: [10, 10]}
+groups:
+  - name: walkers
+    count: 5
+    spawn: {min_m: [-8, -8], max_m: [0, 0]}
+    goals: [{min_m: [2, 2], max_m: [5, 5]}]
+  - name: others
+    count: 2
+    spawn: {min_m: [-8, 2], max_m: [0, 8]}
+    goals: [{min_m: [2, -5], max_m: [5, -2]}]
+)";
+
+class StudyFile : public testing::Test {
+ protected:
+  StudyFile() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "studyXXXXXX").string();
+    folder_ = ::mkdtemp(pattern.data());
+    write("square.yaml", kScene);
+  }
+  ~StudyFile() override { std::filesystem::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+  StudyPlan plan(const std::string& text) const {
+    write("study.yaml", text);
+    return StudyPlan(read_study(folder_ / "study.yaml"));
+  }
+  std::string error(const std::string& text) const {
+    try {
+      plan(text);
+    } catch (const InputError& refused) {
+      const std::string said = refused.what();
+      const std::string folder = folder_.string() + "/";
+      return said.starts_with(folder) ? said.substr(folder.size()) : said;
+    }
+    return "none";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(StudyFile, AsksForEverySceneWithEveryValueAndEverySeed) {
+  const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
+seeds: [7, 9]
+seconds: 2
+parameters:
+  groups.walkers.count: [3, 4]
+  avatars: {from: 10, to: 20, step: 5}
+)");
+  EXPECT_THAT(plan.columns(), ElementsAre("run", "runs", "study", "scene", "seed", "seconds",
+                                          "groups.walkers.count", "avatars"));
+  ASSERT_EQ(plan.runs(), 2u * 3 * 2);
+  std::set<std::vector<std::string>> cells;
+  for (size_t run = 0; run < plan.runs(); ++run) {
+    const std::vector<std::string> row = plan.cells(run);
+    cells.insert({row[4], row[6], row[7]});
+    const PlannedRun planned = plan.planned(run);
+    EXPECT_EQ(std::to_string(planned.scene.seed), row[4]);
+    EXPECT_EQ(planned.scene.duration_s, 2);
+    EXPECT_EQ(std::to_string(planned.scene.groups[0].count + planned.scene.groups[1].count),
+              row[7]);
+  }
+  EXPECT_EQ(cells.size(), plan.runs()) << "each run once";
+}
+
+TEST_F(StudyFile, NotesOnceWhichPlansAvatarsEnlarge) {
+  const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
+seeds: [1, 2]
+parameters:
+  avatars: [7, 400]
+)");
+  EXPECT_THAT(plan.notes(),
+              ElementsAre(HasSubstr("400 people need more room: the plan of 'square' grew")));
+  EXPECT_EQ(plan.planned(0).plan_growth, 1);
+  EXPECT_GT(plan.planned(2).plan_growth, 1.2);
+}
+
+TEST_F(StudyFile, NamesItemsByNumberByNameOrAll) {
+  const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
+parameters:
+  groups.2.count: [6]
+  groups.walkers.speed_mps.mean: [1.1]
+  groups.*.delay_s: [3]
+  culling.exact: [true]
+)");
+  const Scene scene = plan.planned(0).scene;
+  EXPECT_EQ(scene.groups[1].count, 6);
+  EXPECT_EQ(scene.groups[0].speed_mps->mean, 1.1);
+  EXPECT_FALSE(scene.groups[1].speed_mps.has_value());
+  EXPECT_EQ(scene.groups[0].delay_s.mean, 3);
+  EXPECT_EQ(scene.groups[1].delay_s.mean, 3);
+  EXPECT_TRUE(scene.exact);
+  EXPECT_EQ(plan.cells(0)[4], "1") << "the scene's own seed";
+}
+
+TEST_F(StudyFile, AHypercubePutsOneValueIntoEachStratumOfEachKey) {
+  const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
+parameters:
+  latin_hypercube:
+    samples: 8
+    keys:
+      groups.1.speed_mps.mean: {from: 1.0, to: 1.8}
+      groups.1.count: {from: 1, to: 8, whole: true}
+      steering: [heuristic, orca]
+)");
+  ASSERT_EQ(plan.runs(), 8u);
+  std::set<int> strata, counts;
+  int orca = 0;
+  for (size_t run = 0; run < 8; ++run) {
+    const Scene scene = plan.planned(run).scene;
+    const double speed_mps = scene.groups[0].speed_mps->mean;
+    EXPECT_TRUE(speed_mps >= 1 && speed_mps < 1.8) << speed_mps;
+    strata.insert(static_cast<int>((speed_mps - 1) / 0.1));
+    counts.insert(scene.groups[0].count);
+    orca += scene.steering.model == SteeringKind::kOrca;
+  }
+  EXPECT_EQ(strata.size(), 8u);
+  EXPECT_EQ(counts.size(), 8u);
+  EXPECT_EQ(orca, 4);
+}
+
+TEST_F(StudyFile, SaysWhichLineIsWrongBeforeAnythingRuns) {
+  const std::string scene = "scenes: [square.yaml]\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {"seeds: [1]\n", "study.yaml:1: expected the key 'scenes' in a study, found none"},
+      {scene + "second: 2\n", "study.yaml:2: expected"},
+      {"scenes: [sqare]\n", "study.yaml:1: expected a scene, found 'sqare'"},
+      {scene + "log: a.lcmlog\n", "study.yaml:2: expected an option that shapes a result"},
+      {scene + "deadline_ms: 5\n", "study.yaml:2: expected what comes out the same every time"},
+      {scene + "seconds: -1\n", "study.yaml:2: expected 'seconds'"},
+      {scene + "seeds: 5\n", "study.yaml:2: expected a list of values of 'seeds'"},
+      {scene + "seeds: [-5]\n", "study.yaml:2: expected a whole number from 0"},
+      {scene + "parameters:\n  avatars: [5, many]\n",
+       "study.yaml:3: expected a whole number from 1"},
+      {scene + "parameters:\n  seed: [5]\n", "study.yaml:3: expected 'seeds: [1, 2, 3]'"},
+      {scene + "seconds: 1\nparameters:\n  seconds: [2]\n",
+       "study.yaml:4: expected every parameter once, found 'seconds' again"},
+      {scene + "parameters:\n  avatars: [5, 5]\n", "study.yaml:3: expected each value"},
+      {scene + "parameters:\n  avatars: {from: 9, to: 5, step: 1}\n",
+       "study.yaml:3: expected a range"},
+      {scene + "parameters:\n  groups.9.count: [5]\n",
+       "study.yaml:3: expected in 'groups.9.count' the number of an item, 1 to 2, '*' for all, or "
+       "one of walkers, others, found '9'"},
+      {scene + "parameters:\n  step_s: [0.01]\n  groups.walkers.cuont: [5]\n",
+       "study.yaml:4: expected a value of 'groups.walkers.cuont' that square.yaml takes, found "
+       "'5'"},
+      {scene + "parameters:\n  groups.walkers.count: [5, -3]\n",
+       "study.yaml:3: expected a value of 'groups.walkers.count' that square.yaml takes, found "
+       "'-3'"},
+      {scene + "parameters:\n  name.first: [a]\n", "study.yaml:3: expected a map or a list"},
+      {scene + "parameters:\n  latin_hypercube: {samples: 3, keys: {}}\n",
+       "study.yaml:3: expected at least one key, found none"},
+      {scene + "parameters:\n  latin_hypercube: {keys: {avatars: {from: 1, to: 9}}}\n",
+       "study.yaml:3: expected the key 'samples'"},
+      {scene + "parameters:\n  avatars: {from: 0, to: 1000000000, step: 0.001}\n",
+       "study.yaml:3: expected at most 100000 values"},
+  };
+  for (const auto& [text, expected] : cases) EXPECT_THAT(error(text), HasSubstr(expected)) << text;
+}
+
+TEST_F(StudyFile, IsKnownByWhatItAsksForNotByHowItIsWritten) {
+  const std::string text = "scenes: [square.yaml]\nseconds: 1\nparameters:\n  avatars: [5, 6]\n";
+  const uint64_t identity = plan(text).identity();
+  EXPECT_EQ(plan("# the same\n" + text).identity(), identity);
+  EXPECT_NE(plan("seeds: [1]\n" + text).identity(), identity);
+  EXPECT_NE(plan(text + "  planted_feet: [true]\n").identity(), identity);
+  write("square.yaml", std::string(kScene) + "step_s: 0.05\n");
+  EXPECT_NE(plan(text).identity(), identity) << "another scene of the same name";
+}
+
+TEST(StudyMeasures, AreDocumented) {
+  std::ifstream in(std::filesystem::path(THRONG_SOURCE_DIR) / "docs/studies.md");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  for (const StudyMeasure& measure : study_measures()) {
+    if (measure.name.find("_and_") != std::string::npos) continue;  // one for all
+    EXPECT_THAT(text, HasSubstr("`" + measure.name + "`"));
+  }
+  for (const std::string& column : study_times_columns())
+    EXPECT_THAT(text, HasSubstr("`" + column + "`"));
+  for (const std::string& option : study_option_names())
+    EXPECT_THAT(text, HasSubstr("`" + option + "`"));
+}
+
+TEST(StudyMeasures, HaveNamesOfTheirOwn) {
+  std::set<std::string> names = {"run", "runs", "study", "scene", "seed"};
+  for (const std::string& option : study_option_names()) names.insert(option);
+  for (const StudyMeasure& measure : study_measures())
+    EXPECT_TRUE(names.insert(measure.name).second) << measure.name;
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,146 @@
+// The people of a crowd: speeds and heights of every age, and ages as often as a group asks for
+// them.
+#include "crowd/people.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "crowd/spawn.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/simulation.h"
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kSeed = 77;
+constexpr uint64_t kDraws = 4000;
+
+double mean_of(const Distribution& distribution, Purpose purpose) {
+  double sum = 0;
+  for (uint64_t id = 0; id < kDraws; ++id) {
+    const double value = draw(distribution, kSeed, id, purpose);
+    EXPECT_GE(value, distribution.min);
+    EXPECT_LE(value, distribution.max);
+    sum += value;
+  }
+  return sum / static_cast<double>(kDraws);
+}
+
+TEST(People, OfEveryAgeWalkAndStandAsTheirAgeDoes) {
+  for (size_t i = 0; i < kAgeCount; ++i) {
+    const AgeGroup& age = age_group(static_cast<Age>(i));
+    SCOPED_TRACE(fmt::format("{}, seed {}", age.name, kSeed));
+    // Five standard errors, and what cutting an unsymmetric range off moves the mean by.
+    const auto allowed = [](const Distribution& d) {
+      return (5 / std::sqrt(static_cast<double>(kDraws)) + 0.03) * d.deviation;
+    };
+    EXPECT_NEAR(mean_of(age.speed_mps, Purpose::kFreeSpeed), age.speed_mps.mean,
+                allowed(age.speed_mps));
+    EXPECT_NEAR(mean_of(age.height_m, Purpose::kHeight), age.height_m.mean, allowed(age.height_m));
+  }
+}
+
+TEST(People, AreOfEachAgeAsOftenAsItsShare) {
+  const AgeShares shares = {0, 1, 0, 3, 4, 0};
+  std::map<Age, int> drawn;
+  for (uint64_t id = 0; id < kDraws; ++id) ++drawn[draw_age(shares, kSeed, id)];
+  ASSERT_EQ(drawn.size(), 3u);
+  for (const auto& [age, count] : drawn) {
+    const double share = shares[static_cast<size_t>(age)] / 8;
+    const double deviation = std::sqrt(kDraws * share * (1 - share));
+    EXPECT_NEAR(count, kDraws * share, 5 * deviation) << age_group(age).name << ", seed " << kSeed;
+  }
+}
+
+TEST(People, OfAMixAreOfSeveralAgesAndOthersOfOne) {
+  EXPECT_FALSE(ages_of("old").has_value());
+  EXPECT_FALSE(only_age(*ages_of("mixed")).has_value());
+  for (size_t i = 0; i < kAgeCount; ++i) {
+    const std::optional<AgeShares> only = ages_of(age_names()[i]);
+    ASSERT_TRUE(only.has_value());
+    EXPECT_EQ(only_age(*only), static_cast<Age>(i));
+    EXPECT_EQ(draw_age(*only, kSeed, i), static_cast<Age>(i));
+  }
+}
+
+/// Everybody of a bundled scene whose groups are all changed alike.
+template <typename Change>
+std::vector<Person> people_of(const Change& change) {
+  Scene scene = load_scene("corridor");
+  for (Group& group : scene.groups) change(group);
+  Workers workers(1);
+  const Ways ways(scene, workers);
+  return spawn(scene, ways).people;
+}
+
+TEST(People, OfAGroupAreOfItsAgesUnlessItSaysOtherwise) {
+  const std::vector<Person> adults = people_of([](Group&) {});
+  const std::vector<Person> children =
+      people_of([](Group& group) { group.ages = *ages_of("children"); });
+  ASSERT_FALSE(children.empty());
+  for (const Person& child : children) {
+    EXPECT_LE(child.height_m, 1.6);
+    EXPECT_LE(child.free_speed_mps, 1.61);
+    EXPECT_LT(child.radius_m, 0.21);
+  }
+  const std::vector<Person> marching = people_of([](Group& group) {
+    group.ages = *ages_of("children");
+    group.speed_mps = Distribution{1, 0, 1, 1};
+  });
+  for (const Person& child : marching) {
+    EXPECT_LE(child.height_m, 1.6);
+    EXPECT_EQ(child.free_speed_mps, 1);
+  }
+  // A mix draws the age besides: an adult of it is the adult of a group of adults.
+  const std::vector<Person> mixed =
+      people_of([](Group& group) { group.ages = {1, 1, 0, 0, 0, 0}; });
+  int alike = 0;
+  for (size_t i = 0; i < std::min(adults.size(), mixed.size()); ++i)
+    alike += adults[i].height_m == mixed[i].height_m;
+  EXPECT_GT(alike, 20);
+}
+
+TEST(People, WalkInEachStyleAsOftenAsItsShare) {
+  std::map<GaitStyle, int> drawn;
+  const StyleShares& shares = age_group(Age::kAdult).styles;
+  double sum = 0;
+  for (const double share : shares) sum += share;
+  for (uint64_t id = 0; id < kDraws; ++id) ++drawn[draw_style(shares, kSeed, id)];
+  ASSERT_EQ(drawn.size(), kGaitStyleCount) << "a crowd has people of every style";
+  for (const auto& [style, count] : drawn) {
+    const double share = shares[static_cast<size_t>(style)] / sum;
+    const double deviation = std::sqrt(kDraws * share * (1 - share));
+    EXPECT_NEAR(count, kDraws * share, 5 * deviation)
+        << figures_of(style).name << ", seed " << kSeed;
+  }
+}
+
+TEST(People, OfAGroupWalkInItsStylesUnlessDriven) {
+  const std::vector<Person> marching =
+      people_of([](Group& group) { group.styles = styles_of("stiff"); });
+  for (const Person& person : marching) EXPECT_EQ(person.style, GaitStyle::kStiff);
+  const std::vector<Person> driven = people_of([](Group& group) { group.driven = "MINE"; });
+  for (const Person& person : driven) EXPECT_EQ(person.style, GaitStyle::kPlain);
+}
+
+TEST(People, StylesNameTheRun) {
+  Scene scene = load_scene("corridor");
+  const uint64_t by_age = content_hash_of(scene);
+  scene.groups[0].styles = age_group(Age::kAdult).styles;
+  EXPECT_NE(content_hash_of(scene), by_age);
+}
+
+TEST(People, AgesNameTheRun) {
+  Scene scene = load_scene("corridor");
+  const uint64_t adults = content_hash_of(scene);
+  scene.groups[0].ages = *ages_of("elderly");
+  EXPECT_NE(content_hash_of(scene), adults);
+  scene.groups[0].ages = kAdultsOnly;
+  EXPECT_EQ(content_hash_of(scene), adults);
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,81 @@
+// A run that is simulated and logged, and its log culled again.
+#pragma once
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lcm_io/log/log_sink.h"
+#include "lcm_io/replay/log_world.h"
+#include "scenes/run/simulation.h"
+#include "tests/lcm_io/synthetic_run.h"
+
+namespace throng {
+
+/// What a frame of a run was.
+struct CulledFrame {
+  std::vector<RootPose> roots;
+  std::vector<float> postures;
+  std::vector<uint8_t> present;
+  std::vector<PairKey> pairs;
+  uint64_t hash = 0;
+};
+
+inline CulledFrame culled_frame_of(const Frame& frame) {
+  return {{frame.roots.begin(), frame.roots.end()},
+          {frame.postures.begin(), frame.postures.end()},
+          {frame.present.begin(), frame.present.end()},
+          {frame.pairs.begin(), frame.pairs.end()},
+          frame.hash};
+}
+
+/// A bundled scene, small enough to be looked at triangle by triangle.
+inline Scene small_scene(const std::string& name, uint64_t seed, int avatars = 80) {
+  Scene scene = load_scene(name);
+  std::vector<std::string> notes;
+  scale_to(scene, avatars, notes);
+  scene.seed = seed;
+  scene.exact = true;
+  return scene;
+}
+
+using DriveAvatars = std::function<void(Simulation&)>;
+
+/// Runs a scene, logs it, and returns its frames.
+inline std::vector<CulledFrame> logged(const Scene& scene, int frames,
+                                       const std::filesystem::path& log,
+                                       const LogOptions& options = {},
+                                       const DriveAvatars& drive = {}) {
+  Simulation simulation(scene, {});
+  LogSink sink(log, options);
+  sink.begin(simulation.info());
+  std::vector<CulledFrame> moments;
+  for (int i = 0; i < frames; ++i) {
+    if (drive) drive(simulation);
+    const Frame& frame = simulation.step();
+    sink.frame(simulation.info(), frame);
+    moments.push_back(culled_frame_of(frame));
+  }
+  sink.end(simulation.info(), simulation.finish());
+  return moments;
+}
+
+/// The log's world, ready to be stepped.
+inline SimulationOptions options_of(const LogRun& run, int threads = 1) {
+  SimulationOptions options;
+  options.threads = threads;
+  options.world = run.world;
+  return options;
+}
+
+inline std::vector<CulledFrame> culled_again(const std::filesystem::path& log, int threads = 1) {
+  const LogRun run = read_log_run(log);
+  Simulation simulation(run.scene, options_of(run, threads));
+  std::vector<CulledFrame> moments;
+  for (int64_t i = 0; i < run.facts.frames; ++i)
+    moments.push_back(culled_frame_of(simulation.step()));
+  return moments;
+}
+
+}  // namespace throng

@@ -1,0 +1,135 @@
+// One encoder and many targets: each gets what it would get alone, to the byte.
+#include <gtest/gtest.h>
+
+#include "base/errors.h"
+#include "lcm_io/codec/guard.h"
+#include "scenes/run/stages.h"
+#include "synthetic_run.h"
+
+namespace throng {
+namespace {
+
+/// Keeps every message, the description and the last checks among them.
+struct WholeRun : MessageList {
+  void after_begin(Outlet& outlet) override {
+    for (int chunk = 0; chunk < outlet.description_chunks(); ++chunk)
+      outlet.send_description_chunk(chunk);
+  }
+  void after_end(Outlet& outlet) override {
+    outlet.repeat_end();
+    outlet.send_last_checks();
+  }
+};
+
+const SyntheticRun::Options kCrowd{.avatars = 900, .seed = 5, .pairs = 300, .comings = true};
+
+void expect_same(const MessageList& found, const MessageList& expected, const std::string& what) {
+  ASSERT_EQ(found.messages.size(), expected.messages.size()) << what;
+  for (size_t i = 0; i < found.messages.size(); ++i) {
+    const auto &f = found.messages[i], &e = expected.messages[i];
+    ASSERT_EQ(name_of(f.channel), name_of(e.channel)) << what << ", message " << i;
+    ASSERT_EQ(f.utime_us, e.utime_us) << what << ", message " << i;
+    ASSERT_EQ(f.bytes, e.bytes) << what << ", message " << i << " on " << name_of(f.channel);
+  }
+}
+
+TEST(RunEncoder, GivesEachTargetWhatItWouldGetAlone) {
+  const EncoderOptions all[] = {{.with_instance = false, .with_clock_times = false, .threads = 2},
+                                {.state_every = 4},
+                                {.state_every = 1.5, .part_poses = true}};
+  WholeRun together[3];
+  RunEncoder encoder;
+  for (size_t i = 0; i < 3; ++i) encoder.add(all[i], together[i]);
+  SyntheticRun(kCrowd).play(encoder, 70);
+  for (size_t i = 0; i < 3; ++i) {
+    WholeRun alone;
+    RunEncoder own(all[i], alone);
+    SyntheticRun(kCrowd).play(own, 70);
+    expect_same(together[i], alone, "target " + std::to_string(i));
+  }
+  EXPECT_LT(together[1].messages.size(), together[0].messages.size());
+}
+
+TEST(RunEncoder, NumbersEachTargetWithoutAGapWhereAnotherAsksForMore) {
+  struct Repeating : WholeRun {
+    void after_frame(Outlet& outlet) override { outlet.send_description_chunk(0); }
+  } often;
+  WholeRun once, alone;
+  RunEncoder encoder;
+  encoder.add({}, often);
+  encoder.add({}, once);
+  SyntheticRun(kCrowd).play(encoder, 5);
+  RunEncoder own({}, alone);
+  SyntheticRun(kCrowd).play(own, 5);
+  EXPECT_EQ(often.messages.size(), once.messages.size() + 5);
+  expect_same(once, alone, "beside one that repeats the description");
+}
+
+TEST(RunEncoder, LeavesOutATargetThatWantsNothingAndGoesOnForTheOthers) {
+  struct Deaf : WholeRun {
+    bool wants_messages() const override { return messages.size() < 20; }
+  } deaf;
+  WholeRun other, alone;
+  RunEncoder encoder;
+  encoder.add({}, deaf);
+  encoder.add({}, other);
+  SyntheticRun(kCrowd).play(encoder, 20);
+  RunEncoder own({}, alone);
+  SyntheticRun(kCrowd).play(own, 20);
+  EXPECT_LT(deaf.messages.size(), other.messages.size());
+  expect_same(other, alone, "beside one that wants nothing");
+}
+
+TEST(RunEncoder, SaysEveryStageInItsOrder) {
+  SyntheticRun run({.avatars = 3});
+  CullingCounters counters;
+  uint64_t number = 0;
+  for (StageCounters* stage : culling_stages(counters)) {
+    ++number;
+    *stage = {"",
+              number,
+              10 * number,
+              100 * number,
+              0.5 * static_cast<double>(number),
+              0.25 * static_cast<double>(number)};
+  }
+  FrameTimes times;
+  for (size_t i = 0; i < kStageCount; ++i) times.stage_ns[i] = 7.5 * static_cast<double>(i + 1);
+  Frame frame = run.step();
+  frame.counters = &counters;
+  frame.times = &times;
+  for (const bool clock : {true, false}) {
+    MessageList list;
+    RunEncoder encoder({.with_clock_times = clock}, list);
+    encoder.begin(run.info());
+    encoder.frame(run.info(), frame);
+    stages_t stages;
+    counters_t four;
+    for (const auto& m : list.messages) {
+      if (m.channel == Channel::kStages) {
+        ASSERT_EQ(decode(m.bytes, stages), "");
+      }
+      if (m.channel == Channel::kCounters) {
+        ASSERT_EQ(decode(m.bytes, four), "");
+      }
+    }
+    ASSERT_EQ(stages.culling_count, 5);
+    for (size_t i = 0; i < 5; ++i) {
+      const auto n = static_cast<int64_t>(i + 1);
+      EXPECT_EQ(stages.updates[i], n);
+      EXPECT_EQ(stages.tests[i], 10 * n);
+      EXPECT_EQ(stages.passed[i], 100 * n);
+      EXPECT_EQ(stages.update_ns[i], clock ? 0.5 * static_cast<double>(n) : 0);
+      EXPECT_EQ(stages.test_ns[i], clock ? 0.25 * static_cast<double>(n) : 0);
+    }
+    ASSERT_EQ(stages.stage_count, static_cast<int32_t>(kStageCount));
+    for (size_t i = 0; i < kStageCount; ++i)
+      EXPECT_EQ(stages.stage_ns[i], clock ? times.stage_ns[i] : 0) << kStageNames[i];
+    const int64_t expected[] = {1, 3, 4, 5};  // counters_t has no boxes of bodies
+    for (size_t i = 0; i < 4; ++i) EXPECT_EQ(four.updates[i], expected[i]);
+    EXPECT_EQ(four.publish_ns, clock ? times[Stage::kPublish] : 0);
+  }
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,323 @@
+// Driven groups in lockstep: a run depends on what is answered, never on when.
+#include "lcm_io/wire/lockstep.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <thread>
+
+#include "base/errors.h"
+#include "base/random.h"
+#include "driven_scene.h"
+#include "lcm_io/codec/channels.h"
+#include "lcm_io/codec/guard.h"
+#include "scenes/run/checkpoint.h"
+#include "synthetic_run.h"
+
+namespace throng {
+namespace {
+
+/// Answers a turn with everybody where the turn says, a row of joints left out.
+answer_t answer_to(const turn_t& turn) {
+  answer_t m{};
+  m.run_id = turn.run_id;
+  m.instance = turn.instance;
+  m.frame = turn.frame;
+  m.schema = kSchema;
+  m.count = turn.count;
+  m.avatar = turn.avatar;
+  m.x_m = turn.x_m;
+  m.y_m = turn.y_m;
+  m.z_m = turn.z_m;
+  m.qw = turn.qw;
+  m.qx = turn.qx;
+  m.qy = turn.qy;
+  m.qz = turn.qz;
+  m.vx_mps = turn.vx_mps;
+  m.vy_mps = turn.vy_mps;
+  return m;
+}
+
+/// A law that needs no more than the turn: in a spiral, at the speed of a walker.
+answer_t moved(const turn_t& turn) {
+  answer_t m = answer_to(turn);
+  if (turn.is_first != 0) return m;
+  for (size_t i = 0; i < m.avatar.size(); ++i) {
+    const double angle = static_cast<double>(turn.frame) / 40;
+    m.vx_mps[i] = static_cast<float>(std::cos(angle));
+    m.vy_mps[i] = static_cast<float>(std::sin(angle));
+    m.x_m[i] += static_cast<double>(m.vx_mps[i]) / 60;
+    m.y_m[i] += static_cast<double>(m.vy_mps[i]) / 60;
+    m.qw[i] = static_cast<float>(std::cos(angle / 2));
+    m.qz[i] = static_cast<float>(std::sin(angle / 2));
+  }
+  return m;
+}
+
+/// A run in lockstep and its controller, in one process.
+struct InLockstep {
+  using Respond = std::function<void(InLockstep&, const turn_t&)>;
+
+  explicit InLockstep(Respond respond, double timeout_s = 30, Scene scene = rover_in_crowd(60))
+      : lcm(std::make_shared<lcm::LCM>("memq://")),
+        simulation(std::move(scene), {}),
+        lockstep(simulation.info(), lcm, timeout_s),
+        responds(std::move(respond)) {
+    lcm->subscribeFunction(
+        kChannel + "_TURN",
+        +[](const lcm::ReceiveBuffer*, const std::string&, const turn_t* turn, InLockstep* self) {
+          self->turns.push_back(*turn);
+          self->responds(*self, *turn);
+        },
+        this);
+  }
+  void send(const answer_t& m) { lcm->publish(kChannel + "_ANSWER", &m); }
+  const Frame& step() {
+    const Frame& frame = simulation.step();
+    EXPECT_TRUE(lockstep.after(simulation, frame)) << lockstep.failure();
+    return frame;
+  }
+  uint64_t hash_after(int frames) {
+    lockstep.begin(simulation);
+    for (int i = 0; i < frames; ++i) step();
+    return simulation.finish().hash;
+  }
+  const Lockstep::Counts& counts() const { return lockstep.counts().front(); }
+
+  std::shared_ptr<lcm::LCM> lcm;
+  Simulation simulation;
+  Lockstep lockstep;
+  Respond responds;
+  std::vector<turn_t> turns;
+};
+
+const InLockstep::Respond kMoves = [](InLockstep& run, const turn_t& turn) {
+  run.send(moved(turn));
+};
+
+TEST(Lockstep, AFrameIsWhereTheAnswerToTheLastOneSays) {
+  InLockstep run(kMoves);
+  const uint32_t id = rover_of(run.simulation);
+  run.lockstep.begin(run.simulation);
+  ASSERT_EQ(run.turns.size(), 1U);
+  EXPECT_EQ(run.turns[0].frame, -1);
+  EXPECT_NE(run.turns[0].is_first, 0);
+  for (int64_t i = 0; i < 50; ++i) {
+    const answer_t expected = moved(run.turns.back());
+    const Frame& frame = run.step();
+    EXPECT_EQ(frame.roots[id].position_m.x(), expected.x_m[0]) << "frame " << i;
+    EXPECT_EQ(frame.roots[id].position_m.y(), expected.y_m[0]) << "frame " << i;
+    ASSERT_EQ(run.turns.size(), static_cast<size_t>(i) + 2);
+    EXPECT_EQ(run.turns.back().frame, i);
+    EXPECT_EQ(run.turns.back().seq, i + 1);
+    EXPECT_EQ(run.turns.back().is_first, 0);
+    EXPECT_EQ(run.turns.back().x_m[0], frame.roots[id].position_m.x());
+  }
+  EXPECT_EQ(run.counts().answers, 51);
+  EXPECT_EQ(run.counts().turns, 51);
+}
+
+TEST(Lockstep, TheHashDoesNotDependOnDelaysOrOnWhatElseComes) {
+  constexpr uint64_t kSeed = 11;
+  constexpr int kFrames = 120;
+  const uint64_t expected = InLockstep(kMoves).hash_after(kFrames);
+  for (uint64_t trial = 0; trial < 3; ++trial) {
+    InLockstep run([trial](InLockstep& self, const turn_t& turn) {
+      const RandomKey key{kSeed, trial, static_cast<uint64_t>(turn.frame + 1), Purpose::kStyle};
+      std::this_thread::sleep_for(std::chrono::microseconds(random_bits(key, 0) % 5000));
+      answer_t answer = moved(turn), wrong = answer;
+      wrong.x_m[0] = 7;
+      wrong.frame = turn.frame + 1;  // refused
+      self.send(wrong);
+      wrong.frame = turn.frame - 1;
+      if (turn.frame >= 0) self.send(wrong);  // late
+      wrong.frame = turn.frame;
+      ++wrong.instance;
+      self.send(wrong);  // of another run
+      self.send(answer);
+      --wrong.instance;
+      self.send(wrong);  // repeated, or late
+    });
+    EXPECT_EQ(run.hash_after(kFrames), expected) << "seed " << kSeed << " trial " << trial;
+    EXPECT_EQ(run.counts().answers, kFrames + 1);
+    EXPECT_EQ(run.counts().other_runs, kFrames + 1);
+    EXPECT_EQ(run.counts().refused, kFrames + 1);
+    EXPECT_GE(run.counts().late + run.counts().repeated, 2 * kFrames - 1);
+  }
+}
+
+TEST(Lockstep, WhatIsNoAnswerIsCountedAndNotUsed) {
+  InLockstep run([](InLockstep& self, const turn_t& turn) {
+    answer_t wrong = answer_to(turn);
+    wrong.x_m[0] = 7;
+    if (turn.frame == 0) wrong.avatar = {0};
+    if (turn.frame == 1) wrong.frame = 5;
+    if (turn.frame == 2) wrong.frame = 1;
+    if (turn.frame == 3) ++wrong.run_id;
+    if (turn.frame == 4) wrong.schema = 1;
+    if (turn.frame >= 0) self.send(wrong);
+    answer_t answer = answer_to(turn);
+    answer.x_m[0] = turn.frame == -1 ? answer.x_m[0] : 3;
+    self.send(answer);  // to frame 5 the wrong one is the answer
+  });
+  const uint32_t id = rover_of(run.simulation);
+  run.lockstep.begin(run.simulation);
+  const std::vector<std::string> refusals = {"avatar 0 is not of group 'rovers'",
+                                             "an answer to frame 5, asked was 1"};
+  for (int64_t i = 0; i <= 5; ++i) {
+    const Frame& frame = run.step();
+    if (i > 0) {
+      EXPECT_EQ(frame.roots[id].position_m.x(), 3) << "frame " << i;
+    }
+    if (i < 2) {
+      EXPECT_EQ(run.counts().refusal, refusals[static_cast<size_t>(i)]);
+    }
+  }
+  EXPECT_EQ(run.simulation.step().roots[id].position_m.x(), 7) << "the first answer counts";
+  EXPECT_EQ(run.counts().refused, 3);
+  EXPECT_EQ(run.counts().late, 1);
+  EXPECT_EQ(run.counts().other_runs, 1);
+  EXPECT_EQ(run.counts().answers, 7);
+  EXPECT_EQ(run.counts().refusal, "schema 1, this program reads 2");
+}
+
+TEST(Lockstep, WhoDoesNotAnswerIsNamed) {
+  const InLockstep::Respond half = [](InLockstep& run, const turn_t& turn) {
+    answer_t m = answer_to(turn);
+    if (turn.frame == 1)  // the rest of the group stays silent
+      for (auto* column : {&m.x_m, &m.y_m, &m.z_m}) column->resize(1);
+    if (turn.frame == 1)
+      for (auto* column : {&m.qw, &m.qx, &m.qy, &m.qz, &m.vx_mps, &m.vy_mps}) column->resize(1);
+    if (turn.frame == 1) m.avatar.resize(m.count = 1);
+    if (turn.frame == 1 && m.avatar[0] != 60) return;
+    run.send(m);
+  };
+  InLockstep run(half, 0.7, rover_in_crowd(60, 3));
+  run.lockstep.begin(run.simulation);
+  run.step();
+  EXPECT_FALSE(run.lockstep.after(run.simulation, run.simulation.step()));
+  EXPECT_EQ(run.lockstep.failure(),
+            "lockstep: no answer to frame 1 within 0.7 s for avatars 61, 62 of group 'rovers' "
+            "(ROBOT_DRIVE_ANSWER); is the controller alive? A slow one: --lockstep-timeout");
+  EXPECT_THAT(run.turns.back().avatar, testing::ElementsAre(61, 62))
+      << "asked again, those who are missing";
+
+  InLockstep nobody([](InLockstep&, const turn_t&) {}, 0.1);
+  try {
+    nobody.lockstep.begin(nobody.simulation);
+    ADD_FAILURE() << "a run without a controller began";
+  } catch (const EnvironmentError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("no answer to the turn before the first frame "
+                                                 "within 0.1 s for avatar 60 of group 'rovers'"));
+  }
+}
+
+TEST(Lockstep, SeveralControllersMayShareAGroup) {
+  InLockstep run(
+      [](InLockstep& self, const turn_t& turn) {
+        const answer_t all = moved(turn);
+        for (size_t i = all.avatar.size(); i-- > 0;) {
+          answer_t one = all;
+          one.count = 1;
+          one.avatar = {all.avatar[i]};
+          for (auto column : {&answer_t::x_m, &answer_t::y_m, &answer_t::z_m})
+            one.*column = {(all.*column)[i]};
+          for (auto column : {&answer_t::qw, &answer_t::qx, &answer_t::qy, &answer_t::qz,
+                              &answer_t::vx_mps, &answer_t::vy_mps})
+            one.*column = {(all.*column)[i]};
+          self.send(one);
+        }
+      },
+      30, rover_in_crowd(60, 3));
+  const uint64_t hash = run.hash_after(30);
+  EXPECT_EQ(run.counts().answers, 3 * 31);
+  EXPECT_EQ(hash, InLockstep(kMoves, 30, rover_in_crowd(60, 3)).hash_after(30));
+}
+
+TEST(Lockstep, AStoppedRunWaitsNoLonger) {
+  InLockstep run([](InLockstep& self, const turn_t& turn) {
+    if (turn.frame < 0) self.send(answer_to(turn));
+  });
+  run.lockstep.begin(run.simulation);
+  EXPECT_TRUE(run.lockstep.after(run.simulation, run.simulation.step(), [] { return true; }));
+  EXPECT_TRUE(run.lockstep.is_unanswered());
+  EXPECT_EQ(run.lockstep.failure(), "");
+}
+
+TEST(Lockstep, AResumedRunGoesOnAsTheWholeOne) {
+  constexpr int kFrames = 90, kBefore = 40;
+  const uint64_t expected = InLockstep(kMoves).hash_after(kFrames);
+  const ScratchFile file(".checkpoint");
+  {
+    InLockstep before(kMoves);
+    before.lockstep.begin(before.simulation);
+    for (int i = 0; i < kBefore; ++i) before.step();
+    write_checkpoint(file.path(), checkpoint_of(before.simulation));
+  }
+  InLockstep after(kMoves);
+  resume(after.simulation, file.path());
+  EXPECT_EQ(after.hash_after(kFrames - kBefore), expected);
+  EXPECT_EQ(after.turns.front().frame, kBefore - 1);
+  EXPECT_NE(after.turns.front().is_first, 0) << "what it was told stays as it was";
+}
+
+TEST(Lockstep, ScenesThatCannotBeAreRefused) {
+  const auto refusal = [](Scene scene) {
+    const Simulation simulation(std::move(scene), {});
+    try {
+      const Lockstep lockstep(simulation.info(), std::make_shared<lcm::LCM>("memq://"));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  Scene nobody = rover_in_crowd(20);
+  nobody.groups.pop_back();
+  EXPECT_EQ(refusal(nobody),
+            "--lockstep: expected a scene with a driven group ('driven: CHANNEL'), found none");
+  Scene longer = rover_in_crowd(20);
+  longer.groups.back().driven = std::string(57, 'x');
+  EXPECT_THAT(refusal(longer), testing::HasSubstr("at most 56 characters, for '_ANSWER'"));
+  Scene shared = rover_in_crowd(20);
+  shared.groups.push_back(shared.groups.back());
+  EXPECT_EQ(refusal(shared),
+            "--lockstep: expected a channel for each driven group, found 'ROBOT_DRIVE' for "
+            "several");
+  EXPECT_EQ(refusal(rover_in_crowd(20)), "");
+}
+
+TEST(Lockstep, DamagedAnswersMoveNobodyWhereNobodyCanBe) {
+  constexpr uint64_t kSeed = 23;
+  uint64_t round = 0;
+  InLockstep run([&round](InLockstep& self, const turn_t& turn) {
+    const answer_t sound = answer_to(turn);
+    std::vector<uint8_t> bytes(static_cast<size_t>(sound.getEncodedSize()));
+    sound.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    for (int i = 0; i < 100; ++i, ++round) {
+      const RandomKey key{kSeed, round, 0, Purpose::kStyle};
+      auto hit = bytes;
+      for (uint32_t k = 0; k < 1 + random_bits(key, 0) % 4; ++k)
+        hit[random_bits(key, 2 * k + 1) % hit.size()] =
+            static_cast<uint8_t>(random_bits(key, 2 * k + 2));
+      if (random_bits(key, 90) % 8 == 0) hit.resize(random_bits(key, 91) % hit.size());
+      self.lcm->publish(kChannel + "_ANSWER", hit.data(), static_cast<unsigned>(hit.size()));
+    }
+    self.send(sound);
+  });
+  const uint32_t id = rover_of(run.simulation);
+  run.lockstep.begin(run.simulation);
+  for (int i = 0; i < 60; ++i) {
+    const Frame& frame = run.step();
+    ASSERT_TRUE(run.simulation.scene().ground.contains(frame.roots[id].position_m.head<2>()))
+        << "seed " << kSeed << " round " << round;
+    ASSERT_NEAR(frame.roots[id].world_from_root.norm(), 1, 1e-5f);
+  }
+  EXPECT_GT(run.counts().refused + run.counts().other_runs, 1000);
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,338 @@
+// Logs: reproducible to the byte, readable by LCM's own code, and honest about a full disk.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <thread>
+
+#include "base/errors.h"
+#include "lcm_io/codec/guard.h"
+#include "lcm_io/log/file_writer.h"
+#include "lcm_io/log/log_check.h"
+#include "lcm_io/log/log_reader.h"
+#include "synthetic_run.h"
+
+namespace throng {
+namespace {
+
+std::vector<uint8_t> log_of(uint64_t seed, uint64_t instance, const LogOptions& options = {}) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = seed});
+  run.set_instance(instance);
+  LogSink sink(file.path(), options);
+  run.play(sink, 90);
+  return bytes_of(file.path());
+}
+
+TEST(Log, TheSameRunGivesTheSameBytes) {
+  const auto first = log_of(1, 111);
+  EXPECT_GT(first.size(), 100'000u);
+  EXPECT_EQ(first, log_of(1, 222)) << "instance and clock stay out";
+  EXPECT_NE(first, log_of(2, 111));
+  EXPECT_NE(first, log_of(1, 111, {.with_clock_times = true})) << "clock times were asked for";
+}
+
+/// Tens of thousands of avatars take more messages a frame than are encoded at a time.
+TEST(Log, HasTheSameBytesForEveryNumberOfThreads) {
+  std::vector<uint8_t> expected;
+  for (const int threads : {1, 2, 3}) {
+    const ScratchFile file;
+    SyntheticRun run({.avatars = 30'000, .seed = 5});
+    LogSink sink(file.path(), {.threads = threads});
+    run.play(sink, 3);
+    const auto found = bytes_of(file.path());
+    if (threads == 1) expected = found;
+    EXPECT_GT(found.size(), 3'000'000u);
+    EXPECT_TRUE(found == expected) << threads << " threads";
+    EXPECT_TRUE(check_log(file.path()).is_sound()) << threads << " threads";
+  }
+}
+
+TEST(Log, NamesNoPathOfThisMachine) {
+  const auto bytes = log_of(1, 1);
+  const std::string text(bytes.begin(), bytes.end());
+  EXPECT_EQ(text.find("/a/folder"), std::string::npos);
+  EXPECT_EQ(text.find(data_directory().string()), std::string::npos);
+}
+
+TEST(Log, IsReadByLcmsOwnReader) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 9, .pairs = 500});
+  LogSink sink(file.path());
+  run.play(sink, 150);
+
+  lcm::LogFile log(file.path().string(), "r");
+  ASSERT_TRUE(log.good());
+  int64_t events = 0, begins = 0, ends = 0, last_stamp = 0;
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    EXPECT_EQ(event->eventnum, events++);
+    EXPECT_GE(event->timestamp, last_stamp);
+    last_stamp = event->timestamp;
+    if (event->channel != "THRONG_EVENTS") continue;
+    events_t message;
+    ASSERT_EQ(message.decode(event->data, 0, event->datalen), event->datalen);
+    for (const uint8_t kind : message.kind) ++(kind == 0 ? begins : ends);
+  }
+  EXPECT_EQ(events, sink.messages());
+  EXPECT_EQ(begins, run.begins());
+  EXPECT_EQ(ends, run.ends());
+  EXPECT_EQ(last_stamp, 149 * 1'000'000 / 60) << "stamps are simulation time";
+}
+
+TEST(Log, OurReaderAndLcmsAgreeOnEveryEvent) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 9});
+  LogSink sink(file.path());
+  run.play(sink, 70);
+  lcm::LogFile theirs(file.path().string(), "r");
+  LogReader ours(file.path());
+  LogEvent event;
+  uint64_t offset = 0;
+  while (ours.next(event) == LogReader::Status::kEvent) {
+    const lcm::LogEvent* expected = theirs.readNextEvent();
+    ASSERT_NE(expected, nullptr);
+    EXPECT_EQ(event.number, expected->eventnum);
+    EXPECT_EQ(event.stamp_us, expected->timestamp);
+    EXPECT_EQ(event.channel, expected->channel);
+    const auto* data = static_cast<const uint8_t*>(expected->data);
+    EXPECT_TRUE(std::equal(event.data.begin(), event.data.end(), data, data + expected->datalen));
+    EXPECT_EQ(event.offset, offset);
+    offset += event.bytes;
+  }
+  EXPECT_EQ(theirs.readNextEvent(), nullptr);
+  EXPECT_EQ(offset, ours.size());
+}
+
+TEST(Log, AFinishedRunChecksClean) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3, .pairs = 300});
+  LogSink sink(file.path());
+  run.play(sink, 130);
+  const LogReport report = check_log(file.path());
+  EXPECT_THAT(report.problems, testing::IsEmpty());
+  EXPECT_TRUE(report.finished && report.is_sound() && !report.torn && !report.damaged);
+  EXPECT_EQ(report.begins, run.begins());
+  EXPECT_EQ(report.ends, run.ends());
+  EXPECT_EQ(report.begins, report.ends);
+  EXPECT_EQ(report.open_pairs, 0);
+  EXPECT_EQ(report.log_events, sink.messages());
+  EXPECT_EQ(report.bytes, sink.bytes());
+  EXPECT_EQ(report.sound_bytes, report.bytes);
+  EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kStates)].messages, 130);
+}
+
+TEST(Log, ARunWithADeadlineAndPeopleWhoComeAndGoChecksClean) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3, .pairs = 300, .comings = true, .deadline = true});
+  LogSink sink(file.path());
+  run.play(sink, 130);
+  const LogReport report = check_log(file.path());
+  EXPECT_THAT(report.problems, testing::IsEmpty());
+  EXPECT_TRUE(report.finished);
+  EXPECT_EQ(report.begins, run.begins());
+}
+
+TEST(Log, APairOfSomebodyWhoIsAbsentIsAProblem) {
+  struct Everybody : Sink {  // says that avatar 0 has left, and keeps its pairs
+    explicit Everybody(LogSink& to) : log(to) {}
+    void begin(const RunInfo& run) override { log.begin(run); }
+    void frame(const RunInfo& run, const Frame& frame) override {
+      std::vector<uint8_t> present(frame.roots.size(), 1);
+      present[0] = 0;
+      Frame changed = frame;
+      changed.present = present;
+      log.frame(run, changed);
+    }
+    void end(const RunInfo& run, const RunEnd& end) override { log.end(run, end); }
+    LogSink& log;
+  };
+  const ScratchFile file;
+  SyntheticRun run({.avatars = 5, .seed = 3, .pairs = 60});
+  LogSink sink(file.path());
+  Everybody everybody(sink);
+  run.play(everybody, 3);
+  const LogReport report = check_log(file.path());
+  EXPECT_FALSE(report.is_sound());
+  EXPECT_THAT(report.problems, testing::Each(testing::HasSubstr("of an avatar that is absent")));
+}
+
+TEST(Log, IsDescribedForPeople) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3});
+  LogSink sink(file.path());
+  run.play(sink, 61);
+  const std::string text = describe_log(file.path());
+  for (const char* expected :
+       {"scene synthetic, seed 3, 20 avatars", "model adult", "model rover", "1 obstacle",
+        "group walkers: 14 avatars", "group robots: 6 avatars, driven by ROBOT_DRIVE",
+        "THRONG_STATES", "finished"})
+    EXPECT_THAT(text, testing::HasSubstr(expected));
+  EXPECT_THAT(text, testing::HasSubstr(std::to_string(run.begins()) + " begins"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("problem")));
+}
+
+TEST(Log, AFullDiskIsToldWithTheFilesName) {
+  SyntheticRun run({.avatars = 500});
+  LogSink sink("/dev/full");
+  try {
+    run.play(sink, 300);
+    FAIL() << "nothing was said";
+  } catch (const EnvironmentError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("/dev/full"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("No space left"));
+  }
+}
+
+TEST(Log, AFolderThatIsNotThereIsTold) {
+  EXPECT_THROW(LogSink("/no/such/folder/run.lcmlog"), EnvironmentError);
+}
+
+TEST(Log, NothingStaysUnwrittenLongerThanTheFlushInterval) {
+  const ScratchFile file;
+  SyntheticRun run({.avatars = 3, .pairs = 2, .crowd = SyntheticRun::Crowd::kAdults});
+  LogSink sink(file.path(), {.flush_s = 0.05});
+  sink.begin(run.info());
+  EXPECT_EQ(std::filesystem::file_size(file.path()), sink.bytes()) << "the description at once";
+  using Clock = std::chrono::steady_clock;
+  // At every frame's end, whatever was not handed to the file is at most flush_s old, less a frame.
+  std::vector<std::pair<Clock::time_point, uint64_t>> history;
+  for (int i = 0; i < 40; ++i) {
+    const auto started = Clock::now();
+    sink.frame(run.info(), run.step());
+    const auto now = Clock::now();
+    history.emplace_back(started, sink.bytes());
+    const uint64_t handed_over = sink.bytes() - sink.buffered();
+    const auto waits = std::find_if(history.begin(), history.end(),
+                                    [&](const auto& one) { return one.second > handed_over; });
+    if (waits != history.end() && waits + 1 != history.end()) {
+      EXPECT_LT(std::chrono::duration<double>(now - waits->first).count(), 0.06) << "frame " << i;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+  }
+}
+
+TEST(Log, WithoutAFlushIntervalEveryFrameIsInTheFileBeforeTheNext) {
+  const ScratchFile file;
+  SyntheticRun run({.avatars = 3, .pairs = 2, .crowd = SyntheticRun::Crowd::kAdults});
+  LogSink sink(file.path(), {.flush_s = 0});
+  sink.begin(run.info());
+  for (int i = 0; i < 10; ++i) {
+    sink.frame(run.info(), run.step());
+    EXPECT_EQ(std::filesystem::file_size(file.path()), sink.bytes()) << "frame " << i;
+  }
+}
+
+/// Everything that comes out of a pipe, read after a while and in small pieces.
+class SlowReader {
+ public:
+  explicit SlowReader(const std::filesystem::path& pipe)
+      : thread_([this, pipe] {
+          std::ifstream in(pipe, std::ios::binary);
+          std::this_thread::sleep_for(std::chrono::milliseconds(300));
+          std::vector<char> piece(100'000);
+          while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())), in.gcount() > 0)
+            read_.insert(read_.end(), piece.begin(), piece.begin() + in.gcount());
+        }) {}
+  const std::vector<uint8_t>& all() {
+    thread_.join();
+    return read_;
+  }
+
+ private:
+  std::vector<uint8_t> read_;
+  std::thread thread_;
+};
+
+std::vector<uint8_t> counted(size_t bytes) {
+  std::vector<uint8_t> out(bytes);
+  for (size_t i = 0; i < bytes; ++i) out[i] = static_cast<uint8_t>(i * 2654435761u >> 24);
+  return out;
+}
+
+TEST(FileWriter, AFileThatIsTooSlowLosesNothing) {
+  const ScratchFile pipe;
+  std::filesystem::remove(pipe.path());
+  ASSERT_EQ(::mkfifo(pipe.path().c_str(), 0600), 0);
+  SlowReader reader(pipe.path());
+  const std::vector<uint8_t> bytes = counted(40'000'000);  // more than all buffers hold
+  FileWriter writer(pipe.path());
+  for (size_t at = 0; at < bytes.size(); at += 1'000'000) writer.put(&bytes[at], 1'000'000);
+  writer.close();
+  EXPECT_TRUE(reader.all() == bytes);
+}
+
+TEST(FileWriter, AfterAnErrorTheFileIsTheBeginningOfWhatWasPut) {
+  const ScratchFile file;
+  const rlimit most = {6'500'000, 6'500'000};
+  const std::vector<uint8_t> bytes = counted(12'000'000);
+  // In a process of its own, whose files may not grow beyond the limit.
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::setrlimit(RLIMIT_FSIZE, &most);
+    int told = 0;
+    FileWriter writer(file.path());
+    for (size_t at = 0; at < bytes.size(); at += 500'000) {
+      try {
+        writer.put(&bytes[at], 500'000);
+        writer.start_writing();
+        writer.check();
+      } catch (const EnvironmentError&) {
+        ++told;
+        const rlimit free = {RLIM_INFINITY, RLIM_INFINITY};
+        ::setrlimit(RLIMIT_FSIZE, &free);  // as if there were room again
+      }
+    }
+    try {
+      writer.close();
+    } catch (const EnvironmentError&) {
+      ++told;
+    }
+    std::_Exit(told);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1) << "told once";
+  std::ifstream in(file.path(), std::ios::binary);
+  const std::vector<uint8_t> held{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_EQ(held.size(), 6'500'000u);
+  EXPECT_TRUE(std::equal(held.begin(), held.end(), bytes.begin()));
+}
+
+TEST(Log, ARunGivenUpLeavesAReadableLog) {
+  const ScratchFile file;
+  SyntheticRun run({.seed = 3});
+  {
+    LogSink sink(file.path());
+    sink.begin(run.info());
+    for (int i = 0; i < 20; ++i) sink.frame(run.info(), run.step());
+  }
+  const LogReport report = check_log(file.path());
+  EXPECT_TRUE(report.is_sound()) << report.problems.front();
+  EXPECT_FALSE(report.finished);
+  EXPECT_EQ(report.last_frame, 19);
+  EXPECT_EQ(report.open_pairs, run.begins() - run.ends());
+}
+
+TEST(Log, WhatIsNoLogIsRefused) {
+  const ScratchFile file;
+  write_bytes(file.path(), std::vector<uint8_t>{'h', 'e', 'l', 'l', 'o'});
+  EXPECT_THROW(check_log(file.path()), InputError);
+  write_bytes(file.path(), {});
+  EXPECT_THROW(check_log(file.path()), InputError);
+  EXPECT_THROW(check_log("/no/such/file.lcmlog"), InputError);
+  EXPECT_THROW(check_log("/tmp"), InputError);
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,107 @@
+// A crowd that was made up: what sinks are given, without steering or culling behind it.
+// One rule: the same seed gives the same frames, so logs can be compared to the byte.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "culling/event_hash.h"
+#include "culling/stages/pair_events.h"
+#include "lcm_io/codec/encoder.h"
+#include "lcm_io/log/log_sink.h"
+#include "scenes/run/sink.h"
+
+namespace throng {
+
+class SyntheticRun {
+ public:
+  enum class Crowd { kAdults, kRovers, kMixed };  // mixed: every third is a rover
+  struct Options {
+    int avatars = 20;
+    uint64_t seed = 1;
+    int pairs = 40;  ///< that touch at a time, about
+    Crowd crowd = Crowd::kMixed;
+    double spread_m = 50;   ///< avatars are within this distance of the origin
+    bool comings = false;   ///< avatars come and go
+    bool deadline = false;  ///< some pairs are not refined to the end
+    bool near = false;      ///< whatever touches has a near row, too, and a point
+  };
+  explicit SyntheticRun(const Options& options);
+
+  const RunInfo& info() const { return info_; }
+  void set_exact(bool exact) { info_.culler.exact = exact; }
+  void set_instance(uint64_t instance) { info_.instance = instance; }
+  const Frame& step();
+  RunEnd finish();
+
+  /// Everything to a sink: begin, `frames` frames, end.
+  void play(Sink& sink, int frames);
+
+  int64_t begins() const { return begins_; }
+  int64_t ends() const { return ends_; }
+  int64_t events() const { return begins_ + ends_; }
+
+ private:
+  void pose();
+  void touch();
+  void come_and_go();
+  void level();
+  void list_near();
+  void count(std::span<const PairEvent> events);
+  void add_to_hash();
+
+  Options options_;
+  Scene scene_;
+  RunInfo info_;
+  Frame frame_;
+  PairEvents pair_events_;
+  CullingCounters counters_;
+  FrameTimes times_;
+  std::vector<RootPose> roots_;
+  std::vector<float> speeds_, postures_;
+  std::vector<size_t> offsets_;
+  std::vector<PairKey> pairs_;
+  std::vector<uint8_t> present_, levels_;
+  std::vector<NearPair> near_;
+  std::vector<ContactPoint> contact_points_;
+  int64_t next_frame_ = 0;
+  EventHash hash_;
+  int64_t begins_ = 0, ends_ = 0;
+};
+
+/// The bundled adult and the rover of the fixtures, loaded once.
+std::shared_ptr<const Model> adult();
+std::shared_ptr<const Model> rover();
+
+/// A path for a file of this test, which is gone when the object is.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& suffix = ".lcmlog");
+  ~ScratchFile();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::vector<uint8_t> bytes_of(const std::filesystem::path& file);
+void write_bytes(const std::filesystem::path& file, std::span<const uint8_t> bytes);
+
+/// Keeps every message.
+struct MessageList : MessageTarget {
+  struct Message {
+    Channel channel;
+    int64_t utime_us;
+    std::vector<uint8_t> bytes;
+  };
+  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override {
+    messages.push_back({channel, utime_us, {bytes.begin(), bytes.end()}});
+  }
+  std::vector<Message> messages;
+};
+
+/// All messages of a run, the description first.
+std::vector<MessageList::Message> messages_of(SyntheticRun& run, int frames,
+                                              const EncoderOptions& options = {});
+
+}  // namespace throng
