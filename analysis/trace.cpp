@@ -10,7 +10,7 @@
 #include "base/errors.h"
 #include "base/hasher.h"
 #include "culling/event_hash.h"
-#include "scenes/run/frame_poses.h"
+#include "scenes/run/sink.h"
 
 namespace throng {
 namespace {

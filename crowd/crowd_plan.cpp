@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "crowd/plan_limits.h"
-
 namespace throng {
 
 bool has_people(const Group& group) { return group.body == nullptr || group.body->is_person; }

@@ -19,7 +19,7 @@
 #include "python/recorder.h"
 #include "python/run_request.h"
 #include "scenes/run/runner.h"
-#include "scenes/separation/separation_check.h"
+#include "scenes/separation/separation_rule.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
 

@@ -11,7 +11,7 @@
 #include "python/interrupts.h"
 #include "python/part_matrices.h"
 #include "python/stepped_run.h"
-#include "scenes/run/frame_poses.h"
+#include "scenes/run/sink.h"
 
 namespace py = pybind11;
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "base/append.h"
-#include "scenes/run/frame_poses.h"
+#include "scenes/run/sink.h"
 
 namespace throng {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scenes/run/frame_poses.h"
+#include "scenes/run/sink.h"
 
 namespace throng {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "base/append.h"
 #include "base/errors.h"
+#include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
-#include "crowd/plan_limits.h"
 #include "recordings/area_grid.h"
 
 namespace throng {

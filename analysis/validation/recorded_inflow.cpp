@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -89,14 +90,14 @@ std::optional<Eigen::Vector2d> place_at(const std::vector<Sample>& track, double
   return from.position_m + share * (to.position_m - from.position_m);
 }
 
-/// Over the first second of a track.
-double entry_speed_mps(const std::vector<Sample>& track) {
+/// Speed over the first second of a track; none where it ends too soon to tell.
+std::optional<double> entry_speed_mps(const std::vector<Sample>& track) {
   constexpr double kOver_s = 1, kLeast_s = 0.2;
   const Sample& first = track.front();
   size_t last = 0;
   while (last + 1 < track.size() && track[last].time_s < first.time_s + kOver_s) ++last;
   const double over_s = track[last].time_s - first.time_s;
-  if (over_s < kLeast_s) return 0;
+  if (over_s < kLeast_s) return {};
   return (track[last].position_m - first.position_m).norm() / over_s;
 }
 

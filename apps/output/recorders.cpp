@@ -8,7 +8,7 @@
 #include "analysis/trace.h"
 #include "analysis/trajectories/walkable_area.h"
 #include "base/errors.h"
-#include "scenes/separation/separation_check.h"
+#include "scenes/separation/separation_rule.h"
 #include "viewer/replay/replay_file.h"
 #include "viewer/server/page.h"
 

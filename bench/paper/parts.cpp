@@ -10,7 +10,7 @@
 
 #include "base/errors.h"
 #include "culling/volumes/volumes.h"
-#include "scenes/motion/loose_parts.h"
+#include "scenes/motion/box_world.h"
 
 namespace throng::paper {
 

@@ -5,7 +5,7 @@
 
 #include "analysis/measures/part_group.h"
 #include "culling/distance/hull_depth.h"
-#include "scenes/run/frame_poses.h"
+#include "scenes/run/sink.h"
 
 namespace throng::realism {
 

@@ -15,7 +15,7 @@
 #include "lcm_io/replay/log_world.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/run/run_choices.h"
-#include "scenes/separation/separation_check.h"
+#include "scenes/separation/separation_rule.h"
 
 namespace throng {
 namespace {

@@ -1,7 +1,7 @@
 // The box of parts.
 #include "base/errors.h"
 #include "base/limits.h"
-#include "crowd/plan_limits.h"
+#include "crowd/crowd_plan.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/scene_values.h"
 

@@ -9,7 +9,7 @@
 #include "base/elementary.h"
 #include "base/errors.h"
 #include "base/text.h"
-#include "crowd/plan_limits.h"
+#include "crowd/crowd_plan.h"
 #include "recordings/area_union.h"
 #include "scenes/file/scene_keys.h"
 

@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "base/errors.h"
-#include "crowd/plan_limits.h"
+#include "crowd/crowd_plan.h"
 #include "recordings/units.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/recorded_scene.h"

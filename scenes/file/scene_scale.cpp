@@ -8,8 +8,8 @@
 #include "base/elementary.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
-#include "crowd/plan_limits.h"
 #include "scenes/file/scene.h"
 
 namespace throng {

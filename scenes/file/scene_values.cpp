@@ -4,7 +4,7 @@
 
 #include "base/errors.h"
 #include "base/limits.h"
-#include "crowd/plan_limits.h"
+#include "crowd/crowd_plan.h"
 
 namespace throng {
 namespace {

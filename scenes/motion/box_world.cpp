@@ -3,13 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "base/elementary.h"
 #include "base/errors.h"
+#include "base/hasher.h"
 #include "base/random.h"
+#include "culling/volumes/sphere.h"
+#include "scenes/run/posing.h"
+#include "scenes/run/sink.h"
 
 namespace throng {
 namespace {
@@ -144,5 +150,85 @@ PartPose BoxWorld::pose(size_t object) const {
 }
 
 double BoxWorld::reach_m() const { return std::sqrt(1.5) * options_.edge_m; }
+
+namespace {
+
+std::shared_ptr<const Model> alone(const Model& body, const Part& part) {
+  Robot robot;
+  robot.name = part.name;
+  robot.links.push_back({part.name, {}, {}, {}});
+  Part centred{part.name, part.source, 0, part.mesh};
+  const Eigen::Vector3f middle = Sphere::fit(part.mesh.vertices).centre_m;
+  for (Eigen::Vector3f& vertex : centred.mesh.vertices) vertex -= middle;
+  const std::array<int, 1> links = {0};
+  FlatModel kinematics(robot, links);
+  Model model{part.name,
+              std::move(robot),
+              {std::move(centred)},
+              std::move(kinematics),
+              0,
+              Hasher().add(body.content_hash).add(std::string_view(part.name)).value()};
+  model.height_m = static_cast<float>(2 * reach_m(model));
+  return std::make_shared<const Model>(std::move(model));
+}
+
+}  // namespace
+
+std::vector<std::shared_ptr<const Model>> loose_parts(const Model& body) {
+  std::vector<std::shared_ptr<const Model>> models;
+  for (const Part& part : body.parts) models.push_back(alone(body, part));
+  return models;
+}
+
+double reach_m(const Model& loose_part) {
+  double reach = 0;
+  for (const Eigen::Vector3f& vertex : loose_part.parts.front().mesh.vertices)
+    reach = std::max(reach, vertex.cast<double>().norm());
+  return reach;
+}
+
+namespace {
+
+BoxWorld box_of(const Scene& scene, std::span<const std::shared_ptr<const Model>> parts) {
+  const PartsBox& box = *scene.box;
+  std::vector<double> radii_m;
+  for (const std::shared_ptr<const Model>& part : parts) radii_m.push_back(reach_m(*part));
+  BoxWorldOptions options;
+  options.seed = scene.seed;
+  if (!scene.file.empty()) options.name = scene.file.string();
+  options.edge_m = box.edge_m;
+  options.step_s = scene.step_s;
+  options.min_speed_mps = box.min_speed_mps;
+  options.max_speed_mps = box.max_speed_mps;
+  options.max_spin_radps = box.max_spin_radps;
+  return BoxWorld::of_kinds(options, radii_m, static_cast<size_t>(box.count),
+                            static_cast<size_t>(box.static_every));
+}
+
+}  // namespace
+
+PartsWorld::PartsWorld(const Scene& scene)
+    : parts_(loose_parts(*scene.box->body)), box_(box_of(scene, parts_)) {}
+
+void PartsWorld::place(BodyStates& bodies) {
+  for (size_t i = 0; i < box_.size(); ++i) {
+    bodies.types.push_back(static_cast<uint16_t>(i % parts_.size()));
+    bodies.scales.push_back(1);
+    bodies.phases.push_back(0);
+  }
+}
+
+void PartsWorld::describe(RunInfo& info) const {
+  info.groups = {"part"};
+  info.group_of_avatar.assign(box_.size(), 0);
+  info.drive_channels.resize(1);
+}
+
+void PartsWorld::update(const Posing&, BodyStates& bodies, std::span<float> speeds_mps) {
+  for (size_t i = 0; i < box_.size(); ++i) {
+    bodies.roots[i] = {box_.positions_m()[i], box_.orientations()[i].cast<float>()};
+    speeds_mps[i] = static_cast<float>(box_.velocities_mps()[i].norm());
+  }
+}
 
 }  // namespace throng

@@ -5,12 +5,15 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "avatars/model/model.h"
 #include "base/files/archive.h"
 #include "base/pose.h"
+#include "scenes/motion/world.h"
 
 namespace throng {
 
@@ -64,6 +67,29 @@ class BoxWorld {
   std::vector<Eigen::Vector3d> positions_m_, velocities_mps_;
   std::vector<Eigen::Quaterniond> orientations_;
   std::vector<Eigen::Quaterniond> turns_;  ///< the rotation of one step
+};
+
+/// One model a part, in the body's order, without joints; height_m is the sphere's diameter.
+std::vector<std::shared_ptr<const Model>> loose_parts(const Model& body);
+
+/// How far a loose part reaches from its origin.
+double reach_m(const Model& loose_part);
+
+class PartsWorld final : public World {
+ public:
+  /// Throws InputError if a part does not fit.
+  explicit PartsWorld(const Scene& scene);
+
+  const std::vector<std::shared_ptr<const Model>>& models() const override { return parts_; }
+  void place(BodyStates& bodies) override;
+  void describe(RunInfo& info) const override;
+  void step() override { box_.step(); }
+  void update(const Posing& posing, BodyStates& bodies, std::span<float> speeds_mps) override;
+  void archive(Archive& a) override { box_.archive(a); }
+
+ private:
+  std::vector<std::shared_ptr<const Model>> parts_;
+  BoxWorld box_;
 };
 
 }  // namespace throng

@@ -1,7 +1,7 @@
 #include "scenes/motion/world.h"
 
+#include "scenes/motion/box_world.h"
 #include "scenes/motion/crowd_world.h"
-#include "scenes/motion/parts_world.h"
 #include "scenes/retargeting/recorded_world.h"
 
 namespace throng {

@@ -1,17 +1,191 @@
 #include "scenes/retargeting/dress.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 
 #include "avatars/gait/gait.h"
 #include "base/elementary.h"
 #include "scenes/retargeting/head_place.h"
-#include "scenes/retargeting/smoothing.h"
-#include "scenes/retargeting/sway.h"
 
 namespace throng {
 namespace {
+
+// The gait's phase as the sway of a recorded head tells it. A head sways to the side of the foot
+// that carries, once a stride. Its deviation from the way is compared with a wave of the stride's
+// expected frequency, in a window of some strides: what they have in common is amplitude and phase
+// of the sway (a Gabor transform).
+
+/// At one instant of a track.
+struct SwaySample {
+  double time_s = 0;
+  double left_m = 0;      ///< how far the head is to the left of its way
+  double strides_hz = 0;  ///< as the gait has them at this speed; 0: stands
+};
+
+/// The window reaches so far to both sides; its weights are nearly a Gaussian of a third of it.
+constexpr double kReach_s = 1.8;
+/// Of recorded heads nine in ten sway by 2 cm and more; noise of 5 mm comes to less than this.
+constexpr double kLeastSway_m = 0.008;
+/// Fewer samples a stride do not show it.
+constexpr double kLeastSamples = 6;
+/// Of people who stand or shuffle, sway is no stride.
+constexpr double kSlowest_hz = 0.35;
+/// Strides are compared with the nearest of these: what is 0.1 Hz beside it still shows.
+constexpr std::array<double, 4> kWaves_hz = {0.5, 0.7, 0.9, 1.1};
+
+using Complex = std::complex<float>;
+
+size_t wave_near(double strides_hz) {
+  size_t nearest = 0;
+  for (size_t i = 1; i < kWaves_hz.size(); ++i)
+    if (std::abs(kWaves_hz[i] - strides_hz) < std::abs(kWaves_hz[nearest] - strides_hz))
+      nearest = i;
+  return nearest;
+}
+
+/// The deviation times each wave turned backwards, for every sample.
+std::vector<std::array<Complex, kWaves_hz.size()>> turned_back(std::span<const SwaySample> track) {
+  std::vector<std::array<Complex, kWaves_hz.size()>> out(track.size());
+  for (size_t i = 0; i < track.size(); ++i) {
+    const double since_s = track[i].time_s - track.front().time_s;
+    for (size_t wave = 0; wave < kWaves_hz.size(); ++wave) {
+      const double turns = kWaves_hz[wave] * since_s;
+      const SinCos at = sin_cos(kTurn * (turns - std::floor(turns)));
+      out[i][wave] = {static_cast<float>(track[i].left_m * at.cos),
+                      static_cast<float>(-track[i].left_m * at.sin)};
+    }
+  }
+  return out;
+}
+
+/// Since the head was last farthest to the left, in strides, [0, 1); NaN where no sway is seen.
+/// `track` in ascending order of time.
+std::vector<float> strides_since_left(std::span<const SwaySample> track) {
+  std::vector<float> phases(track.size(), std::numeric_limits<float>::quiet_NaN());
+  const auto turned = turned_back(track);
+  size_t begin = 0, end = 0;
+  for (size_t i = 0; i < track.size(); ++i) {
+    const SwaySample& here = track[i];
+    while (here.time_s - track[begin].time_s > kReach_s) ++begin;
+    while (end < track.size() && track[end].time_s - here.time_s <= kReach_s) ++end;
+    const double strides = (track[end - 1].time_s - track[begin].time_s) * here.strides_hz;
+    const auto samples = static_cast<double>(end - begin);
+    if (here.strides_hz < kSlowest_hz || strides < 1 || samples < kLeastSamples * strides) continue;
+    const size_t wave = wave_near(here.strides_hz);
+    std::complex<double> common = 0;
+    double weight = 0;
+    for (size_t j = begin; j < end; ++j) {
+      const double u = (track[j].time_s - here.time_s) / kReach_s, inside = 1 - u * u;
+      const double w = inside * inside * inside;
+      common += w * std::complex<double>(turned[j][wave]);
+      weight += w;
+    }
+    if (2 * std::abs(common) < kLeastSway_m * weight) continue;
+    const double since_s = here.time_s - track.front().time_s;
+    const double turns = arc_tan2(common.imag(), common.real()) / kTurn + kWaves_hz[wave] * since_s;
+    phases[i] = phase_of(turns);
+  }
+  return phases;
+}
+
+// A recorded way without its noise, and without the sway of the head. Each instant is fitted from
+// what lies around it in time, before and after alike, so that nothing is late.
+
+/// A line fitted through positions: where it is at an instant, and how fast.
+struct WayPoint {
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
+};
+
+/// The samples not more than `reach_s` before `at` or after it.
+struct Window {
+  size_t begin = 0, end = 0;
+
+  void move_to(std::span<const Sample> track, size_t at, double reach_s) {
+    while (track[at].time_s - track[begin].time_s > reach_s) ++begin;
+    end = std::max(end, at + 1);
+    while (end < track.size() && track[end].time_s - track[at].time_s <= reach_s) ++end;
+  }
+  size_t size() const { return end - begin; }
+};
+
+/// From the sample before to the one after, as far as there are any.
+Eigen::Vector2d velocity_by_neighbours(std::span<const Sample> track, size_t at) {
+  const Sample& before = track[at > 0 ? at - 1 : at];
+  const Sample& after = track[std::min(at + 1, track.size() - 1)];
+  const double time_s = after.time_s - before.time_s;
+  if (!(time_s > 0)) return Eigen::Vector2d::Zero();
+  return (after.position_m - before.position_m) / time_s;
+}
+
+/// Where the body goes, by straight lines fitted within `reach_s` of each sample: what sways to and
+/// fro within that time is not in it.
+std::vector<WayPoint> way_of(std::span<const Sample> track, double reach_s) {
+  std::vector<WayPoint> way(track.size());
+  Window window;
+  for (size_t i = 0; i < track.size(); ++i) {
+    window.move_to(track, i, reach_s);
+    const Sample& here = track[i];
+    double weight = 0, first = 0, second = 0;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero(), tilt = Eigen::Vector2d::Zero();
+    for (size_t j = window.begin; j < window.end; ++j) {
+      const double u = (track[j].time_s - here.time_s) / reach_s;
+      // Nearly a Gaussian of a third of the reach.
+      const double inside = 1 - u * u, w = inside * inside * inside;
+      const Eigen::Vector2d d = track[j].position_m - here.position_m;
+      weight += w;
+      first += w * u;
+      second += w * u * u;
+      sum += w * d;
+      tilt += w * u * d;
+    }
+    const double determinant = weight * second - first * first;
+    way[i] = {here.position_m, velocity_by_neighbours(track, i)};
+    if (window.size() < 3 || !(determinant > 1e-6 * weight * weight)) continue;
+    way[i].position_m += (second * sum - first * tilt) / determinant;
+    way[i].velocity_mps = (weight * tilt - first * sum) / (determinant * reach_s);
+  }
+  return way;
+}
+
+/// Positions by parabolas fitted within `reach_s` of each sample, which keep what a head does in a
+/// step; none is moved by more than `most_m`.
+std::vector<Eigen::Vector2d> without_noise(std::span<const Sample> track, double reach_s,
+                                           double most_m) {
+  std::vector<Eigen::Vector2d> smooth(track.size());
+  Window window;
+  for (size_t i = 0; i < track.size(); ++i) {
+    window.move_to(track, i, reach_s);
+    smooth[i] = track[i].position_m;
+    if (window.size() < 5) continue;
+    double s1 = 0, s2 = 0, s3 = 0, s4 = 0;
+    Eigen::Vector2d b0 = Eigen::Vector2d::Zero(), b1 = b0, b2 = b0;
+    for (size_t j = window.begin; j < window.end; ++j) {
+      const double u = (track[j].time_s - track[i].time_s) / reach_s, square = u * u;
+      const Eigen::Vector2d d = track[j].position_m - track[i].position_m;
+      s1 += u;
+      s2 += square;
+      s3 += square * u;
+      s4 += square * square;
+      b0 += d;
+      b1 += u * d;
+      b2 += square * d;
+    }
+    const auto s0 = static_cast<double>(window.size());
+    // Cramer's rule for the parabola's value here.
+    const double c0 = s2 * s4 - s3 * s3, c1 = s2 * s3 - s1 * s4, c2 = s1 * s3 - s2 * s2;
+    const double determinant = s0 * c0 + s1 * c1 + s2 * c2;
+    if (!(determinant > 1e-9)) continue;
+    Eigen::Vector2d move = (c0 * b0 + c1 * b1 + c2 * b2) / determinant;
+    const double length_m = move.norm();
+    if (length_m > most_m) move *= most_m / length_m;
+    smooth[i] += move;
+  }
+  return smooth;
+}
 
 /// A stride takes a second: what a way does in less is sway.
 constexpr double kWayReach_s = 1.2;

@@ -9,7 +9,7 @@
 #include "base/elementary.h"
 #include "base/errors.h"
 #include "base/limits.h"
-#include "crowd/plan_limits.h"
+#include "crowd/crowd_plan.h"
 #include "scenes/motion/drive.h"
 
 namespace throng {

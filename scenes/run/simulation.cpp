@@ -6,27 +6,53 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <numeric>
+#include <random>
 #include <string>
 
 #include "avatars/model/describe.h"
 #include "avatars/stepping/standing.h"
 #include "base/elementary.h"
+#include "base/hasher.h"
 #include "base/stopwatch.h"
 #include "crowd/navigation/footprints.h"
 #include "scenes/motion/body_blocks.h"
 #include "scenes/motion/drive.h"
 #include "scenes/motion/walk.h"
 #include "scenes/run/asked_pairs.h"
-#include "scenes/run/bodies_there.h"
 #include "scenes/run/body_tables.h"
 #include "scenes/run/kinds.h"
 #include "scenes/run/posing.h"
-#include "scenes/run/run_identity.h"
 #include "scenes/run/yielding_stage.h"
-#include "scenes/separation/separation_check.h"
+#include "scenes/separation/separation_rule.h"
 
 namespace throng {
+
 namespace {
+
+uint64_t random_instance() {
+  std::random_device device;
+  return (uint64_t{device()} << 32) | device();
+}
+
+/// Fills in the run id, the instance, and what the options say. `world_hash`:
+/// World::content_hash().
+void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t world_hash,
+                  RunInfo& info) {
+  // Threads, SIMD, pair search and outputs stay out: they change no frame.
+  Hasher name;
+  name.add("throng run 1").add(scene.content_hash);
+  if (world_hash != 0) name.add("world").add(world_hash);
+  const CullerOptions& culler = options.culler;
+  if (culler.deadline_ms) name.add("deadline, ms").add(*culler.deadline_ms);
+  if (culler.deadline_tests) name.add("deadline, tests").add(*culler.deadline_tests);
+  if (culler.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(culler.strategy));
+  if (!options.culling) name.add("no culling");
+  info.run_id = name.value();
+  info.instance = random_instance();
+  info.culler = options.culler;
+  info.culling = options.culling;
+}
 
 /// What clocks of other programs on this machine tell, too.
 int64_t since_1970_ns() {
@@ -99,6 +125,49 @@ RootSphere held_sphere(const World& world, size_t model) {
 }
 
 }  // namespace
+
+/// The bodies that culling sees: all of them, or those that are in the scene now. Ids stay.
+class BodiesThere {
+ public:
+  explicit BodiesThere(size_t bodies);
+
+  /// `present`: one an avatar, or empty if everybody is there; the bodies beyond are always there.
+  /// Holds as long as `bodies` does and until the next call.
+  BodiesView view(const BodyStates& bodies, std::span<const uint8_t> present);
+
+  /// The ids of the latest view if some were left out, else empty.
+  std::span<const uint32_t> chosen() const { return chosen_; }
+
+ private:
+  std::vector<uint32_t> ids_;
+  std::vector<uint32_t> chosen_;
+  std::vector<uint16_t> types_;
+  std::vector<float> scales_;
+  std::vector<RootPose> roots_;
+};
+
+BodiesThere::BodiesThere(size_t bodies) : ids_(bodies) { std::iota(ids_.begin(), ids_.end(), 0u); }
+
+BodiesView BodiesThere::view(const BodyStates& bodies, std::span<const uint8_t> present) {
+  if (present.empty()) return {ids_, bodies.types, bodies.scales, bodies.roots};
+  chosen_.clear();
+  types_.clear();
+  scales_.clear();
+  roots_.clear();
+  // Once and for all, so that no later step allocates.
+  chosen_.reserve(ids_.size());
+  types_.reserve(ids_.size());
+  scales_.reserve(ids_.size());
+  roots_.reserve(ids_.size());
+  for (uint32_t id = 0; id < ids_.size(); ++id) {
+    if (id < present.size() && present[id] == 0) continue;
+    chosen_.push_back(id);
+    types_.push_back(bodies.types[id]);
+    scales_.push_back(bodies.scales[id]);
+    roots_.push_back(bodies.roots[id]);
+  }
+  return {chosen_, types_, scales_, roots_};
+}
 
 struct Simulation::State {
   State(Scene scene_in, const SimulationOptions& options_in);

@@ -2,6 +2,7 @@
 // One rule: spans are valid during the call only; a sink never changes what the run computes.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "avatars/model/model.h"
 #include "culling/culler.h"
+#include "kinematics/kinematics.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/stages.h"
 
@@ -99,5 +101,9 @@ class Sink {
   virtual void frame(const RunInfo& run, const Frame& frame) = 0;
   virtual void end(const RunInfo& run, const RunEnd& end) = 0;
 };
+
+/// Of a frame with postures (SinkNeeds::postures); `out` has room for the parts of the avatar's
+/// model.
+void part_poses(const RunInfo& run, const Frame& frame, size_t avatar, std::span<PartPose> out);
 
 }  // namespace throng

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "scenes/run/frame_poses.h"
-#include "scenes/separation/protective_distance.h"
+#include "scenes/run/sink.h"
+#include "scenes/separation/separation_rule.h"
 
 namespace throng {
 namespace {

@@ -4,10 +4,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace throng {
 
-/// Of speed and separation monitoring, see scenes/separation/protective_distance.h.
+struct Scene;
+
+/// Parameters of speed and separation monitoring, see protective_distance().
 struct SeparationRule {
   std::optional<double> human_mps;  ///< towards the robot; none: as measured
   std::optional<double> robot_mps;  ///< towards the person; none: as measured
@@ -22,5 +25,35 @@ struct SeparationRule {
   /// Speeds are known where the triangles were asked.
   bool is_measured() const { return !human_mps || !robot_mps; }
 };
+
+/// S = S_h + S_r + S_s + C + Z_d + Z_r: what the person covers until the robot stands, what the
+/// robot covers until it begins to stop and while it stops, how far somebody reaches in unseen, and
+/// how wrong both places may be. J. Marvel, R. Norcross: Implementing speed and separation
+/// monitoring in collaborative robot workcells, Robotics and Computer-Integrated Manufacturing 44
+/// (2017), PMC5117641.
+struct ProtectiveDistance {
+  double human_m = 0;     ///< S_h = v_h (T_r + T_s)
+  double reaction_m = 0;  ///< S_r = v_r T_r
+  double stopping_m = 0;  ///< S_s = v_r T_s / 2: the robot brakes evenly
+  double fixed_m = 0;     ///< C + Z_d + Z_r
+
+  double total_m() const { return human_m + reaction_m + stopping_m + fixed_m; }
+};
+
+/// Speeds are towards each other; whoever goes away counts as standing. NaN where a speed is. T_s
+/// is the rule's, or v_r through its deceleration.
+ProtectiveDistance protective_distance(const SeparationRule& rule, double human_mps,
+                                       double robot_mps);
+
+/// Throws InputError where the scene has a separation that needs a margin, triangles, or a larger
+/// margin than the scene has.
+void require_judgeable(const Scene& scene);
+
+/// Throws InputError where there is nothing to be written; `where` names the option that asks.
+void require_separation(const Scene& scene, const std::string& where);
+
+/// What is to be known of it: up to which speeds the margin reaches, parts of people that are of no
+/// region of the body.
+std::vector<std::string> separation_notes(const Scene& scene);
 
 }  // namespace throng

@@ -13,11 +13,10 @@
 
 #include "analysis/separation/separation_sink.h"
 #include "base/random.h"
-#include "scenes/run/frame_poses.h"
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
-#include "scenes/separation/protective_distance.h"
-#include "scenes/separation/separation_check.h"
+#include "scenes/run/sink.h"
+#include "scenes/separation/separation_rule.h"
 #include "tests/scenes/scene_file.h"
 
 namespace throng {

@@ -12,7 +12,7 @@
 #include "bench/paper/parts.h"
 #include "culling/exact/triangle_bvh.h"
 #include "scenes/file/scene.h"
-#include "scenes/motion/loose_parts.h"
+#include "scenes/motion/box_world.h"
 #include "scenes/run/runner.h"
 
 namespace throng {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "culling/exact/triangle_test.h"
-#include "scenes/run/frame_poses.h"
 #include "scenes/run/postures.h"
+#include "scenes/run/sink.h"
 
 namespace throng::test {
 namespace {

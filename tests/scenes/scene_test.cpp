@@ -9,8 +9,8 @@
 #include <fstream>
 
 #include "base/errors.h"
+#include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
-#include "crowd/plan_limits.h"
 #include "scenes/file/yaml_tree.h"
 #include "tests/scenes/scene_file.h"
 

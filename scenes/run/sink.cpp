@@ -1,4 +1,4 @@
-#include "scenes/run/frame_poses.h"
+#include "scenes/run/sink.h"
 
 namespace throng {
 
