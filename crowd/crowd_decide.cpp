@@ -117,15 +117,14 @@ void Crowd::look_around(Slots slots) {
 /// Companions who walk beside each other do not avoid each other: each knows where the other goes.
 /// Who comes too near is seen again.
 void Crowd::overlook_companions(size_t slot) {
-  constexpr double kGap_m = 0.14, kWalks_mps = 0.3;
   const auto walks_beside = [&](uint32_t other) {
     if (!parties_.are_companions(grid_.order()[slot], grid_.order()[other])) return false;
     const Eigen::Vector2d offset = walkers_[other].position_m - walkers_[slot].position_m;
     const Eigen::Vector2d both_mps = walkers_[slot].velocity_mps + walkers_[other].velocity_mps;
     const double along = std::abs(offset.dot(both_mps)), square_m2 = offset.squaredNorm();
-    const double gap_m = walkers_[slot].radius_m + walkers_[other].radius_m + kGap_m;
-    return both_mps.squaredNorm() > kWalks_mps * kWalks_mps && square_m2 > gap_m * gap_m &&
-           2 * along * along < square_m2 * both_mps.squaredNorm();
+    const double gap_m = walkers_[slot].radius_m + walkers_[other].radius_m + tuning::kBesideGap_m;
+    return both_mps.squaredNorm() > tuning::kBeside_mps * tuning::kBeside_mps &&
+           square_m2 > gap_m * gap_m && 2 * along * along < square_m2 * both_mps.squaredNorm();
   };
   uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
   uint8_t& count = slots_.neighbour_counts[slot];

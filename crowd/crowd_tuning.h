@@ -57,6 +57,10 @@ inline constexpr double kTurnSmoothing_s = 0.5;
 /// faces the way it walks.
 inline constexpr double kStands_mps = 0.3;
 inline constexpr double kWalks_mps = 0.5;
+/// Companions walk beside each other where both together are faster than this, their discs farther
+/// apart than the second.
+inline constexpr double kBeside_mps = 0.3;
+inline constexpr double kBesideGap_m = 0.14;
 /// Whoever stands turns when what it waits for is so far off; as far as that the head alone turns.
 inline constexpr double kTurnFrom_rad = 0.45;
 /// Such a turn goes on to here, begins and ends as gently as this, and is never faster: people who
