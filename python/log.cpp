@@ -16,7 +16,7 @@
 #include "python/log_arrays.h"
 #include "python/run_request.h"
 #include "viewer/picture/picture.h"
-#include "viewer/replay/replay_file.h"
+#include "viewer/replay/replay.h"
 #include "viewer/server/page.h"
 
 namespace py = pybind11;

@@ -20,7 +20,7 @@
 #include "python/run_request.h"
 #include "scenes/run/runner.h"
 #include "scenes/separation/separation_rule.h"
-#include "viewer/replay/replay_file.h"
+#include "viewer/replay/replay.h"
 #include "viewer/server/page.h"
 
 namespace py = pybind11;

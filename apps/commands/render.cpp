@@ -15,7 +15,6 @@
 #include "base/errors.h"
 #include "base/say.h"
 #include "base/text.h"
-#include "viewer/picture/animation.h"
 #include "viewer/picture/picture.h"
 #include "viewer/picture/recorded_frame.h"
 

@@ -12,7 +12,7 @@
 #include "base/errors.h"
 #include "base/say.h"
 #include "base/text.h"
-#include "viewer/replay/replay_file.h"
+#include "viewer/replay/replay.h"
 #include "viewer/server/live_view.h"
 #include "viewer/server/log_view.h"
 #include "viewer/server/page.h"

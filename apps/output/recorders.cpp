@@ -9,7 +9,7 @@
 #include "analysis/trajectories/walkable_area.h"
 #include "base/errors.h"
 #include "scenes/separation/separation_rule.h"
-#include "viewer/replay/replay_file.h"
+#include "viewer/replay/replay.h"
 #include "viewer/server/page.h"
 
 namespace throng {

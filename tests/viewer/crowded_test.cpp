@@ -1,11 +1,10 @@
 // Whose sphere overlaps another one: the grid says what all pairs say.
-#include "viewer/picture/crowded.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "base/random.h"
+#include "viewer/server/frame_message.h"
 
 namespace throng {
 namespace {

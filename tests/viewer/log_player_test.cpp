@@ -1,6 +1,4 @@
 // A log behind the page: any frame, in any order, is the frame that the run had.
-#include "viewer/server/log_player.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "base/random.h"
 #include "lcm_io/codec/log_format.h"
 #include "tests/lcm_io/synthetic_run.h"
+#include "viewer/server/log_view.h"
 
 namespace throng {
 namespace {

@@ -1,4 +1,6 @@
 // A run small enough to send: inside the tolerances that are stated, and never larger than asked.
+#include "viewer/replay/replay.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,8 +8,6 @@
 #include "base/errors.h"
 #include "base/random.h"
 #include "tests/lcm_io/synthetic_run.h"
-#include "viewer/replay/posture_basis.h"
-#include "viewer/replay/replay_file.h"
 
 namespace throng {
 namespace {

@@ -1,6 +1,9 @@
-// A picture of a recorded frame: people and obstacles, what touches in another colour.
+// Pictures of recorded frames: people and obstacles, what touches in another colour; one after the
+// other in one file where a page shows no video.
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +13,7 @@
 
 namespace throng {
 
+/// A picture of a recorded frame: people and obstacles, what touches in another colour.
 struct PictureOptions {
   int width = 1280;
   int height = 720;
@@ -32,5 +36,24 @@ Image picture_of(RecordedFrame& frame, const PictureOptions& options);
 /// The options with eye and target filled in where they were empty, as this frame wants them: for
 /// pictures that follow each other.
 PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& options);
+
+// Pictures one after the other in one file, for pages that show no video.
+// The same pictures give the same bytes.
+
+/// An animated WebP that repeats for ever.
+class Animation {
+ public:
+  /// All pictures have this size. `quality` 0 to 100: what is kept of fine differences.
+  Animation(int width, int height, float quality);
+  ~Animation();
+
+  void add(const Image& image, int shown_ms);
+  /// Throws EnvironmentError if it cannot be written; returns how many bytes it has.
+  size_t write(const std::filesystem::path& file);
+
+ private:
+  struct Encoder;
+  std::unique_ptr<Encoder> encoder_;
+};
 
 }  // namespace throng

@@ -1,10 +1,21 @@
 #include "viewer/picture/raster.h"
 
+#include <fmt/format.h>
+#include <png.h>
+
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <limits>
+#include <memory>
+
+#include "base/errors.h"
+#include "base/files/whole_file.h"
 
 namespace throng {
 namespace {
@@ -327,6 +338,28 @@ Image render(std::span<const RenderItem> items, const Camera& camera,
                    [&](const RenderItem* a, const RenderItem* b) { return depth(a) > depth(b); });
   for (const RenderItem* item : see_through) painter.draw(*item);
   return painter.finish();
+}
+
+void write_png(const std::filesystem::path& file, const Image& image) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(image.width);
+  header.height = static_cast<png_uint_32>(image.height);
+  header.format = PNG_FORMAT_RGB;
+  const auto fail = [&](const std::string& why) {
+    throw EnvironmentError(fmt::format("cannot write {}: {}", file.string(), why));
+  };
+  char* bytes = nullptr;
+  size_t size = 0;
+  std::FILE* out = open_memstream(&bytes, &size);
+  if (out == nullptr) fail(std::strerror(errno));
+  const bool written =
+      png_image_write_to_stdio(&header, out, 0, image.rgb.data(), image.width * 3, nullptr) != 0;
+  const bool closed = std::fclose(out) == 0;
+  const std::unique_ptr<char, void (*)(void*)> owned(bytes, std::free);
+  if (!written) fail(header.message);
+  if (!closed) fail(std::strerror(ENOMEM));
+  write_whole_file(file, std::string_view(bytes, size));
 }
 
 }  // namespace throng

@@ -1,15 +1,38 @@
-// A frame as the graphics card wants it: 16 bytes a person and 16 bytes a body part.
-// One rule: the page copies it into two textures and does nothing else with a part.
+// A frame as the graphics card wants it, and who is so near to others that their spheres overlap.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "viewer/picture/crowded.h"
-#include "viewer/server/pair_begins.h"
+#include "viewer/server/pair_history.h"
 #include "viewer/server/run_message.h"
 
 namespace throng {
+
+/// People so near to somebody else that their spheres overlap: what the first culling stage passes.
+/// Only for showing; culling has its own search, made for speed.
+struct PlacedSphere {
+  float x = 0, y = 0, z = 0;
+  float radius = 0;  ///< 0: nobody there
+};
+
+class Crowded {
+ public:
+  /// flags[i] becomes 1 if sphere i overlaps another one, else 0; returns how many do. Nothing is
+  /// allocated once it has seen as many spheres.
+  size_t mark(std::span<const PlacedSphere> spheres, std::span<uint8_t> flags);
+
+ private:
+  struct Grid;
+  void sort_by_cell(std::span<const PlacedSphere> spheres, const Grid& grid);
+
+  std::vector<uint32_t> start_, order_;
+};
+
+// A frame as the graphics card wants it: 16 bytes a person and 16 bytes a body part.
+// The page copies it into two textures and does nothing else with a part.
 
 /// What a frame message begins with. `seq` counts the frames that the feed made: a client that sees
 /// a hole in it knows how many were dropped for it.

@@ -1,11 +1,10 @@
 // The binary messages and what is made of them.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {crowded} from '../../../viewer/page/src/crowded.ts';
 import {peaks, roundUp} from '../../../viewer/page/src/chart.ts';
 import {counted} from '../../../viewer/page/src/dom.ts';
 import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, spoken, type Run} from '../../../viewer/page/src/protocol.ts';
-import {cubic, Varints} from '../../../viewer/page/src/replay.ts';
+import {crowded, cubic, Varints} from '../../../viewer/page/src/replay.ts';
 import {diamond, simplified, sleeve, vertexNormals} from '../../../viewer/page/src/simplify.ts';
 
 /** Two people, three parts, two pairs. */
