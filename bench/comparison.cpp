@@ -4,16 +4,93 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
-#include "bench/boxes.h"
-#include "bench/engines/engines.h"
-#include "bench/plaza.h"
+#include "base/errors.h"
+#include "bench/crowd.h"
+#include "bench/engines/engine.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/simulation.h"
 #include "scenes/run/stages.h"
 
 namespace throng::bench {
+
+Spread spread_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto last = static_cast<double>(values.size() - 1);
+  const size_t middle = values.size() / 2;
+  const double median =
+      values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+  return {values.front(), median, values[static_cast<size_t>(std::ceil(0.95 * last))]};
+}
+
 namespace {
+
+// The bench crowd with steering: the people of the bundled scene `plaza`, who avoid each other.
+// They walk as `throng run plaza` lets them walk; obstacles are left out, because the
+// other engines are given people only.
+
+class PlazaCrowd : public Crowd {
+ public:
+  /// `avatars` people, the square enlarged as --avatars does; fewer if not all find a place.
+  PlazaCrowd(int avatars, uint64_t seed, int threads);
+
+  void advance() override;
+  double per_m2() const { return per_m2_; }
+
+ private:
+  explicit PlazaCrowd(std::unique_ptr<Simulation> simulation);
+  void take(const Frame& frame);
+
+  std::unique_ptr<Simulation> simulation_;
+  std::vector<RootPose> before_;
+  double per_m2_ = 0;
+};
+
+std::unique_ptr<Simulation> simulation_of(int avatars, uint64_t seed, int threads) {
+  Scene scene = load_scene("plaza");
+  scene.seed = seed;
+  std::vector<std::string> notes;
+  scale_to(scene, avatars, notes);
+  SimulationOptions options;
+  options.threads = threads;
+  options.postures = false;
+  return std::make_unique<Simulation>(std::move(scene), options);
+}
+
+PlazaCrowd::PlazaCrowd(int avatars, uint64_t seed, int threads)
+    : PlazaCrowd(simulation_of(avatars, seed, threads)) {}
+
+PlazaCrowd::PlazaCrowd(std::unique_ptr<Simulation> simulation)
+    : Crowd(simulation->info().models.front(),
+            {.avatars = simulation->info().avatar_count(), .seed = simulation->scene().seed}),
+      simulation_(std::move(simulation)) {
+  if (simulation_->info().models.size() != 1)
+    throw InputError("plaza", "one model for everybody", "several");
+  scales_ = simulation_->info().scale_of_avatar;
+  per_m2_ = count() / simulation_->scene().ground.area_m2();
+  take(simulation_->step());
+}
+
+void PlazaCrowd::advance() {
+  before_ = roots_;
+  take(simulation_->step());
+  for (size_t i = 0; i < roots_.size(); ++i) {
+    const auto walked_m = static_cast<float>((roots_[i].position_m - before_[i].position_m).norm());
+    const float phase = phases_[i] + walked_m / gait_.stride_length_m(speeds_[i], scales_[i]);
+    phases_[i] = phase - std::floor(phase);
+    if (phases_[i] >= 1) phases_[i] = 0;
+  }
+}
+
+void PlazaCrowd::take(const Frame& frame) {
+  roots_.assign(frame.roots.begin(), frame.roots.end());
+  speeds_.assign(frame.speeds_mps.begin(), frame.speeds_mps.begin() + count());
+}
 
 using Clock = std::chrono::steady_clock;
 
@@ -215,6 +292,99 @@ double BenchResult::ratio_fcl() const {
   for (const EngineResult& engine : engines)
     if (engine.name == "fcl" && engine.agrees) return engine.ratio;
   return 0;
+}
+
+namespace {
+
+double timed_ms(const std::function<void()>& work) {
+  const Clock::time_point start = Clock::now();
+  work();
+  return ms_since(start);
+}
+
+uint64_t work_of(const CullingCounters& c) {
+  uint64_t sum = c.posed_bodies;
+  for (const StageCounters* stage : culling_stages(c)) sum += stage->updates + stage->tests;
+  return sum;
+}
+
+struct Pair {
+  std::unique_ptr<Engine> aged, fresh;
+  AgedEngine result;
+  std::vector<double> aged_ms, fresh_ms;
+};
+
+}  // namespace
+
+AgeingResult age(BenchOptions options, int walked_frames, const Progress& progress) {
+  AgeingResult out;
+  out.walked_frames = walked_frames;
+  const std::unique_ptr<Crowd> made = make_crowd(options);
+  Crowd& crowd = *made;
+  crowd.simd = options.simd;
+  const auto type = crowd.body_type();
+  Workers workers(options.threads);
+  const CullerOptions culling{.pair_search = options.pair_search, .simd = options.simd};
+  Culler aged({type}, culling, workers), fresh({type}, culling, workers);
+  CrowdBoxes boxes(crowd, type);
+  std::vector<Pair> rivals;
+  for (const EngineKind& kind : engine_kinds()) {
+    const std::string name(kind.name);
+    if (kind.make == nullptr ||
+        std::count(options.engines.begin(), options.engines.end(), name) == 0)
+      continue;
+    Pair pair{kind.make(options.threads), kind.make(options.threads), {}, {}, {}};
+    pair.result = {name, pair.aged->version()};
+    rivals.push_back(std::move(pair));
+  }
+  if (!rivals.empty()) {
+    const BoxList list = boxes.compute();
+    for (Pair& pair : rivals) pair.aged->build(list);
+  }
+  for (int frame = 0; frame < walked_frames; ++frame) {
+    crowd.advance();
+    aged.step(crowd.view(), crowd);
+    if (rivals.empty()) continue;
+    const BoxList list = boxes.compute();
+    for (Pair& pair : rivals) pair.aged->update(list);
+    progress(fmt::format("walked {} of {} frames", frame + 1, walked_frames));
+  }
+  fresh.step(crowd.view(), crowd);  // grows its buffers
+  for (Pair& pair : rivals) pair.fresh->build(boxes.compute());
+  std::vector<double> aged_ms, fresh_ms;
+  std::vector<BoxPair> found;
+  for (int frame = 0; frame < options.frames; ++frame) {
+    crowd.advance();
+    aged_ms.push_back(timed_ms([&] { aged.step(crowd.view(), crowd); }));
+    fresh_ms.push_back(timed_ms([&] { fresh.step(crowd.view(), crowd); }));
+    out.aged_work += work_of(aged.counters());
+    out.fresh_work += work_of(fresh.counters());
+    if (rivals.empty()) continue;
+    const BoxList list = boxes.compute();
+    const std::vector<BoxPair> reference = reference_pairs(list);
+    for (Pair& pair : rivals) {
+      const auto run = [&](Engine& engine) {
+        const double ms = timed_ms([&] {
+          engine.update(list);
+          engine.pairs(found);
+        });
+        std::sort(found.begin(), found.end());
+        pair.result.agrees &= found == reference;
+        return ms;
+      };
+      pair.fresh_ms.push_back(run(*pair.fresh));
+      pair.aged_ms.push_back(run(*pair.aged));
+    }
+    progress(fmt::format("measured {} of {} frames", frame + 1, options.frames));
+  }
+  out.aged_ms = spread_of(aged_ms).median;
+  out.fresh_ms = spread_of(fresh_ms).median;
+  for (Pair& pair : rivals) {
+    pair.result.aged_ms = spread_of(pair.aged_ms).median;
+    pair.result.fresh_ms = spread_of(pair.fresh_ms).median;
+    out.engines.push_back(std::move(pair.result));
+  }
+  return out;
 }
 
 }  // namespace throng::bench

@@ -1,5 +1,4 @@
-// Throng and the other engines on the same frames.
-// One rule: an engine whose pairs differ from the reference's in any frame gets agrees = false.
+// Throng and the other engines on the same frames; and on frames to which they have aged.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +8,21 @@
 #include <vector>
 
 #include "bench/crowd.h"
-#include "bench/spread.h"
-#include "bench/workbench/false_positives.h"
+#include "bench/workbench/volume_trials.h"
 
 namespace throng::bench {
+
+/// What is reported of repeated times: the least, the middle and the nearly worst.
+/// No mean; a machine's noise is one-sided.
+struct Spread {
+  double min = 0, median = 0, p95 = 0;
+};
+
+/// All zero for no values.
+Spread spread_of(std::vector<double> values);
+
+// Throng and the other engines on the same frames.
+// An engine whose pairs differ from the reference's in any frame gets agrees = false.
 
 enum class CrowdKind { kSquare, kPlaza };
 
@@ -90,5 +100,23 @@ std::unique_ptr<Crowd> make_crowd(BenchOptions& options);
 /// measured.
 BenchResult compare(const BenchOptions& options, const Progress& progress,
                     const std::function<bool()>& stop = {});
+
+/// Whether a structure that followed a walking crowd is as good as a fresh one.
+/// Aged and fresh are compared on the same frames, ours by counted work as well.
+struct AgedEngine {
+  std::string name, version;
+  double fresh_ms = 0, aged_ms = 0;  ///< medians over options.frames frames
+  bool agrees = true;
+};
+
+struct AgeingResult {
+  int walked_frames = 0;
+  uint64_t fresh_work = 0, aged_work = 0;  ///< our updates and tests of every stage, all frames
+  double fresh_ms = 0, aged_ms = 0;
+  std::vector<AgedEngine> engines;
+};
+
+/// Everybody walks `walked_frames` frames; then options.frames frames are measured.
+AgeingResult age(BenchOptions options, int walked_frames, const Progress& progress);
 
 }  // namespace throng::bench

@@ -16,7 +16,7 @@
 #include "base/csv.h"
 #include "base/errors.h"
 #include "base/files/whole_file.h"
-#include "bench/boxes.h"
+#include "bench/crowd.h"
 #include "culling/exact/triangle_bvh.h"
 
 namespace throng::bench {

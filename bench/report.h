@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "bench/ageing.h"
 #include "bench/comparison.h"
-#include "bench/workbench/false_positives.h"
+#include "bench/workbench/volume_trials.h"
 
 namespace throng::bench {
 

@@ -9,7 +9,6 @@
 
 #include "base/simd.h"
 #include "bench/comparison.h"
-#include "bench/spread.h"
 #include "crowd/steering/steering_rule.h"
 
 namespace throng::bench {

@@ -1,21 +1,108 @@
-// Writes a run's contact statistics into a folder: CSV files, and figures where gnuplot is there.
-// One rule: the list of contacts grows with the run; the rest is written at its end.
+// Writes what a run's contacts add up to: tables, networks, the map of the body.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
-#include "analysis/contacts/body_map.h"
 #include "analysis/contacts/contact_statistics.h"
-#include "analysis/contacts/near_tables.h"
 #include "analysis/contacts/networks.h"
+#include "avatars/model/model.h"
 #include "base/figure.h"
 #include "scenes/run/sink.h"
 
 namespace throng {
 
+/// Where on the body contacts are: points of contact carried back to a body at rest, as a picture.
+/// Memory does not grow with the run; what is drawn is time of contact, spread over a
+/// finger's width.
+class BodyMap {
+ public:
+  /// Whether a run of this scene knows points of contact: it is asked for them, or for distances by
+  /// triangles.
+  static bool is_known(const Scene& scene) {
+    return scene.exact && (scene.contact_points || scene.near_m > 0);
+  }
+
+  /// Of the people who have the model that most of them have.
+  explicit BodyMap(const RunInfo& run);
+
+  /// A frame with postures.
+  void frame(const RunInfo& run, const Frame& frame);
+
+  bool has_figure() const { return !cells_.empty(); }
+  /// Seconds of all points together.
+  double total_s() const;
+  /// From the front, the right, the back and the left.
+  Figure figure() const;
+
+  /// A point of the body at rest, and for how long it was touched.
+  struct Touched {
+    Eigen::Vector3f at_m;
+    double seconds = 0;
+  };
+  /// By part and place.
+  std::vector<Touched> touched() const;
+
+ private:
+  void add(const RunInfo& run, const Frame& frame, uint32_t body, uint32_t part,
+           const Eigen::Vector3d& point_m);
+
+  double step_s_;
+  int model_ = -1;  ///< -1: nobody is a person
+  std::shared_ptr<const Model> body_;
+  std::vector<PartPose> rest_, poses_;
+  int64_t posed_ = -1;                            ///< whose poses poses_ has
+  std::unordered_map<uint64_t, uint64_t> cells_;  ///< frames by part and cell of its frame
+};
+
+/// How near people were, beside their contacts: near.csv, exposure.csv, near.tij and near.graphml.
+/// What the margins of the run do not reach is left out and said so, never counted as 0.
+class NearTables {
+ public:
+  /// Distances below which seconds are counted.
+  static constexpr std::array<double, 3> kLevels_m = {0.5, 1, 2};
+
+  /// Frames in which two people were nearer than a level: proven, or not proven to be farther.
+  struct Exposure {
+    std::array<uint32_t, 3> below{}, unsure{};
+  };
+
+  NearTables(std::filesystem::path folder, const RunInfo& run);
+
+  void frame(const RunInfo& run, const Frame& frame);
+  void end(const RunInfo& run);
+
+  /// Of every two people who were within the run's margin for people; by pair_key().
+  const std::unordered_map<uint64_t, Exposure>& exposures() const { return exposures_; }
+  /// Levels that are left out, or "".
+  std::string note() const;
+
+ private:
+  void list(const RunInfo& run, const Frame& frame, const NearRows& rows, const char* of);
+  void expose(const Frame& frame);
+  void write_exposures(const RunInfo& run);
+
+  std::filesystem::path folder_;
+  double step_s_;
+  float person_near_m_;
+  size_t levels_ = 0;                     ///< of kLevels_m, that the margin reaches
+  std::unique_ptr<FolderFile> rows_;      ///< null: no margin was asked for
+  std::unique_ptr<SecondsFile> seconds_;  ///< null: none for people
+  std::unordered_map<uint64_t, Exposure> exposures_;
+  std::vector<uint64_t> pairs_;
+  std::string text_;
+};
+
+/// The names of all files that it writes.
+std::vector<std::string> near_table_files();
+
+/// Writes a run's contact statistics into a folder: CSV files, and figures where gnuplot is there.
+/// The list of contacts grows with the run; the rest is written at its end.
 class ContactSink final : public Sink {
  public:
   /// Creates the folder; begin() replaces contacts.csv in it. Throws EnvironmentError, here and in

@@ -7,8 +7,8 @@ namespace throng {
 
 ContactStatistics::ContactStatistics(const RunInfo& run)
     : step_s_(run.step_s),
-      sample_every_(std::max<int64_t>(1, std::llround(1 / run.step_s))),
-      density_(*run.scene),
+      sample_every_(frames_in(1, run.step_s)),
+      density_(run),
       model_of_avatar_(run.model_of_avatar) {
   for (const std::shared_ptr<const Model>& model : run.models) {
     std::vector<uint32_t>& indices = name_of_part_.emplace_back();
@@ -22,7 +22,6 @@ ContactStatistics::ContactStatistics(const RunInfo& run)
   names_.push_back("whole body");
   people_.resize(model_of_avatar_.size());
   touching_.assign(people_.size(), 0);
-  positions_m_.resize(people_.size());
   part_counts_.assign(names_.size() * names_.size(), 0);
   part_seconds_.assign(names_.size() * names_.size(), 0);
   obstacle_part_counts_.assign(names_.size(), 0);
@@ -36,20 +35,14 @@ std::string ContactStatistics::part_name(uint32_t id, uint32_t part) const {
   return names_[name_index(id, part)];
 }
 
-void ContactStatistics::place(const Frame& frame) {
-  for (size_t id = 0; id < positions_m_.size(); ++id)
-    positions_m_[id] = frame.roots[id].position_m.head<2>();
-  density_.place(positions_m_, frame.present);
-}
-
 void ContactStatistics::begin(PairKey pair) {
   const uint32_t a = pair.a();
   const uint32_t b = pair.b();
-  open_parts_[pair.bits()] = {frame_, is_first_};
   const uint32_t row = name_index(a, pair.part_a());
   if (!is_person(b)) {
     ++obstacle_part_counts_[row];
-    if (open_obstacles_[key_of(a, b)]++ > 0) return;
+    Nothing* nothing = nullptr;
+    if (!open_obstacles_.begin(people_of(pair), nothing)) return;
     ++people_[a].obstacle_contacts;
     ++obstacle_contacts_;
     return;
@@ -57,26 +50,26 @@ void ContactStatistics::begin(PairKey pair) {
   const uint32_t column = name_index(b, pair.part_b());
   ++part_counts_[row * names_.size() + column];
   if (row != column) ++part_counts_[column * names_.size() + row];
-  Open& open = open_[key_of(a, b)];
-  ++open.contact.part_contacts;
-  if (open.parts++ > 0) return;
-  const double density =
-      0.5 * (density_.around(positions_m_[a]) + density_.around(positions_m_[b]));
-  open.contact = {a,
-                  b,
-                  static_cast<double>(frame_) * step_s_,
-                  0,
-                  0.5 * (positions_m_[a] + positions_m_[b]),
-                  density,
-                  pair.part_a(),
-                  pair.part_b(),
-                  1,
-                  is_first_};
+  Contact* contact = nullptr;
+  const bool begins = open_.begin(people_of(pair), contact);
+  ++contact->part_contacts;
+  if (!begins) return;
+  const double density = density_.between(a, b);
+  *contact = {a,
+              b,
+              static_cast<double>(frame_) * step_s_,
+              0,
+              0.5 * (position_m(a) + position_m(b)),
+              density,
+              pair.part_a(),
+              pair.part_b(),
+              1,
+              is_first_};
   for (const uint32_t id : {a, b}) {
     ++people_[id].contacts;
     ++touching_[id];
   }
-  met_.add(key_of(a, b));
+  met_.add(people_of(pair));
   ++contacts_;
   ++minutes_.back().contacts;
   ++densities_[DensityLevels::level_of(density)].contacts;
@@ -89,23 +82,18 @@ void ContactStatistics::add_part_time(PairKey pair, double duration_s) {
   if (row != column) part_seconds_[column * names_.size() + row] += duration_s;
 }
 
-void ContactStatistics::finish(PairKey pair, bool cut) {
-  const auto part = open_parts_.find(pair.bits());
-  if (part == open_parts_.end()) return;
-  const OpenPart touched = part->second;
-  const double duration_s = static_cast<double>(frame_ - touched.frame) * step_s_;
-  open_parts_.erase(part);
-  const uint64_t key = key_of(pair.a(), pair.b());
-  if (!is_person(pair.b())) {
-    if (--open_obstacles_[key] == 0) open_obstacles_.erase(key);
-    return;
-  }
-  add_part_time(pair, duration_s);
-  part_contacts_.add({touched.frame, pair, frame_ - touched.frame, touched.is_cut || cut});
-  const auto open = open_.find(key);
-  if (--open->second.parts > 0) return;
-  Contact contact = open->second.contact;
-  open_.erase(open);
+void ContactStatistics::finish(PartContact part, bool cut) {
+  const double now_s = static_cast<double>(frame_) * step_s_;
+  const uint64_t people = people_of(part.pair);
+  if (!is_person(part.pair.b())) return open_obstacles_.finish(people, now_s, [](Nothing) {});
+  part.frames = frame_ - part.begin_frame;
+  part.cut = part.cut || cut;
+  add_part_time(part.pair, static_cast<double>(part.frames) * step_s_);
+  part_contacts_.add(part);
+  open_.finish(people, now_s, [&](const Contact& contact) { finish(contact, cut); });
+}
+
+void ContactStatistics::finish(Contact contact, bool cut) {
   for (const uint32_t id : {contact.a, contact.b}) --touching_[id];
   contact.duration_s = static_cast<double>(frame_) * step_s_ - contact.begin_s;
   contact.cut = contact.cut || cut;
@@ -114,6 +102,16 @@ void ContactStatistics::finish(PairKey pair, bool cut) {
   else
     add_length(contact.duration_s);
   ended_.push_back(contact);
+}
+
+void ContactStatistics::take(std::span<const PairEvent> events, bool ends_the_run) {
+  open_parts_.take(
+      events, static_cast<double>(frame_) * step_s_, [](PairKey pair) { return pair.bits(); },
+      [&](PairKey pair, PartContact& part, bool) {
+        part = {frame_, pair, 0, is_first_};
+        begin(pair);
+      },
+      [&](const PartContact& part) { finish(part, ends_the_run); });
 }
 
 void ContactStatistics::add_length(double duration_s) {
@@ -134,9 +132,9 @@ void ContactStatistics::spend_time(const Frame& frame) {
     if (touching_[id] > 0) people_[id].touching_s += step_s_;
   }
   if (frame.number % sample_every_ != 0) return;
-  for (size_t id = 0; id < people_.size(); ++id)
+  for (uint32_t id = 0; id < people_.size(); ++id)
     if (is_here(id))
-      densities_[DensityLevels::level_of(density_.around(positions_m_[id]))].person_s +=
+      densities_[DensityLevels::level_of(density_.at(id))].person_s +=
           static_cast<double>(sample_every_) * step_s_;
 }
 
@@ -145,12 +143,9 @@ void ContactStatistics::frame(const Frame& frame) {
   ended_.clear();
   const auto minute = static_cast<size_t>(static_cast<double>(frame_) * step_s_ / 60);
   if (minutes_.size() <= minute) minutes_.resize(minute + 1);
-  place(frame);
-  // Begins first: a pair that is refined further than before changes its parts, not its contact.
-  for (const PairEvent& event : frame.events)
-    if (event.kind == EventKind::kBegin) begin(event.pair);
-  for (const PairEvent& event : frame.events)
-    if (event.kind == EventKind::kEnd) finish(event.pair, false);
+  roots_ = frame.roots;
+  density_.frame(frame);
+  take(frame.events, false);
   spend_time(frame);
   is_first_ = false;
 }
@@ -167,8 +162,7 @@ void ContactStatistics::count_partners() {
 void ContactStatistics::end(const RunEnd& end) {
   ended_.clear();
   ++frame_;
-  for (const PairEvent& event : end.events)
-    if (event.kind == EventKind::kEnd) finish(event.pair, true);
+  take(end.events, true);
   count_partners();
 }
 

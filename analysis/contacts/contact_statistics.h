@@ -8,10 +8,9 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
-#include "analysis/contacts/local_density.h"
+#include "analysis/contacts/contact_account.h"
 #include "base/files/sorted_spill.h"
 #include "scenes/run/sink.h"
 
@@ -63,17 +62,13 @@ struct ContactTotals {
   double touching_s = 0;  ///< person-seconds
   double median_s = 0;    ///< of those not cut
   /// Each contact is one of both people.
-  double per_person_min() const {
-    return person_s > 0 ? 2 * static_cast<double>(contacts) / person_s * 60 : 0;
-  }
+  double per_person_min() const { return contacts_per_person_min(contacts, person_s, 0); }
 };
 
 struct DensityRow {
   uint64_t contacts = 0;
   double person_s = 0;  ///< that people spent at this level, sampled once a second
-  double per_person_min() const {
-    return person_s > 0 ? 2 * static_cast<double>(contacts) / person_s * 60 : 0;
-  }
+  double per_person_min() const { return contacts_per_person_min(contacts, person_s, 0); }
 };
 
 struct MinuteRow {
@@ -120,29 +115,23 @@ class ContactStatistics {
   std::string part_name(uint32_t id, uint32_t part) const;
 
  private:
-  struct Open {
-    Contact contact;
-    uint32_t parts = 0;
-  };
-  struct OpenPart {
-    int64_t frame = 0;
-    bool is_cut = false;  ///< touched when the run began
-  };
+  struct Nothing {};
 
-  static uint64_t key_of(uint32_t a, uint32_t b) { return (uint64_t{a} << 32) | b; }
   bool is_person(uint32_t id) const { return id < people_.size(); }
   uint32_t name_index(uint32_t id, uint32_t part) const;
-  void place(const Frame& frame);
+  void take(std::span<const PairEvent> events, bool ends_the_run);
   void begin(PairKey pair);
-  void finish(PairKey pair, bool cut);
+  void finish(PartContact part, bool cut);
+  void finish(Contact contact, bool cut);
   void add_length(double duration_s);
   void add_part_time(PairKey pair, double duration_s);
+  Eigen::Vector2d position_m(uint32_t id) const { return roots_[id].position_m.head<2>(); }
   void spend_time(const Frame& frame);
   void count_partners();
 
   double step_s_;
   int64_t sample_every_;
-  LocalDensity density_;
+  CrowdDensity density_;
   std::vector<uint16_t> model_of_avatar_;
   std::vector<std::vector<uint32_t>> name_of_part_;  ///< by model and part: index into names_
   std::vector<std::string> names_;
@@ -150,12 +139,12 @@ class ContactStatistics {
 
   int64_t frame_ = 0;
   bool is_first_ = true;
-  std::vector<Eigen::Vector2d> positions_m_;
-  std::vector<uint32_t> touching_;  ///< by person: how many people now
-  std::unordered_map<uint64_t, Open> open_;
-  std::unordered_map<uint64_t, OpenPart> open_parts_;
-  std::unordered_map<uint64_t, uint32_t> open_obstacles_;  ///< parts of the person that touch it
-  SortedSpill<uint64_t, std::less<>> met_;                 ///< key_of() of each contact
+  std::span<const RootPose> roots_;  ///< of the latest frame
+  std::vector<uint32_t> touching_;   ///< by person: how many people now
+  LastingContacts<Contact> open_{0};
+  LastingContacts<PartContact> open_parts_{0};
+  LastingContacts<Nothing> open_obstacles_{0};  ///< of a person and an obstacle
+  SortedSpill<uint64_t, std::less<>> met_;      ///< pair_key() of each contact
   std::vector<Contact> ended_;
   SortedSpill<PartContact, EarlierPair> part_contacts_;
 

@@ -5,11 +5,50 @@
 #include <cstddef>
 #include <numbers>
 
+#include "base/counting_sort.h"
+
 namespace throng {
 namespace {
 
-/// Cells of a table of people; a larger ground gets larger cells.
+/// A larger ground gets larger cells.
 constexpr double kMaxCells = 1 << 20;
+
+int cell(double offset_m, double cell_m, int cells) {
+  return static_cast<int>(std::clamp(std::floor(offset_m / cell_m), 0.0, cells - 1.0));
+}
+
+}  // namespace
+
+PointGrid::PointGrid(const Rectangle& ground, double cell_m)
+    : ground_(ground),
+      cell_m_(std::max(cell_m, std::sqrt(ground.area_m2() / kMaxCells))),
+      columns_(static_cast<int>(ground.size_m().x() / cell_m_) + 1),
+      rows_(static_cast<int>(ground.size_m().y() / cell_m_) + 1) {}
+
+int PointGrid::column_of(double x) const { return cell(x - ground_.min_m.x(), cell_m_, columns_); }
+
+int PointGrid::row_of(double y) const { return cell(y - ground_.min_m.y(), cell_m_, rows_); }
+
+void PointGrid::place(std::span<const Eigen::Vector2d> points, std::span<const uint8_t> there) {
+  points_ = points;
+  const auto cell_of = [&](size_t i) {
+    return static_cast<size_t>(row_of(points[i].y())) * static_cast<size_t>(columns_) +
+           static_cast<size_t>(column_of(points[i].x()));
+  };
+  indices_.resize(points.size());
+  const size_t cells = static_cast<size_t>(columns_) * static_cast<size_t>(rows_);
+  starts_.resize(cells + 2);
+  counting_sort(
+      cells, starts_.data(),
+      [&](const auto& visit) {
+        for (uint32_t i = 0; i < points.size(); ++i)
+          if (there.empty() || there[i] != 0) visit(i);
+      },
+      cell_of, [&](uint32_t i, uint32_t position) { indices_[position] = i; });
+}
+
+namespace {
+
 /// Points of the circle that are asked whether they are seen from its middle.
 constexpr int kPoints = 64;
 
@@ -30,35 +69,7 @@ const std::vector<Eigen::Vector2d>& circle_points() {
 }  // namespace
 
 LocalDensity::LocalDensity(const Scene& scene)
-    : walkable_(scene),
-      ground_(scene.ground),
-      cell_m_(std::max(kRadius_m, std::sqrt(ground_.area_m2() / kMaxCells))),
-      columns_(static_cast<int>(ground_.size_m().x() / cell_m_) + 1),
-      rows_(static_cast<int>(ground_.size_m().y() / cell_m_) + 1) {}
-
-int LocalDensity::cell_of(double offset_m, int cells) const {
-  return std::clamp(static_cast<int>(std::floor(offset_m / cell_m_)), 0, cells - 1);
-}
-
-void LocalDensity::place(std::span<const Eigen::Vector2d> positions_m,
-                         std::span<const uint8_t> present) {
-  positions_m_ = positions_m;
-  const auto is_here = [&](uint32_t id) { return present.empty() || present[id] != 0; };
-  const auto cell = [&](uint32_t id) {
-    const Eigen::Vector2d offset = positions_m[id] - ground_.min_m;
-    return static_cast<size_t>(cell_of(offset.y(), rows_)) * static_cast<size_t>(columns_) +
-           static_cast<size_t>(cell_of(offset.x(), columns_));
-  };
-  const auto people = static_cast<uint32_t>(positions_m.size());
-  starts_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_) + 1, 0);
-  for (uint32_t id = 0; id < people; ++id)
-    if (is_here(id)) ++starts_[cell(id) + 1];
-  for (size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
-  ids_.resize(starts_.back());
-  next_.assign(starts_.begin(), starts_.end() - 1);
-  for (uint32_t id = 0; id < people; ++id)
-    if (is_here(id)) ids_[next_[cell(id)]++] = id;
-}
+    : walkable_(scene), ground_(scene.ground), grid_(scene.ground, kRadius_m) {}
 
 /// Where somebody stands who leans over a wall: beside it.
 Eigen::Vector2d LocalDensity::beside_walls(Eigen::Vector2d point) const {
@@ -79,20 +90,8 @@ int LocalDensity::people_near(const Eigen::Vector2d& point, bool sees_all) const
     if (sees_all || far_m <= kNearSide_m) return true;
     return !walkable_.crosses(point, point + (1 - kNearSide_m / far_m) * way);
   };
-  const Eigen::Vector2d offset = point - ground_.min_m;
-  const int first = cell_of(offset.x() - kRadius_m, columns_);
-  const int last = cell_of(offset.x() + kRadius_m, columns_);
   int count = 0;
-  for (int row = cell_of(offset.y() - kRadius_m, rows_);
-       row <= cell_of(offset.y() + kRadius_m, rows_); ++row) {
-    const auto line = static_cast<size_t>(row) * static_cast<size_t>(columns_);
-    const uint32_t begin = starts_[line + static_cast<size_t>(first)];
-    const uint32_t end = starts_[line + static_cast<size_t>(last) + 1];
-    for (uint32_t i = begin; i < end; ++i) {
-      const Eigen::Vector2d& other = positions_m_[ids_[i]];
-      count += (other - point).squaredNorm() <= kRadius_m * kRadius_m && is_seen(other);
-    }
-  }
+  grid_.each_near(point, kRadius_m, [&](uint32_t i, double) { count += is_seen(grid_.point(i)); });
   return count;
 }
 

@@ -18,9 +18,6 @@
 
 namespace throng {
 
-/// Two people as one number, ordered as (a, b); a < b.
-inline uint64_t pair_key(uint32_t a, uint32_t b) { return (uint64_t{a} << 32) | b; }
-
 /// The option that names the folder of all files of contacts.
 inline constexpr std::string_view kContactsOption = "--contacts";
 

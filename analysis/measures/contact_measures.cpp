@@ -6,27 +6,71 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/run/sink.h"
+
 namespace throng {
+namespace {
+
+constexpr size_t kNoPose = SIZE_MAX;
+
+}  // namespace
+
+ContactDepths::ContactDepths(const RunInfo& run)
+    : first_pose_(run.model_of_avatar.size(), kNoPose) {
+  for (const std::shared_ptr<const Model>& model : run.models) {
+    std::vector<ConvexHull>& hulls = hulls_.emplace_back();
+    for (const Part& part : model->parts) hulls.emplace_back(part.mesh.vertices);
+  }
+}
+
+const PartPose* ContactDepths::poses_of(const RunInfo& run, const Frame& frame, uint32_t avatar) {
+  if (first_pose_[avatar] == kNoPose) {
+    const Model& model = *run.models[run.model_of_avatar[avatar]];
+    first_pose_[avatar] = poses_.size();
+    poses_.resize(poses_.size() + model.parts.size());
+    part_poses(run, frame, avatar, std::span(poses_).subspan(first_pose_[avatar]));
+  }
+  return poses_.data() + first_pose_[avatar];
+}
+
+void ContactDepths::find(const RunInfo& run, const Frame& frame,
+                         const std::function<void(PairKey, double)>& found) {
+  std::fill(first_pose_.begin(), first_pose_.end(), kNoPose);
+  poses_.clear();
+  for (const PairKey& pair : frame.pairs) {
+    if (pair.b() >= first_pose_.size() || pair.part_a() == kWholeBody) continue;
+    poses_of(run, frame, pair.a());  // may move the poses of the other
+    const PartPose* of_b = poses_of(run, frame, pair.b()) + pair.part_b();
+    const PartPose* of_a = poses_of(run, frame, pair.a()) + pair.part_a();
+    const ConvexHull& hull_a = hulls_[run.model_of_avatar[pair.a()]][pair.part_a()];
+    const ConvexHull& hull_b = hulls_[run.model_of_avatar[pair.b()]][pair.part_b()];
+    const Eigen::Vector3f shift =
+        (frame.roots[pair.b()].position_m - frame.roots[pair.a()].position_m).cast<float>();
+    found(pair, finder_
+                    .depth({&hull_a, of_a, run.scale_of_avatar[pair.a()]},
+                           {&hull_b, of_b, run.scale_of_avatar[pair.b()]}, shift)
+                    .depth_m);
+  }
+}
+
 namespace {
 
 constexpr double kDepthBin_m = 0.0005;
 constexpr size_t kDepthBins = 1200;
 constexpr double kAbsent = std::numeric_limits<double>::infinity();
 
-Histogram depth_histogram() { return {0, kDepthBin_m, kDepthBins}; }
-
 }  // namespace
+
+Histogram depth_histogram() { return {0, kDepthBin_m, kDepthBins}; }
 
 ContactMeasures::ContactMeasures(const RunInfo& run, double gap_s, double settles_s)
     : step_s_(run.step_s),
       gap_s_(gap_s),
       settles_s_(settles_s),
-      sample_every_(std::max<int64_t>(1, std::llround(1 / run.step_s))),
+      sample_every_(frames_in(1, run.step_s)),
       people_(run.model_of_avatar.size()),
       groups_(run),
-      density_(*run.scene),
-      positions_m_(people_),
-      densities_(people_, -1),
+      density_(run),
       came_s_(people_, kAbsent),
       open_(gap_s),
       open_groups_(gap_s),
@@ -35,30 +79,14 @@ ContactMeasures::ContactMeasures(const RunInfo& run, double gap_s, double settle
       depths_at_(kLevels, depth_histogram()),
       depths_of_(kGroupPairs, depth_histogram()) {}
 
-/// Only frames in which somebody asks for a density.
-void ContactMeasures::place(const Frame& frame) {
-  if (is_placed_) return;
-  is_placed_ = true;
-  for (size_t id = 0; id < people_; ++id) positions_m_[id] = frame.roots[id].position_m.head<2>();
-  density_.place(positions_m_, frame.present);
-  std::fill(densities_.begin(), densities_.end(), -1);
-}
-
-double ContactMeasures::density_at(uint32_t person) {
-  place(*frame_);
-  if (densities_[person] < 0) densities_[person] = density_.around(positions_m_[person]);
-  return densities_[person];
-}
-
-size_t ContactMeasures::level_of(uint32_t a, uint32_t b) {
-  const double density = 0.5 * (density_at(a) + density_at(b));
+size_t ContactMeasures::level_at(double density_per_m2) {
   return static_cast<size_t>(
-      std::upper_bound(kBounds_per_m2.begin(), kBounds_per_m2.end(), density) -
+      std::upper_bound(kBounds_per_m2.begin(), kBounds_per_m2.end(), density_per_m2) -
       kBounds_per_m2.begin());
 }
 
 uint64_t ContactMeasures::group_key(PairKey pair) const {
-  return people_key(pair) << 8 |
+  return people_of(pair) << 8 |
          group_pair(groups_.of(pair.a(), pair.part_a()), groups_.of(pair.b(), pair.part_b()));
 }
 
@@ -85,24 +113,24 @@ void ContactMeasures::spend_time(const Frame& frame) {
 
 void ContactMeasures::frame(const Frame& frame) {
   now_s_ = static_cast<double>(frame.number) * step_s_;
-  frame_ = &frame;
-  is_placed_ = false;
+  density_.frame(frame);
   note_newcomers(frame);
-  open_.forget_ended(now_s_, [&](const Deepest& deepest) { add_deepest(deepest); });
-  open_groups_.forget_ended(now_s_, [](const Nothing&) {});
-  for (const PairEvent& event : frame.events) {
-    if (event.kind != EventKind::kBegin || event.pair.b() >= people_) continue;
-    const bool counts = is_settled(event.pair.a()) && is_settled(event.pair.b());
-    if (open_.begin(people_key(event.pair), now_s_) && counts)
-      ++contacts_[level_of(event.pair.a(), event.pair.b())];
-    const uint64_t key = group_key(event.pair);
-    if (open_groups_.begin(key, now_s_) && counts) ++group_contacts_[key & 0xff];
-  }
-  for (const PairEvent& event : frame.events) {
-    if (event.kind != EventKind::kEnd || event.pair.b() >= people_) continue;
-    open_.finish(people_key(event.pair), now_s_);
-    open_groups_.finish(group_key(event.pair), now_s_);
-  }
+  events_.clear();
+  for (const PairEvent& event : frame.events)
+    if (event.pair.b() < people_) events_.push_back(event);
+  const auto counts = [&](PairKey pair) { return is_settled(pair.a()) && is_settled(pair.b()); };
+  open_.take(
+      events_, now_s_, people_of,
+      [&](PairKey pair, const Deepest&, bool begins) {
+        if (begins && counts(pair)) ++contacts_[level_of(pair.a(), pair.b())];
+      },
+      [&](const Deepest& deepest) { add_deepest(deepest); });
+  open_groups_.take(
+      events_, now_s_, [&](PairKey pair) { return group_key(pair); },
+      [&](PairKey pair, const Nothing&, bool begins) {
+        if (begins && counts(pair)) ++group_contacts_[group_key(pair) & 0xff];
+      },
+      [](const Nothing&) {});
   spend_time(frame);
 }
 
@@ -115,7 +143,7 @@ void ContactMeasures::add_depth(PairKey pair, double depth_m) {
   depths_.add(depth_m);
   depths_at_[level_of(pair.a(), pair.b())].add(depth_m);
   depths_of_[group_key(pair) & 0xff].add(depth_m);
-  if (Deepest* const deepest = open_.find(people_key(pair)))
+  if (Deepest* const deepest = open_.find(people_of(pair)))
     deepest->of_people_m = std::max(deepest->of_people_m, depth_m);
 }
 
@@ -126,12 +154,6 @@ uint64_t ContactMeasures::contacts() const {
 }
 
 namespace {
-
-/// Both of a contact have it.
-double per_person_min(uint64_t contacts, double person_s) {
-  return person_s > 0 ? 2 * static_cast<double>(contacts) / person_s * 60
-                      : std::numeric_limits<double>::quiet_NaN();
-}
 
 /// A row where a level of density is.
 MeasureRow level_row(size_t level, std::string which, std::string what, std::string unit,
@@ -156,14 +178,20 @@ MeasureTable ContactMeasures::contact_table() const {
                      {},
                      {}};
   const auto row = [&](std::string at, uint64_t contacts, double person_s) {
-    table.rows.push_back(
-        {std::move(at), {}, {}, "", "contacts", "1/min", per_person_min(contacts, person_s)});
+    table.rows.push_back({std::move(at),
+                          {},
+                          {},
+                          "",
+                          "contacts",
+                          "1/min",
+                          contacts_per_person_min(contacts, person_s)});
   };
   row("all", contacts(), person_s_);
   for (size_t level = 0; level < kLevels; ++level)
     if (person_s_at_[level] > 0) {
-      table.rows.push_back(level_row(level, "", "contacts", "1/min",
-                                     per_person_min(contacts_[level], person_s_at_[level])));
+      table.rows.push_back(
+          level_row(level, "", "contacts", "1/min",
+                    contacts_per_person_min(contacts_[level], person_s_at_[level])));
       table.rows.push_back(level_row(level, "", "time", "person s", person_s_at_[level]));
     }
   for (size_t pair = 0; pair < kGroupPairs; ++pair)

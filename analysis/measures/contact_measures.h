@@ -1,22 +1,47 @@
-// Contacts of two people: how many a person and minute, by density and by part; and how deep.
-// One rule: as in contact_statistics.h, but two people who part for less than half a second are
-// still at the same contact, and memory grows with the people who touch now, not with the contacts.
+// Measures of contacts: how many a person and minute, by density and by part; and how deep.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
-#include "analysis/contacts/local_density.h"
-#include "analysis/measures/histogram.h"
-#include "analysis/measures/lasting_contacts.h"
+#include "analysis/contacts/contact_account.h"
 #include "analysis/measures/measure_table.h"
-#include "analysis/measures/part_group.h"
+#include "analysis/part_names.h"
+#include "culling/distance/hull_depth.h"
 #include "scenes/run/sink.h"
 
 namespace throng {
 
+/// How deep the parts of people who touch are in each other, at one instant.
+/// Triangles decided that they touch; hulls only say how far.
+class ContactDepths {
+ public:
+  explicit ContactDepths(const RunInfo& run);
+
+  /// Calls found(pair, depth in m) for every pair of parts of two people that touch now. The frame
+  /// has postures.
+  void find(const RunInfo& run, const Frame& frame,
+            const std::function<void(PairKey, double)>& found);
+
+ private:
+  const PartPose* poses_of(const RunInfo& run, const Frame& frame, uint32_t avatar);
+
+  std::vector<std::vector<ConvexHull>> hulls_;  ///< by model and part
+  std::vector<size_t> first_pose_;              ///< by avatar, of this frame; kNone: not posed
+  std::vector<PartPose> poses_;
+  DepthFinder finder_;
+};
+
+/// The bins of all depths.
+Histogram depth_histogram();
+
+/// Contacts of two people: how many a person and minute, by density and by part; and how deep.
+/// As in contact_statistics.h, but two people who part for less than half a second are
+/// still at the same contact, and memory grows with the people who touch now, not with the
+/// contacts.
 class ContactMeasures {
  public:
   static constexpr double kGap_s = 0.5;
@@ -33,8 +58,11 @@ class ContactMeasures {
 
   /// After frame(), while its spans last: the level of density around two people; how deep two
   /// parts of them are.
-  size_t level_of(uint32_t a, uint32_t b);
+  size_t level_of(uint32_t a, uint32_t b) { return level_at(density_.between(a, b)); }
   void add_depth(PairKey pair, double depth_m);
+
+  /// Of so many people per m2.
+  static size_t level_at(double density_per_m2);
 
   uint64_t contacts() const;
   double person_s() const { return person_s_; }
@@ -50,13 +78,10 @@ class ContactMeasures {
   };
   struct Nothing {};
 
-  void place(const Frame& frame);
   void note_newcomers(const Frame& frame);
   bool is_settled(uint32_t person) const { return now_s_ - came_s_[person] >= settles_s_ - 1e-9; }
-  double density_at(uint32_t person);
   void add_deepest(const Deepest& deepest);
   void spend_time(const Frame& frame);
-  uint64_t people_key(PairKey pair) const { return pair.bits() >> 16; }
   uint64_t group_key(PairKey pair) const;
 
   double step_s_;
@@ -65,14 +90,11 @@ class ContactMeasures {
   int64_t sample_every_;
   size_t people_;
   PartGroups groups_;
-  LocalDensity density_;
-  std::vector<Eigen::Vector2d> positions_m_;
-  std::vector<double> densities_;  ///< by person, of this frame; below 0: not asked for yet
-  std::vector<double> came_s_;     ///< by person; infinite: is not there
-  bool is_placed_ = false;
-  const Frame* frame_ = nullptr;
+  CrowdDensity density_;
+  std::vector<double> came_s_;  ///< by person; infinite: is not there
   double now_s_ = 0;
 
+  std::vector<PairEvent> events_;         ///< of two people, of this frame
   LastingContacts<Deepest> open_;         ///< of two people
   LastingContacts<Nothing> open_groups_;  ///< of groups of parts of two people
   std::array<uint64_t, kLevels> contacts_{};

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/measures/accelerations.h"
-#include "analysis/measures/contact_depths.h"
 #include "analysis/measures/contact_measures.h"
-#include "analysis/measures/flow_lines.h"
-#include "analysis/measures/head_sway.h"
-#include "analysis/measures/heads.h"
+#include "analysis/measures/motion_measures.h"
 #include "analysis/measures/recent_crowd.h"
 #include "analysis/measures/speed_and_spacing.h"
-#include "analysis/measures/width_use.h"
 
 namespace throng {
 namespace {

@@ -15,7 +15,7 @@
 namespace throng {
 
 struct MeasureOptions {
-  std::optional<Passage> line;  ///< over which the flow is measured; none: see flow_lines.h
+  std::optional<Passage> line;  ///< over which the flow is measured; none: see motion_measures.h
 };
 
 class CrowdMeasures final : public Sink {

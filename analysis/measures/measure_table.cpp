@@ -2,7 +2,67 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
 namespace throng {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+Histogram::Histogram(double low, double width, size_t bins)
+    : low_(low), width_(width), bins_(bins, 0) {}
+
+void Histogram::add(double value) {
+  const double bin = std::floor((value - low_) / width_);
+  ++bins_[static_cast<size_t>(std::clamp(bin, 0.0, static_cast<double>(bins_.size() - 1)))];
+  least_ = count_ == 0 ? value : std::min(least_, value);
+  greatest_ = count_ == 0 ? value : std::max(greatest_, value);
+  ++count_;
+  sum_ += value;
+}
+
+void Histogram::add(const Histogram& other) {
+  assert(low_ == other.low_ && width_ == other.width_ && bins_.size() == other.bins_.size());
+  if (other.count_ == 0) return;
+  for (size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
+  least_ = count_ == 0 ? other.least_ : std::min(least_, other.least_);
+  greatest_ = count_ == 0 ? other.greatest_ : std::max(greatest_, other.greatest_);
+  count_ += other.count_;
+  sum_ += other.sum_;
+}
+
+double Histogram::mean() const { return count_ == 0 ? kNone : sum_ / static_cast<double>(count_); }
+
+double Histogram::max() const { return count_ == 0 ? kNone : greatest_; }
+
+double Histogram::quantile(double share) const {
+  if (count_ == 0) return kNone;
+  const double rank = share * static_cast<double>(count_);
+  double before = 0;
+  for (size_t i = 0; i < bins_.size(); ++i) {
+    const auto here = static_cast<double>(bins_[i]);
+    if (here > 0 && before + here >= rank) {
+      const double within = (rank - before) / here;
+      const double value = low_ + width_ * (static_cast<double>(i) + within);
+      return std::clamp(value, least_, greatest_);
+    }
+    before += here;
+  }
+  return greatest_;
+}
+
+double Histogram::share_above(double bound) const {
+  if (count_ == 0) return kNone;
+  const auto first = static_cast<size_t>(
+      std::clamp(std::round((bound - low_) / width_), 0.0, static_cast<double>(bins_.size())));
+  uint64_t above = 0;
+  for (size_t i = first; i < bins_.size(); ++i) above += bins_[i];
+  return static_cast<double>(above) / static_cast<double>(count_);
+}
 
 double MeasureTable::value(const std::string& at, const std::string& which,
                            const std::string& what) const {

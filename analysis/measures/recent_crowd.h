@@ -1,13 +1,44 @@
-// Where everybody was at the last few sampled instants: what measures that need a little past and
-// future look at.
-// One rule: memory depends on the people and on how far back is looked, never on the frames.
+// Where people and their heads are, at one frame and at the last few sampled instants.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "kinematics/kinematics.h"
+#include "scenes/run/sink.h"
+
 namespace throng {
+
+/// Where the heads of people are: the centre of the head part's box, by forward kinematics of the
+/// joint angles that a frame has.
+/// Whoever has a part called head has a head, also in a log, which does not say who is a
+/// person; anybody else is where the root is.
+class Heads {
+ public:
+  explicit Heads(const RunInfo& run);
+
+  /// Seen from above, one an avatar, whether present or not. The frame has postures.
+  void find(const RunInfo& run, const Frame& frame, std::span<Eigen::Vector2d> out);
+
+ private:
+  struct Kind {
+    std::optional<FlatModel> kinematics;  ///< of the head alone; none: no head
+    Eigen::Vector3f centre_m = Eigen::Vector3f::Zero();
+    std::vector<uint32_t> avatars;
+  };
+
+  std::vector<Kind> kinds_;  ///< by model
+  std::vector<const float*> rows_;
+  std::vector<RootFrame> roots_;
+  std::vector<PartPose> poses_;
+};
+
+// Where everybody was at the last few sampled instants: what measures that need a little past and
+// future look at.
+// Memory depends on the people and on how far back is looked, never on the frames.
 
 /// Everybody at one instant.
 struct Moment {

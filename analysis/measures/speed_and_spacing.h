@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/measures/histogram.h"
+#include "analysis/contacts/local_density.h"
 #include "analysis/measures/measure_table.h"
-#include "analysis/measures/point_grid.h"
 #include "analysis/measures/recent_crowd.h"
 #include "analysis/measures/voronoi.h"
 

@@ -2,12 +2,122 @@
 
 #include <fmt/format.h>
 
-#include "analysis/part_name.h"
+#include <algorithm>
+
+#include "analysis/part_names.h"
 #include "base/append.h"
 #include "base/csv.h"
 #include "scenes/run/runner.h"
 
 namespace throng {
+
+SeparationHistory::SeparationHistory(const RunInfo& run, int64_t frames)
+    : step_s_(run.step_s),
+      near_m_(run.culler.near.near_m),
+      stretch_(std::max<int64_t>(1, (frames + kPoints - 1) / kPoints)),
+      index_(run.model_of_avatar.size(), -1) {}
+
+void SeparationHistory::add(int64_t frame, std::span<const RegionSeparation> rows) {
+  if (first_frame_ < 0) first_frame_ = frame;
+  const auto point = static_cast<size_t>((frame - first_frame_) / stretch_);
+  points_ = std::max(points_, point + 1);
+  for (const RegionSeparation& row : rows) {
+    if (row.is_far()) continue;
+    int32_t& index = index_[row.robot];
+    if (index < 0) {
+      index = static_cast<int32_t>(robots_.size());
+      robots_.push_back(std::make_unique<Robot>());
+      ids_.push_back(row.robot);
+    }
+    Robot& robot = *robots_[static_cast<size_t>(index)];
+    robot.short_frames += row.people_short > 0;
+    robot.least_m = std::min(robot.least_m, row.lo_m);
+    std::vector<Point>& points = robot.regions[static_cast<size_t>(row.region)];
+    if (points.size() <= point) points.resize(point + 1);
+    Point& now = points[point];
+    if (row.lo_m < now.lo_m) {
+      now.lo_m = row.lo_m;
+      now.required_m = row.required_m;
+    }
+    now.is_short |= row.people_short > 0;
+  }
+}
+
+bool SeparationHistory::has_figure() const { return !robots_.empty(); }
+
+size_t SeparationHistory::worst() const {
+  size_t worst = 0;
+  const auto rank = [&](size_t i) {
+    return std::tuple(0 - static_cast<double>(robots_[i]->short_frames), robots_[i]->least_m,
+                      ids_[i]);
+  };
+  for (size_t i = 1; i < robots_.size(); ++i)
+    if (rank(i) < rank(worst)) worst = i;
+  return worst;
+}
+
+Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& totals) const {
+  const size_t which = worst();
+  const Robot& robot = *robots_[which];
+  const double from_s = static_cast<double>(first_frame_) * step_s_;
+  const double point_s = static_cast<double>(stretch_) * step_s_;
+  float most_m = near_m_;
+  std::string data;
+  std::vector<size_t> shown;
+  for (size_t region = 0; region < kBodyRegions; ++region) {
+    if (!totals.regions[region].is_there) continue;
+    shown.push_back(region);
+    append(data, "$r{} << EOD\n", region);
+    bool was_far = true;
+    for (size_t i = 0; i < robot.regions[region].size(); ++i) {
+      const Point& point = robot.regions[region][i];
+      const bool is_far = point.lo_m == RegionSeparation::kFar;
+      // A line that is broken where nothing is known.
+      if (is_far && !was_far) data += '\n';
+      was_far = is_far;
+      if (is_far) continue;
+      most_m = std::max(most_m, point.required_m > 0 ? point.required_m : 0.f);
+      append(data, "{:.6g} {:.6g} {:.6g} {}\n", from_s + static_cast<double>(i) * point_s,
+             point.lo_m, point.required_m, point.is_short ? 0 : -1);
+    }
+    // gnuplot refuses a block without a point.
+    data += "\n-1 -1 NaN -1\nEOD\n";
+  }
+  const uint32_t id = ids_[which];
+  const std::string group =
+      id < run.group_of_avatar.size() ? run.groups[run.group_of_avatar[id]] : "robot";
+  const std::string title = fmt::format("How near {} {} came to people", group, id);
+  const int rows = static_cast<int>((shown.size() + 1) / 2);
+  std::string script = data;
+  append(script,
+         "set multiplot layout {},2 columnsfirst title {} noenhanced margins 0.07,0.98,{},{} "
+         "spacing 0.09,{}\n"
+         "set xrange [{:.6g}:{:.6g}]\nset yrange [0:{:.6g}]\nset grid\nset key off\n",
+         rows, figure_text(title), rows < 3 ? 0.16 : 0.1, rows < 3 ? 0.86 : 0.92,
+         rows < 3 ? 0.24 : 0.08, from_s,
+         from_s + std::max(1.0, static_cast<double>(points_)) * point_s,
+         1.05 * static_cast<double>(most_m));
+  for (size_t i = 0; i < shown.size(); ++i) {
+    const size_t region = shown[i];
+    std::string name(name_of(static_cast<BodyRegion>(region)));
+    std::replace(name.begin(), name.end(), '_', ' ');
+    const bool is_last = i + 1 == shown.size();
+    append(script,
+           "set title '{0}' offset 0,-0.7\nset ylabel 'm'\nset xlabel '{1}'\n{2}"
+           "plot {3:.6g} with lines dashtype 2 linecolor rgb '#999999' title 'margin', "
+           "$r{4} using 1:2 with lines linewidth 1.6 linecolor rgb '{5}' title 'separation', "
+           "$r{4} using 1:3 with lines linewidth 1.6 linecolor rgb '{6}' title 'required', "
+           "$r{4} using 1:($4 < 0 ? NaN : 0.012 * {7:.6g}) with points pointtype 5 pointsize 0.35 "
+           "linecolor rgb '{8}' title 'too near'\n",
+           name, i + 1 == static_cast<size_t>(rows) || is_last ? "s" : "",
+           is_last ? "set key at screen 0.5,0.02 center horizontal maxrows 1\n" : "", near_m_,
+           region, kFigureColours[0], kFigureColours[3], 1.05 * static_cast<double>(most_m),
+           kFigureColours[1]);
+  }
+  script += "unset multiplot\n";
+  return {"separation", title, "", script, 1000, 90 + 190 * rows};
+}
+
 namespace {
 
 namespace fs = std::filesystem;

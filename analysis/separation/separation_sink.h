@@ -1,20 +1,64 @@
-// Writes how near robots came to which region of people: CSV files, and a figure where gnuplot is
-// there.
-// One rule: rows are written as the run goes; the figure at its end.
+// Writes how far people and robots stay apart: tables and a figure.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "analysis/separation/separation_figure.h"
+#include "base/figure.h"
 #include "base/files/folder_file.h"
 #include "scenes/run/sink.h"
 #include "scenes/separation/separation_monitor.h"
 
 namespace throng {
 
+/// The figure of a run's separation: how near a robot came to each region, and what was required.
+/// Memory does not grow with the run; each point is the frame of its stretch that came
+/// nearest.
+class SeparationHistory {
+ public:
+  /// A run of so many frames at most, as far as it is known.
+  SeparationHistory(const RunInfo& run, int64_t frames);
+
+  void add(int64_t frame, std::span<const RegionSeparation> rows);
+
+  /// Of the robot that was too near for the longest time, or else came nearest; the regions that
+  /// people have. False: no robot came within the margin.
+  bool has_figure() const;
+  Figure figure(const RunInfo& run, const SeparationTotals& totals) const;
+
+ private:
+  struct Point {
+    float lo_m = RegionSeparation::kFar;
+    float required_m = RegionSeparation::kUnknown;
+    bool is_short = false;
+  };
+  static constexpr int64_t kPoints = 600;
+  struct Robot {
+    uint64_t short_frames = 0;  ///< of all regions together
+    float least_m = RegionSeparation::kFar;
+    std::array<std::vector<Point>, kBodyRegions> regions;  ///< by stretch; empty: always far
+  };
+
+  size_t worst() const;
+
+  double step_s_;
+  float near_m_;
+  int64_t stretch_;  ///< frames
+  size_t points_ = 0;
+  int64_t first_frame_ = -1;
+  std::vector<int32_t> index_;  ///< by avatar, into robots_; -1: not yet
+  std::vector<std::unique_ptr<Robot>> robots_;
+  std::vector<uint32_t> ids_;
+};
+
+/// Writes how near robots came to which region of people: CSV files, and a figure where gnuplot is
+/// there.
+/// Rows are written as the run goes; the figure at its end.
 class SeparationSink final : public Sink {
  public:
   /// Of a run of a scene with this rule. Creates the folder; begin() replaces the files in it.

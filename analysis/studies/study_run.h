@@ -1,7 +1,7 @@
-// One run of a study, carried out and measured.
-// One rule: what is measured depends on the run alone; what the clock says stays apart from it.
+// One run of a study, and all runs of one, several at once.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +11,9 @@
 #include "analysis/studies/study_plan.h"
 
 namespace throng {
+
+// One run of a study, carried out and measured.
+// What is measured depends on the run alone; what the clock says stays apart from it.
 
 class BodyTables;
 
@@ -46,5 +49,21 @@ struct StudyRow {
 std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads,
                                   const std::shared_ptr<BodyTables>& tables,
                                   const std::function<bool()>& keep_going);
+
+// Carries out the runs of a study, several at once.
+// A run a worker, and whoever is free takes the next; the order in which runs end never
+// reaches a result.
+
+struct StudyWork {
+  const StudyPlan& plan;
+  /// The next run, or nothing when there is none left; one thread at a time.
+  std::function<std::optional<size_t>()> next;
+  std::function<void(const StudyRow&)> done;  ///< one thread at a time
+  std::function<bool()> keep_going;           ///< from any thread
+};
+
+/// `workers` threads, each with as many for its own run. What a run or done() throws ends all and
+/// is thrown again.
+void carry_out_all(const StudyWork& work, int workers, int threads_each);
 
 }  // namespace throng

@@ -1,16 +1,21 @@
 #include "analysis/studies/study_table.h"
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "analysis/studies/study.h"
-#include "analysis/studies/study_sqlite.h"
+#include "analysis/studies/study_run.h"
+#include "base/append.h"
 #include "base/errors.h"
+#include "base/files/foreign.h"
 #include "base/files/regular_file.h"
 #include "base/files/whole_file.h"
 #include "base/text.h"
@@ -193,6 +198,306 @@ StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables)
         fmt::format("{} missing, run {} the first of them",
                     std::count(from.begin(), from.end(), nullptr), missing - from.begin() + 1));
   return all;
+}
+
+namespace {
+
+using Kind = StudyMeasure::Kind;
+
+template <typename Number>
+bool is_number(const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// Of a measure as it says, of all else by what stands there.
+Kind kind_of(const StudyTable& table, size_t column) {
+  const std::string& name = table.columns[column];
+  if (name == "study" || name == "scene") return Kind::kText;
+  for (const StudyMeasure& measure : study_measures())
+    if (measure.name == name) return measure.kind;
+  const auto all = [&](const auto& is_one) {
+    return std::all_of(table.rows.begin(), table.rows.end(),
+                       [&](const auto& row) { return row[column].empty() || is_one(row[column]); });
+  };
+  if (all(is_number<int64_t>)) return Kind::kWhole;
+  return all(is_number<double>) ? Kind::kNumber : Kind::kText;
+}
+
+/// What goes wrong in memory is its lack.
+void require(bool done, sqlite3* database) {
+  if (!done)
+    throw EnvironmentError(
+        fmt::format("SQLite: cannot make the table: {}",
+                    database != nullptr ? sqlite3_errmsg(database) : "no memory"));
+}
+
+std::string in_sql(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+void bind(sqlite3_stmt* statement, int at, Kind kind, const std::string& cell) {
+  if (cell.empty() && kind != Kind::kText) {
+    sqlite3_bind_null(statement, at);
+  } else if (kind == Kind::kWhole) {
+    int64_t value = 0;
+    std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    sqlite3_bind_int64(statement, at, value);
+  } else if (kind == Kind::kNumber) {
+    double value = 0;
+    std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    sqlite3_bind_double(statement, at, value);
+  } else {
+    sqlite3_bind_text(statement, at, cell.data(), static_cast<int>(cell.size()), SQLITE_TRANSIENT);
+  }
+}
+
+using Database = std::unique_ptr<sqlite3, int (*)(sqlite3*)>;
+using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
+
+Statement prepare(sqlite3* database, const std::string& sql) {
+  sqlite3_stmt* statement = nullptr;
+  sqlite3_prepare_v2(database, sql.c_str(), -1, &statement, nullptr);
+  return {statement, sqlite3_finalize};
+}
+
+void fill(sqlite3* database, const StudyTable& table) {
+  std::string columns, places;
+  std::vector<Kind> kinds;
+  for (size_t i = 0; i < table.columns.size(); ++i) {
+    kinds.push_back(kind_of(table, i));
+    const char* const type = kinds[i] == Kind::kWhole    ? "INTEGER"
+                             : kinds[i] == Kind::kNumber ? "REAL"
+                                                         : "TEXT";
+    columns += fmt::format("{}{} {}", i > 0 ? ", " : "", in_sql(table.columns[i]), type);
+    places += i > 0 ? ", ?" : "?";
+  }
+  const std::string create = fmt::format("CREATE TABLE runs({})", columns);
+  require(sqlite3_exec(database, create.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK, database);
+  sqlite3_exec(database, "BEGIN", nullptr, nullptr, nullptr);
+  const Statement insert = prepare(database, fmt::format("INSERT INTO runs VALUES({})", places));
+  require(insert != nullptr, database);
+  for (const std::vector<std::string>& row : table.rows) {
+    for (size_t i = 0; i < row.size(); ++i)
+      bind(insert.get(), static_cast<int>(i) + 1, kinds[i], row[i]);
+    require(sqlite3_step(insert.get()) == SQLITE_DONE, database);
+    sqlite3_reset(insert.get());
+  }
+  require(sqlite3_exec(database, "COMMIT", nullptr, nullptr, nullptr) == SQLITE_OK, database);
+}
+
+/// In the child. A number with a point keeps it, so that its column stays one of such numbers.
+std::string text_at(sqlite3_stmt* statement, int column) {
+  if (sqlite3_column_type(statement, column) == SQLITE_FLOAT) {
+    const std::string text = fmt::format("{}", sqlite3_column_double(statement, column));
+    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+  }
+  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
+  return text == nullptr ? "" : text;
+}
+
+std::vector<uint8_t> csv_in_child(const RegularFile& file) {
+  constexpr const char* kExpected = "a SQLite table that `throng study` wrote";
+  sqlite3* opened = nullptr;
+  const std::string name = fmt::format("file:/proc/self/fd/{}?immutable=1", file.descriptor());
+  sqlite3_open_v2(name.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+  const Database database(opened, sqlite3_close_v2);
+  const Statement select = prepare(opened, "SELECT * FROM runs ORDER BY rowid");
+  if (select == nullptr) throw Refusal(kExpected, sqlite3_errmsg(opened));
+  StudyTable table;
+  for (int i = 0; i < sqlite3_column_count(select.get()); ++i)
+    table.columns.emplace_back(sqlite3_column_name(select.get(), i));
+  int result = SQLITE_ROW;
+  while ((result = sqlite3_step(select.get())) == SQLITE_ROW) {
+    std::vector<std::string>& row = table.rows.emplace_back();
+    for (int i = 0; i < static_cast<int>(table.columns.size()); ++i)
+      row.push_back(text_at(select.get(), i));
+  }
+  if (result != SQLITE_DONE) throw Refusal(kExpected, sqlite3_errmsg(opened));
+  const std::string text = csv_text(table);
+  return {text.begin(), text.end()};
+}
+
+}  // namespace
+
+std::vector<uint8_t> sqlite_bytes(const StudyTable& table) {
+  sqlite3* opened = nullptr;
+  const bool is_open = sqlite3_open(":memory:", &opened) == SQLITE_OK;
+  const Database database(opened, sqlite3_close_v2);
+  require(is_open, opened);
+  fill(opened, table);
+  sqlite3_int64 size = 0;
+  const std::unique_ptr<unsigned char, void (*)(void*)> bytes(
+      sqlite3_serialize(opened, "main", &size, 0), sqlite3_free);
+  require(bytes != nullptr, opened);
+  return {bytes.get(), bytes.get() + size};
+}
+
+std::string csv_of_sqlite(const std::filesystem::path& file) {
+  const std::vector<uint8_t> text = parse_apart(
+      file, {"SQLite", "a table of a study", "make it again, or as .csv"}, {}, csv_in_child);
+  return {text.begin(), text.end()};
+}
+
+namespace {
+
+constexpr size_t kFirstParameter = 5;  // after run, runs, study, scene, seed
+
+std::optional<double> number_of(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+bool varies(const StudyTable& table, size_t column) {
+  return std::any_of(table.rows.begin(), table.rows.end(),
+                     [&](const auto& row) { return row[column] != table.rows.front()[column]; });
+}
+
+/// What is drawn along x: parameters that vary, or the scenes where none does.
+std::vector<size_t> abscissas(const StudyTable& table) {
+  std::vector<size_t> out;
+  const size_t end = std::min(table.column(study_measures().front().name), table.columns.size());
+  for (size_t i = kFirstParameter; i < end; ++i)
+    if (varies(table, i)) out.push_back(i);
+  const size_t scene = table.column("scene");
+  if (out.empty() && varies(table, scene)) out.push_back(scene);
+  return out;
+}
+
+struct Group {
+  std::vector<double> values;
+  double mean() const {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+  }
+  double deviation() const {
+    if (values.size() < 2) return 0;
+    double sum = 0;
+    for (const double value : values) sum += (value - mean()) * (value - mean());
+    return std::sqrt(sum / static_cast<double>(values.size() - 1));
+  }
+};
+
+/// Where the values of a column lie along x: numbers where they are, words one after another.
+class Axis {
+ public:
+  Axis(const StudyTable& table, size_t column) : column_(column) {
+    for (const auto& row : table.rows) {
+      if (!number_of(row[column])) is_numeric_ = false;
+      if (std::find(words_.begin(), words_.end(), row[column]) == words_.end())
+        words_.push_back(row[column]);
+    }
+  }
+  double at(const std::vector<std::string>& row) const {
+    if (is_numeric_) return *number_of(row[column_]);
+    return static_cast<double>(std::find(words_.begin(), words_.end(), row[column_]) -
+                               words_.begin());
+  }
+  std::string script() const {
+    if (is_numeric_) return "";
+    std::string ticks;
+    for (size_t i = 0; i < words_.size(); ++i)
+      append(ticks, "{}{} {}", i > 0 ? ", " : "", figure_text(words_[i]), i);
+    return fmt::format("set xtics ({}) noenhanced\nset xrange [-0.5:{}]\n", ticks,
+                       static_cast<double>(words_.size()) - 0.5);
+  }
+
+ private:
+  size_t column_;
+  bool is_numeric_ = true;
+  std::vector<std::string> words_;
+};
+
+struct Series {
+  std::string scene;
+  std::vector<std::pair<double, double>> points;
+  std::map<double, Group> groups;
+};
+
+std::vector<Series> series_of(const StudyTable& table, const Axis& axis, size_t measure,
+                              bool by_scene) {
+  std::vector<Series> all;
+  for (const auto& row : table.rows) {
+    const std::optional<double> value = number_of(row[measure]);
+    if (!value) continue;
+    const std::string& scene = row[table.column("scene")];
+    auto found = std::find_if(all.begin(), all.end(), [&](const Series& series) {
+      return !by_scene || series.scene == scene;
+    });
+    if (found == all.end()) found = all.insert(all.end(), Series{by_scene ? scene : "", {}, {}});
+    found->points.emplace_back(axis.at(row), *value);
+    found->groups[axis.at(row)].values.push_back(*value);
+  }
+  return all;
+}
+
+/// Whether enough runs share a place to tell their mean and spread.
+bool has_groups(const Series& series) {
+  return series.points.size() >= 2 * series.groups.size() || series.groups.size() <= 12;
+}
+
+Figure figure_of(const StudyTable& table, size_t along, size_t measure) {
+  const Axis axis(table, along);
+  const bool by_scene = along != table.column("scene") && varies(table, table.column("scene"));
+  const std::vector<Series> all = series_of(table, axis, measure, by_scene);
+  const std::string& name = table.columns[measure];
+  Figure figure;
+  figure.id = fmt::format("{}_by_{}", name, table.columns[along]);
+  std::replace_if(
+      figure.id.begin(), figure.id.end(),
+      [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-';
+      },
+      '_');
+  figure.title = fmt::format("{} against {}", name, table.columns[along]);
+  std::string& script = figure.script;
+  append(
+      script,
+      "set title {} noenhanced\nset xlabel {} noenhanced\nset ylabel {} noenhanced\n"
+      "set grid ytics lc rgb '#dddddd'\nset key outside right noenhanced\nset offsets graph 0.05, "
+      "graph 0.05, graph 0.05, graph 0.05\n{}",
+      figure_text(figure.title), figure_text(table.columns[along]), figure_text(name),
+      axis.script());
+  std::string plot;
+  for (size_t i = 0; i < all.size(); ++i) {
+    append(script, "$runs{} << EOD\n", i);
+    for (const auto& [x, y] : all[i].points) append(script, "{:.9g} {:.9g}\n", x, y);
+    append(script, "EOD\n$means{} << EOD\n", i);
+    for (const auto& [x, group] : all[i].groups)
+      append(script, "{:.9g} {:.9g} {:.9g}\n", x, group.mean(), group.deviation());
+    script += "EOD\n";
+    const char* const colour = kFigureColours[i % std::size(kFigureColours)];
+    append(plot, "{}$runs{} with points pt 7 ps 0.35 lc rgb '{}' title {}", i > 0 ? ", " : "", i,
+           colour, figure_text(all[i].scene.empty() ? "a run" : all[i].scene));
+    if (has_groups(all[i]))
+      append(plot, ", $means{} with yerrorlines pt 6 lc rgb '{}' title 'mean and deviation'", i,
+             colour);
+  }
+  append(script, "plot {}\n", plot);
+  return figure;
+}
+
+}  // namespace
+
+std::vector<Figure> study_figures(const StudyTable& table) {
+  std::vector<Figure> figures;
+  if (table.rows.empty()) return figures;
+  for (const size_t along : abscissas(table))
+    for (const StudyMeasure& measure : study_measures()) {
+      const size_t column = table.column(measure.name);
+      if (measure.kind == StudyMeasure::Kind::kText || column == std::string::npos ||
+          !varies(table, column))
+        continue;
+      figures.push_back(figure_of(table, along, column));
+      figures.back().caption = measure.meaning;
+    }
+  return figures;
 }
 
 }  // namespace throng

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <utility>
 
-#include "analysis/measures/accelerations.h"
 #include "analysis/measures/contact_measures.h"
-#include "analysis/validation/trial_moments.h"
+#include "analysis/measures/motion_measures.h"
+#include "analysis/validation/set_ups.h"
 #include "base/elementary.h"
 #include "crowd/standing_room.h"
 #include "scenes/file/density.h"
@@ -205,6 +205,79 @@ std::vector<CountedContacts> contacts_of(const Plan& plan, double seconds) {
   std::vector<CountedContacts> out;
   for (size_t i = 0; i < ContactMeasures::kLevels; ++i)
     out.push_back({measures.contacts_at()[i], measures.person_s_at()[i]});
+  return out;
+}
+
+void add_parties(Plan& plan, int parties, const Rectangle& from, const std::vector<Rectangle>& to) {
+  for (int i = 0; i < parties; ++i) {
+    const int size = 2 + i % 3;
+    Companions companions{1, {0, 0, 0}};
+    companions.sizes[static_cast<size_t>(size - 2)] = 1;
+    plan.people(size, from, to).companions = companions;
+  }
+}
+
+Plan crossing_parties_plan(SteeringKind model, uint64_t seed) {
+  Plan plan("crossing_parties", {{-20, -20}, {20, 20}}, {model}, seed);
+  add_parties(plan, 27, {{-19.5, -5}, {-6, 5}}, {{{18, -5}, {20, 5}}});
+  add_parties(plan, 27, {{-5, -19.5}, {5, -6}}, {{{-5, 18}, {5, 20}}});
+  return plan;
+}
+
+Plan parties_at_a_door_plan(SteeringKind model, uint64_t seed) {
+  Plan plan("parties_at_a_door", {{-10, -4}, {25, 4}}, {model}, seed);
+  plan.wall_along_y(-4, 4, 0, {0}, 1);
+  add_parties(plan, 15, {{-9, -3.5}, {-2, 3.5}}, {{{22, -3}, {24, 3}}});
+  return plan;
+}
+
+Plan parties_with_two_exits_plan(SteeringKind model, uint64_t seed) {
+  Plan plan("parties_with_two_exits", {{0, -3}, {30, 20}}, {model}, seed);
+  plan.wall_along_x(0, 30, -0.1, {7.5, 22.5}, 1);
+  add_parties(plan, 60, {{0, 0}, {15, 20}}, {{{0, -3}, {30, -2.2}}});
+  return plan;
+}
+
+Together stay_together(const std::string& where, const Plan& plan, double seconds,
+                       Outcome& outcome) {
+  Trial trial(plan);
+  constexpr double kNear_m = 3;
+  Together out{where, 0, 0};
+  double next_s = 0;
+  while (trial.step(seconds)) {
+    if (trial.now_s() < next_s) continue;
+    next_s += 0.1;
+    // Those of a group have ids one after another.
+    for (size_t id = 0; id < trial.size(); ++id) {
+      double nearest_m = INFINITY;
+      for (size_t other = id < 3 ? 0 : id - 3; other < trial.size() && other < id + 4; ++other)
+        if (other != id && trial.group(other) == trial.group(id) && trial.is_present(other))
+          nearest_m = std::min(nearest_m, (trial.position_m(other) - trial.position_m(id)).norm());
+      if (!trial.is_present(id) || std::isinf(nearest_m)) continue;
+      ++out.moments;
+      out.near += nearest_m < kNear_m;
+    }
+  }
+  note(outcome, trial);
+  return out;
+}
+
+PartyExits leave_together(const Plan& plan, double seconds, Outcome& outcome) {
+  Trial trial(plan);
+  Gate near(Gate::Along::kY, -0.1, 0, 15, false);
+  Gate far(Gate::Along::kY, -0.1, 15, 30, false);
+  while (trial.step(seconds)) {
+    near.watch(trial);
+    far.watch(trial);
+  }
+  note(outcome, trial);
+  std::vector<int> by_near(plan.scene.groups.size(), 0), by_far = by_near;
+  for (const Gate::Passage& passage : near.passages()) ++by_near[trial.group(passage.id)];
+  for (const Gate::Passage& passage : far.passages()) ++by_far[trial.group(passage.id)];
+  PartyExits out{static_cast<int>(plan.scene.groups.size()), 0,
+                 static_cast<int>(trial.size() - near.passages().size() - far.passages().size())};
+  for (size_t party = 0; party < by_near.size(); ++party)
+    out.by_one += (by_near[party] == 0) != (by_far[party] == 0);
   return out;
 }
 

@@ -1,5 +1,5 @@
-// How people move, stand and meet in scenes that anybody may run: what is measured of each.
-// One rule: bundled scenes are run as they are, but for seed and model.
+// How people move, stand, meet and keep together: what is measured of each in bundled scenes, as
+// they are but for seed and model, and of people in parties.
 #pragma once
 
 #include <string>
@@ -29,5 +29,23 @@ Standing stand_close(double per_m2, const Conditions& conditions, Outcome& outco
 std::vector<MetTwo> meet(uint64_t count, const Conditions& conditions);
 /// By level of density, of bodies; not of those who have been there for less than kExpected_s.
 std::vector<CountedContacts> contacts_of(const Plan& plan, double seconds);
+
+// People in parties: through a crossing crowd, through a door, out of a hall with two exits.
+// Every party is a group of its own, so that a run tells who belongs to whom.
+
+/// So many parties, in turn of two, three and four, from an area to others.
+void add_parties(Plan& plan, int parties, const Rectangle& from, const std::vector<Rectangle>& to);
+
+/// Two streams of parties that cross at right angles.
+Plan crossing_parties_plan(SteeringKind model, uint64_t seed);
+/// A room, a door of 1 m, and 20 m more to go.
+Plan parties_at_a_door_plan(SteeringKind model, uint64_t seed);
+/// A hall of 30 m x 20 m with two exits in a long side; parties begin in the half with one of them.
+Plan parties_with_two_exits_plan(SteeringKind model, uint64_t seed);
+
+/// Ten times a second, of whoever has a companion there.
+Together stay_together(const std::string& where, const Plan& plan, double seconds,
+                       Outcome& outcome);
+PartyExits leave_together(const Plan& plan, double seconds, Outcome& outcome);
 
 }  // namespace throng::validation

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "analysis/validation/across_seeds.h"
+#include "analysis/validation/validation.h"
 
 namespace throng::validation {
 namespace {

@@ -11,13 +11,13 @@
 
 #include "analysis/validation/reality_tables.h"
 #include "analysis/validation/set_ups.h"
-#include "analysis/validation/trial_moments.h"
+#include "analysis/validation/trial.h"
 #include "avatars/mesh/primitives.h"
 
 namespace throng::validation {
 namespace {
 
-constexpr double kSample_s = 0.1;
+constexpr double kInflowSample_s = 0.1;
 constexpr double kSlack_s = 1e-9;
 
 /// A room of 3.8 m, a corridor of 8 m x 1.8 m, an exit in its middle. People walk towards -y.
@@ -118,13 +118,13 @@ class SpacingMeter {
 
   static size_t moments() { return 2 * half() + 1; }
   void take(const RecentCrowd& crowd) {
-    velocities_.find(crowd, half(), kSample_s);
+    velocities_.find(crowd, half(), kInflowSample_s);
     measure_.take(crowd.ago(half()), velocities_);
   }
   std::vector<SpeedAndSpacing::Spacing> spacings() const { return measure_.spacings(); }
 
  private:
-  static size_t half() { return Velocities::half_window(kSample_s); }
+  static size_t half() { return Velocities::half_window(kInflowSample_s); }
 
   Velocities velocities_;
   SpeedAndSpacing measure_;
@@ -228,7 +228,7 @@ void watch_steered(const Plan& plan, Trial::With with, double seconds, double sa
 std::vector<SpeedAndSpacing::Spacing> recorded_spacing(const Scene& scene,
                                                        const Recording& recording) {
   SpacingMeter meter(scene);
-  watch_recorded(recording, kSample_s, SpacingMeter::moments(),
+  watch_recorded(recording, kInflowSample_s, SpacingMeter::moments(),
                  [&](const RecentCrowd& crowd) { meter.take(crowd); });
   return meter.spacings();
 }
@@ -238,8 +238,8 @@ std::vector<SpeedAndSpacing::Spacing> steered_spacing(const Plan& plan, double s
   Plan posed = plan;
   posed.scene.step_s = Scene().step_s;
   SpacingMeter meter(plan.scene);
-  watch_steered(posed, Trial::With::kBodies, seconds, kSample_s, SpacingMeter::moments(), outcome,
-                [&](const RecentCrowd& crowd) { meter.take(crowd); });
+  watch_steered(posed, Trial::With::kBodies, seconds, kInflowSample_s, SpacingMeter::moments(),
+                outcome, [&](const RecentCrowd& crowd) { meter.take(crowd); });
   return meter.spacings();
 }
 

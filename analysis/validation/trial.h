@@ -1,6 +1,5 @@
 // One run of a test's scene, watched: where everybody is, who passed which line when.
-// One rule: it only looks; walls are checked here with its own arithmetic, for every move of
-// everybody.
+// It only looks; walls are checked here with its own arithmetic, for every move of everybody.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +7,16 @@
 #include <optional>
 #include <vector>
 
-#include "analysis/measures/heads.h"
+#include "analysis/measures/recent_crowd.h"
 #include "analysis/validation/plan.h"
 #include "analysis/validation/validation.h"
 #include "scenes/run/simulation.h"
 
 namespace throng::validation {
 
+/// One run of a test's scene, watched: where everybody is, who passed which line when.
+/// It only looks; walls are checked here with its own arithmetic, for every move of
+/// everybody.
 class Trial {
  public:
   /// With bodies, everybody has a head; without, which is faster, only a place.
@@ -102,5 +104,35 @@ void note(Outcome& outcome, const Trial& trial);
 
 /// Persons per second from the first to the last of the times; 0 for fewer than two.
 double flow_per_s(const std::vector<double>& times_s);
+
+// Moments of a trial at even times, for the measures that recordings are measured by.
+// Heads are where bodies have them; in a trial without bodies, where the roots are.
+
+/// True at the first instant, and then at the first step at or after each multiple of a period.
+class Every {
+ public:
+  explicit Every(double period_s) : period_s_(period_s) {}
+
+  bool is_due(double now_s) {
+    constexpr double kSlack_s = 1e-9;
+    if (now_s < next_s_ - kSlack_s) return false;
+    next_s_ += period_s_;
+    return true;
+  }
+
+ private:
+  double period_s_;
+  double next_s_ = 0;
+};
+
+/// Where everybody is now; `moment` has room for them.
+inline void take(const Trial& trial, Moment& moment) {
+  moment.time_s = trial.now_s();
+  for (size_t id = 0; id < trial.size(); ++id) {
+    moment.roots_m[id] = trial.position_m(id);
+    moment.heads_m[id] = trial.head_m(id);
+    moment.present[id] = trial.is_present(id);
+  }
+}
 
 }  // namespace throng::validation

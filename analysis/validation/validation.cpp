@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
+#include <tuple>
 
 namespace throng::validation {
 
@@ -79,6 +81,123 @@ double weidmann_mps(double density_per_m2) {
   if (density_per_m2 <= 0) return kFree_mps;
   if (density_per_m2 >= kMost_per_m2) return 0;
   return kFree_mps * (1 - std::exp(-kGamma * (1 / density_per_m2 - 1 / kMost_per_m2)));
+}
+
+namespace {
+
+int unmet(const Outcome& outcome) {
+  return static_cast<int>(
+      std::count_if(outcome.readings.begin(), outcome.readings.end(),
+                    [](const Reading& reading) { return reading.met && !*reading.met; }));
+}
+
+/// Greater is worse: what fails, then by readings that are not met, then by how far off those are
+/// that sum up.
+auto badness(const Outcome& outcome) {
+  double off = 0;
+  for (const Reading& reading : outcome.readings)
+    if (reading.headline && !std::isnan(reading.ours)) off += excess(reading, reading.ours);
+  return std::tuple(outcome.verdict() == Verdict::kFail, outcome.differs, unmet(outcome), off);
+}
+
+const Reading* find(const Outcome& outcome, const Reading& like) {
+  const auto found = std::find_if(
+      outcome.readings.begin(), outcome.readings.end(),
+      [&](const Reading& each) { return each.at == like.at && each.what == like.what; });
+  return found == outcome.readings.end() ? nullptr : &*found;
+}
+
+Reading across(const Reading& first, std::span<const SeedOutcome> seeds) {
+  Reading out = first;
+  double sum = 0, worst_excess = 0;
+  int count = 0;
+  out.met.reset();
+  for (const SeedOutcome& seed : seeds) {
+    const Reading* reading = find(seed.outcome, first);
+    if (reading == nullptr) continue;
+    if (reading->met) out.met = out.met.value_or(true) && *reading->met;
+    if (std::isnan(reading->ours)) continue;
+    const double off = excess(*reading, reading->ours);
+    if (count == 0 || off > worst_excess) {
+      worst_excess = off;
+      out.worst = reading->ours;
+    }
+    sum += reading->ours;
+    ++count;
+  }
+  out.ours = count > 0 ? sum / count : Reading::kNone;
+  return out;
+}
+
+std::string sentence(std::span<const SeedOutcome> seeds, const SeedOutcome& worst,
+                     const std::vector<Reading>& readings) {
+  const auto with = [&](Verdict verdict) {
+    return std::count_if(seeds.begin(), seeds.end(), [&](const SeedOutcome& each) {
+      return each.outcome.verdict() == verdict;
+    });
+  };
+  const auto passed = with(Verdict::kPass), differ = with(Verdict::kDiffers);
+  std::string text = fmt::format("{} of {} seeds pass{}; {}seed {}: {}", passed, seeds.size(),
+                                 differ == 0 ? "" : fmt::format(", {} differ", differ),
+                                 readings.empty() && passed == std::ssize(seeds) ? "" : "worst, ",
+                                 worst.seed, worst.outcome.measured);
+  const auto is_named_twice = [&](const std::string& what) {
+    return std::count_if(readings.begin(), readings.end(), [&](const Reading& each) {
+             return each.headline && each.what == what;
+           }) > 1;
+  };
+  std::string means;
+  for (const Reading& reading : readings)
+    if (reading.headline && !std::isnan(reading.ours))
+      means += fmt::format("{} {}{} {:.4g}{}{}", means.empty() ? "; means:" : ",", reading.what,
+                           is_named_twice(reading.what) ? fmt::format(" ({})", reading.at) : "",
+                           reading.ours, reading.unit.empty() ? "" : " ", reading.unit);
+  return text + means;
+}
+
+}  // namespace
+
+double excess(const Reading& reading, double value) {
+  double out = 0;
+  bool is_asked = false;
+  for (const double off : {reading.low - value, value - reading.high}) {
+    if (std::isnan(off)) continue;
+    out = is_asked ? std::max(out, off) : off;
+    is_asked = true;
+  }
+  return out;
+}
+
+Outcome across_seeds(std::span<const SeedOutcome> seeds) {
+  if (seeds.empty()) return {};
+  Outcome out = seeds.front().outcome;
+  if (seeds.size() == 1) return out;
+  const auto has = [&](Verdict verdict) {
+    return std::any_of(seeds.begin(), seeds.end(),
+                       [&](const SeedOutcome& each) { return each.outcome.verdict() == verdict; });
+  };
+  out.passed = !has(Verdict::kFail);
+  out.differs = out.passed && has(Verdict::kDiffers);
+  out.skipped = out.passed && !out.differs && !has(Verdict::kPass);
+  if (out.skipped) return out;
+  for (const SeedOutcome& each : seeds.subspan(1)) {
+    out.wall_crossings += each.outcome.wall_crossings;
+    out.unplaced += each.outcome.unplaced;
+    out.deepest_overlap_m = std::max(out.deepest_overlap_m, each.outcome.deepest_overlap_m);
+    for (const Reading& reading : each.outcome.readings)
+      if (find(out, reading) == nullptr) out.readings.push_back(reading);
+  }
+  for (Reading& reading : out.readings) reading = across(reading, seeds);
+  const SeedOutcome& worst =
+      *std::max_element(seeds.begin(), seeds.end(), [](const SeedOutcome& a, const SeedOutcome& b) {
+        return badness(a.outcome) < badness(b.outcome);
+      });
+  out.figures = worst.outcome.figures;
+  for (Figure& figure : out.figures)
+    figure.caption +=
+        fmt::format("{}Seed {}, the worst.", figure.caption.empty() ? "" : " ", worst.seed);
+  out.measured = sentence(seeds, worst, out.readings);
+  return out;
 }
 
 }  // namespace throng::validation

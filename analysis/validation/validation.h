@@ -1,7 +1,5 @@
 // The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414 that a crowd must pass
-// before anybody believes it, and how it stands beside recorded people.
-// One rule: a test measures and judges by the standard's own criterion, or by the recording's; what
-// fails is reported as failed.
+// before its runs count, how it stands beside recorded people, and what several seeds say together.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,11 @@
 #include "crowd/steering/steering_rule.h"
 
 namespace throng::validation {
+
+// The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414 that a crowd must pass
+// before anybody believes it, and how it stands beside recorded people.
+// A test measures and judges by the standard's own criterion, or by the recording's; what
+// fails is reported as failed.
 
 /// A number measured, beside what recorded people did.
 struct Reading {
@@ -116,5 +120,21 @@ std::string normal_id(const std::string& id);
 
 /// Weidmann (1993): speed in m/s at a density in people per m2.
 double weidmann_mps(double density_per_m2);
+
+/// What several seeds say of a test: its verdict is that of all of them, its figures are their mean
+/// and their worst.
+/// Nothing is lost; each seed's own outcome stays beside what they come to together.
+struct SeedOutcome {
+  uint64_t seed = 0;
+  Outcome outcome;
+  double wall_s = 0;
+};
+
+/// Fails if any seed fails, differs if any differs, is skipped if all are. Of one seed: its own
+/// outcome. Readings are matched by `at` and `what`; the mean is that of the seeds that have one.
+Outcome across_seeds(std::span<const SeedOutcome> seeds);
+
+/// How far a reading lies from what is accepted: above 0 outside of it, 0 where nothing is asked.
+double excess(const Reading& reading, double value);
 
 }  // namespace throng::validation

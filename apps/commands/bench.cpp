@@ -17,7 +17,7 @@
 #include "apps/process/stop_signal.h"
 #include "base/errors.h"
 #include "base/say.h"
-#include "bench/engines/engines.h"
+#include "bench/engines/engine.h"
 #include "bench/exchange.h"
 #include "bench/report.h"
 #include "bench/steering.h"

@@ -12,7 +12,6 @@
 #include "apps/process/stop_signal.h"
 #include "base/figure.h"
 #include "base/say.h"
-#include "bench/paper/json.h"
 #include "bench/paper/report.h"
 #include "bench/paper/tables.h"
 

@@ -10,9 +10,8 @@
 
 #include "analysis/studies/journal.h"
 #include "analysis/studies/ranks.h"
-#include "analysis/studies/study_plots.h"
+#include "analysis/studies/study_run.h"
 #include "analysis/studies/study_table.h"
-#include "analysis/studies/study_work.h"
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"

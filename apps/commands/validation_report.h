@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/validation/across_seeds.h"
 #include "analysis/validation/validation.h"
 
 namespace throng {

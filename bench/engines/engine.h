@@ -1,15 +1,18 @@
-// A broad phase that Throng is compared with, behind one small adapter.
-// One rule: every engine is given the same boxes and has to list the same pairs; what it needs to
-// get them into its own structures counts as its time, because an application would need it too.
+// Broad phases that Throng is compared with, each behind one small adapter.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace throng::bench {
+
+// A broad phase that Throng is compared with, behind one small adapter.
+// Every engine is given the same boxes and has to list the same pairs; what it needs to
+// get them into its own structures counts as its time, because an application would need it too.
 
 /// A closed axis-aligned box in world axes, metres.
 struct Box {
@@ -59,5 +62,17 @@ class Engine {
 inline void append_pair(const BoxList& frame, uint32_t a, uint32_t b, std::vector<BoxPair>& out) {
   if (!frame.same_avatar(a, b)) out.push_back(a < b ? BoxPair{a, b} : BoxPair{b, a});
 }
+
+/// The engines that this binary can be compared with.
+/// An engine that is not built in is named with the reason, never left out in silence.
+struct EngineKind {
+  std::string_view name;  ///< as given to --engines
+  /// Null if it is not built in. `threads` is what the engine may use, if it can use more than one.
+  std::unique_ptr<Engine> (*make)(int threads);
+  std::string_view missing;  ///< why it is not built in
+};
+
+/// Every engine we know of, built in or not.
+std::span<const EngineKind> engine_kinds();
 
 }  // namespace throng::bench

@@ -1,15 +1,165 @@
 // Construction, update and test of each volume over the parts of the adult; tests on lists of
-// candidates of which 0, 10 or 100 % overlap.
+// candidates of which 0, 10 or 100 % overlap. Then or-DOP 26 over the real mix of candidates: our
+// kernels on every target, against projecting vertices and against GJK (libccd, which FCL uses).
 #include <benchmark/benchmark.h>
+#include <ccd/ccd.h>
+#include <linux/perf_event.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
-#include "bench/micro/candidates.h"
-#include "bench/micro/instructions.h"
+#include "base/counting_sort.h"
+#include "bench/crowd.h"
+#include "culling/fitted.h"
+#include "culling/volumes/directions.h"
+#include "culling/volumes/polytope.h"
+#include "culling/volumes/pose_math.h"
 #include "culling/volumes/volume_list.h"
 
 namespace throng::bench {
 namespace {
+
+// The candidates of one frame of the bench crowd: parts of different people whose boxes overlap,
+// with all that the part tests need. The real mix in the real order, so that no branch is
+// learned from a short list.
+
+class Candidates {
+ public:
+  Candidates(int avatars, double per_m2);
+
+  const BodyType& type() const { return *type_; }
+  const std::vector<BodyPair>& pairs() const { return pairs_; }
+  const std::vector<PartPose>& poses() const { return poses_; }
+  const std::vector<Candidate>& list() const { return candidates_; }
+  /// Indices into list(), sorted by bucket; bucket i is [starts()[i], starts()[i + 1]).
+  const std::vector<uint32_t>& order() const { return order_; }
+  const std::vector<uint32_t>& starts() const { return starts_; }
+
+  const PartPose& pose_a(const Candidate& c) const {
+    return poses_[pairs_[c.pair].pose_a + c.part_a];
+  }
+  const PartPose& pose_b(const Candidate& c) const {
+    return poses_[pairs_[c.pair].pose_b + c.part_b];
+  }
+  Eigen::Vector3f shift_m(const Candidate& c) const {
+    return Eigen::Vector3f(pairs_[c.pair].shift_m);
+  }
+
+ private:
+  void find(const Crowd& crowd);
+  void sort_into_buckets();
+
+  std::shared_ptr<const BodyType> type_;
+  std::vector<PartPose> poses_;
+  std::vector<BodyPair> pairs_;
+  std::vector<Candidate> candidates_;
+  std::vector<uint32_t> order_, starts_;
+};
+
+/// The crowd of most micro-benchmarks, made once: 2000 people at 4 per m2, some 70 000 candidates.
+const Candidates& crowd_candidates();
+
+Candidates::Candidates(int avatars, double per_m2) {
+  Crowd crowd(load_model(adult_urdf()), {.avatars = avatars, .per_m2 = per_m2});
+  for (int step = 0; step < 60; ++step) crowd.advance();
+  type_ = crowd.body_type();
+  find(crowd);
+  sort_into_buckets();
+}
+
+void Candidates::find(const Crowd& crowd) {
+  CrowdBoxes boxes(crowd, type_);
+  const BoxList list = boxes.compute();
+  poses_ = boxes.poses();
+  const BodiesView bodies = crowd.view();
+  const uint16_t first_shape = 0;
+  const BucketRule bucket({nullptr, nullptr, &first_shape, list.parts}, 0, 0);
+  for (const BoxPair& found : reference_pairs(list)) {
+    const uint32_t a = found.a / list.parts, b = found.b / list.parts;
+    if (pairs_.empty() || pairs_.back().body_a != a || pairs_.back().body_b != b) {
+      const Eigen::Vector3f shift =
+          (bodies.roots[b].position_m - bodies.roots[a].position_m).cast<float>();
+      const float reach = shift.norm() + 4 * type_->sphere().radius_m;
+      pairs_.push_back({{shift.x(), shift.y(), shift.z(), rounding_margin_m(reach)},
+                        bodies.scales[a],
+                        bodies.scales[b],
+                        a * list.parts,
+                        b * list.parts,
+                        0,
+                        0,
+                        a,
+                        b,
+                        0,
+                        0});
+    }
+    const uint32_t part_a = found.a % list.parts, part_b = found.b % list.parts;
+    candidates_.push_back({static_cast<uint32_t>(pairs_.size() - 1), static_cast<uint8_t>(part_a),
+                           static_cast<uint8_t>(part_b), bucket(part_a, part_b)});
+  }
+}
+
+void Candidates::sort_into_buckets() {
+  const size_t parts = static_cast<size_t>(type_->part_count());
+  order_.resize(candidates_.size());
+  starts_.resize(parts * parts + 2);
+  counting_sort(
+      candidates_.size(), parts * parts, starts_.data(),
+      [this](size_t i) { return candidates_[i].bucket(); },
+      [this](size_t i, uint32_t position) { order_[position] = static_cast<uint32_t>(i); });
+  starts_.pop_back();  // what only sorting needs
+}
+
+const Candidates& crowd_candidates() {
+  static const Candidates candidates(2000, 4);
+  return candidates;
+}
+
+// Instructions that a benchmark retires, where the machine lets us count them.
+// Where it does not (most virtual machines), nothing is reported instead of a guess.
+
+/// Counts this thread's user-space instructions while it lives (Linux perf events); sets the
+/// counter `instructions`, one item's, at the end.
+class CountInstructions {
+ public:
+  /// `items`: what one iteration of the state's loop does.
+  CountInstructions(benchmark::State& state, int64_t items);
+  ~CountInstructions();
+  CountInstructions(const CountInstructions&) = delete;
+  CountInstructions& operator=(const CountInstructions&) = delete;
+
+ private:
+  benchmark::State& state_;
+  int64_t items_;
+  int counter_;  // a file descriptor, -1 without one
+};
+
+int open_counter() {
+  perf_event_attr attributes{};
+  attributes.type = PERF_TYPE_HARDWARE;
+  attributes.size = sizeof attributes;
+  attributes.config = PERF_COUNT_HW_INSTRUCTIONS;
+  attributes.exclude_kernel = 1;
+  attributes.exclude_hv = 1;
+  // This thread, any core, no group, no flags: counts from here on.
+  return static_cast<int>(syscall(SYS_perf_event_open, &attributes, 0, -1, -1, 0));
+}
+
+CountInstructions::CountInstructions(benchmark::State& state, int64_t items)
+    : state_(state), items_(items), counter_(open_counter()) {}
+
+CountInstructions::~CountInstructions() {
+  if (counter_ < 0) return;
+  uint64_t count = 0;
+  const bool known = read(counter_, &count, sizeof count) == sizeof count && count > 0;
+  close(counter_);
+  const double items = static_cast<double>(state_.iterations()) * static_cast<double>(items_);
+  if (known && items > 0) state_.counters["instructions"] = static_cast<double>(count) / items;
+}
 
 template <typename V>
 void construct(benchmark::State& state) {
@@ -129,4 +279,180 @@ void add(const std::string& name) {
 }();
 
 }  // namespace
+
+namespace {
+
+/// The corners of every part's or-DOP 26, each once.
+std::vector<std::vector<Eigen::Vector3f>> corners_of(const BodyType& type) {
+  std::vector<std::vector<Eigen::Vector3f>> out;
+  for (const Slabs& slabs : type.volumes().of<Ordop<26>>()) {
+    std::vector<Eigen::Vector3d> all = polytope_of(slabs, 26).corners_m;
+    auto& corners = out.emplace_back();
+    for (const Eigen::Vector3d& corner : all) {
+      const Eigen::Vector3f rounded = corner.cast<float>();
+      const auto same = [&](const Eigen::Vector3f& other) {
+        return (other - rounded).squaredNorm() < 1e-10f;
+      };
+      if (std::none_of(corners.begin(), corners.end(), same)) corners.push_back(rounded);
+    }
+  }
+  return out;
+}
+
+void report(benchmark::State& state, size_t passed) {
+  const auto tests = static_cast<double>(crowd_candidates().list().size());
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(tests));
+  state.counters["candidates"] = tests;
+  state.counters["passed"] = static_cast<double>(passed);
+}
+
+void ordop_26_kernel(benchmark::State& state, SimdTarget target) {
+  const Candidates& c = crowd_candidates();
+  const Kernels& kernels = kernels_for(target);
+  const auto& tables = c.type().volumes().tables();
+  std::vector<uint8_t> overlaps(c.list().size());
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
+  for (auto _ : state) {
+    for (size_t bucket = 0; bucket + 1 < c.starts().size(); ++bucket) {
+      const uint32_t begin = c.starts()[bucket], count = c.starts()[bucket + 1] - begin;
+      if (count > 0)
+        kernels.ordop_pairs_26(tables[bucket / tables.size()], tables[bucket % tables.size()],
+                               c.pairs().data(), c.poses().data(), c.list().data(),
+                               c.order().data() + begin, count, overlaps.data());
+    }
+    benchmark::DoNotOptimize(overlaps.data());
+    benchmark::ClobberMemory();
+  }
+  report(state, static_cast<size_t>(std::count(overlaps.begin(), overlaps.end(), 1)));
+}
+
+/// The paper's or-DOP over the same candidates in the order in which they were found, one by one.
+void ordop_26_pair(benchmark::State& state, SimdTarget target) {
+  const Candidates& c = crowd_candidates();
+  const auto& lanes = c.type().volumes().lanes<Ordop<26>>();
+  const Kernels::OrdopPair test = kernels_for(target).ordop_pair_26;
+  size_t passed = 0;
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
+  for (auto _ : state) {
+    passed = 0;
+    for (const Candidate& pair : c.list()) {
+      const BodyPair& bodies = c.pairs()[pair.pair];
+      passed += test(lanes[pair.part_a], c.pose_a(pair), bodies.scale_a, lanes[pair.part_b],
+                     c.pose_b(pair), bodies.scale_b, bodies.shift_m);
+    }
+    benchmark::DoNotOptimize(passed);
+  }
+  report(state, passed);
+}
+
+/// Separating axes with the corners of the other polytope projected one by one.
+bool apart_by_corners(const Slabs& slabs, const std::vector<Eigen::Vector3f>& corners,
+                      const Eigen::Matrix3f& from_other, const Eigen::Vector3f& offset) {
+  for (int d = 0; d < 13; ++d) {
+    const Eigen::Vector3f n = direction_vector(d);
+    const Eigen::Vector3f seen = from_other.transpose() * n;
+    float low = along(seen, corners[0]), high = low;
+    for (const Eigen::Vector3f& corner : corners) {
+      const float at = along(seen, corner);
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    const float shift = along(n, offset);
+    const auto i = static_cast<size_t>(d);
+    const float centre = slabs.slab[i].centre, half = slabs.slab[i].half;
+    if (low + shift > centre + half || high + shift < centre - half) return true;
+  }
+  return false;
+}
+
+Eigen::Matrix3f rotation(const PartPose& pose) {
+  Eigen::Matrix3f out;
+  for (int r = 0; r < 3; ++r)
+    for (int col = 0; col < 3; ++col) out(r, col) = pose.rows[r][col];
+  return out;
+}
+
+void ordop_26_scalar_vertices(benchmark::State& state) {
+  const Candidates& c = crowd_candidates();
+  const auto corners = corners_of(c.type());
+  const auto& slabs = c.type().volumes().of<Ordop<26>>();
+  size_t passed = 0;
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
+  for (auto _ : state) {
+    passed = 0;
+    for (const Candidate& pair : c.list()) {
+      const PartPose &a = c.pose_a(pair), &b = c.pose_b(pair);
+      const Eigen::Matrix3f world_from_a = rotation(a), world_from_b = rotation(b);
+      const Eigen::Vector3f b_minus_a = translation_m(b) + c.shift_m(pair) - translation_m(a);
+      const Eigen::Matrix3f a_from_b = world_from_a.transpose() * world_from_b;
+      passed += !apart_by_corners(slabs[pair.part_a], corners[pair.part_b], a_from_b,
+                                  world_from_a.transpose() * b_minus_a) &&
+                !apart_by_corners(slabs[pair.part_b], corners[pair.part_a], a_from_b.transpose(),
+                                  -(world_from_b.transpose() * b_minus_a));
+    }
+    benchmark::DoNotOptimize(passed);
+  }
+  report(state, passed);
+}
+
+struct GjkShape {
+  const std::vector<Eigen::Vector3f>* corners;
+  Eigen::Matrix3d world_from_part;
+  Eigen::Vector3d position_m;
+};
+
+void gjk_support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* out) {
+  const auto& shape = *static_cast<const GjkShape*>(object);
+  const Eigen::Vector3d d(direction->v[0], direction->v[1], direction->v[2]);
+  const Eigen::Vector3f local = (shape.world_from_part.transpose() * d).cast<float>();
+  const Eigen::Vector3f* best = &shape.corners->front();
+  float far = along(local, *best);
+  for (const Eigen::Vector3f& corner : *shape.corners) {
+    const float at = along(local, corner);
+    if (at <= far) continue;
+    far = at;
+    best = &corner;
+  }
+  const Eigen::Vector3d point = shape.world_from_part * best->cast<double>() + shape.position_m;
+  ccdVec3Set(out, point.x(), point.y(), point.z());
+}
+
+void ordop_26_gjk(benchmark::State& state) {
+  const Candidates& c = crowd_candidates();
+  const auto corners = corners_of(c.type());
+  ccd_t ccd;
+  CCD_INIT(&ccd);
+  ccd.support1 = ccd.support2 = gjk_support;
+  ccd.max_iterations = 100;
+  size_t passed = 0;
+  const CountInstructions instructions(state, static_cast<int64_t>(c.list().size()));
+  for (auto _ : state) {
+    passed = 0;
+    for (const Candidate& pair : c.list()) {
+      const PartPose &a = c.pose_a(pair), &b = c.pose_b(pair);
+      const GjkShape shape_a{&corners[pair.part_a], rotation(a).cast<double>(),
+                             translation_m(a).cast<double>()};
+      const GjkShape shape_b{&corners[pair.part_b], rotation(b).cast<double>(),
+                             (translation_m(b) + c.shift_m(pair)).cast<double>()};
+      passed += ccdGJKIntersect(&shape_a, &shape_b, &ccd) != 0;
+    }
+    benchmark::DoNotOptimize(passed);
+  }
+  report(state, passed);
+}
+
+[[maybe_unused]] const bool kOrdopRegistered = [] {
+  for (const SimdTarget target : simd_targets_of_this_machine())
+    benchmark::RegisterBenchmark(("ordop_26_kernel/" + std::string(name_of(target))).c_str(),
+                                 ordop_26_kernel, target);
+  for (const SimdTarget target : simd_targets_of_this_machine())
+    benchmark::RegisterBenchmark(("ordop_26_pair/" + std::string(name_of(target))).c_str(),
+                                 ordop_26_pair, target);
+  return true;
+}();
+BENCHMARK(ordop_26_scalar_vertices);
+BENCHMARK(ordop_26_gjk);
+
+}  // namespace
+
 }  // namespace throng::bench

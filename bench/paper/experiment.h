@@ -1,19 +1,71 @@
 // All of the paper's experiments, run once, and what they say about its claims.
-// One rule: counts depend on the seed alone; times are this machine's, and no claim about counts
-// rests on one.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "bench/paper/census.h"
-#include "bench/paper/costs.h"
-#include "bench/paper/overlap.h"
+#include "bench/paper/methods.h"
 #include "bench/paper/strategies.h"
+#include "bench/workbench/repeat.h"
 
 namespace throng::paper {
 
+// C_o, C_u and C_v, each measured on its own.
+// Inputs come in random order and never repeat within a repetition, so that no branch is
+// learned; a cost is a median over repetitions, with its spread.
+
+using bench::Cost;
+using bench::cost_of;
+
+/// The paper's 500, 1000 and 5000 frames, as multiples of the first.
+inline constexpr std::array<int, 3> kRunLengths = {1, 2, 10};
+
+struct MethodCosts {
+  std::vector<Cost> construction;  ///< by object
+  Cost construction_all;           ///< C_o: all objects once
+  Cost update;                     ///< C_u
+  Cost test;                       ///< C_v
+  double primitive_ns = 0;         ///< C_p: exact only, a test of two boxes or triangles
+  std::array<double, kRunLengths.size()>
+      run_ms{};  ///< whole runs by the thread's clock, construction apart
+};
+
+/// `frames` frames of Part I feed C_u and C_v; each volume is built `constructions` times.
+std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>& objects,
+                                                       int frames, uint64_t seed,
+                                                       int constructions);
+
+// How much room two objects have in which a volume says that they collide: what orders the volumes,
+// whatever box the objects fly in and however fast.
+// Every method judges the same random attitudes and places, so that differences between
+// methods are not chance.
+
+/// The volume of all places of one object's origin at which it overlaps another, mean over pairs of
+/// different objects in random attitudes: of two convex volumes that is the volume of their
+/// Minkowski sum, and what the chance to collide is proportional to.
+struct OverlapVolume {
+  double litres = 0;
+  double error_l = 0;               ///< standard error over independent batches of attitudes
+  std::vector<double> by_object_l;  ///< mean over its partners
+};
+
+using OverlapTable = std::array<OverlapVolume, kMethods.size()>;
+
+/// Monte Carlo with `attitudes` pairs of attitudes a pair of objects (at least 10), 100 places
+/// each.
+OverlapTable measure_overlap(const std::vector<Object>& objects, int attitudes, uint64_t seed);
+
+/// Longest over shortest side of the box around an object's points in its own frame.
+double elongation(const Object& object);
+
+/// All of the paper's experiments, run once, and what they say about its claims.
+/// Counts depend on the seed alone; times are this machine's, and no claim about counts
+/// rests on one.
 struct PaperOptions {
   std::string model = {};  ///< a URDF instead of the bundled adult's
   int frames = 500;        ///< of Part I; a multiple of 5
@@ -110,5 +162,15 @@ struct PaperResult {
 PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptions& options,
                             const std::function<void(const std::string&)>& tell,
                             const std::function<void(const PaperResult&)>& keep = {});
+
+// Which of the paper's orders our numbers support, and where one strategy overtakes another.
+// Every statement is listed with its two numbers, also where it fails.
+
+/// Table 2's order for each k and update rule, Table 3's cheapest volumes, and Fig. 13's in counted
+/// work and in frame rates.
+std::vector<Claim> judge(const PaperResult& result, std::span<const CensusTable> censuses);
+
+/// The cheapest strategy by size, three ways; one entry wherever it changes.
+std::vector<Winner> find_winners(std::span<const Scale> scales);
 
 }  // namespace throng::paper

@@ -7,6 +7,8 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <string>
 #include <string_view>
 
 namespace throng::paper {
@@ -78,10 +80,20 @@ inline constexpr std::array<PublishedVolume, 5> kPublished = {{
 }};
 
 /// The row that one of our volumes ("kdop26_refit") stands beside; nullptr for the exact test.
-const PublishedVolume* published_for(std::string_view volume);
+inline const PublishedVolume* published_for(std::string_view volume) {
+  for (const PublishedVolume& row : kPublished)
+    if (volume.starts_with(row.volume)) return &row;
+  return nullptr;
+}
 
 /// A legible number, or the middle of what a number with a lost last digit can be; negative if
 /// nothing is legible.
-double legible(std::string_view printed);
+inline double legible(std::string_view printed) {
+  if (printed.empty() || printed.front() == '?') return -1;
+  const bool lost = printed.back() == '?';
+  const std::string digits(printed.substr(0, printed.size() - (lost ? 1 : 0)));
+  const double value = std::strtod(digits.c_str(), nullptr);
+  return lost ? 10 * value + 4.5 : value;
+}
 
 }  // namespace throng::paper

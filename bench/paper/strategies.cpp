@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench/paper/census.h"
-#include "bench/workbench/thread_clock.h"
+#include "bench/workbench/repeat.h"
 #include "culling/fitted.h"
 #include "culling/strategies/recipe.h"
 

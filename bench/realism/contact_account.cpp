@@ -1,29 +1,88 @@
 #include "bench/realism/contact_account.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
-#include "analysis/measures/contact_depths.h"
-#include "analysis/measures/heads.h"
-#include "analysis/measures/lasting_contacts.h"
-#include "analysis/measures/part_group.h"
-#include "bench/realism/hand_inside.h"
+#include "analysis/measures/recent_crowd.h"
+#include "analysis/part_names.h"
+#include "culling/distance/hull_depth.h"
+#include "scenes/run/sink.h"
 
 namespace throng::realism {
+
+HandInside::HandInside(const RunInfo& run) {
+  for (const std::shared_ptr<const Model>& model : run.models) {
+    std::vector<Solid>& solids = solids_.emplace_back();
+    for (const Part& part : model->parts) {
+      Solid& solid = solids.emplace_back();
+      if (!part.mesh.triangles.empty())
+        solid.surface = std::make_unique<TriangleBvh>(part.mesh.vertices, part.mesh.triangles);
+      solid.is_hand = part_group(part.name) == PartGroup::kHand;
+      if (!solid.is_hand) continue;
+      Eigen::AlignedBox3f box;
+      for (const Eigen::Vector3f& vertex : part.mesh.vertices) box.extend(vertex);
+      solid.thickness_m = box.sizes().minCoeff();
+      const ConvexHull hull(part.mesh.vertices);
+      for (Eigen::Index i = 0; i < hull.points().rows(); ++i)
+        solid.corners.emplace_back(hull.points().row(i).transpose().cast<float>());
+    }
+  }
+}
+
+const HandInside::Solid& HandInside::solid(const RunInfo& run, uint32_t avatar,
+                                           uint32_t part) const {
+  return solids_[run.model_of_avatar[avatar]][part];
+}
+
+double HandInside::thickness_m(const RunInfo& run, PairKey pair) const {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const auto& [avatar, part] :
+       {std::pair(pair.a(), pair.part_a()), std::pair(pair.b(), pair.part_b())})
+    if (const Solid& one = solid(run, avatar, part); one.is_hand)
+      least_m =
+          std::min(least_m, static_cast<double>(one.thickness_m * run.scale_of_avatar[avatar]));
+  return least_m;
+}
+
+HandInside::Placed HandInside::placed(const RunInfo& run, const Frame& frame, uint32_t avatar,
+                                      uint32_t part, const Eigen::Vector3d& origin_m) {
+  const Model& model = *run.models[run.model_of_avatar[avatar]];
+  poses_.resize(model.parts.size());
+  part_poses(run, frame, avatar, poses_);
+  Eigen::Isometry3d world_from_part = to_isometry(poses_[part]);
+  world_from_part.pretranslate(frame.roots[avatar].position_m - origin_m);
+  return {&solid(run, avatar, part), world_from_part,
+          static_cast<double>(run.scale_of_avatar[avatar])};
+}
+
+bool HandInside::holds(const Placed& outer, const Placed& hand) {
+  if (!hand.solid->is_hand || outer.solid->surface == nullptr) return false;
+  const Eigen::Isometry3d outer_from_hand = outer.world_from_part.inverse() * hand.world_from_part;
+  return std::all_of(
+      hand.solid->corners.begin(), hand.solid->corners.end(), [&](const Eigen::Vector3f& corner) {
+        return outer.solid->surface->contains(outer_from_hand *
+                                              (hand.scale * corner.cast<double>()) / outer.scale);
+      });
+}
+
+bool HandInside::is_inside(const RunInfo& run, const Frame& frame, PairKey pair) {
+  if (!solid(run, pair.a(), pair.part_a()).is_hand && !solid(run, pair.b(), pair.part_b()).is_hand)
+    return false;
+  const Eigen::Vector3d& origin_m = frame.roots[pair.a()].position_m;
+  const Placed a = placed(run, frame, pair.a(), pair.part_a(), origin_m);
+  const Placed b = placed(run, frame, pair.b(), pair.part_b(), origin_m);
+  return holds(a, b) || holds(b, a);
+}
+
 namespace {
 
 /// Depths as often as `throng compare` looks.
 constexpr double kSample_s = 0.1;
 constexpr double kDensity_s = 1;
-
-Histogram depth_histogram() { return {0, 0.0005, 1200}; }
-
-int64_t frames_in(double seconds, double step_s) {
-  return std::max<int64_t>(1, std::llround(seconds / step_s));
-}
-
-uint64_t people_key(PairKey pair) { return pair.bits() >> 16; }
 
 }  // namespace
 
@@ -75,7 +134,7 @@ struct ContactAccount::State {
         sample_every(frames_in(kSample_s, run.step_s)),
         density_every(frames_in(kDensity_s, run.step_s)),
         step_s(run.step_s),
-        measures(run),
+        density(run),
         groups(run),
         heads(run),
         depths(run),
@@ -91,16 +150,21 @@ struct ContactAccount::State {
     return group_pair(groups.of(pair.a(), pair.part_a()), groups.of(pair.b(), pair.part_b()));
   }
 
+  size_t level_of(uint32_t a, uint32_t b) {
+    return ContactMeasures::level_at(density.between(a, b));
+  }
+
   size_t people;
   int64_t sample_every, density_every;
   double step_s;
-  ContactMeasures measures;  ///< knows levels of density
+  CrowdDensity density;
   PartGroups groups;
   Heads heads;
   ContactDepths depths;
   HandInside hands;
   std::vector<Eigen::Vector2d> heads_m;
   std::vector<uint8_t> touches;
+  std::vector<PairEvent> events;  ///< of two people, of a frame
   LastingContacts<Met> open;
 };
 
@@ -125,20 +189,19 @@ void ContactAccount::add_up(const Met& met) {
 void ContactAccount::meet(const Frame& frame) {
   State& s = *state_;
   const double now_s = static_cast<double>(frame.number) * s.step_s;
-  s.open.forget_ended(now_s, [&](const Met& met) { add_up(met); });
-  for (const PairEvent& event : frame.events) {
-    if (event.kind != EventKind::kBegin || event.pair.b() >= s.people) continue;
-    if (s.open.begin(people_key(event.pair), now_s))
-      s.open.find(people_key(event.pair))->level =
-          s.measures.level_of(event.pair.a(), event.pair.b());
-  }
+  s.events.clear();
   for (const PairEvent& event : frame.events)
-    if (event.kind == EventKind::kEnd && event.pair.b() < s.people)
-      s.open.finish(people_key(event.pair), now_s);
+    if (event.pair.b() < s.people) s.events.push_back(event);
+  s.open.take(
+      s.events, now_s, people_of,
+      [&](PairKey pair, Met& met, bool begins) {
+        if (begins) met.level = s.level_of(pair.a(), pair.b());
+      },
+      [&](const Met& met) { add_up(met); });
   static const size_t trunks = group_pair(PartGroup::kTrunk, PartGroup::kTrunk);
   for (const PairKey& pair : frame.pairs) {
     if (pair.b() >= s.people) continue;
-    Met& met = *s.open.find(people_key(pair));
+    Met& met = *s.open.find(people_of(pair));
     met.nearest_heads_m = std::min(met.nearest_heads_m, s.heads_apart_m(pair));
     met.trunks |= s.group_of(pair) == trunks;
   }
@@ -155,12 +218,12 @@ void ContactAccount::sample(const RunInfo& run, const Frame& frame) {
       if (apart_m >= kNearHeads_m[i]) sums_.levels[level].apart[i].depths_of_most.add(most_m);
   };
   s.depths.find(run, frame, [&](PairKey pair, double depth_m) {
-    if (people_key(pair) != people || most_m < 0) {
+    if (people_of(pair) != people || most_m < 0) {
       close();
-      people = people_key(pair);
+      people = people_of(pair);
       most_m = 0;
       apart_m = s.heads_apart_m(pair);
-      level = s.measures.level_of(pair.a(), pair.b());
+      level = s.level_of(pair.a(), pair.b());
     }
     most_m = std::max(most_m, depth_m);
     for (size_t i = 0; i < kNearHeads_m.size(); ++i)
@@ -189,7 +252,7 @@ void ContactAccount::spend_time(const Frame& frame) {
     sums_.person_s += s.step_s;
     if (!is_sampled) continue;
     const double stands_for_s = static_cast<double>(s.density_every) * s.step_s;
-    ContactLevel& level = sums_.levels[s.measures.level_of(id, id)];
+    ContactLevel& level = sums_.levels[s.level_of(id, id)];
     level.person_s += stands_for_s;
     level.touching_s += s.touches[id] * stands_for_s;
   }
@@ -197,7 +260,7 @@ void ContactAccount::spend_time(const Frame& frame) {
 
 void ContactAccount::frame(const RunInfo& run, const Frame& frame) {
   State& s = *state_;
-  s.measures.frame(frame);
+  s.density.frame(frame);
   if (!frame.pairs.empty()) s.heads.find(run, frame, s.heads_m);
   meet(frame);
   if (frame.number % s.sample_every == 0) sample(run, frame);
@@ -206,6 +269,134 @@ void ContactAccount::frame(const RunInfo& run, const Frame& frame) {
 
 void ContactAccount::end(const RunInfo&, const RunEnd&) {
   state_->open.forget_all([&](const Met& met) { add_up(met); });
+}
+
+namespace {
+
+std::string number(double value, int digits) {
+  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits);
+}
+
+/// What a table says of a level, from the sums of those contacts whose heads stayed apart.
+struct Column {
+  std::string name;
+  int digits;
+  std::function<double(const ContactLevel&, const ContactTally&)> value;
+};
+
+Column depth_column(const std::string& name, double share) {
+  return {name, 1, [share](const ContactLevel&, const ContactTally& tally) {
+            return 100 * tally.depths.quantile(share);
+          }};
+}
+
+Column rate_column(const std::string& name, uint64_t ContactTally::*count, int digits) {
+  return {name, digits, [count](const ContactLevel& level, const ContactTally& tally) {
+            return contacts_per_person_min(tally.*count, level.person_s);
+          }};
+}
+
+const std::vector<Column>& columns() {
+  static const std::vector<Column> all = {
+      rate_column("contacts", &ContactTally::contacts, 2),
+      depth_column("50 %", 0.5),
+      depth_column("90 %", 0.9),
+      depth_column("99 %", 0.99),
+      depth_column("most", 1),
+      rate_column("trunks", &ContactTally::trunks, 3),
+      rate_column("hand in", &ContactTally::hands_in, 3),
+      rate_column("deep", &ContactTally::hands_deep, 3),
+      {"touch %", 0, [](const ContactLevel& level, const ContactTally& tally) {
+         // Of all contacts; who is near whom is not asked for.
+         return &tally == level.apart.data() && level.person_s > 0
+                    ? 100 * level.touching_s / level.person_s
+                    : std::numeric_limits<double>::quiet_NaN();
+       }}};
+  return all;
+}
+
+std::string cell(const std::string& before, const std::string* after) {
+  return after == nullptr ? fmt::format("{:>9}", before)
+                          : fmt::format("{:>8} >{:>7}", before, *after);
+}
+
+std::string level_line(const std::string& name, const ContactLevel& before,
+                       const ContactLevel* after, size_t apart) {
+  if (!(before.person_s > 0) && (after == nullptr || !(after->person_s > 0))) return "";
+  const std::string after_s = after == nullptr ? "" : number(after->person_s, 0);
+  std::string line = fmt::format(
+      "  {:<13}{}", name, cell(number(before.person_s, 0), after == nullptr ? nullptr : &after_s));
+  for (const Column& column : columns()) {
+    const std::string then =
+        after == nullptr ? "" : number(column.value(*after, after->apart[apart]), column.digits);
+    line += cell(number(column.value(before, before.apart[apart]), column.digits),
+                 after == nullptr ? nullptr : &then);
+  }
+  return line + "\n";
+}
+
+std::string block(const ContactSums& before, const ContactSums* after, size_t apart) {
+  const bool is_pair = after != nullptr;
+  std::string text = fmt::format("  {:<13}{:>{}}", "per m2", "person s", is_pair ? 17 : 9);
+  for (const Column& column : columns())
+    text += fmt::format("{:>{}}", column.name, is_pair ? 17 : 9);
+  text += "\n";
+  const auto& bounds = ContactMeasures::kBounds_per_m2;
+  for (size_t i = 0; i < ContactSums::kLevels; ++i)
+    text += level_line(range_text(i == 0 ? 0 : bounds[i - 1],
+                                  i < bounds.size() ? std::optional(bounds[i]) : std::nullopt),
+                       before.levels[i], is_pair ? &after->levels[i] : nullptr, apart);
+  const ContactLevel all_before = before.all();
+  const ContactLevel all_after = is_pair ? after->all() : ContactLevel();
+  return text + level_line("all", all_before, is_pair ? &all_after : nullptr, apart);
+}
+
+/// How many contacts there are at heads that are too near for bodies.
+std::string near_line(const std::string& name, const ContactSums& sums) {
+  const ContactLevel all = sums.all();
+  std::string text = fmt::format("  {}: nearest heads of those who touch {} m;", name,
+                                 number(sums.nearest_heads_m, 2));
+  for (size_t i = 1; i < kNearHeads_m.size(); ++i)
+    text += fmt::format(" {} of {} contacts while heads were nearer than {:.2f} m{}",
+                        all.apart[0].contacts - all.apart[i].contacts, all.apart[0].contacts,
+                        kNearHeads_m[i], i + 1 < kNearHeads_m.size() ? "," : "\n");
+  return text;
+}
+
+std::string part_lines(const ContactSums& before, const ContactSums* after) {
+  std::string text =
+      fmt::format("\n  {:<18}{}{}{}\n", "parts, all levels", "  instants of depth, 90 %, most (cm)",
+                  after == nullptr ? "" : "; then after", "");
+  const auto half = [](const Histogram& depths) {
+    return fmt::format("{:>9}{:>7}{:>7}", depths.count(), number(100 * depths.quantile(0.9), 1),
+                       number(100 * depths.max(), 1));
+  };
+  for (size_t group = 0; group < kGroupPairs; ++group) {
+    if (before.depths_of[group].count() == 0 &&
+        (after == nullptr || after->depths_of[group].count() == 0))
+      continue;
+    text += fmt::format("  {:<18}{}{}\n", name_of_group_pair(group), half(before.depths_of[group]),
+                        after == nullptr ? "" : "  >" + half(after->depths_of[group]));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string contact_report(const AccountOf& before, const AccountOf* after, bool with_parts) {
+  const ContactSums* const then = after == nullptr ? nullptr : &after->sums;
+  std::string text =
+      fmt::format("{}{}\n", before.name, after == nullptr ? "" : fmt::format(" > {}", after->name));
+  text +=
+      "  a person and minute: contacts, those with trunk in trunk, with a hand wholly in another "
+      "part, with one deeper than it is thick; depth of two parts in cm; share of time in touch\n";
+  text += block(before.sums, then, 0);
+  for (size_t i = 1; i < kNearHeads_m.size(); ++i)
+    text += fmt::format("  without those whose heads came nearer than {:.2f} m\n{}",
+                        kNearHeads_m[i], block(before.sums, then, i));
+  text += near_line(before.name, before.sums);
+  if (after != nullptr) text += near_line(after->name, *then);
+  return with_parts ? text + part_lines(before.sums, then) : text;
 }
 
 }  // namespace throng::realism

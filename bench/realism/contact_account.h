@@ -1,18 +1,57 @@
-// Contacts of two people by density, and what is wrong with them: depth, trunk in trunk, a hand
-// inside somebody, and how many are there because two heads are nearer than bodies allow.
-// One rule: sums alone, so that those of several runs add up to those of all.
+// Contacts of two people by density, and what is wrong with them; the tables of `realism contacts`.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "analysis/measures/contact_measures.h"
-#include "analysis/measures/histogram.h"
+#include "analysis/measures/measure_table.h"
+#include "culling/exact/triangle_bvh.h"
 #include "scenes/run/sink.h"
 
 namespace throng::realism {
+
+/// Whether a hand is wholly inside a part of somebody else.
+/// Every vertex of the hand is asked for, until one is outside.
+class HandInside {
+ public:
+  explicit HandInside(const RunInfo& run);
+
+  /// Of a pair of which one part or both are hands; false for any other. The frame has postures.
+  bool is_inside(const RunInfo& run, const Frame& frame, PairKey pair);
+
+  /// The least edge of the hand's box at this avatar's scale; of two hands the lesser. Infinite for
+  /// a pair without hands: nothing is deeper.
+  double thickness_m(const RunInfo& run, PairKey pair) const;
+
+ private:
+  struct Solid {
+    bool is_hand = false;
+    float thickness_m = 0;
+    std::vector<Eigen::Vector3f> corners;  ///< a hand's vertices, those of its hull first
+    std::unique_ptr<TriangleBvh> surface;
+  };
+  struct Placed {
+    const Solid* solid;
+    Eigen::Isometry3d world_from_part;  ///< but for the place of the first root
+    double scale;
+  };
+  const Solid& solid(const RunInfo& run, uint32_t avatar, uint32_t part) const;
+  Placed placed(const RunInfo& run, const Frame& frame, uint32_t avatar, uint32_t part,
+                const Eigen::Vector3d& origin_m);
+  static bool holds(const Placed& outer, const Placed& hand);
+
+  std::vector<std::vector<Solid>> solids_;  ///< by model and part
+  std::vector<PartPose> poses_;
+};
+
+// Contacts of two people by density, and what is wrong with them: depth, trunk in trunk, a hand
+// inside somebody, and how many are there because two heads are nearer than bodies allow.
+// Sums alone, so that those of several runs add up to those of all.
 
 /// Contacts whose heads never came nearer than this are counted once more by themselves. The first
 /// are all.
@@ -81,5 +120,15 @@ class ContactAccount final : public Sink {
   std::unique_ptr<State> state_;
   ContactSums sums_;
 };
+
+/// The tables of `realism contacts`.
+/// What there is nothing of is a dash, never 0.
+struct AccountOf {
+  std::string name;
+  ContactSums sums;
+};
+
+/// With a second one, each figure is followed by its own: before and after.
+std::string contact_report(const AccountOf& before, const AccountOf* after, bool with_parts);
 
 }  // namespace throng::realism

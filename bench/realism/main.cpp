@@ -14,12 +14,9 @@
 
 #include "base/errors.h"
 #include "base/say.h"
-#include "bench/realism/contact_report.h"
-#include "bench/realism/encounter_run.h"
-#include "bench/realism/encounter_scene.h"
-#include "bench/realism/joint_report.h"
-#include "bench/realism/made_scene.h"
-#include "bench/realism/scene_switches.h"
+#include "bench/realism/contact_account.h"
+#include "bench/realism/encounters.h"
+#include "bench/realism/joints.h"
 #include "bench/realism/subject.h"
 #include "lcm_io/log/log_sink.h"
 

@@ -1,14 +1,67 @@
 #include "bench/realism/subject.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "base/say.h"
-#include "bench/realism/scene_switches.h"
+#include "recordings/recording_builder.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/run/runner.h"
 
 namespace throng::realism {
+namespace {
+
+/// Bodies reach beyond their roots.
+constexpr double kMargin_m = 2;
+
+}  // namespace
+
+Scene made_scene(const std::string& name, size_t people, double duration_s,
+                 const std::function<Eigen::Vector2d(size_t, double)>& place_m) {
+  Scene scene;
+  scene.name = name;
+  scene.step_s = kMadeStep_s;
+  scene.duration_s = duration_s;
+  RecordedPeople& recorded = scene.recorded.emplace();
+  recorded.options.file = name;
+  recorded.options.tracks = TrackedPoint::kCentre;
+  RecordingBuilder builder(recorded.options);
+  builder.head().kind = name;
+  builder.head().per_s = 1 / kMadeStep_s;
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const int64_t frames = frame_count(duration_s, kMadeStep_s);
+  int64_t place = 0;
+  for (size_t person = 0; person < people; ++person)
+    for (int64_t frame = 0; frame < frames; ++frame) {
+      const Eigen::Vector2d at = place_m(person, static_cast<double>(frame) * kMadeStep_s);
+      builder.add(static_cast<int64_t>(person),
+                  {static_cast<double>(frame), at.x(), at.y(), kNone, kNone}, ++place);
+    }
+  recorded.recording = builder.finish();
+  const Rectangle& bounds = recorded.recording->facts().bounds;
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMargin_m);
+  scene.ground = {bounds.min_m - margin, bounds.max_m + margin};
+  scene.groups.push_back(recorded_group());
+  scene.groups.back().recorded = static_cast<int64_t>(people);
+  return scene;
+}
+
+Scene plain_walking(double duration_s) {
+  constexpr size_t kSpeeds = 15, kEach = 20;
+  constexpr double kSlowest_mps = 0.5, kStep_mps = 0.1, kApart_m = 5;
+  Scene scene =
+      made_scene("plain walking", kSpeeds * kEach, duration_s, [](size_t person, double time_s) {
+        const size_t faster = person / kEach;
+        const double speed_mps = kSlowest_mps + kStep_mps * static_cast<double>(faster);
+        return Eigen::Vector2d(speed_mps * time_s, kApart_m * static_cast<double>(person));
+      });
+  StyleShares styles;
+  styles.fill(1);
+  scene.groups.back().styles = styles;
+  return scene;
+}
 
 Scene open_subject(const std::string& name, std::optional<double> seconds) {
   Scene scene;

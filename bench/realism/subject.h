@@ -1,7 +1,7 @@
-// What is measured: a scene, or a recording dressed in bodies.
-// One rule: it is run as `throng run --exact` runs it, but for what scene_switches.h changes.
+// What is measured: a scene, a recording dressed in bodies, or ways that are made up here.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <span>
@@ -12,6 +12,33 @@
 #include "scenes/run/sink.h"
 
 namespace throng::realism {
+
+// What is switched on or off in every scene that is measured.
+// The only place that changes a scene, so that before and after differ by it alone.
+
+/// --yielding off: bodies walk as if they were alone.
+inline bool bodies_yield = true;
+
+inline void set_switches(Scene& scene) {
+  scene.exact = true;
+  if (!bodies_yield) scene.yielding = false;
+}
+
+// A scene of people on ways that are made up here, as a recording.
+// Recorded at every frame of the run, so that nothing is between two samples.
+
+inline constexpr double kMadeStep_s = 1.0 / 60;
+
+/// Roots of `people` adults go where `place_m` says. On a ground around them; a larger one is the
+/// caller's business.
+Scene made_scene(const std::string& name, size_t people, double duration_s,
+                 const std::function<Eigen::Vector2d(size_t person, double time_s)>& place_m);
+
+/// People of all styles who walk straight on, each alone, at 0.5 to 1.9 m/s.
+Scene plain_walking(double duration_s);
+
+// What is measured: a scene, or a recording dressed in bodies.
+// It is run as `throng run --exact` runs it, but for what set_switches() changes.
 
 /// A scene file, a bundled scene's name or a recording. Throws InputError.
 Scene open_subject(const std::string& name, std::optional<double> seconds);

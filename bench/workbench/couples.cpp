@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "avatars/avatars.h"
 #include "culling/exact/triangle_test.h"

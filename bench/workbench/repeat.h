@@ -1,17 +1,41 @@
 // What one of something costs: repeated, timed by the thread's own clock, with median and spread.
-// One rule: inputs come in random order and never repeat within a repetition, so that no branch is
-// learned.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <ctime>
 #include <utility>
 #include <vector>
 
 #include "base/random.h"
-#include "bench/workbench/thread_clock.h"
 
 namespace throng::bench {
+
+/// Processor time of this thread, for what runs on one thread: on a machine that does nothing else
+/// it is the wall clock's, on a busy one it leaves out the time in which others ran. For
+/// runs of microseconds and more; reading it costs half of one.
+class ThreadClock {
+ public:
+  /// Nanoseconds since construction or the last lap.
+  double lap_ns() {
+    const double now_ns = read_ns();
+    const double ns = now_ns - start_ns_;
+    start_ns_ = now_ns;
+    return ns;
+  }
+
+ private:
+  static double read_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
+  }
+  double start_ns_ = read_ns();
+};
+
+// What one of something costs: repeated, timed by the thread's own clock, with median and spread.
+// Inputs come in random order and never repeat within a repetition, so that no branch is
+// learned.
 
 /// Nanoseconds: median, and the 10th and 90th percentile over the repetitions.
 struct Cost {

@@ -7,10 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/workbench/false_positives.h"
-#include "bench/workbench/figure_three.h"
-#include "bench/workbench/law.h"
 #include "bench/workbench/tested_volume.h"
+#include "bench/workbench/volume_trials.h"
 
 namespace throng {
 

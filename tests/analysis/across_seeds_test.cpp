@@ -1,12 +1,12 @@
 // What several seeds say together: nobody hides a bad one among good ones.
-#include "analysis/validation/across_seeds.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 #include <vector>
+
+#include "analysis/validation/validation.h"
 
 namespace throng::validation {
 namespace {

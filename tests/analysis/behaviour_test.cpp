@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <vector>
 
-#include "analysis/validation/companions.h"
 #include "analysis/validation/recorded_inflow.h"
 
 namespace throng::validation {

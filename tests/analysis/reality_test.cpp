@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "analysis/validation/recorded_set_ups.h"
-#include "analysis/validation/recorded_situations.h"
 
 namespace throng::validation {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/validation/judging_standards.h"
+#include "analysis/validation/judging.h"
 #include "analysis/validation/reality_tables.h"
 #include "analysis/validation/trial.h"
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "bench/engines/engines.h"
+#include "bench/engines/engine.h"
 #include "tests/apps/cli.h"
 
 namespace throng {

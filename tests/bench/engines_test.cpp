@@ -1,12 +1,11 @@
 // What a time may be printed for: engines that list the same pairs as every box against every box.
-#include "bench/engines/engines.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "bench/ageing.h"
-#include "bench/boxes.h"
+#include "bench/comparison.h"
+#include "bench/crowd.h"
+#include "bench/engines/engine.h"
 
 namespace throng::bench {
 namespace {

@@ -1,11 +1,10 @@
 // The false-positive table: no volume misses, tighter ones report less, and the sums add up.
-#include "bench/workbench/false_positives.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
 
 #include "bench/comparison.h"
+#include "bench/workbench/volume_trials.h"
 
 namespace throng::bench {
 namespace {

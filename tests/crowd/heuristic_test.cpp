@@ -10,7 +10,7 @@
 #include <numeric>
 #include <vector>
 
-#include "analysis/validation/recorded_situations.h"
+#include "analysis/validation/recorded_set_ups.h"
 #include "analysis/validation/trial.h"
 #include "crowd/steering/heuristic_tuning.h"
 #include "tests/crowd/steering_draws.h"

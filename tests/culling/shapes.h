@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/workbench/random_solids.h"
+#include "bench/workbench/couples.h"
 
 namespace throng::test {
 

@@ -5,10 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "bench/paper/claims.h"
-#include "bench/paper/figures.h"
-#include "bench/paper/json.h"
-#include "bench/paper/pictures.h"
+#include "bench/paper/experiment.h"
+#include "bench/paper/report.h"
 #include "bench/paper/tables.h"
 
 namespace throng::paper {

@@ -7,8 +7,6 @@
 
 #include <stdexcept>
 
-#include "bench/realism/contact_report.h"
-#include "bench/realism/hand_inside.h"
 #include "bench/realism/subject.h"
 #include "scenes/run/runner.h"
 

@@ -7,8 +7,7 @@
 #include <map>
 #include <numbers>
 
-#include "bench/realism/encounter_run.h"
-#include "bench/realism/encounter_scene.h"
+#include "bench/realism/encounters.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 

@@ -6,10 +6,7 @@
 #include <cmath>
 
 #include "base/elementary.h"
-#include "bench/realism/arm_swing.h"
-#include "bench/realism/joint_report.h"
-#include "bench/realism/joint_speeds.h"
-#include "bench/realism/made_scene.h"
+#include "bench/realism/joints.h"
 #include "bench/realism/subject.h"
 #include "scenes/motion/walk.h"
 

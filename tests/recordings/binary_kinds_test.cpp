@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "analysis/trajectories/trajectory_writer.h"
+#include "analysis/trajectories/trajectory_sink.h"
 #include "recordings/walkable_wkt.h"
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "avatars/avatars.h"
-#include "bench/workbench/random_solids.h"
+#include "bench/workbench/couples.h"
 #include "culling/volumes/pose_math.h"
 
 namespace throng {

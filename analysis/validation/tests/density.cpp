@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/validation/judging_standards.h"
+#include "analysis/validation/judging.h"
 #include "analysis/validation/reality_tables.h"
 #include "analysis/validation/trial.h"
 #include "analysis/validation/validation.h"

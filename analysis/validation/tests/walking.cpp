@@ -41,8 +41,8 @@ Outcome start_on_time(const Conditions& conditions) {
   // Room 8 x 5 m, door of 1 m in the middle of the short wall; outside 4 m more.
   Plan plan("delays", {{0, 0}, {12, 5}}, {conditions.model}, conditions.seed);
   plan.wall_along_y(0, 5, 8.1, {2.5}, 1);
-  constexpr int kPeople = 10;
-  for (int i = 0; i < kPeople; ++i) {
+  constexpr int kDelayed = 10;
+  for (int i = 0; i < kDelayed; ++i) {
     const int column = i % 5, row = i / 5;
     const double x = 0.8 + 1.5 * column;
     const double y = 1.2 + 2.5 * row;
@@ -70,8 +70,8 @@ Outcome start_on_time(const Conditions& conditions) {
     latest = std::max(latest, started_s[id] - planned_s);
     data += fmt::format("{} {}\n", planned_s, started_s[id]);
   }
-  outcome.passed =
-      trial.size() == kPeople && earliest >= 0 && latest <= 1 && door.passages().size() == kPeople;
+  outcome.passed = trial.size() == kDelayed && earliest >= 0 && latest <= 1 &&
+                   door.passages().size() == kDelayed;
   outcome.measured =
       fmt::format("{} of 10 left the room; they set out {:.2f} to {:.2f} s after their time",
                   door.passages().size(), earliest, latest);

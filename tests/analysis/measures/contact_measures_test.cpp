@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "analysis/contacts/contact_statistics.h"
-#include "analysis/measures/contact_depths.h"
 #include "scenes/run/runner.h"
 #include "tests/crowd/crowd_world.h"
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "analysis/measures/comparison.h"
-#include "analysis/measures/heads.h"
+#include "analysis/measures/recent_crowd.h"
 #include "analysis/measures/speed_and_spacing.h"
 #include "analysis/validation/trial.h"
 #include "scenes/run/runner.h"

@@ -1,4 +1,6 @@
 // Measures of how people move, on tracks of which everything is known.
+#include "analysis/measures/motion_measures.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -7,11 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "analysis/measures/accelerations.h"
-#include "analysis/measures/flow_lines.h"
-#include "analysis/measures/head_sway.h"
 #include "analysis/measures/speed_and_spacing.h"
-#include "analysis/measures/width_use.h"
 #include "base/random.h"
 #include "tests/crowd/crowd_world.h"
 

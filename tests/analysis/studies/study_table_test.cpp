@@ -12,7 +12,6 @@
 #include <string>
 
 #include "analysis/studies/journal.h"
-#include "analysis/studies/study_plots.h"
 #include "base/errors.h"
 
 namespace throng {

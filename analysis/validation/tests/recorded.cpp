@@ -1,0 +1,363 @@
+// Speed against density in the set-ups in which people were recorded.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "analysis/validation/judging_behaviour.h"
+#include "analysis/validation/recorded_inflow.h"
+#include "analysis/validation/recorded_set_ups.h"
+
+namespace throng::validation {
+namespace {
+
+Figure figure_of(const RecordedCurve& curve, const std::vector<Reading>& readings,
+                 const std::string& title, const std::vector<DensitySpeed>& samples) {
+  std::string band, ours, cloud;
+  for (size_t i = 0; i < curve.bins.size(); ++i) {
+    const double middle = curve.bins[i].from + 0.5 * kRecordedBin;
+    band += fmt::format("{} {} {} {}\n", middle, curve.bins[i].mean_mps, curve.bins[i].low_mps,
+                        curve.bins[i].high_mps);
+    if (readings[i].met) ours += fmt::format("{} {:.4f}\n", middle, readings[i].ours);
+  }
+  const size_t every = std::max<size_t>(1, samples.size() / 400);
+  for (size_t i = 0; i < samples.size(); i += every)
+    cloud += fmt::format("{:.3f} {:.3f}\n", samples[i].density, samples[i].speed_mps);
+  // A block without a line is an error to gnuplot.
+  if (ours.empty()) ours = "-1 -1\n";
+  if (cloud.empty()) cloud = "-1 -1\n";
+  return {curve.id, title, "Bars: 10 to 90 % of the recording. " + curve.source + ".",
+          "$band << EOD\n" + band + "EOD\n$ours << EOD\n" + ours + "EOD\n$cloud << EOD\n" + cloud +
+              fmt::format(
+                  "EOD\nset grid\nset xrange [0:*]\nset yrange [0:*]\nset key top right\nset "
+                  "xlabel 'people {}'\nset ylabel 'speed, m/s'\nplot $cloud with dots linecolor "
+                  "rgb '#999999' notitle, $band using 1:2:3:4 with yerrorbars linewidth 2 "
+                  "pointtype 7 pointsize 0.6 linecolor rgb '{}' title 'recorded', $ours with "
+                  "linespoints linewidth 2 pointtype 5 pointsize 0.6 linecolor rgb '{}' title "
+                  "'simulated'\n",
+                  curve.unit == "per m2" ? "per m^2" : curve.unit, kFigureColours[0],
+                  kFigureColours[1])};
+}
+
+Outcome speed_against_density(const std::string& id, const std::string& title,
+                              const Conditions& conditions) {
+  Outcome outcome;
+  std::vector<DensitySpeed> samples;
+  for (int index = 0; index < recorded_runs(id); ++index) {
+    const std::vector<DensitySpeed> more =
+        speeds_of(recorded_run(id, index, conditions), id, outcome);
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  const RecordedCurve& curve = recorded_curve(id);
+  Judgement judgement = judge_speeds(curve, samples);
+  outcome.figures = {figure_of(curve, judgement.readings, title, samples)};
+  return judged(std::move(outcome), std::move(judgement));
+}
+
+struct Described {
+  const char* id;
+  const char* title;
+  const char* setup;
+};
+constexpr Described kSetUps[] = {
+    {"ug", "Speed against density: corridor, people go round",
+     "A corridor 1.8 m wide closes in an oval, 26 m round in its middle, straights of 6.4 m; 5 to "
+     "160 people, seconds 60 to 180; 1.8 m in the middle of both straights."},
+    {"uo", "Speed against density: open corridor, one way",
+     "A corridor of 8 m x 3 m behind a room of 4 m; 200 people through an entrance of 0.8 to 3.0 "
+     "m, then 400 with an exit of 2.0 to 0.8 m, three times each; 3 m in its middle."},
+    {"eo", "Speed against density: round a corner",
+     "A corridor 2.4 m wide, legs of 5 and 8 m; 200 people through an entrance of 0.5 to 2.4 m, "
+     "three times each; 2.4 m in the middle of both legs."},
+    {"ko", "Speed against density: two streams merge",
+     "A T-junction, arms 2.4 m wide and 8 m long; 100 people in each of two arms through entrances "
+     "of 0.5 to 2.4 m, three times each; 2.4 m in the middle of all three."},
+    {"bot", "Speed against density: two-way corridor",
+     "A corridor of 8 m x 3.6 m, at both ends a room of 4 m; 200 people each way through entrances "
+     "of 0.5 to 2.5 m, six times each; 3.6 m in its middle."},
+    {"single_file", "Speed against density: single file",
+     "A corridor 0.8 m wide closes in an oval, 26 m round in its middle; 8 to 70 people, three "
+     "times each, seconds 60 to 180; 3 m in the middle of both straights, density along the way."}};
+
+}  // namespace
+
+std::vector<Test> recorded_speed_tests() {
+  std::vector<Test> out;
+  for (const Described& each : kSetUps) {
+    const RecordedCurve& curve = recorded_curve(each.id);
+    out.push_back(
+        {{each.id},
+         {each.title},
+         fmt::format("{} Free speeds {:g} m/s, standard deviation {:.2f}.", each.setup,
+                     curve.free_speed_mps, curve.free_deviation_mps()),
+         fmt::format("means of bins of 0.25 {} with 20 samples on average at most 15 % of the free "
+                     "speed off, 70 % of them between 10 and 90 % of the recording, half of its "
+                     "bins reached; source: {}",
+                     curve.unit, curve.source),
+         [id = std::string(each.id),
+          title = std::string(each.title)](const Conditions& conditions) {
+           return speed_against_density(id, title, conditions);
+         }});
+  }
+  return out;
+}
+
+namespace {
+
+constexpr int kRecorded = 180;
+/// One crowd's flow differs from another's by some hundredths.
+constexpr uint64_t kCrowds = 3;
+constexpr double kEmptiedWithin_s = 600;
+constexpr double kRoom_m = 16;
+constexpr double kNeck_m = 2.8;
+constexpr double kHalf_m = 3;
+
+Figure figure_of(const std::vector<DoorFlow>& flows) {
+  std::string ours, theirs;
+  for (const DoorFlow& flow : flows)
+    ours += fmt::format("{} {:.4f}\n", flow.width_m, flow.flow_per_s);
+  for (const RecordedDoor& door : recorded_doors())
+    for (const double flow : door.flows_per_s)
+      theirs += fmt::format("{} {} {}\n", door.width_m, flow, door.mean_per_s());
+  return {"doors", "Flow through a door, by its width",
+          std::string("Points: an experiment each. ") + kRecordedDoorsSource + ".",
+          "$ours << EOD\n" + ours + "EOD\n$theirs << EOD\n" + theirs +
+              fmt::format(
+                  "EOD\nset grid\nset key top left\nset xrange [0:2.7]\nset yrange [0:*]\nset "
+                  "xlabel 'clear width, m'\nset ylabel 'people per s'\nplot $theirs using "
+                  "1:(0.85 * $3) with lines dashtype 2 linecolor rgb '#999999' title '15 % off "
+                  "their mean', $theirs using 1:(1.15 * $3) with lines dashtype 2 linecolor rgb "
+                  "'#999999' notitle, $theirs with points pointtype 6 linecolor rgb '{}' title "
+                  "'recorded', $ours with linespoints linewidth 2 pointtype 7 linecolor rgb '{}' "
+                  "title 'simulated'\n",
+                  kFigureColours[0], kFigureColours[1])};
+}
+
+/// The mean of several crowds, as the experiments' is.
+DoorFlow mean_flow(double width_m, const Conditions& conditions, Outcome& outcome) {
+  DoorFlow mean = {width_m, 0, 0, 0};
+  for (uint64_t run = 0; run < kCrowds; ++run) {
+    const DoorFlow flow = pass_a_door(width_m, kRecorded, conditions.model,
+                                      conditions.seed_of_run(run, kCrowds), outcome);
+    mean.flow_per_s += flow.flow_per_s / kCrowds;
+    mean.through += flow.through;
+    mean.people += flow.people;
+  }
+  return mean;
+}
+
+Outcome doors(const Conditions& conditions) {
+  Outcome outcome;
+  std::vector<DoorFlow> flows;
+  for (const RecordedDoor& door : recorded_doors())
+    flows.push_back(mean_flow(door.width_m, conditions, outcome));
+  outcome.figures = {figure_of(flows)};
+  return judged(std::move(outcome), judge_doors(flows));
+}
+
+}  // namespace
+
+Plan door_plan(double width_m, int people, SteeringKind model, uint64_t seed) {
+  const Rectangle room = {{0, -kHalf_m}, {kRoom_m, kHalf_m}};
+  const double end_x = kRoom_m + kNeck_m;
+  Plan plan = carved("door",
+                     {room,
+                      {{kRoom_m, -0.5 * width_m}, {end_x, 0.5 * width_m}},
+                      {{end_x, -kHalf_m}, {end_x + 5, kHalf_m}}},
+                     {model}, seed);
+  plan.people_packed(people, room, {{{end_x + 4, -kHalf_m}, {end_x + 5, kHalf_m}}});
+  return plan;
+}
+
+DoorFlow pass_a_door(double width_m, int people, SteeringKind model, uint64_t seed,
+                     Outcome& outcome) {
+  Trial trial(door_plan(width_m, people, model, seed));
+  Gate gate(Gate::Along::kX, kRoom_m, -kHalf_m, kHalf_m);
+  Gate out(Gate::Along::kX, kRoom_m + kNeck_m, -kHalf_m, kHalf_m);
+  while (trial.step(kEmptiedWithin_s)) {
+    gate.watch(trial);
+    out.watch(trial);
+  }
+  note(outcome, trial);
+  // While there is a crowd before it: neither the first ninth nor the last sixth of the people.
+  std::vector<double> times = gate.times_s();
+  const auto skipped = static_cast<size_t>(people / 9);
+  const auto last = static_cast<size_t>(people - people / 6);
+  if (times.size() > last) times.resize(last);
+  times.erase(times.begin(),
+              times.begin() + static_cast<ptrdiff_t>(std::min(skipped, times.size())));
+  return {width_m, flow_per_s(times), static_cast<int>(out.passages().size()), people};
+}
+
+std::vector<Test> recorded_door_tests() {
+  return {
+      {{"doors"},
+       {"Doors of 0.5 to 2.5 m"},
+       "180 people in a room of 16 m x 6 m, a neck of 2.8 m in the middle of a short side, 0.5 "
+       "to 2.5 m wide; flow into the neck from the 21st to the 150th, the mean of three crowds; "
+       "free speeds and bodies of adults.",
+       std::string("within 15 % of the experiments' mean at each width, not falling from a "
+                   "width to the next, everybody through within 600 s; source: ") +
+           kRecordedDoorsSource,
+       doors}};
+}
+
+namespace {
+
+/// What is walked again with the recording's inflow.
+constexpr double kThroughWithin_s = 300;
+/// One crowd's distances differ from another's by one or two hundredths of a metre.
+constexpr uint64_t kSpacingCrowds = 3;
+
+using Spacings = std::vector<SpeedAndSpacing::Spacing>;
+
+/// What several crowds kept on average, those with more pairs counting more.
+Spacings mean_of(const std::vector<Spacings>& crowds) {
+  Spacings mean = crowds.front();
+  for (size_t cell = 0; cell < mean.size(); ++cell) {
+    uint64_t pairs = 0;
+    decltype(mean[cell].quantiles_m) sums{};
+    for (const Spacings& crowd : crowds) {
+      pairs += crowd[cell].pairs;
+      for (size_t k = 0; k < sums.size(); ++k)
+        sums[k] += static_cast<double>(crowd[cell].pairs) * crowd[cell].quantiles_m[k];
+    }
+    mean[cell].pairs = pairs / crowds.size();
+    for (size_t k = 0; k < sums.size() && pairs > 0; ++k)
+      mean[cell].quantiles_m[k] = sums[k] / static_cast<double>(pairs);
+  }
+  return mean;
+}
+
+Outcome spacing(const std::string& id, const Conditions& conditions) {
+  Outcome outcome;
+  const InflowSite site = inflow_site(id, conditions);
+  const auto recording = recording_of(site, conditions, outcome);
+  if (recording == nullptr) return outcome;
+  const auto theirs = recorded_spacing(site.plan.scene, *recording);
+  std::vector<Spacings> ours;
+  for (uint64_t crowd = 0; crowd < kSpacingCrowds; ++crowd) {
+    const InflowSite again = inflow_site(id, conditions.of_run(crowd, kSpacingCrowds));
+    ours.push_back(steered_spacing(with_inflow(again, *recording), kThroughWithin_s, outcome));
+  }
+  return judged(std::move(outcome), judge_spacing(mean_of(ours), theirs));
+}
+
+constexpr const char* kCriterion =
+    "of the distances to others within 1.2 m, by density and side, 5 and 25 % within 0.08 m of the "
+    "recording and 1 % within 0.12 m, in cells with 500 pairs, half of the recording's reached, "
+    "as the mean of three crowds; source: {} of the Pedestrian Dynamics Data Archive";
+
+}  // namespace
+
+std::vector<Test> spacing_tests() {
+  return {
+      {{"spacing_corridor"},
+       {"Spacing in a corridor with an exit of 1.2 m"},
+       "A corridor of 8 m x 1.8 m with an exit of 1.2 m behind a room; 170 people enter when and "
+       "where those of the recording did. Places of heads, ten times a "
+       "second.",
+       fmt::format(fmt::runtime(kCriterion), "uo-180-180-120 (Hermes project)"),
+       [](const Conditions& conditions) { return spacing("spacing_corridor", conditions); }},
+      {{"spacing_door"},
+       {"Spacing before a door of 0.5 m"},
+       "A door of 0.5 m in a barrier; 75 people who begin in the rectangle in which those of the "
+       "recording did.",
+       fmt::format(fmt::runtime(kCriterion), "040_c_56_h- (Wuppertal 2018)"),
+       [](const Conditions& conditions) { return spacing("spacing_door", conditions); }}};
+}
+
+namespace {
+
+constexpr double kWidth_m = 4;
+Rectangle middle() { return {{-3, 0}, {2.2, kWidth_m}}; }
+/// Where lanes form differs from crowd to crowd.
+constexpr uint64_t kCorridorCrowds = 3;
+
+/// Measures a crowd moment by moment.
+class WidthMeter {
+ public:
+  static constexpr double kSample_s = AreaSpeeds::kSample_s;
+  static constexpr size_t kMoments = 3;
+
+  explicit WidthMeter(const Scene& scene) : cell_(voronoi_cells(scene)) {}
+
+  void take(const RecentCrowd& crowd) {
+    velocities_.find(crowd, 1, kSample_s);
+    const Moment& moment = crowd.ago(1);
+    if (const auto sample = density_and_speed(moment, velocities_, middle(), cell_))
+      use_.speeds.push_back(*sample);
+    std::vector<size_t> there;
+    for (size_t person = 0; person < moment.present.size(); ++person)
+      if (velocities_.known[person] != 0 && middle().contains(moment.heads_m[person]))
+        there.push_back(person);
+    for (const size_t person : there) {
+      use_.from_right_wall_m.push_back(moment.heads_m[person].y());
+      int same = 0, all = 0;
+      for (const size_t other : there) {
+        if (other == person || std::abs(moment.heads_m[other].y() - moment.heads_m[person].y()) >=
+                                   TwoWayUse::kAbreast_m)
+          continue;
+        ++all;
+        same += (velocities_.of_mps[other].x() > 0) == (velocities_.of_mps[person].x() > 0);
+      }
+      if (all > 0) use_.lane_orders.push_back(std::pow(2.0 * same / all - 1, 2));
+    }
+  }
+  TwoWayUse use() && { return std::move(use_); }
+
+ private:
+  CellOf cell_;
+  Velocities velocities_;
+  TwoWayUse use_{kWidth_m, {}, {}, {}};
+};
+
+TwoWayUse recorded_use(const InflowSite& site, const Recording& recording) {
+  WidthMeter meter(site.plan.scene);
+  watch_recorded(recording, WidthMeter::kSample_s, WidthMeter::kMoments,
+                 [&](const RecentCrowd& crowd) { meter.take(crowd); });
+  return std::move(meter).use();
+}
+
+TwoWayUse steered_use(const Plan& plan, Outcome& outcome) {
+  WidthMeter meter(plan.scene);
+  watch_steered(plan, Trial::With::kPlaces, kThroughWithin_s, WidthMeter::kSample_s,
+                WidthMeter::kMoments, outcome,
+                [&](const RecentCrowd& crowd) { meter.take(crowd); });
+  return std::move(meter).use();
+}
+
+Outcome two_way_corridor(const Conditions& conditions) {
+  Outcome outcome;
+  const InflowSite site = inflow_site("two_way_corridor", conditions);
+  const auto recording = recording_of(site, conditions, outcome);
+  if (recording == nullptr) return outcome;
+  TwoWayUse ours{kWidth_m, {}, {}, {}};
+  for (uint64_t crowd = 0; crowd < kCorridorCrowds; ++crowd) {
+    const InflowSite again =
+        inflow_site("two_way_corridor", conditions.of_run(crowd, kCorridorCrowds));
+    ours.add(steered_use(with_inflow(again, *recording), outcome));
+  }
+  return judged(std::move(outcome), judge_two_way_use(ours, recorded_use(site, *recording)));
+}
+
+}  // namespace
+
+std::vector<Test> two_way_corridor_tests() {
+  return {
+      {{"two_way_corridor"},
+       {"Two streams that meet use the width of a corridor"},
+       "A corridor of 9.2 m x 4 m; 480 people enter where and when those of the recording did, "
+       "but 5 m before, three crowds; places in its middle 5.2 m, twice a second.",
+       "within 0.4 m of a wall at most twice the recorded share of the time; in the central "
+       "metre at least three quarters of it; lane order (the squared difference of the shares "
+       "that go one's own way and against one of those within 0.5 m to either side, on average) "
+       "at most 0.9; speed within 10 % of the recording in bins of 0.25 per m2 with 20 samples "
+       "of both; source: bi_corr_400_b_03 of the Pedestrian Dynamics Data Archive",
+       two_way_corridor}};
+}
+
+}  // namespace throng::validation
