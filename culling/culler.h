@@ -17,7 +17,6 @@
 #include "culling/pair.h"
 #include "culling/pair_filter.h"
 #include "culling/part_tally.h"
-#include "culling/strategies/strategy.h"
 #include "culling/volumes/volume_kind.h"
 
 namespace throng {
@@ -33,43 +32,66 @@ struct CullerOptions {
   /// level it reached. Both may be given.
   std::optional<double> deadline_ms{};       ///< of a whole pass, by the clock: not repeatable
   std::optional<uint64_t> deadline_tests{};  ///< of boxes, part volumes and triangles together
-  /// The paper's recipes run on one thread, know no deadline (asserted) and no margins.
-  Strategy strategy = Strategy::kPipeline;
   /// Counts by pair of parts, too, and judges by triangles what the part volumes report; see
-  /// part_tally(). Never changes a result. Only of the pipeline without a deadline.
+  /// part_tally(). Never changes a result. Only without a deadline.
   bool by_part = false;
   /// Distances beside what touches; by triangles with `exact`. A deadline counts for them again, by
   /// itself: what it leaves undecided is listed with what its volumes prove.
   NearOptions near{};
-  /// What is asked for, of events and of distances alike. Not of a strategy of the paper.
+  /// What is asked for, of events and of distances alike.
   PairFilter filter{};
 
   bool has_deadline() const { return deadline_ms || deadline_tests; }
 };
 
-class Culler {
+/// The latest frame of a culler; see the functions of Culler of the same names. Spans are valid
+/// until the next step.
+struct CullingResult {
+  std::span<const PairKey> pairs;
+  std::span<const PairEvent> events;
+  std::span<const uint8_t> levels;
+  uint64_t persisting = 0;
+  NearRows near_pairs, near_bodies;
+  std::span<const ContactPoint> contact_points;
+  const CullingCounters* counters = nullptr;
+  uint64_t hash = 0;
+  uint64_t near_hash = 0;
+};
+
+/// What all cullers do, for callers that choose one at run time.
+class AnyCuller {
+ public:
+  virtual ~AnyCuller() = default;
+  /// One frame. Spans returned earlier become invalid.
+  virtual void step(const BodiesView& bodies, const PoseSource& poses) = 0;
+  /// Ends every pair that still touches (the run stops): events() then holds the ends.
+  virtual void finish() = 0;
+  /// What touches and the hash so far: all that later events depend on. Everything else is scratch.
+  virtual void archive(Archive& a) = 0;
+  virtual CullingResult frame() const = 0;
+  /// All frames so far, by pair of parts; empty without CullerOptions::by_part.
+  virtual PartTally part_tally() const { return {}; }
+};
+
+class Culler final : public AnyCuller {
  public:
   /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
-  /// triangles, or of spheres alone; if a part has a volume of its own, or by_part is asked, under
-  /// a strategy of the paper; if by_part is asked under a deadline; if margins are negative,
-  /// infinite, or asked of a strategy of the paper; if contact points are asked of one, or without
-  /// exact; if a filter is asked of one, or its types and parts are not those of `types`.
+  /// triangles; if by_part is asked under a deadline; if margins are negative or infinite; if
+  /// contact points are asked without exact; if the types and parts of a filter are not those of
+  /// `types`.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
-  ~Culler();
+  ~Culler() override;
 
-  /// One frame. Spans returned earlier become invalid.
-  void step(const BodiesView& bodies, const PoseSource& poses);
-  /// Ends every pair that still touches (the run stops): events() then holds the ends.
-  void finish();
-
-  /// What touches and the hash so far: all that later events depend on. Everything else is scratch.
-  void archive(Archive& a);
+  void step(const BodiesView& bodies, const PoseSource& poses) override;
+  void finish() override;
+  void archive(Archive& a) override;
+  CullingResult frame() const override;
+  PartTally part_tally() const override;
 
   std::span<const PairKey> pairs() const;
   std::span<const PairEvent> events() const;
-  /// PairLevel of each of pairs(). Empty where everything is decided: without a deadline, unless
-  /// spheres alone are tested.
+  /// PairLevel of each of pairs(). Empty where everything is decided: without a deadline.
   std::span<const uint8_t> levels() const;
   uint64_t persisting() const;
   /// The pairs of parts within `near.near_m`, and of each two bodies within `near.body_near_m` the
@@ -82,8 +104,6 @@ class Culler {
   const CullingCounters& counters() const;
   /// Of every event so far (see event_hash.h); with a deadline, levels count.
   uint64_t hash() const;
-  /// All frames so far, by pair of parts; empty without CullerOptions::by_part.
-  PartTally part_tally() const;
   /// Of every near row so far: its pair, interval and level. hash() is the same with and without
   /// margins.
   uint64_t near_hash() const;

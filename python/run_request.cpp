@@ -139,8 +139,8 @@ void take_culling(Given& given, SimulationOptions& simulation) {
   given.number("deadline_ms", 0, 1e6, false, "a number of milliseconds from 0", culler.deadline_ms);
   given.whole("deadline_tests", 0, INT64_MAX, culler.deadline_tests);
   const std::string strategy = given.name("strategy", names_of(kAllStrategies));
-  if (!strategy.empty()) culler.strategy = strategy_of(strategy).value();
-  const bool is_papers = culler.strategy != Strategy::kPipeline;
+  if (!strategy.empty()) simulation.strategy = strategy_of(strategy).value();
+  const bool is_papers = simulation.strategy != Strategy::kPipeline;
   if (is_papers && culler.has_deadline())
     throw InputError("strategy", "'pipeline' beside a deadline", fmt::format("'{}'", strategy));
   if (is_papers) culler.pair_search = PairSearch::kBrute;

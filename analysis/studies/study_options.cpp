@@ -26,14 +26,14 @@ constexpr std::array kPairSearches = {"grid", "sweep", "brute"};
 constexpr std::array kTargets = {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
                                  SimdTarget::kAvx2, SimdTarget::kAvx512};
 
-CullerOptions read_culler(const Fields& fields) {
-  CullerOptions culler;
+void read_culling(const Fields& fields, StudyOptions& options) {
+  CullerOptions& culler = options.culler;
   if (fields.find("deadline_tests") != nullptr)
     culler.deadline_tests =
         static_cast<uint64_t>(fields.integer_or("deadline_tests", 0, INT64_MAX, 0));
-  culler.strategy =
+  options.strategy =
       kind_at<Strategy>(fields, "strategy", kAllStrategies).value_or(Strategy::kPipeline);
-  if (culler.strategy != Strategy::kPipeline) {
+  if (options.strategy != Strategy::kPipeline) {
     culler.pair_search = PairSearch::kBrute;
     if (culler.deadline_tests)
       throw InputError(fields.where(*fields.find("deadline_tests")),
@@ -43,7 +43,6 @@ CullerOptions read_culler(const Fields& fields) {
   const std::vector<std::string> searches(kPairSearches.begin(), kPairSearches.end());
   if (const auto found = fields.word("pair_search", searches))
     culler.pair_search = static_cast<PairSearch>(*found);
-  return culler;
 }
 
 }  // namespace
@@ -78,7 +77,7 @@ StudyOptions read_study_options(const Fields& fields) {
   choices.steering = kind_at<SteeringKind>(fields, "steering", all_steering_kinds());
   choices.part_volume = kind_at<VolumeKind>(fields, "part_volume", kAllVolumes);
   choices.exact = fields.boolean_or("exact", false);
-  options.culler = read_culler(fields);
+  read_culling(fields, options);
   return options;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "culling/culler.h"
+#include "culling/strategies/strategy.h"
 #include "scenes/file/scene_fields.h"
 #include "scenes/run/run_choices.h"
 
@@ -15,6 +16,7 @@ namespace throng {
 struct StudyOptions {
   RunChoices choices;
   CullerOptions culler;
+  Strategy strategy = Strategy::kPipeline;
 };
 
 /// "avatars", "seconds", ...

@@ -43,7 +43,7 @@ StudyPlan::StudyPlan(Study study) : study_(std::move(study)) {
       for (std::string& note : run.notes)
         if (noted.insert(note).second) notes_.push_back(std::move(note));
       hash.add(content_hash_of(run.scene)).add(run.scene.duration_s);
-      hash.add(name_of(run.culler.strategy)).add(run.culler.deadline_tests.value_or(UINT64_MAX));
+      hash.add(name_of(run.strategy)).add(run.culler.deadline_tests.value_or(UINT64_MAX));
       const std::vector<size_t> rows = rows_of(point);
       for (size_t i = 0; i < rows.size(); ++i)
         for (const YamlNode& value : study_.blocks[i].rows[rows[i]]) hash.add(text_of(value));
@@ -108,7 +108,7 @@ PlannedRun StudyPlan::planned(size_t scene, size_t point, LoadedModels& models) 
     }
   }
   const StudyOptions read = read_study_options(Fields(file, options, "options of a run"));
-  PlannedRun run{read_scene(source.file, tree, models), read.culler, 1, {}};
+  PlannedRun run{read_scene(source.file, tree, models), read.culler, read.strategy, 1, {}};
   run.notes = run.scene.notes;
   run.plan_growth = apply(read.choices, run.scene, run.notes);
   return run;

@@ -16,6 +16,7 @@ namespace throng {
 struct PlannedRun {
   Scene scene;
   CullerOptions culler;
+  Strategy strategy = Strategy::kPipeline;
   double plan_growth = 1;  ///< factor by which `avatars` enlarged the sides of the plan
   std::vector<std::string> notes;
 };

@@ -226,8 +226,10 @@ std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads
   const double start_s = thread_s();
   try {
     PlannedRun planned = plan.planned(run);
-    Simulation simulation(std::move(planned.scene),
-                          {.threads = threads, .culler = planned.culler, .tables = tables});
+    Simulation simulation(std::move(planned.scene), {.threads = threads,
+                                                     .culler = planned.culler,
+                                                     .strategy = planned.strategy,
+                                                     .tables = tables});
     const double set_up_s = seconds_since(start);
     Measuring measuring;
     Sink* const sink = &measuring;

@@ -179,12 +179,12 @@ SimulationOptions simulation_options(const RunOptions& options) {
   culler.simd = resolved(simd_target_of(options.simd).value());
   culler.deadline_ms = options.deadline_ms;
   culler.deadline_tests = options.deadline_tests;
-  culler.strategy = strategy_of(options.strategy).value();
-  if (culler.strategy != Strategy::kPipeline) culler.pair_search = PairSearch::kBrute;
+  const Strategy strategy = strategy_of(options.strategy).value();
+  if (strategy != Strategy::kPipeline) culler.pair_search = PairSearch::kBrute;
   for (const auto& [name, search] : kPairSearches)
     if (options.pair_search == name) culler.pair_search = search;
   culler.by_part = !options.recorders.by_part.empty();
-  return {.threads = options.threads, .culler = culler};
+  return {.threads = options.threads, .culler = culler, .strategy = strategy};
 }
 
 /// Frames from states to states, as --states-hz asks for.

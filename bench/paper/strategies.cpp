@@ -27,7 +27,7 @@ BoxWorld part_two_world(const std::vector<Object>& objects, size_t count, uint64
 
 namespace {
 
-CullerOptions recipe_of(Strategy strategy, SimdTarget simd) {
+std::unique_ptr<Recipe> recipe_of(Strategy strategy, SimdTarget simd, BodyTypes types) {
   CullerOptions options;
   options.part_volume = VolumeKind::kOrdop26;
   options.pair_search = strategy == Strategy::kTwoPassGrid ? PairSearch::kGrid : PairSearch::kBrute;
@@ -36,8 +36,7 @@ CullerOptions recipe_of(Strategy strategy, SimdTarget simd) {
       throng::Strategy::kNone,      throng::Strategy::kSphere,    throng::Strategy::kVolume,
       throng::Strategy::kHybridOne, throng::Strategy::kHybridAll, throng::Strategy::kTwoPass,
       throng::Strategy::kTwoPass};
-  options.strategy = kRecipes[static_cast<size_t>(strategy)];
-  return options;
+  return Recipe::make(kRecipes[static_cast<size_t>(strategy)], options, types);
 }
 
 std::vector<std::shared_ptr<const BodyType>> types_of(const std::vector<Object>& objects) {
@@ -56,7 +55,7 @@ struct StrategyRun::State : PoseSource {
         types(types_of(objects)),
         scales(count, 1.0f),
         roots(count),
-        recipe(Recipe::make(recipe_of(strategy, simd), types)) {
+        recipe(recipe_of(strategy, simd, types)) {
     for (size_t i = 0; i < count; ++i) {
       ids.push_back(static_cast<uint32_t>(i));
       kinds.push_back(static_cast<uint16_t>(i % objects.size()));

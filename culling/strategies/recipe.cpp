@@ -60,8 +60,8 @@ struct KernelTest {
 template <typename Test>
 class RecipeWith final : public Recipe {
  public:
-  RecipeWith(const CullerOptions& options, BodyTypes types)
-      : strategy_(options.strategy),
+  RecipeWith(Strategy strategy, const CullerOptions& options, BodyTypes types)
+      : strategy_(strategy),
         pair_search_(options.pair_search),
         volume_(options.part_volume),
         exact_(options.exact),
@@ -354,12 +354,13 @@ class RecipeWith final : public Recipe {
 
 }  // namespace
 
-std::unique_ptr<Recipe> Recipe::make(const CullerOptions& options, BodyTypes types) {
-  assert(options.strategy != Strategy::kPipeline);
+std::unique_ptr<Recipe> Recipe::make(Strategy strategy, const CullerOptions& options,
+                                     BodyTypes types) {
+  assert(strategy != Strategy::kPipeline);
   std::unique_ptr<Recipe> recipe;
   with_volume(options.part_volume, [&]<typename V>() {
     using Test = std::conditional_t<KernelsOf<V>::kExist, KernelTest<V>, VolumeTest<V>>;
-    recipe = std::make_unique<RecipeWith<Test>>(options, types);
+    recipe = std::make_unique<RecipeWith<Test>>(strategy, options, types);
   });
   return recipe;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "culling/stages/pass.h"
+#include "culling/strategies/strategy.h"
 
 namespace throng {
 
@@ -16,9 +17,10 @@ class Recipe {
  public:
   virtual ~Recipe() = default;
 
-  /// options.strategy is not kPipeline (asserted). options.pair_search counts for kTwoPass and
+  /// `strategy` is not kPipeline (asserted). options.pair_search counts for kTwoPass and
   /// kSphere only; kBrute is the paper's. Keeps a reference to `types`.
-  static std::unique_ptr<Recipe> make(const CullerOptions& options, BodyTypes types);
+  static std::unique_ptr<Recipe> make(Strategy strategy, const CullerOptions& options,
+                                      BodyTypes types);
 
   /// One frame.
   virtual void run(const BodiesView& bodies, const PoseSource& source) = 0;

@@ -181,7 +181,7 @@ std::string leaves_out(const RunInfo& run) {
   if (run.culler.has_deadline())
     return "decisions that a frame had no time for: such pairs count as touching, their level says "
            "how far they came";
-  return std::string(left_out_by(run.culler.strategy));
+  return std::string(left_out_by(run.strategy));
 }
 
 }  // namespace
@@ -189,7 +189,7 @@ std::string leaves_out(const RunInfo& run) {
 void describe_checks(const RunInfo& run, checks_t& out) {
   out.version = version();
   out.commit = fmt::format("{:<18}", commit());
-  out.strategy = name_of(run.culler.strategy);
+  out.strategy = name_of(run.strategy);
   out.deadline_ms = run.culler.deadline_ms.value_or(-1);
   out.deadline_tests =
       run.culler.deadline_tests ? static_cast<int64_t>(*run.culler.deadline_tests) : -1;

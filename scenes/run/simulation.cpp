@@ -16,6 +16,7 @@
 #include "base/hasher.h"
 #include "base/stopwatch.h"
 #include "crowd/navigation/footprints.h"
+#include "culling/strategies/paper_culler.h"
 #include "scenes/motion/body_blocks.h"
 #include "scenes/motion/drive.h"
 #include "scenes/motion/walk.h"
@@ -46,11 +47,12 @@ void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t
   const CullerOptions& culler = options.culler;
   if (culler.deadline_ms) name.add("deadline, ms").add(*culler.deadline_ms);
   if (culler.deadline_tests) name.add("deadline, tests").add(*culler.deadline_tests);
-  if (culler.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(culler.strategy));
+  if (options.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(options.strategy));
   if (!options.culling) name.add("no culling");
   info.run_id = name.value();
   info.instance = random_instance();
   info.culler = options.culler;
+  info.strategy = options.strategy;
   info.culling = options.culling;
 }
 
@@ -197,7 +199,7 @@ struct Simulation::State {
   std::vector<float> postures;
   std::vector<size_t> posture_offsets;
   std::unique_ptr<YieldingStage> yielding;  ///< null: nobody gives way
-  std::unique_ptr<Culler> culler;
+  std::unique_ptr<AnyCuller> culler;
   RunInfo info;
   std::vector<std::string> notes;
   std::optional<PartTally> part_tally;  ///< once the run has ended
@@ -232,7 +234,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
                                                workers);
   }
   options.culler.filter = filter_of(scene, info);
-  culler = std::make_unique<Culler>(types(), options.culler, workers);
+  culler = make_culler(types(), options.strategy, options.culler, workers);
   options.tables.reset();  // what nobody shares goes
   gather_notes();
 }
@@ -316,7 +318,7 @@ void Simulation::State::update_postures() {
 
 /// Stages of the culling pass overlap over threads: each gets its share of the pass's wall time.
 void Simulation::State::split_times(double steering_ns, double postures_ns) {
-  const CullingCounters& counters = culler->counters();
+  const CullingCounters& counters = *culler->frame().counters;
   const Posing::Times posed = posing.take_times();
   const auto sum = [](const StageCounters& stage) { return stage.update_ns + stage.test_ns; };
   const double avatar_ns = sum(counters.avatar) + sum(counters.body_box);
@@ -344,17 +346,18 @@ void Simulation::State::fill_frame() {
   frame.speeds_mps = speeds_mps;
   frame.postures = postures;
   frame.posture_offsets = posture_offsets;
-  frame.pairs = culler->pairs();
-  frame.events = culler->events();
   frame.present = world->present();
-  frame.levels = culler->levels();
-  frame.persisting = culler->persisting();
-  frame.hash = culler->hash();
-  frame.near_pairs = culler->near_pairs();
-  frame.near_people = culler->near_bodies();
-  frame.contact_points = culler->contact_points();
-  frame.near_hash = culler->near_hash();
-  frame.counters = &culler->counters();
+  const CullingResult culled = culler->frame();
+  frame.pairs = culled.pairs;
+  frame.events = culled.events;
+  frame.levels = culled.levels;
+  frame.persisting = culled.persisting;
+  frame.hash = culled.hash;
+  frame.near_pairs = culled.near_pairs;
+  frame.near_people = culled.near_bodies;
+  frame.contact_points = culled.contact_points;
+  frame.near_hash = culled.near_hash;
+  frame.counters = culled.counters;
   frame.times = &times;
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
 }
@@ -423,18 +426,19 @@ const DrivenPose* Simulation::driven_pose(uint32_t avatar) const {
 RunEnd Simulation::finish() {
   State& s = *state_;
   s.culler->finish();
-  for (const PairEvent& event : s.culler->events())
+  const CullingResult last = s.culler->frame();
+  for (const PairEvent& event : last.events)
     ++(event.kind == EventKind::kBegin ? s.begins : s.ends);
   RunEnd end;
   end.frames = s.frames;
   end.utime_us = s.frame.utime_us;
-  end.events = s.culler->events();
+  end.events = last.events;
   end.begins = s.begins;
   end.ends = s.ends;
-  end.hash = s.culler->hash();
+  end.hash = last.hash;
   if (s.options.culler.by_part) s.part_tally = s.culler->part_tally();
   end.by_part = s.part_tally ? &*s.part_tally : nullptr;
-  end.near_hash = s.culler->near_hash();
+  end.near_hash = last.near_hash;
   return end;
 }
 
@@ -452,13 +456,12 @@ void Simulation::resume(std::span<const uint8_t> bytes, const std::string& name)
   state_->archive(in);
   in.expect_end();
   if (state_->frames < 1) in.refuse("a frame number above 0", std::to_string(state_->frames));
-  const std::span<const PairKey> touching = state_->culler->pairs();
-  const std::span<const uint8_t> levels = state_->culler->levels();
+  const CullingResult last = state_->culler->frame();
   state_->info.resumed = {state_->frames - 1,
                           state_->frame.utime_us,
-                          {touching.begin(), touching.end()},
-                          {levels.begin(), levels.end()},
-                          state_->culler->hash()};
+                          {last.pairs.begin(), last.pairs.end()},
+                          {last.levels.begin(), last.levels.end()},
+                          last.hash};
 }
 
 }  // namespace throng

@@ -24,8 +24,11 @@ struct SimulationOptions {
   int threads = 1;
   /// How contacts are found. Its volume and exactness are the scene's, whatever stands here; its
   /// SIMD target is that of steering, too. A deadline changes the events (the clock's not
-  /// repeatably), and so does a strategy, as far as spheres and boxes rule pairs out.
+  /// repeatably).
   CullerOptions culler{};
+  /// Another than kPipeline is the paper's, see PaperCuller: it changes the events, as far as
+  /// spheres and boxes rule pairs out.
+  Strategy strategy = Strategy::kPipeline;
   /// Fill Frame::postures; see serve(). Off, only avatars in a surviving pair get joint angles at
   /// all: a run that nobody draws or logs does not pay for the rest. Never changes the events.
   bool postures = true;

@@ -12,6 +12,7 @@
 
 #include "avatars/model/model.h"
 #include "culling/culler.h"
+#include "culling/strategies/strategy.h"
 #include "kinematics/kinematics.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/stages.h"
@@ -42,7 +43,8 @@ struct RunInfo {
   /// One a group: the LCM channel that moves its avatars, "" where the simulation does.
   std::vector<std::string> drive_channels;
   CullerOptions culler;  ///< with a deadline pairs have levels, and the hash holds them, too
-  bool culling = true;   ///< false: nobody was looked at, and there are no events
+  Strategy strategy = Strategy::kPipeline;
+  bool culling = true;             ///< false: nobody was looked at, and there are no events
   std::optional<Resumed> resumed;  ///< then the first frame is not number 0
 
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }

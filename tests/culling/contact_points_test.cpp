@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "culling/strategies/paper_culler.h"
 #include "tests/culling/distance_oracle.h"
 #include "tests/culling/random_world.h"
 #include "tests/same_bits.h"
@@ -207,8 +208,7 @@ TEST(ContactPoints, OfVolumesAndOfRecipesAreRefused) {
   options.exact = false;
   EXPECT_THROW(Culler(world.types, options, workers), InputError);
   options = with_points();
-  options.strategy = Strategy::kTwoPass;
-  EXPECT_THROW(Culler(world.types, options, workers), InputError);
+  EXPECT_THROW(PaperCuller(world.types, Strategy::kTwoPass, options), InputError);
 }
 
 }  // namespace

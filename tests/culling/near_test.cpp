@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/errors.h"
+#include "culling/strategies/paper_culler.h"
 #include "tests/culling/distance_oracle.h"
 #include "tests/culling/random_world.h"
 #include "tests/culling/truth.h"
@@ -357,8 +358,7 @@ TEST(NearMargins, OfRecipesAndOfNonsenseAreRefused) {
   Line line;
   Workers workers(1);
   CullerOptions options = with_margins(false);
-  options.strategy = Strategy::kTwoPass;
-  EXPECT_THROW(Culler(line.types, options, workers), InputError);
+  EXPECT_THROW(PaperCuller(line.types, Strategy::kTwoPass, options), InputError);
   for (const float margin : {-1.0f, NAN, INFINITY, 1000.0f}) {
     options = {};
     options.near.near_m = margin;

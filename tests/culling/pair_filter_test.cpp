@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "culling/strategies/paper_culler.h"
 #include "tests/culling/random_world.h"
 
 namespace throng {
@@ -144,8 +145,7 @@ TEST(PairFilter, OfOtherTypesOrOfARecipeIsRefused) {
   EXPECT_THROW(Culler(world.types, options, workers), InputError);
   options.filter = {};
   options.filter.of_body = {PairFilter::left_of(0)};
-  options.strategy = Strategy::kTwoPass;
-  EXPECT_THROW(Culler(world.types, options, workers), InputError);
+  EXPECT_THROW(PaperCuller(world.types, Strategy::kTwoPass, options), InputError);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "base/errors.h"
-#include "culling/culling.h"
+#include "culling/strategies/paper_culler.h"
 #include "tests/culling/random_world.h"
 #include "tests/culling/truth.h"
 
@@ -23,20 +23,20 @@ struct Answer {
   CullingCounters counters;
 };
 
-Answer run(const RandomWorld& world, const CullerOptions& options) {
+Answer run(const RandomWorld& world, const CullerOptions& options, Strategy strategy) {
   Workers workers(1);
-  Culler culler(world.types, options, workers);
-  culler.step(world.view(), world);
-  return {{culler.pairs().begin(), culler.pairs().end()},
-          {culler.levels().begin(), culler.levels().end()},
-          culler.counters()};
+  const auto culler = make_culler(world.types, strategy, options, workers);
+  culler->step(world.view(), world);
+  const CullingResult frame = culler->frame();
+  return {{frame.pairs.begin(), frame.pairs.end()},
+          {frame.levels.begin(), frame.levels.end()},
+          *frame.counters};
 }
 
 std::vector<PairKey> pairs_of(const RandomWorld& world, CullerOptions options, Strategy strategy,
                               PairSearch search = PairSearch::kBrute) {
-  options.strategy = strategy;
   options.pair_search = search;
-  return run(world, options).pairs;
+  return run(world, options, strategy).pairs;
 }
 
 bool includes(const std::vector<PairKey>& more, const std::vector<PairKey>& fewer) {
@@ -77,16 +77,14 @@ TEST(Recipe, FindsTheTruthWithEveryStrategyWhereTrianglesDecide) {
 
 TEST(Recipe, ReportsWholeBodiesWhereOnlySpheresAreTested) {
   const RandomWorld world = dense_world(5);
-  const Answer found = run(world, {.strategy = Strategy::kSphere});
+  const Answer found = run(world, {}, Strategy::kSphere);
   EXPECT_EQ(found.levels, std::vector<uint8_t>(found.pairs.size(), 0));
   EXPECT_EQ(found.counters.levels[0], found.pairs.size());
   EXPECT_EQ(found.counters.posed_bodies, 0u);
   for (const PairKey& pair : touching_by_brute_force(world))
     EXPECT_TRUE(std::binary_search(found.pairs.begin(), found.pairs.end(),
                                    PairKey(pair.a(), pair.b(), kWholeBody, kWholeBody)));
-  Workers workers(1);
-  EXPECT_THROW(Culler(world.types, {.exact = true, .strategy = Strategy::kSphere}, workers),
-               InputError);
+  EXPECT_THROW(PaperCuller(world.types, Strategy::kSphere, {.exact = true}), InputError);
 }
 
 /// The kernel that takes the directions of one or-DOP as lanes gives the scalar's bits.
@@ -96,7 +94,7 @@ TEST(Recipe, GivesTheSameAnswerOnEverySimdTarget) {
     for (const VolumeKind volume :
          {VolumeKind::kOrdop14, VolumeKind::kOrdop18, VolumeKind::kOrdop26}) {
       const auto answer = [&](SimdTarget target) {
-        return run(world, {.part_volume = volume, .simd = target, .strategy = Strategy::kVolume});
+        return run(world, {.part_volume = volume, .simd = target}, Strategy::kVolume);
       };
       const Answer reference = answer(SimdTarget::kScalar);
       ASSERT_GT(reference.pairs.size(), 100u);
@@ -113,7 +111,7 @@ TEST(Recipe, GivesTheSameAnswerOnEverySimdTarget) {
 TEST(Recipe, UpdatesTheVolumesOfSurvivorsOnly) {
   const RandomWorld world(21, 300, 20, Eigen::Vector3d::Zero());
   const auto counters = [&](Strategy strategy) {
-    return run(world, {.pair_search = PairSearch::kBrute, .strategy = strategy}).counters;
+    return run(world, {.pair_search = PairSearch::kBrute}, strategy).counters;
   };
   uint64_t parts = 0;
   for (const uint16_t type : world.type_of)

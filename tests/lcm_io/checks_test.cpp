@@ -481,7 +481,7 @@ TEST(Checks, ARunSaysWhatItLeavesOut) {
       {Strategy::kTwoPass, ""},
   };
   for (const auto& [strategy, words] : cases) {
-    const checks_t told = told_by([s = strategy](RunInfo& info) { info.culler.strategy = s; });
+    const checks_t told = told_by([s = strategy](RunInfo& info) { info.strategy = s; });
     EXPECT_EQ(told.leaves_out, words);
     EXPECT_EQ(told.strategy, name_of(strategy));
   }

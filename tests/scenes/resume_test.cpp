@@ -102,7 +102,7 @@ TEST(Resume, UnderADeadlineGivesTheSameRemainingFrames) {
 // to say so, too.
 TEST(Resume, KeepsTheLevelsOfAStrategy) {
   SimulationOptions options;
-  options.culler.strategy = Strategy::kSphere;
+  options.strategy = Strategy::kSphere;
   options.culler.pair_search = PairSearch::kBrute;
   Simulation whole(small("plaza"), options);
   std::set<PairKey> before;

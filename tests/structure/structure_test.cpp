@@ -130,6 +130,7 @@ TEST_F(Structure, CullingIsKnownByItsDoor) {
                                            "culling/pair.h",
                                            "culling/pair_filter.h",
                                            "culling/part_tally.h",
+                                           "culling/strategies/paper_culler.h",
                                            "culling/strategies/strategy.h",
                                            "culling/volumes/volume_kind.h"};
   const std::set<std::string_view> behind = {

@@ -1,0 +1,134 @@
+#include "culling/strategies/paper_culler.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "base/errors.h"
+#include "base/grow_buffer.h"
+#include "base/stopwatch.h"
+#include "culling/stages/pass.h"
+#include "culling/strategies/recipe.h"
+
+namespace throng {
+namespace {
+
+/// A recipe as a pass. A recipe knows body indices, which are a frame's; pairs leave with ids,
+/// which last.
+class RecipePass final : public Pass {
+ public:
+  RecipePass(BodyTypes types, Strategy strategy, const CullerOptions& options, PairLevel last_level)
+      : last_level_(last_level), recipe_(Recipe::make(strategy, options, types)) {}
+
+  void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
+           CullingCounters& counters) override {
+    recipe_->run(bodies, source);
+    Stopwatch watch;
+    const std::span<const PairKey> found = recipe_->pairs();
+    pairs_.resize(found.size());
+    for (size_t i = 0; i < found.size(); ++i)
+      pairs_[i] = PairKey(bodies.ids[found[i].a()], bodies.ids[found[i].b()], found[i].part_a(),
+                          found[i].part_b());
+    events.advance({pairs_.data(), found.size()});
+    level(found.size());
+    counters.events_ns = watch.lap_ns();
+    counters.avatar = recipe_->spheres();
+    counters.body_box = counters.box = {.volume = "off"};
+    counters.part = recipe_->volumes();
+    counters.exact = recipe_->triangles();
+    counters.primitive_tests = recipe_->primitive_tests();
+    counters.posed_bodies = recipe_->posed_bodies();
+    counters.levels = {};
+    counters.levels[static_cast<size_t>(last_level_)] = found.size();
+  }
+  void finish(PairEvents& events) override {
+    events.advance({});
+    level(0);
+  }
+  void archive(Archive& a, std::span<const PairKey> touching) override {
+    if (a.is_reading()) level(touching.size());
+  }
+  std::span<const uint8_t> levels() const override { return {levels_.data(), level_count_}; }
+  uint64_t times_grown() const override {
+    return recipe_->times_grown() + pairs_.times_grown() + levels_.times_grown();
+  }
+
+ private:
+  /// Of spheres alone every pair says so: a reader expects parts of whatever has no level.
+  void level(size_t pairs) {
+    if (last_level_ != PairLevel::kSphere) return;
+    level_count_ = pairs;
+    levels_.resize(pairs);
+    std::fill_n(levels_.data(), pairs, static_cast<uint8_t>(PairLevel::kSphere));
+  }
+
+  PairLevel last_level_;
+  std::unique_ptr<Recipe> recipe_;
+  GrowBuffer<PairKey> pairs_;
+  GrowBuffer<uint8_t> levels_;  // zeros, of spheres alone
+  size_t level_count_ = 0;
+};
+
+PairLevel last_level_of(Strategy strategy, const CullerOptions& options) {
+  return strategy == Strategy::kSphere ? PairLevel::kSphere : last_level(options);
+}
+
+/// What only the pipeline does is not left out in silence.
+void require_possible(BodyTypes types, Strategy strategy, const CullerOptions& options) {
+  require_margins(options.near);
+  if (options.near.needs_search())
+    throw InputError(options.near.is_asked() ? "margins" : "contact points", "the pipeline",
+                     "a strategy of the paper, which knows no distances");
+  if (options.exact) {
+    require_triangles(types);
+    if (strategy == Strategy::kSphere)
+      throw InputError("exact contacts", "a strategy that tests parts", "spheres alone");
+  }
+  if (options.by_part)
+    throw InputError("counts by part", "the pipeline without a deadline", name_of(strategy));
+  for (const auto& type : types)
+    for (const PartShape& part : type->parts())
+      if (part.volume)
+        throw InputError("volumes of single parts", "the pipeline", name_of(strategy));
+  if (!options.filter.is_empty()) throw InputError("a filter", "the pipeline", name_of(strategy));
+  assert(!options.has_deadline());
+}
+
+std::unique_ptr<Pass> make_pass(BodyTypes types, Strategy strategy, const CullerOptions& options) {
+  require_possible(types, strategy, options);
+  return std::make_unique<RecipePass>(types, strategy, options, last_level_of(strategy, options));
+}
+
+}  // namespace
+
+struct PaperCuller::State {
+  State(std::vector<std::shared_ptr<const BodyType>> body_types, Strategy strategy,
+        const CullerOptions& options)
+      : types(std::move(body_types)),
+        run(make_pass(types, strategy, options), last_level_of(strategy, options)) {}
+
+  std::vector<std::shared_ptr<const BodyType>> types;
+  PassRun run;
+};
+
+PaperCuller::PaperCuller(std::vector<std::shared_ptr<const BodyType>> types, Strategy strategy,
+                         const CullerOptions& options)
+    : state_(std::make_unique<State>(std::move(types), strategy, options)) {}
+PaperCuller::~PaperCuller() = default;
+
+void PaperCuller::step(const BodiesView& bodies, const PoseSource& poses) {
+  state_->run.step(bodies, poses);
+}
+void PaperCuller::finish() { state_->run.finish(); }
+void PaperCuller::archive(Archive& a) { state_->run.archive(a); }
+CullingResult PaperCuller::frame() const { return state_->run.frame(); }
+
+std::unique_ptr<AnyCuller> make_culler(std::vector<std::shared_ptr<const BodyType>> types,
+                                       Strategy strategy, const CullerOptions& options,
+                                       Workers& workers) {
+  if (strategy == Strategy::kPipeline)
+    return std::make_unique<Culler>(std::move(types), options, workers);
+  return std::make_unique<PaperCuller>(std::move(types), strategy, options);
+}
+
+}  // namespace throng
