@@ -3,9 +3,8 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "culling/deadline/deadline.h"
-#include "culling/distance/near_alone.h"
 #include "culling/distance/near_search.h"
+#include "culling/stages/deadline.h"
 #include "culling/stages/pass.h"
 #include "culling/stages/pipeline.h"
 

@@ -13,9 +13,9 @@
 #include "culling/body_type.h"
 #include "culling/distance/hull_depth.h"
 #include "culling/exact/triangle_bvh.h"
-#include "culling/kernels/kernels_of.h"
+#include "culling/kernels/kernels.h"
 #include "culling/volumes/nearby_points.h"
-#include "culling/volumes/ordop_pair.h"
+#include "culling/volumes/ordop_table.h"
 #include "culling/volumes/volume_list.h"
 
 namespace throng {

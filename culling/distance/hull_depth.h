@@ -1,7 +1,7 @@
 // How deep two parts are in each other: the least translation that parts their convex hulls, over
-// all directions.
-// One rule: never below the true value and at most 1 mm above it; every answer carries the bounds
-// that prove it.
+// all directions; and how far apart the hulls are.
+// One rule: a depth is never below the true value and at most 1 mm above it; every answer carries
+// the bounds that prove it.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,10 +12,41 @@
 
 #include "base/pose.h"
 #include "culling/distance/growing_polytope.h"
-#include "culling/distance/support_map.h"
-#include "culling/exact/segments.h"
+#include "culling/exact/triangle_test.h"
 
 namespace throng {
+
+// Which corners of a convex hull can be the farthest along a direction: a few, looked up by the
+// cell of a cube that the direction passes through.
+// One rule: the farthest corner is always among them.
+
+class SupportMap {
+ public:
+  SupportMap() = default;
+  /// Of the first `corners` rows of `points`; kMostCorners at most, others have no map.
+  SupportMap(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points, Eigen::Index corners);
+
+  static constexpr Eigen::Index kFewCorners = 8;  ///< looked at one by one as quickly
+  static constexpr Eigen::Index kMostCorners = 0x10000;
+
+  bool is_empty() const { return corners_.empty(); }
+  /// Ascending. A direction of any length.
+  std::span<const uint16_t> along(const Eigen::Vector3d& direction) const {
+    const size_t cell = cell_of(direction);
+    return {corners_.data() + start_[cell], start_[cell + 1] - start_[cell]};
+  }
+
+ private:
+  static constexpr int kSide = 8;  ///< cells along an edge of the cube
+  static constexpr size_t kCells = size_t{6} * kSide * kSide;
+
+  static size_t cell_of(const Eigen::Vector3d& direction);
+  void add_cell(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points, Eigen::Index corners,
+                size_t cell);
+
+  std::vector<uint32_t> start_;
+  std::vector<uint16_t> corners_;
+};
 
 /// The points of a part, made ready once: those that its convex hull rests on, and all.
 class ConvexHull {
@@ -97,5 +128,24 @@ class DepthFinder {
   std::vector<Eigen::Vector3d> on_a_;  ///< the point of A of each
   std::vector<Face> lowest_;           ///< a heap of its faces, and of some that are gone
 };
+
+// How far apart the convex hulls of two parts are (Gilbert, Johnson & Keerthi, A fast procedure for
+// computing the distance between complex objects, IEEE J. Robotics and Automation 4(2), 1988).
+// One rule: the lower bound is proven by a gap along a direction, whether or not the search has
+// converged.
+
+struct HullGap {
+  double lo_m = 0;     ///< no two points of the parts are nearer; 0: perhaps they overlap
+  double about_m = 0;  ///< the distance of the hulls, found to 0.1 mm where it converged
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< along which lo_m is proven: unit,
+                                                         ///< world axes, from A to B
+  double corners_m = 0;  ///< the distance of two corners that were met: the parts are not farther
+  NearestPoints points_m = {};  ///< of the hulls, at about_m; relative to A's root, in world axes
+};
+
+/// `direction`: unit, from A to B, to begin with. a_to_b_m is B's root minus A's, as in
+/// solids_touch(). No allocation.
+HullGap hull_gap(const PlacedHull& a, const PlacedHull& b, const Eigen::Vector3f& a_to_b_m,
+                 const Eigen::Vector3d& direction);
 
 }  // namespace throng

@@ -4,11 +4,10 @@
 #include <limits>
 #include <optional>
 
-#include "culling/distance/contact_point.h"
-#include "culling/distance/hull_distance.h"
+#include "culling/distance/hull_depth.h"
 #include "culling/distance/surface_distance.h"
 #include "culling/fitted.h"
-#include "culling/kernels/kernels_scalar.h"
+#include "culling/kernels/kernels.h"
 
 namespace throng {
 namespace {

@@ -14,7 +14,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "culling/near.h"
 #include "culling/stages/part_candidates.h"
-#include "culling/stages/part_pair.h"
+#include "culling/stages/part_stage.h"
 
 namespace throng {
 

@@ -1,18 +1,54 @@
 #include "culling/distance/surface_distance.h"
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
-#include "culling/distance/surface_front.h"
-#include "culling/distance/surface_point.h"
+#include "culling/distance/simplex.h"
 #include "culling/distance/triangle_distance.h"
-#include "culling/exact/tree_pair.h"
+#include "culling/exact/touching_triangles.h"
+#include "culling/exact/triangle_bvh.h"
 
 namespace throng {
+
+// The point of a surface that is nearest to another point.
+// One rule: the point lies on a triangle, so its distance is never below the true one.
+
+struct SurfacePoint {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double squared = 0;  ///< of its distance
+};
+
+/// In the part's own frame. No allocation.
+SurfacePoint nearest_on_surface(const TriangleBvh& surface, const Eigen::Vector3d& to,
+                                ExactCounters& counters);
+
+// The triangles of a surface that are foremost along a direction: all that can be near to what lies
+// beyond.
+// One rule: whoever is left out lies farther behind the foremost point than asked.
+
+struct SurfaceFront {
+  struct Triangle {
+    uint32_t index;
+    double behind;  ///< its foremost corner, behind the foremost of all
+  };
+  static constexpr size_t kMost = 256;
+  std::array<Triangle, kMost> triangles;  ///< the foremost first
+  size_t count = 0;
+
+  /// Those at most `behind` behind `ends`, where the surface ends along the direction; false where
+  /// they are too many. No allocation.
+  bool gather(const TriangleBvh& surface, const Eigen::Vector3d& direction, double ends,
+              double behind);
+};
+
 namespace {
 
 using Eigen::Vector3d;
@@ -267,6 +303,212 @@ std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurfac
   out.points_m = {linear * search.points().on_a + shift, linear * search.points().on_b + shift};
   out.hi_m = (out.points_m.on_b - out.points_m.on_a).norm();
   out.lo_m = std::min(out.hi_m, std::max(known.lo_m, static_cast<double>(a.scale) * search.lo()));
+  return out;
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// Sums up where the edges of one triangle go through the other.
+struct Crossings {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+
+  void add(const Triangle& edges, const Triangle& face) {
+    const Vector3d u = face.corner[1] - face.corner[0], v = face.corner[2] - face.corner[0];
+    const Vector3d normal = u.cross(v);
+    const double squared = normal.squaredNorm();
+    if (!(squared > 0)) return;
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d &p = edges.corner[i], &q = edges.corner[(i + 1) % 3];
+      const double before = normal.dot(p - face.corner[0]), after = normal.dot(q - face.corner[0]);
+      if (before == after || (before > 0) == (after > 0)) continue;
+      const Vector3d at = p + before / (before - after) * (q - p), r = at - face.corner[0];
+      const double s = normal.dot(r.cross(v)) / squared, t = normal.dot(u.cross(r)) / squared;
+      if (s < 0 || t < 0 || s + t > 1) continue;
+      sum += at;
+      ++count;
+    }
+  }
+};
+
+/// Of two triangles that touch: the middle of the segment that they share, or, where they lie in
+/// one plane or touch by a corner, of their nearest points.
+Vector3d shared_point(const Triangle& a, const Triangle& b) {
+  Crossings crossings;
+  crossings.add(a, b);
+  crossings.add(b, a);
+  if (crossings.count > 0) return crossings.sum / crossings.count;
+  const NearestPoints nearest = triangle_gap(a, b).points;
+  return 0.5 * (nearest.on_a + nearest.on_b);
+}
+
+/// The nearest to a target first.
+struct NearestFirst {
+  struct Rank {
+    double a2 = 0, b2 = 0;  ///< squared, to the box of each, in A's unit of length
+    double both() const { return std::max(a2, b2); }
+  };
+  Vector3d in_a, in_b;    ///< the target in the frame of each
+  double a_from_b2;       ///< squared: B's unit of length in A's
+  const double& nearer2;  ///< squared: only what is nearer is looked at
+
+  Rank with_a(Rank rank, const TriangleBvh::Node& node) const {
+    return {squared_to_box(node, in_a), rank.b2};
+  }
+  Rank with_b(Rank rank, const TriangleBvh::Node& node) const {
+    return {rank.a2, a_from_b2 * squared_to_box(node, in_b)};
+  }
+  bool is_open(Rank rank) const { return rank.both() < nearer2; }
+  static bool is_before(Rank one, Rank other) { return one.both() < other.both(); }
+};
+
+}  // namespace
+
+std::optional<Vector3d> contact_point(const PlacedSurface& a, const PlacedSurface& b,
+                                      const Eigen::Vector3f& a_to_b_m, const Vector3d& near_m,
+                                      ExactCounters& counters) {
+  const Relative a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
+  const double ratio = static_cast<double>(b.scale) / static_cast<double>(a.scale);
+  const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
+  const Vector3d target = linear.inverse() * (near_m - translation(*a.pose));
+  const double worth = kNearer_m / static_cast<double>(a.scale);
+  std::optional<Vector3d> best;
+  double best_far = std::numeric_limits<double>::infinity(), nearer2 = best_far;
+  const TouchingTriangles triangles(*a.surface, *b.surface, a_from_b, ratio, counters);
+  triangles.visit(
+      [&](const Triangle& ta, const Triangle& tb) {
+        const Vector3d point = shared_point(ta, tb);
+        const double far = (point - target).norm();
+        if (far < best_far) {
+          best = point;
+          best_far = far;
+          nearer2 = std::pow(std::max(0.0, far - worth), 2);
+        }
+        return false;
+      },
+      NearestFirst{target, a_from_b.inverse * (target - a_from_b.offset), ratio * ratio, nearer2});
+  if (!best) best = piece_inside(*a.surface, *b.surface, a_from_b);
+  if (!best) return std::nullopt;
+  return linear * *best + translation(*a.pose);
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// The directions that are asked are those of doubles; boxes and corners are of floats: their sums
+/// round by less.
+constexpr double kSumRounding = 1e-12;
+
+double reach_along(const TriangleBvh::Node& node, const Vector3d& direction,
+                   const Vector3d& direction_abs) {
+  return direction.dot(to_double(node.centre_m)) + direction_abs.dot(to_double(node.half_m)) +
+         kSumRounding;
+}
+
+double foremost_corner(const std::array<Eigen::Vector3f, 3>& corners, const Vector3d& direction) {
+  const auto along = [&](size_t i) { return direction.dot(corners[i].cast<double>()); };
+  return std::max({along(0), along(1), along(2)});
+}
+
+/// Calls visit(index, how far its foremost corner reaches) for the triangles of all leaves that may
+/// reach least(), which may grow meanwhile; the foremost of two nodes first.
+template <typename Least, typename Visit>
+void for_foremost(const TriangleBvh& surface, const Vector3d& direction, const Least& least,
+                  const Visit& visit) {
+  const Vector3d direction_abs = direction.cwiseAbs();
+  struct Waiting {
+    uint32_t node;
+    double reach;
+  };
+  const auto waiting = [&](uint32_t node) {
+    return Waiting{node, reach_along(surface.nodes()[node], direction, direction_abs)};
+  };
+  Waiting stack[TriangleBvh::kMaxDepth + 2];
+  int top = 0;
+  stack[top++] = waiting(0);
+  while (top > 0) {
+    const Waiting at = stack[--top];
+    if (at.reach < least()) continue;
+    const TriangleBvh::Node& node = surface.nodes()[at.node];
+    for (uint32_t i = node.first; i < node.first + node.count; ++i)
+      visit(i, foremost_corner(surface.triangles()[i], direction));
+    if (node.count > 0) continue;
+    Waiting near = waiting(at.node + 1), far = waiting(node.first);
+    if (far.reach > near.reach) std::swap(near, far);
+    stack[top++] = far;
+    stack[top++] = near;
+  }
+}
+
+}  // namespace
+
+bool SurfaceFront::gather(const TriangleBvh& surface, const Vector3d& direction, double ends,
+                          double behind) {
+  count = 0;
+  bool has_room = true;
+  for_foremost(
+      surface, direction,
+      [&] { return has_room ? ends - behind : std::numeric_limits<double>::infinity(); },
+      [&](uint32_t index, double reach) {
+        if (ends - reach > behind) return;
+        has_room &= count < kMost;
+        if (has_room) triangles[count++] = {index, ends - reach};
+      });
+  std::sort(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(count),
+            [](const Triangle& p, const Triangle& q) {
+              return p.behind < q.behind || (p.behind == q.behind && p.index < q.index);
+            });
+  return has_room;
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// The point of a triangle nearest to `to`, less that.
+Vector3d nearest_on_triangle(const std::array<Eigen::Vector3f, 3>& corners, const Vector3d& to) {
+  const Vector3d a = corners[0].cast<double>() - to, b = corners[1].cast<double>() - to,
+                 c = corners[2].cast<double>() - to;
+  const std::array<double, 3> weights = weights_of_nearest(a, b, c);
+  return weights[0] * a + weights[1] * b + weights[2] * c;
+}
+
+}  // namespace
+
+SurfacePoint nearest_on_surface(const TriangleBvh& surface, const Vector3d& to,
+                                ExactCounters& counters) {
+  struct Waiting {
+    uint32_t node;
+    double squared;
+  };
+  const auto waiting = [&](uint32_t node) {
+    ++counters.node_tests;
+    return Waiting{node, squared_to_box(surface.nodes()[node], to)};
+  };
+  SurfacePoint out{to, std::numeric_limits<double>::infinity()};
+  Waiting stack[TriangleBvh::kMaxDepth + 2];
+  int top = 0;
+  stack[top++] = waiting(0);
+  while (top > 0) {
+    const Waiting at = stack[--top];
+    if (at.squared >= out.squared) continue;
+    const TriangleBvh::Node& node = surface.nodes()[at.node];
+    if (node.count == 0) {
+      Waiting near = waiting(at.node + 1), far = waiting(node.first);
+      if (far.squared < near.squared) std::swap(near, far);
+      stack[top++] = far;
+      stack[top++] = near;
+      continue;
+    }
+    for (uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const Vector3d between = nearest_on_triangle(surface.triangles()[i], to);
+      if (const double squared = between.squaredNorm(); squared < out.squared)
+        out = {to + between, squared};
+    }
+  }
   return out;
 }
 

@@ -3,7 +3,6 @@
 // lie apart.
 #pragma once
 
-#include "culling/exact/segments.h"
 #include "culling/exact/triangle_test.h"
 
 namespace throng {

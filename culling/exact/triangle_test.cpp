@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "culling/exact/segments.h"
-
 namespace throng {
 namespace {
 

@@ -13,6 +13,7 @@
 #include "base/pose.h"
 #include "base/simd.h"
 #include "culling/volumes/nearby_points.h"
+#include "culling/volumes/ordop.h"
 #include "culling/volumes/ordop_table.h"
 
 namespace throng {
@@ -185,7 +186,7 @@ struct Kernels {
                      const Candidate* candidates, const uint32_t* order, size_t count, float near_m,
                      GapBounds* bounds, uint8_t* overlaps);
 
-  /// One or-DOP of the paper's against one other; see ordop_pair.h. shift_m: root of b minus
+  /// One or-DOP of the paper's against one other; see OrdopLanes. shift_m: root of b minus
   /// root of a, then the margin that bounds all float rounding.
   using OrdopPair = bool (*)(const OrdopLanes& a, const PartPose& pose_a, float scale_a,
                              const OrdopLanes& b, const PartPose& pose_b, float scale_b,
@@ -195,5 +196,40 @@ struct Kernels {
 
 /// The kernels of a target that this machine has (asserted); kBest is the best.
 const Kernels& kernels_for(SimdTarget target);
+
+// Which kernels test a volume.
+// One rule: a volume that is not named here is placed and tested pair by pair.
+
+/// The kernels of a volume that has some: pairs of the same two parts as lanes, and one pair.
+template <typename V>
+struct KernelsOf {
+  static constexpr bool kExist = false;
+};
+template <>
+struct KernelsOf<Ordop<14>> {
+  static constexpr bool kExist = true;
+  static constexpr auto kPairs = &Kernels::ordop_pairs_14;
+  static constexpr auto kPair = &Kernels::ordop_pair_14;
+  static constexpr int kDirectionCount = 14;
+};
+template <>
+struct KernelsOf<Ordop<18>> {
+  static constexpr bool kExist = true;
+  static constexpr auto kPairs = &Kernels::ordop_pairs_18;
+  static constexpr auto kPair = &Kernels::ordop_pair_18;
+  static constexpr int kDirectionCount = 18;
+};
+template <>
+struct KernelsOf<Ordop<26>> {
+  static constexpr bool kExist = true;
+  static constexpr auto kPairs = &Kernels::ordop_pairs_26;
+  static constexpr auto kPair = &Kernels::ordop_pair_26;
+  static constexpr int kDirectionCount = 26;
+};
+
+// The reference kernels: plain loops, one pair at a time.
+// One rule: slow and obvious; every SIMD kernel is tested against these to the bit.
+
+const Kernels& scalar_kernels();
 
 }  // namespace throng

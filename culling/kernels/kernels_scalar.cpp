@@ -1,17 +1,15 @@
-#include "culling/kernels/kernels_scalar.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
-#include "culling/volumes/directions.h"
-#include "culling/volumes/ordop_pair.h"
+#include "culling/kernels/kernels.h"
+#include "culling/volumes/ordop_table.h"
 #include "culling/volumes/pose_math.h"
+#include "culling/volumes/slabs.h"
 
 namespace throng {
-
 namespace {
 
 bool spheres_overlap(const SphereRows& s, uint32_t i, uint32_t j) {

@@ -7,10 +7,7 @@
 #include <hwy/foreach_target.h>
 
 #include "culling/kernels/kernels_boxes-inl.h"
-#include "culling/kernels/kernels_gaps-inl.h"
 #include "culling/kernels/kernels_ordop-inl.h"
-#include "culling/kernels/kernels_pair-inl.h"
-#include "culling/kernels/kernels_search-inl.h"
 
 #if THRONG_HAS_LANES
 HWY_BEFORE_NAMESPACE();
@@ -25,8 +22,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <cassert>
-
-#include "culling/kernels/kernels_scalar.h"
 
 namespace throng {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "base/stopwatch.h"
-#include "culling/kernels/kernels_scalar.h"
+#include "culling/kernels/kernels.h"
 
 namespace throng {
 namespace {

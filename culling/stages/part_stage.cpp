@@ -5,10 +5,10 @@
 
 #include "base/stopwatch.h"
 #include "culling/fitted.h"
-#include "culling/kernels/kernels_of.h"
-#include "culling/stages/part_pair.h"
+#include "culling/kernels/kernels.h"
 
 namespace throng {
+
 void PartStageCounters::add(const PartStageCounters& other) {
   body_box += other.body_box;
   box += other.box;
@@ -119,5 +119,154 @@ void PartStage::reserve_like(const PartStage& other) {
 }
 
 uint32_t PartStage::times_grown() const { return parts_.times_grown() + overlaps_.times_grown(); }
+
+template <typename Volume>
+void PartStage::test_by_kernel(const PartStageFrame& frame) {
+  const Kernels::OrdopPairs test = frame.kernels->*KernelsOf<Volume>::kPairs;
+  parts_.for_each_bucket(
+      [&](size_t a, size_t b, std::span<uint32_t> some) {
+        test(table_of(frame, a), table_of(frame, b), parts_.pairs().data(), bodies_->poses(),
+             parts_.candidates().data(), some.data(), some.size(), overlaps_.data());
+      },
+      [&](uint32_t one) { test_by_reference<Volume>(frame, one); });
+}
+
+/// Shapes beyond the buckets: rare, so one by one with the reference.
+template <typename Volume>
+void PartStage::test_by_reference(const PartStageFrame& frame, uint32_t candidate) {
+  const Candidate& c = parts_.candidates()[candidate];
+  const BodyPair& pair = parts_.pairs()[c.pair];
+  const Kernels::OrdopPairs reference = scalar_kernels().*KernelsOf<Volume>::kPairs;
+  reference(frame.types[pair.type_a]->volumes().tables()[c.part_a],
+            frame.types[pair.type_b]->volumes().tables()[c.part_b], parts_.pairs().data(),
+            bodies_->poses(), parts_.candidates().data(), &candidate, 1, overlaps_.data());
+}
+
+/// Two parts with different volumes are apart if either kind of volume says so: the one that comes
+/// first in the list is asked first, then the other.
+void PartStage::test_mixture(const PartStageFrame& frame) {
+  parts_.for_each_bucket(
+      [&](size_t a, size_t b, std::span<uint32_t> some) {
+        const auto volume = [&](size_t shape) {
+          const uint16_t type = frame.shape_type[shape];
+          return frame.volume_of(type, shape - frame.type_first_shape[type]);
+        };
+        const VolumeKind of_a = volume(a), of_b = volume(b);
+        const auto decide = [&](VolumeKind kind) {
+          with_volume(kind, [&]<typename Volume>() {
+            if constexpr (KernelsOf<Volume>::kExist)
+              (frame.kernels->*KernelsOf<Volume>::kPairs)(
+                  table_of(frame, a), table_of(frame, b), parts_.pairs().data(), bodies_->poses(),
+                  parts_.candidates().data(), some.data(), some.size(), overlaps_.data());
+            else
+              test_one_by_one<Volume>(frame, some);
+          });
+        };
+        decide(std::min(of_a, of_b));
+        if (of_a == of_b) return;
+        some = still_overlapping(some);
+        decide(std::max(of_a, of_b));
+      },
+      [&](uint32_t one) {
+        const Candidate& c = parts_.candidates()[one];
+        const BodyPair& pair = parts_.pairs()[c.pair];
+        const VolumeKind of_a = frame.volume_of(pair.type_a, c.part_a);
+        const VolumeKind of_b = frame.volume_of(pair.type_b, c.part_b);
+        const auto decide = [&](VolumeKind kind) {
+          with_volume(kind, [&]<typename Volume>() {
+            if constexpr (KernelsOf<Volume>::kExist)
+              test_by_reference<Volume>(frame, one);
+            else
+              test_one_by_one<Volume>(frame, {&one, 1});
+          });
+        };
+        decide(std::min(of_a, of_b));
+        if (of_a != of_b && overlaps_[one]) decide(std::max(of_a, of_b));
+      });
+}
+
+/// Moves them to the front.
+std::span<uint32_t> PartStage::still_overlapping(std::span<uint32_t> candidates) const {
+  size_t kept = 0;
+  for (const uint32_t candidate : candidates)
+    if (overlaps_[candidate]) candidates[kept++] = candidate;
+  return candidates.first(kept);
+}
+
+template <typename Volume>
+bool PartStage::overlap(const PartStageFrame& frame, uint32_t candidate) const {
+  const Candidate& c = parts_.candidates()[candidate];
+  return placed_overlap<Volume>(part_pair(frame, bodies_->poses(), parts_.pairs()[c.pair], c));
+}
+
+template <typename Volume>
+void PartStage::test_one_by_one(const PartStageFrame& frame) {
+  for (uint32_t i = 0; i < parts_.candidates().size(); ++i)
+    overlaps_[i] = overlap<Volume>(frame, i);
+  counters_.part.updates += 2 * parts_.candidates().size();
+}
+
+template <typename Volume>
+void PartStage::test_one_by_one(const PartStageFrame& frame, std::span<const uint32_t> candidates) {
+  for (const uint32_t i : candidates) overlaps_[i] = overlap<Volume>(frame, i);
+  counters_.part.updates += 2 * candidates.size();
+}
+
+void PartStage::test_parts(const PartStageFrame& frame) {
+  Stopwatch watch;
+  overlaps_.resize(parts_.candidates().size());
+  if (frame.is_mixed) {
+    test_mixture(frame);
+  } else {
+    with_volume(frame.volume, [&]<typename Volume>() {
+      if constexpr (KernelsOf<Volume>::kExist)
+        test_by_kernel<Volume>(frame);
+      else
+        test_one_by_one<Volume>(frame);
+    });
+  }
+  counters_.part.tests += parts_.candidates().size();
+  // Every candidate lies in a bucket or in the rest: each has been written, 0 or 1.
+  for (size_t i = 0; i < parts_.candidates().size(); ++i)
+    counters_.part.passed += overlaps_[i];  // NOLINT(clang-analyzer-*)
+  counters_.part.test_ns += watch.lap_ns();
+}
+
+/// Before triangles decide, which write over what the volumes said.
+void PartStage::tally_tests(const PartStageFrame& frame) {
+  const auto block_of = [&](const BodyPair& pair) -> PartTally::Block& {
+    return tally_->block(pair.type_a, pair.type_b, frame.type_parts[pair.type_a],
+                         frame.type_parts[pair.type_b]);
+  };
+  for (const BodyPair& pair : parts_.pairs()) ++block_of(pair).body_pairs;
+  for (size_t i = 0; i < parts_.candidates().size(); ++i) {
+    const Candidate& c = parts_.candidates()[i];
+    const BodyPair& pair = parts_.pairs()[c.pair];
+    PartPairCounts& cell =
+        PartTally::cell(block_of(pair), pair.type_a, pair.type_b, c.part_a, c.part_b);
+    ++cell.box_passed;
+    cell.part_passed += overlaps_[i];
+  }
+}
+
+/// What truly touches: as the triangles have decided, or judged here, aside from the answer.
+void PartStage::tally_truth(const PartStageFrame& frame) {
+  ExactCounters aside;
+  for (size_t i = 0; i < parts_.candidates().size(); ++i) {
+    if (!overlaps_[i]) continue;
+    const Candidate& c = parts_.candidates()[i];
+    const BodyPair& pair = parts_.pairs()[c.pair];
+    bool touches = frame.exact;
+    if (!frame.exact) {
+      const auto &type_a = *frame.types[pair.type_a], &type_b = *frame.types[pair.type_b];
+      tally_->knows_truth &= type_a.has_triangles() && type_b.has_triangles();
+      touches =
+          tally_->knows_truth && parts_touch(part_pair(frame, bodies_->poses(), pair, c), aside);
+    }
+    PartTally::Block& block = tally_->block(pair.type_a, pair.type_b, frame.type_parts[pair.type_a],
+                                            frame.type_parts[pair.type_b]);
+    PartTally::cell(block, pair.type_a, pair.type_b, c.part_a, c.part_b).touching += touches;
+  }
+}
 
 }  // namespace throng

@@ -6,7 +6,7 @@
 #include "base/grow_buffer.h"
 #include "base/stopwatch.h"
 #include "culling/fitted.h"
-#include "culling/kernels/kernels_of.h"
+#include "culling/kernels/kernels.h"
 #include "culling/stages/pair_search.h"
 #include "culling/stages/slots.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "culling/volumes/directions.h"
 #include "culling/volumes/polytope.h"
 #include "culling/volumes/pose_math.h"
+#include "culling/volumes/slabs.h"
 
 namespace throng {
 template <int K>

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "culling/volumes/directions.h"
 #include "culling/volumes/polytope.h"
 #include "culling/volumes/pose_math.h"
+#include "culling/volumes/slabs.h"
 
 namespace throng {
 namespace {

@@ -14,7 +14,6 @@
 
 #include "culling/distance/hull_corners.h"
 #include "culling/distance/hull_depth.h"
-#include "culling/distance/hull_distance.h"
 #include "tests/culling/shapes.h"
 
 namespace throng::test {

@@ -5,8 +5,8 @@
 #include <Eigen/LU>
 #include <cstdio>
 
-#include "culling/volumes/directions.h"
 #include "culling/volumes/polytope.h"
+#include "culling/volumes/slabs.h"
 #include "culling/volumes/volume_list.h"
 #include "shapes.h"
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "culling/distance/contact_point.h"
 #include "culling/distance/surface_distance.h"
 #include "tests/culling/distance_oracle.h"
 #include "tests/culling/shapes.h"

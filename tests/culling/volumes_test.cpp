@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "culling/volumes/directions.h"
+#include "culling/volumes/slabs.h"
 #include "culling/volumes/volume_list.h"
 #include "shapes.h"
 
