@@ -19,7 +19,6 @@
 #include "kinematics/mesh_path.h"
 #include "kinematics/plain_urdf.h"
 #include "kinematics/urdf_check.h"
-#include "kinematics/urdf_idle.h"
 
 namespace throng {
 namespace {

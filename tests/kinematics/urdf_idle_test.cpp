@@ -1,7 +1,5 @@
 // What a URDF says to no purpose is skipped and listed, and sizes that only look harmless are
 // refused before a parser sees them.
-#include "kinematics/urdf_idle.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +12,7 @@
 
 #include "base/errors.h"
 #include "kinematics/mesh_path.h"
+#include "kinematics/plain_urdf.h"
 #include "kinematics/robot.h"
 #include "kinematics/xml_scan.h"
 
