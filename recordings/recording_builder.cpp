@@ -3,18 +3,96 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "base/errors.h"
+#include "base/hasher.h"
 #include "culling/pair.h"
 #include "recordings/area_union.h"
-#include "recordings/people_survey.h"
+#include "recordings/recorded_samples.h"
+#include "recordings/recording.h"
 #include "recordings/time_grid.h"
-#include "recordings/track_check.h"
 #include "recordings/walkable_wkt.h"
 
 namespace throng {
+
+// What is odd about tracks: counted, and the first of each kind named.
+// One rule: nothing is mended and nothing refused here; whoever asked for --strict refuses.
+
+class WalkableArea;
+
+/// Words for an instant of the recording: "frame 112", "12.48 s".
+using InstantName = std::function<std::string(double time_s)>;
+
+class TrackCheck {
+ public:
+  /// `fps`: of the recorded frames, 0 for events. `area`: null if the file has none.
+  TrackCheck(double fps, const WalkableArea* area, InstantName name)
+      : fps_(fps), area_(area), name_(std::move(name)) {}
+
+  /// A person's samples in ascending order of time.
+  void take(int64_t id, std::span<const Sample> samples, const Duplicates& duplicates);
+  /// What was found so far, the gravest first.
+  std::vector<Oddity> found() const;
+
+ private:
+  enum Kind { kJump, kFast, kReturn, kHole, kTwice, kOutside, kOnce, kKinds };
+  struct Count {
+    int64_t count = 0;
+    std::string first;
+  };
+
+  void step(int64_t id, const Sample& from, const Sample& to, double usual_s);
+  double usual_interval_s(std::span<const Sample> samples);
+  /// Counts; true if it was the first, which then wants words.
+  bool is_first(Kind kind, int64_t times = 1) {
+    counts_[kind].count += times;
+    return counts_[kind].count == times;
+  }
+
+  double fps_;
+  const WalkableArea* area_;
+  InstantName name_;
+  std::array<Count, kKinds> counts_;
+  std::vector<double> gaps_s_;
+};
+
+// The people of a recording, once all of their samples are known: when they are there, how tall
+// they are, where all of them were.
+// One rule: it sees everybody once, in ascending order of ids, and keeps nothing of their samples.
+
+class PeopleSurvey {
+ public:
+  /// At least one sample, in ascending order of time.
+  void take(int64_t id, std::span<const Sample> samples);
+  /// The people, and what they add to the facts. Call it once.
+  std::vector<RecordedPerson> finish(RecordingFacts& facts);
+  /// Of everything that shapes a run, after finish().
+  uint64_t hash() const { return hash_.value(); }
+
+ private:
+  std::optional<double> height_of(std::span<const Sample> samples);
+  void judge_heights(RecordingFacts& facts);
+
+  std::vector<RecordedPerson> people_;
+  int64_t samples_ = 0;
+  double duration_s_ = 0;
+  Rectangle bounds_;
+  double least_z_m_ = std::numeric_limits<double>::infinity();
+  double most_z_m_ = -std::numeric_limits<double>::infinity();
+  std::vector<float> heights_m_;  ///< of the person at hand
+  Hasher hash_;
+};
+
 namespace {
 
 /// Further away is no place on Earth, whichever coordinates a map has.
@@ -303,6 +381,165 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
   samples->order(std::move(kept));
   return std::make_shared<const Recording>(std::move(facts), std::move(people), std::move(samples),
                                            survey.hash());
+}
+
+namespace {
+
+constexpr double kSmallest_m = 1.0, kTallest_m = 2.3;  ///< people
+constexpr double kSameHeight_m = 1e-6;
+
+}  // namespace
+
+/// The middle one of all heights of the head's top, which neither a stumble nor a wrong measurement
+/// moves.
+std::optional<double> PeopleSurvey::height_of(std::span<const Sample> samples) {
+  heights_m_.clear();
+  for (const Sample& sample : samples)
+    if (!std::isnan(sample.z_m)) heights_m_.push_back(sample.z_m);
+  if (heights_m_.empty()) return std::nullopt;
+  const auto [least, most] = std::minmax_element(heights_m_.begin(), heights_m_.end());
+  least_z_m_ = std::min(least_z_m_, static_cast<double>(*least));
+  most_z_m_ = std::max(most_z_m_, static_cast<double>(*most));
+  const auto middle = heights_m_.begin() + static_cast<ptrdiff_t>(heights_m_.size() / 2);
+  std::nth_element(heights_m_.begin(), middle, heights_m_.end());
+  return static_cast<double>(*middle);
+}
+
+void PeopleSurvey::take(int64_t id, std::span<const Sample> samples) {
+  if (people_.empty()) bounds_ = {samples[0].position_m, samples[0].position_m};
+  people_.push_back({.id = id,
+                     .samples = static_cast<int64_t>(samples.size()),
+                     .first_s = samples.front().time_s,
+                     .last_s = samples.back().time_s,
+                     .height_m = height_of(samples)});
+  samples_ += people_.back().samples;
+  duration_s_ = std::max(duration_s_, samples.back().time_s);
+  hash_.add(static_cast<uint64_t>(id));
+  for (const Sample& sample : samples) {
+    bounds_.min_m = bounds_.min_m.cwiseMin(sample.position_m);
+    bounds_.max_m = bounds_.max_m.cwiseMax(sample.position_m);
+    hash_.add(sample.time_s).add(sample.position_m.x()).add(sample.position_m.y());
+    // One NaN is as good as another.
+    for (const float value : {sample.z_m, sample.heading_rad})
+      std::isnan(value) ? hash_.add(uint64_t{1}) : hash_.add(static_cast<double>(value));
+  }
+}
+
+void PeopleSurvey::judge_heights(RecordingFacts& facts) {
+  // A z that is the same for all was measured of nobody.
+  const bool are_the_same = people_.size() > 1 && most_z_m_ - least_z_m_ <= kSameHeight_m;
+  const bool are_heights = facts.tracks == TrackedPoint::kHead && !are_the_same;
+  Oddity none{"heads lower than 1.0 m or higher than 2.3 m", 0, {}};
+  for (RecordedPerson& person : people_) {
+    if (!person.height_m) continue;
+    const bool is_one = *person.height_m >= kSmallest_m && *person.height_m <= kTallest_m;
+    if (!is_one && none.count++ == 0)
+      none.first = fmt::format("id {}: {:.3g} m", person.id, *person.height_m);
+    if (!are_heights || !is_one) person.height_m.reset();
+    hash_.add(person.height_m.value_or(0));
+  }
+  // Where all are so, z is something else: the floor, or nothing.
+  if (are_heights && none.count > 0 && none.count < static_cast<int64_t>(people_.size()))
+    facts.odd.push_back(std::move(none));
+}
+
+std::vector<RecordedPerson> PeopleSurvey::finish(RecordingFacts& facts) {
+  facts.samples = samples_;
+  facts.duration_s = duration_s_;
+  facts.bounds = bounds_;
+  if (facts.fps > 0) facts.frames = std::llround(facts.duration_s * facts.fps) + 1;
+  if (duration_s_ == 0) facts.odd.push_back({"a single frame", 1, "nobody moves"});
+  judge_heights(facts);
+  hash_.add(facts.fps).add(facts.duration_s).add(static_cast<uint64_t>(facts.tracks));
+  hash_.add(facts.shift_m.x()).add(facts.shift_m.y());
+  hash_.add(std::string_view(facts.wkt)).add(facts.wkt_unit_m);
+  return std::move(people_);
+}
+
+namespace {
+
+/// Sprinters reach it; nobody in a crowd does.
+constexpr double kFastest_mps = 12;
+/// A track that was continued with somebody else's head.
+constexpr double kJump_m = 3;
+/// Somebody out of sight for longer has left and come back.
+constexpr double kLongAway_s = 1;
+/// Of the usual interval: what is longer lacks a sample.
+constexpr double kLacking = 1.5;
+/// Between footsteps people stand where they are for as long as they like.
+constexpr double kMoved_m = 0.01;
+
+}  // namespace
+
+double TrackCheck::usual_interval_s(std::span<const Sample> samples) {
+  gaps_s_.clear();
+  for (size_t i = 1; i < samples.size(); ++i)
+    gaps_s_.push_back(samples[i].time_s - samples[i - 1].time_s);
+  const auto [least, most] = std::minmax_element(gaps_s_.begin(), gaps_s_.end());
+  if (*most <= kLacking * *least) return *most;
+  const auto middle = gaps_s_.begin() + static_cast<ptrdiff_t>((gaps_s_.size() - 1) / 2);
+  std::nth_element(gaps_s_.begin(), middle, gaps_s_.end());
+  return *middle;
+}
+
+void TrackCheck::step(int64_t id, const Sample& from, const Sample& to, double usual_s) {
+  const double gap_s = to.time_s - from.time_s;
+  const double way_m = (to.position_m - from.position_m).norm();
+  const bool lacks_some = gap_s > kLacking * usual_s;
+  const bool may_stand = fps_ == 0 && way_m < kMoved_m;
+  if (lacks_some && gap_s > kLongAway_s && !may_stand) {
+    if (is_first(kReturn))
+      counts_[kReturn].first =
+          fmt::format("id {} at {}, {:.4g} s and {:.3g} m after its last position", id,
+                      name_(to.time_s), gap_s, way_m);
+    return;
+  }
+  if (lacks_some && !may_stand && is_first(kHole))
+    counts_[kHole].first = fps_ > 0
+                               ? fmt::format("id {} at {}: {} frames before it are missing", id,
+                                             name_(to.time_s), std::lround(gap_s * fps_) - 1)
+                               : fmt::format("id {} at {}: {:.3g} s after its last position", id,
+                                             name_(to.time_s), gap_s);
+  if (way_m <= kFastest_mps * gap_s) return;
+  const Kind kind = way_m > kJump_m ? kJump : kFast;
+  if (is_first(kind))
+    counts_[kind].first =
+        fmt::format("id {} at {}: {:.3g} m in {:.3g} s", id, name_(to.time_s), way_m, gap_s);
+}
+
+void TrackCheck::take(int64_t id, std::span<const Sample> samples, const Duplicates& duplicates) {
+  if (samples.empty()) return;
+  if (duplicates.count > 0 && is_first(kTwice, duplicates.count))
+    counts_[kTwice].first = fmt::format("id {} at {}", id, name_(duplicates.first_s));
+  if (samples.size() == 1) {
+    if (is_first(kOnce))
+      counts_[kOnce].first = fmt::format("id {} at {}", id, name_(samples[0].time_s));
+  } else {
+    const double usual_s = usual_interval_s(samples);
+    for (size_t i = 1; i < samples.size(); ++i) step(id, samples[i - 1], samples[i], usual_s);
+  }
+  if (area_ == nullptr) return;
+  for (const Sample& sample : samples)
+    if (!area_->contains(sample.position_m) && is_first(kOutside))
+      counts_[kOutside].first =
+          fmt::format("id {} at {}: ({:.3f}, {:.3f}) m", id, name_(sample.time_s),
+                      sample.position_m.x(), sample.position_m.y());
+}
+
+std::vector<Oddity> TrackCheck::found() const {
+  static constexpr const char* kWhat[kKinds] = {
+      "jumps of more than 3 m",
+      "faster than 12 m/s",
+      "ids that come back after more than a second",
+      "holes in a track",
+      "second positions at one instant (the first is kept)",
+      "positions outside the walkable area",
+      "people who are seen at one instant only"};
+  std::vector<Oddity> out;
+  for (size_t kind = 0; kind < kKinds; ++kind)
+    if (counts_[kind].count > 0)
+      out.push_back({kWhat[kind], counts_[kind].count, counts_[kind].first});
+  return out;
 }
 
 }  // namespace throng
