@@ -3,14 +3,109 @@
 // a cycle.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "avatars/gait/gait_leg.h"
+#include "avatars/gait/gait_pose.h"
 #include "avatars/gait/gait_style.h"
 
 namespace throng {
+
+// One leg of a walking body: where its joints are, how its foot rolls, and the angles that put it
+// there. One rule: all geometry is that of the zero posture in root axes, x forward; a foot pose is
+// a turn from it.
+
+/// What the foot has to do at one instant, in the root frame.
+struct FootTarget {
+  Eigen::Vector3d ankle_m = Eigen::Vector3d::Zero();
+  double pitch_rad = 0;    ///< toes up positive
+  double heading_rad = 0;  ///< toes to the left positive
+};
+
+/// A leg as plain numbers: all that bending and bounding it takes. Meshes count as they lie in the
+/// zero posture.
+struct LegShape {
+  std::array<Eigen::Vector3d, 3> hip_axes;  ///< root axes
+  std::array<int, 5> columns{};             ///< of the hip's axes, the knee and the ankle
+  Eigen::Vector3d hip_m = Eigen::Vector3d::Zero();
+  Eigen::Vector2d thigh_m, shank_m;  ///< (x, z), hip to knee to ankle
+  double knee_side_m = 0;            ///< knee left of hip
+  double ankle_side_m = 0;           ///< ankle left of hip
+  double knee_sign = 1, ankle_sign = 1;
+  double thigh_radius_m = 0;   ///< every vertex is so near to the line from hip to knee
+  double shank_radius_m = 0;   ///< and from knee to ankle
+  Eigen::AlignedBox3d foot_m;  ///< from the ankle
+  double sole_half_width_m = 0;
+};
+
+class Leg {
+ public:
+  /// Reads the leg off the robot's joint frames; empty if a joint is missing or the leg is not a
+  /// hip of three perpendicular axes through one point over two parallel cross-axes (knee, ankle).
+  static std::optional<Leg> find(const PosableModel& model, const std::string& side);
+
+  double length_m() const { return thigh_.norm() + shank_.norm(); }
+  Eigen::Vector3d hip_m() const { return hip_; }
+  Eigen::Vector3d ankle_m() const { return ankle_; }
+  LegShape shape() const;
+
+  /// `pelvis` is the pelvis's motion from its zero posture, in root axes.
+  Eigen::Vector3d hip_m(const Eigen::Isometry3d& pelvis) const { return pelvis * hip_; }
+
+  /// Distance from hip to ankle with the knee bent this far.
+  double reach_m(double knee_flexion_rad) const;
+
+  /// From the point on the ground under the foot's middle plane to the ankle, when the foot is
+  /// turned by `target` and its lowest point touches the ground; seen from `hip_m`.
+  Eigen::Vector3d ankle_over_ground_m(const Eigen::Vector3d& hip_m, const FootTarget& target) const;
+
+  /// How far the ankle moves forward when a flat foot rolls on the ground, without sliding, to
+  /// `pitch_rad`.
+  double roll_m(double pitch_rad) const { return rolled(pitch_rad).ahead_m; }
+
+  /// An ankle over a foot that has rolled, in a leg that does not lean.
+  struct Rolled {
+    double ahead_m;   ///< as roll_m() has it
+    double height_m;  ///< above the ground
+  };
+  Rolled rolled(double pitch_rad) const;
+
+  /// Up, in the plane that the leg bends in to reach `target`.
+  Eigen::Vector3d up_along_leg(const Eigen::Vector3d& hip_m, const FootTarget& target) const {
+    return plane_frame(hip_m, target).col(2);
+  }
+
+  /// Sets the leg's five columns; within reach, the foot is where `target` says.
+  void solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,
+             std::vector<double>& columns) const;
+
+ private:
+  Eigen::Matrix3d plane_frame(const Eigen::Vector3d& hip_m, const FootTarget& target) const;
+  void read_foot(const PosableModel& model, int foot_link);
+  void read_limbs(const PosableModel& model, const std::array<int, 5>& joints);
+
+  struct Axis {
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitY();
+    int column = -1;
+  };
+  std::array<Axis, 3> hip_axes_;
+  Axis knee_axis_, ankle_axis_;
+  Eigen::Vector3d hip_, ankle_;
+  Eigen::Vector2d thigh_, shank_;  // (x, z), hip to knee to ankle
+  double sideways_ = 0;            // ankle left of hip
+  double knee_side_ = 0;           // knee left of hip
+  double thigh_radius_ = 0, shank_radius_ = 0;
+  std::vector<Eigen::Vector3d> foot_;  // from the ankle
+
+  struct SolePoint {
+    Eigen::Vector2d position;  // (x, z) from the ankle
+    double arc = 0;            // along the sole, 0 under the flat foot's lowest point
+  };
+  std::vector<SolePoint> sole_;  // convex, from heel to toe
+};
 
 class GaitCurves;
 

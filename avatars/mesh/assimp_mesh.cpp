@@ -4,14 +4,57 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
+#include <cstdint>
+#include <cstring>
 #include <exception>
+#include <map>
+#include <memory>
+#include <string>
 #include <string_view>
+#include <vector>
 
-#include "avatars/mesh/assimp_files.h"
+#include "base/errors.h"
 #include "base/files/foreign.h"
+#include "base/files/regular_file.h"
 
 namespace throng {
+
+// The files that assimp reads: the mesh, and those that it names (buffers of a glTF, materials of
+// an .obj). One rule: only regular files, only for reading, and within one bound for all of them.
+
+class AssimpFiles : public Assimp::IOSystem {
+ public:
+  /// `mesh` is known as name() whatever lies there now, and counts among the `max_bytes`.
+  AssimpFiles(const RegularFile& mesh, uint64_t max_bytes);
+
+  const std::string& name() const { return name_; }
+
+  bool Exists(const char* file) const override;
+  char getOsSeparator() const override { return '/'; }
+  /// Null for what is not there, no regular file, too much, or to be written.
+  Assimp::IOStream* Open(const char* file, const char* mode) override;
+  void Close(Assimp::IOStream* stream) override;
+  bool ComparePaths(const char* one, const char* other) const override;
+  bool CreateDirectory(const std::string&) override { return false; }
+  bool ChangeDirectory(const std::string&) override { return false; }
+  bool DeleteFile(const std::string&) override { return false; }
+
+ private:
+  using Content = std::shared_ptr<const std::vector<uint8_t>>;
+
+  Content content_of(const std::string& file);
+
+  const RegularFile& mesh_;
+  std::string name_;
+  uint64_t bytes_left_;
+  /// Importers open their file several times: to see whether it is theirs, and to read it.
+  std::map<std::string, Content> read_;
+};
+
 namespace {
 
 /// Deeper trees of nodes than any modelling program writes.
@@ -117,6 +160,77 @@ char ignored_up_axis(const RegularFile& file) {
   for (const char name : {'X', 'Y'})
     if (axis.find(std::string{name} + "_UP") != std::string_view::npos) return name;
   return 0;
+}
+
+namespace {
+
+/// A file in memory.
+class Stream : public Assimp::IOStream {
+ public:
+  explicit Stream(std::shared_ptr<const std::vector<uint8_t>> content)
+      : content_(std::move(content)) {}
+
+  /// As fread: whole elements only.
+  size_t Read(void* out, size_t size, size_t count) override {
+    if (size == 0 || count == 0) return 0;
+    const size_t whole = std::min(count, (content_->size() - at_) / size);
+    if (whole == 0) return 0;
+    std::memcpy(out, content_->data() + at_, whole * size);
+    at_ += whole * size;
+    return whole;
+  }
+  size_t Write(const void*, size_t, size_t) override { return 0; }
+  /// As fseek, but not beyond the end. An offset is a negative number where it goes back.
+  aiReturn Seek(size_t offset, aiOrigin origin) override {
+    const size_t from = origin == aiOrigin_SET   ? 0
+                        : origin == aiOrigin_CUR ? at_
+                                                 : content_->size();
+    const size_t to = from + offset;
+    if (to > content_->size()) return aiReturn_FAILURE;
+    at_ = to;
+    return aiReturn_SUCCESS;
+  }
+  size_t Tell() const override { return at_; }
+  size_t FileSize() const override { return content_->size(); }
+  void Flush() override {}
+
+ private:
+  std::shared_ptr<const std::vector<uint8_t>> content_;
+  size_t at_ = 0;
+};
+
+}  // namespace
+
+AssimpFiles::AssimpFiles(const RegularFile& mesh, uint64_t max_bytes)
+    : mesh_(mesh), name_(mesh.path().string()), bytes_left_(max_bytes) {}
+
+AssimpFiles::Content AssimpFiles::content_of(const std::string& file) {
+  if (const auto found = read_.find(file); found != read_.end()) return found->second;
+  std::vector<uint8_t> bytes;
+  try {
+    bytes = file == name_ ? mesh_.bytes() : RegularFile(file, "a file", bytes_left_).bytes();
+  } catch (const InputError&) {
+    return nullptr;
+  }
+  bytes_left_ -= std::min<uint64_t>(bytes_left_, bytes.size());
+  return read_[file] = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+}
+
+bool AssimpFiles::Exists(const char* file) const {
+  std::error_code ignored;
+  return file == name_ || std::filesystem::is_regular_file(file, ignored);
+}
+
+Assimp::IOStream* AssimpFiles::Open(const char* file, const char* mode) {
+  if (std::string_view(mode).find_first_of("wa+") != std::string_view::npos) return nullptr;
+  Content content = content_of(file);
+  return content == nullptr ? nullptr : new Stream(std::move(content));
+}
+
+void AssimpFiles::Close(Assimp::IOStream* stream) { delete stream; }
+
+bool AssimpFiles::ComparePaths(const char* one, const char* other) const {
+  return std::strcmp(one, other) == 0;
 }
 
 }  // namespace throng

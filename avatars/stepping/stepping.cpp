@@ -11,7 +11,6 @@
 #include "avatars/gait/gait_table.h"
 #include "avatars/stepping/standing.h"
 #include "avatars/stepping/stepping_kernels.h"
-#include "avatars/stepping/stepping_tables.h"
 #include "base/elementary.h"
 #include "base/files/archive.h"
 
@@ -139,7 +138,7 @@ void Stepping::read_leg(const Walker& walker, const PosableModel& model, size_t 
   leg.ankle_side_m = grained(shape.ankle_side_m);
   leg.square_sum_m2 = grained(shape.thigh_m.squaredNorm() + shape.shank_m.squaredNorm());
   leg.per_twice_product = grained(0.5 / (shape.thigh_m.norm() * shape.shank_m.norm()));
-  // As turned() of gait_leg.cpp turns.
+  // As turned() of gait_cycle.cpp turns.
   const double straight =
       arc_tan2(shape.shank_m.y() * shape.thigh_m.x() - shape.shank_m.x() * shape.thigh_m.y(),
                shape.shank_m.dot(shape.thigh_m));

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "avatars/stepping/stepping_kernels.h"
-#include "avatars/stepping/stepping_tables.h"
 #include "base/elementary.h"
 #include "base/simd/one_lane.h"
 

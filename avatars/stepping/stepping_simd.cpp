@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "avatars/stepping/stepping_kernels.h"
-#include "avatars/stepping/stepping_tables.h"
 #include "base/simd/dispatch.h"
 
 #undef HWY_TARGET_INCLUDE

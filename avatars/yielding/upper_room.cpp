@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "avatars/gait/gait_pose.h"
-#include "avatars/yielding/upper_room_kernel.h"
+#include "avatars/yielding/yielding_kernels.h"
 
 namespace throng {
 namespace {

@@ -1,12 +1,18 @@
-// Two registers of places at a time, and eight times or rhythms: many_legs-inl.h over vector
-// registers.
+// Eight borders, times or shapes at a time, and two registers of places: the loops of yielding over
+// vector registers.
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
 #include <cstddef>
 
-#include "avatars/yielding/many_legs_kernel.h"
+#include "avatars/gait/gait_curves.h"
+#include "avatars/yielding/yielding_kernels.h"
+#include "base/elementary.h"
 #include "base/simd/dispatch.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "avatars/yielding/many_legs_simd.cpp"
+#define HWY_TARGET_INCLUDE "avatars/yielding/yielding_simd.cpp"
 #include <hwy/foreach_target.h>
 
 #include "base/simd/eight_lanes-inl.h"
@@ -14,6 +20,21 @@
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 #if THRONG_HAS_LANES
+namespace THRONG_EIGHT_LANES {
+namespace {
+
+#include "base/simd/angles-inl.h"
+//
+#include "avatars/yielding/borders-inl.h"
+
+}  // namespace
+}  // namespace THRONG_EIGHT_LANES
+
+YieldMotion wanted_wide(const SeenBody& own, std::span<const SeenBody* const> near,
+                        std::span<const NearWall> walls) {
+  return THRONG_EIGHT_LANES::wanted_by(own, near, walls);
+}
+
 namespace register_pairs {
 namespace {
 
@@ -65,12 +86,33 @@ void add_nearness_in_wide(const Rhythms& rhythms, const std::array<LegNow, 2>& o
     THRONG_EIGHT_LANES::add_nearness_in_at(i, rhythms, own, others, clear_m, costs);
 }
 
+namespace THRONG_EIGHT_LANES {
+namespace {
+
+#include "avatars/yielding/upper_room-inl.h"
+
+static_assert(kAtOnce == kShapesAtOnce);
+
+}  // namespace
+}  // namespace THRONG_EIGHT_LANES
+
+bool find_upper_box_wide(const UpperRoom::Shapes& shapes, std::span<const PartPose> poses,
+                         const RoundRoom& all, RootBox& box) {
+  return THRONG_EIGHT_LANES::upper_box(shapes, poses, all, box);
+}
+
 #endif
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace throng {
+
+YieldMotion wanted_yield(const SeenBody& own, std::span<const SeenBody* const> near,
+                         std::span<const NearWall> walls, SimdTarget target) {
+  assert(near.size() <= kMostNear && walls.size() <= kMostNearWalls);
+  return THRONG_CHOOSE(target, wanted_wide, wanted_one_by_one)(own, near, walls);
+}
 
 void foresee(const LegNow& leg, const PlaceNumbers& ahead_s, size_t count, SimdTarget target,
              ForeseenLeg& foreseen) {
@@ -100,6 +142,12 @@ void add_nearness_in(const Rhythms& rhythms, const std::array<LegNow, 2>& own,
                      RhythmNumbers& costs) {
   THRONG_CHOOSE(target, add_nearness_in_wide, add_nearness_in_one_by_one)
   (rhythms, own, others, clear_m, costs);
+}
+
+bool find_upper_box(const UpperRoom::Shapes& shapes, std::span<const PartPose> poses,
+                    const RoundRoom& all, SimdTarget target, RootBox& box) {
+  return THRONG_CHOOSE(target, find_upper_box_wide, find_upper_box_one_by_one)(shapes, poses, all,
+                                                                               box);
 }
 
 }  // namespace throng

@@ -1,7 +1,30 @@
-#include "avatars/yielding/many_legs_kernel.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "avatars/gait/gait_curves.h"
+#include "avatars/yielding/yielding_kernels.h"
+#include "base/elementary.h"
 #include "base/simd/one_lane.h"
 
 namespace throng {
+namespace one_lane {
+namespace {
+
+#include "base/simd/angles-inl.h"
+//
+#include "avatars/yielding/borders-inl.h"
+
+}  // namespace
+}  // namespace one_lane
+
+float DrawnArm::share_of(float stilled) { return one_lane::share_of(stilled).v; }
+
+YieldMotion wanted_one_by_one(const SeenBody& own, std::span<const SeenBody* const> near,
+                              std::span<const NearWall> walls) {
+  return one_lane::wanted_by(own, near, walls);
+}
+
 namespace one_lane {
 namespace {
 
@@ -43,6 +66,19 @@ void add_nearness_in_one_by_one(const Rhythms& rhythms, const std::array<LegNow,
                                 RhythmNumbers& costs) {
   for (size_t i = 0; i < kRhythms; ++i)
     one_lane::add_nearness_in_at(i, rhythms, own, others, clear_m, costs);
+}
+
+namespace one_lane {
+namespace {
+
+#include "avatars/yielding/upper_room-inl.h"
+
+}  // namespace
+}  // namespace one_lane
+
+bool find_upper_box_one_by_one(const UpperRoom::Shapes& shapes, std::span<const PartPose> poses,
+                               const RoundRoom& all, RootBox& box) {
+  return one_lane::upper_box(shapes, poses, all, box);
 }
 
 }  // namespace throng
