@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   lcm::LCM lcm("udpm://239.255.76.67:7684?ttl=0&recv_buf_size=2097152");
   if (argc != 4 || !lcm.good()) return 3;
   throng::drive_t m{};
-  m.schema = 2;
+  m.schema = 3;
   m.count = 1;
   m.avatar = {std::atoi(argv[2])};
   for (; m.seq < int64_t{50} * std::atoi(argv[3]); ++m.seq) {

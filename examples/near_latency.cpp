@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "throng/end_t.hpp"
+#include "throng/frame_stats_t.hpp"
 #include "throng/near_t.hpp"
-#include "throng/stages_t.hpp"
 #include "throng/stamp_t.hpp"
 
 // near_latency CHANNEL: how long after the start of culling near rows were sent on CHANNEL_NEAR,
@@ -19,7 +19,7 @@ struct Latency {
   int64_t frame = -1, heard_ns = 0;  // of the newest whole near rows
   int64_t frames = 0, missing = 0, next_seq = 0;
   std::vector<double> sent_ms, here_ms, rows;
-  std::vector<double> tests[5];  // by stage of culling, see stages_t
+  std::vector<double> tests[5];  // by stage of culling, see frame_stats_t
 
   void on_near(const lcm::ReceiveBuffer*, const std::string&, const throng::near_t* near) {
     if (near->chunk + 1 != near->chunk_count) return;
@@ -35,9 +35,10 @@ struct Latency {
     here_ms.push_back(static_cast<double>(heard_ns - stamp->culling_ns) * 1e-6);
     rows.push_back(stamp->near_rows);
   }
-  void on_stages(const lcm::ReceiveBuffer*, const std::string&, const throng::stages_t* stages) {
-    for (size_t i = 0; i < std::min<size_t>(std::size(tests), stages->tests.size()); ++i)
-      tests[i].push_back(static_cast<double>(stages->tests[i]));
+  void on_frame_stats(const lcm::ReceiveBuffer*, const std::string&,
+                      const throng::frame_stats_t* stats) {
+    for (size_t i = 0; i < std::size(tests); ++i)
+      tests[i].push_back(static_cast<double>(stats->tests[i]));
   }
   void on_end(const lcm::ReceiveBuffer*, const std::string&, const throng::end_t*) {
     is_over = frames > 0;
@@ -58,7 +59,8 @@ int main(int argc, char** argv) {
   const std::string channel = argv[1];
   latency.lcm.subscribe(channel + "_NEAR", &Latency::on_near, &latency);
   latency.lcm.subscribe(channel + "_STAMP", &Latency::on_stamp, &latency);
-  latency.lcm.subscribe("THRONG_STAGES", &Latency::on_stages, &latency)->setQueueCapacity(1000);
+  latency.lcm.subscribe("THRONG_FRAME_STATS", &Latency::on_frame_stats, &latency)
+      ->setQueueCapacity(1000);
   latency.lcm.subscribe("THRONG_END", &Latency::on_end, &latency);
   while (!latency.is_over && latency.lcm.handle() == 0) {
   }

@@ -71,10 +71,8 @@ class Reading {
         return reader_.take(name_of(channel), bytes) != RunReader::Update::kRefused;
       case Channel::kStates:
         return keep_places(header, bytes);
-      case Channel::kStages:
-        return decode(bytes, stages_).empty();
-      case Channel::kCounters:
-        return decode(bytes, counters_).empty() && keep_counters();
+      case Channel::kFrameStats:
+        return decode(bytes, frame_stats_).empty() && keep_frame_stats();
       case Channel::kEnd:
         return decode(bytes, end_).empty() && keep_end();
       default:
@@ -116,30 +114,29 @@ class Reading {
     return fps_ ? std::max<int64_t>(1, std::llround(1 / (*fps_ * reader_.run()->step_s))) : 1;
   }
 
-  bool keep_counters() {
+  bool keep_frame_stats() {
     FrameRow row{};
-    row.frame = counters_.frame;
-    row.time_s = static_cast<double>(counters_.utime) * 1e-6;
-    row.touching = counters_.touching;
-    row.begins = counters_.begins;
-    row.ends = counters_.ends;
-    row.persisting = counters_.persisting;
-    row.posed_bodies = counters_.posed_bodies;
-    row.frame_ms = counters_.frame_ns * 1e-6;
-    if (stages_.frame == counters_.frame && stages_.updates.size() >= kCullingStageCount) {
-      int64_t* const to[][3] = {{&row.avatar_updates, &row.avatar_tests, &row.avatar_passed},
-                                {&row.body_box_updates, &row.body_box_tests, &row.body_box_passed},
-                                {&row.part_box_updates, &row.part_box_tests, &row.part_box_passed},
-                                {&row.part_updates, &row.part_tests, &row.part_passed},
-                                {&row.exact_updates, &row.exact_tests, &row.exact_passed}};
-      for (size_t i = 0; i < kCullingStageCount; ++i) {
-        *to[i][0] = stages_.updates[i];
-        *to[i][1] = stages_.tests[i];
-        *to[i][2] = stages_.passed[i];
-      }
+    row.frame = frame_stats_.frame;
+    row.time_s = static_cast<double>(frame_stats_.utime) * 1e-6;
+    row.touching = frame_stats_.touching;
+    row.begins = frame_stats_.begins;
+    row.ends = frame_stats_.ends;
+    row.persisting = frame_stats_.persisting;
+    row.posed_bodies = frame_stats_.posed_bodies;
+    row.frame_ms = frame_stats_.frame_ns * 1e-6;
+    int64_t* const to[][3] = {{&row.avatar_updates, &row.avatar_tests, &row.avatar_passed},
+                              {&row.body_box_updates, &row.body_box_tests, &row.body_box_passed},
+                              {&row.part_box_updates, &row.part_box_tests, &row.part_box_passed},
+                              {&row.part_updates, &row.part_tests, &row.part_passed},
+                              {&row.exact_updates, &row.exact_tests, &row.exact_passed}};
+    static_assert(std::size(to) == kCullingStageCount);
+    for (size_t i = 0; i < kCullingStageCount; ++i) {
+      *to[i][0] = frame_stats_.updates[i];
+      *to[i][1] = frame_stats_.tests[i];
+      *to[i][2] = frame_stats_.passed[i];
     }
     out_.frames.push_back(row);
-    out_.end_frame = std::max(out_.end_frame, counters_.frame + 1);
+    out_.end_frame = std::max(out_.end_frame, frame_stats_.frame + 1);
     return true;
   }
 
@@ -156,8 +153,7 @@ class Reading {
   std::optional<std::pair<int64_t, int64_t>> id_;
   RunReader reader_;
   events_t events_{};
-  stages_t stages_{};
-  counters_t counters_{};
+  frame_stats_t frame_stats_{};
   end_t end_{};
 };
 

@@ -14,7 +14,7 @@ bash scripts/build.sh release throng hello
 log=out/plaza.lcmlog picture=out/plaza.png
 mkdir -p out
 build/release/throng run plaza --exact --log "$log" "$@"
-frames=$(build/release/throng info "$log" | awk '$1 == "THRONG_COUNTERS" {print $2}')
+frames=$(build/release/throng info "$log" | awk '$1 == "THRONG_FRAME_STATS" {print $2}')
 build/release/throng render "$log" --frame "$((frames - 1))" --eye 7,-14,5.5 --target 0.5,-2,0.6 \
   --out "$picture"
 

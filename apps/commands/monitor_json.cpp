@@ -21,10 +21,7 @@ Json sent_on(Channel channel, const RunReader& run) {
     return run.checks()->seq + 1;
   const std::vector<std::string>& names = run.end()->channels;
   const auto found = std::find(names.begin(), names.end(), name_of(channel));
-  if (found == names.end()) {
-    if (is_named(channel, 0)) return nullptr;  // an older Throng did not know it
-    return 0;
-  }
+  if (found == names.end()) return 0;
   return run.end()->messages[static_cast<size_t>(found - names.begin())];
 }
 
@@ -65,9 +62,9 @@ Json run_of(const MonitorView& view) {
     out["avatars"] = run.run()->avatar_count;
     out["part_volume"] = printable(run.run()->part_volume);
   }
-  if (run.counters()) {
-    out["frame"] = run.counters()->frame;
-    out["simulated_s"] = static_cast<double>(run.counters()->utime) * 1e-6;
+  if (run.frame_stats()) {
+    out["frame"] = run.frame_stats()->frame;
+    out["simulated_s"] = static_cast<double>(run.frame_stats()->utime) * 1e-6;
   }
   return out;
 }

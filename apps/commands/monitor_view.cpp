@@ -29,22 +29,22 @@ std::string clock_ns(double ns) { return ns > 0 ? fmt::format("{:.1f}", ns) : "-
 std::string title_of(const MonitorView& view) {
   const RunReader& run = view.inbox.run();
   if (view.inbox.runs().empty()) return "waiting for a run on " + view.source;
-  const std::optional<counters_t>& counters = run.counters();
+  const std::optional<frame_stats_t>& stats = run.frame_stats();
   std::string what = "a run whose description has not come yet";
   if (run.run() != nullptr)
     what = fmt::format("{}, seed {}, {}", printable(run.run()->scene), run.run()->seed,
                        counted(run.run()->avatar_count, "avatar"));
   std::string text = fmt::format("{} - run {:016x}", what, static_cast<uint64_t>(run.run_id()));
-  if (counters)
-    text += fmt::format(" - frame {}, {:.2f} s", counters->frame,
-                        static_cast<double>(counters->utime) * 1e-6);
+  if (stats)
+    text += fmt::format(" - frame {}, {:.2f} s", stats->frame,
+                        static_cast<double>(stats->utime) * 1e-6);
   if (run.end()) text += " - ended";
   return text;
 }
 
 void add_channels(const MonitorView& view, const Monitor::Totals& totals,
                   std::vector<std::string>& lines) {
-  lines.push_back(fmt::format("{:<16}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}{:>9}", "channel",
+  lines.push_back(fmt::format("{:<18}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}{:>9}", "channel",
                               "messages", "per s", "kB/s", "last frame", "missing", "before",
                               "refused"));
   for (const Channel channel : kAllChannels) {
@@ -52,7 +52,7 @@ void add_channels(const MonitorView& view, const Monitor::Totals& totals,
     const Inbox::ChannelTotals& all = view.inbox.totals(channel);
     if (all.messages == 0 && tally.missing == 0) continue;
     const auto i = static_cast<size_t>(channel);
-    lines.push_back(fmt::format("{:<16}{:>10}{:>10.1f}{:>11.1f}{:>12}{:>9}{:>9}{:>9}",
+    lines.push_back(fmt::format("{:<18}{:>10}{:>10.1f}{:>11.1f}{:>12}{:>9}{:>9}{:>9}",
                                 name_of(channel), tally.messages,
                                 static_cast<double>(totals.messages[i]) / span_of(totals),
                                 static_cast<double>(totals.bytes[i]) * 1e-3 / span_of(totals),
@@ -190,8 +190,8 @@ std::string line_of(const MonitorView& view) {
   return fmt::format(
       "frame {}, {:.2f} s: {:.1f} frames/s, {:.1f} kB/s, {} touch, {:.1f} begin/s, {:.1f} end/s, "
       "frame {:.2f} ms, lost {}, refused {}{}",
-      run.counters() ? run.counters()->frame : -1,
-      run.counters() ? static_cast<double>(run.counters()->utime) * 1e-6 : 0.0,
+      run.frame_stats() ? run.frame_stats()->frame : -1,
+      run.frame_stats() ? static_cast<double>(run.frame_stats()->utime) * 1e-6 : 0.0,
       static_cast<double>(totals.frames) / span, bytes * 1e-3 / span, run.touching().size(),
       static_cast<double>(totals.begins) / span, static_cast<double>(totals.ends) / span,
       view.monitor.frame_time().last_ms, lost_of(run.tally()), view.inbox.refused(),

@@ -4,9 +4,9 @@ namespace throng {
 namespace {
 
 constexpr std::array<std::string_view, kChannelCount> kNames = {
-    "THRONG_RUN",      "THRONG_STATES", "THRONG_EVENTS",     "THRONG_TOUCHING",
-    "THRONG_COUNTERS", "THRONG_END",    "THRONG_PARTS",      "THRONG_CHECKS",
-    "THRONG_STAGES",   "THRONG_NEAR",   "THRONG_SEPARATION", "THRONG_CONTACTS"};
+    "THRONG_RUN",         "THRONG_STATES",     "THRONG_EVENTS",  "THRONG_TOUCHING",
+    "THRONG_FRAME_STATS", "THRONG_END",        "THRONG_PARTS",   "THRONG_CHECKS",
+    "THRONG_NEAR",        "THRONG_SEPARATION", "THRONG_CONTACTS"};
 
 }  // namespace
 

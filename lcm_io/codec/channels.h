@@ -15,20 +15,19 @@ enum class Channel : uint8_t {
   kStates,
   kEvents,
   kTouching,
-  kCounters,
+  kFrameStats,
   kEnd,
   kParts,
   kChecks,
-  kStages,
   kNear,
   kSeparation,
   kContacts
 };
-inline constexpr int kChannelCount = 12;
+inline constexpr int kChannelCount = 11;
 inline constexpr std::array<Channel, kChannelCount> kAllChannels = {
-    Channel::kRun,      Channel::kStates, Channel::kEvents,     Channel::kTouching,
-    Channel::kCounters, Channel::kEnd,    Channel::kParts,      Channel::kChecks,
-    Channel::kStages,   Channel::kNear,   Channel::kSeparation, Channel::kContacts};
+    Channel::kRun,        Channel::kStates,     Channel::kEvents,  Channel::kTouching,
+    Channel::kFrameStats, Channel::kEnd,        Channel::kParts,   Channel::kChecks,
+    Channel::kNear,       Channel::kSeparation, Channel::kContacts};
 
 /// What a run says of its channels names those of a run without options always, the others where
 /// they said something: what nobody asked for changes no byte.
@@ -42,7 +41,7 @@ std::optional<Channel> channel_of(std::string_view name);
 
 /// What the numbers in the messages mean. Grows when a meaning changes and the field does not;
 /// a changed field changes the fingerprint by itself.
-inline constexpr int32_t kSchema = 2;
+inline constexpr int32_t kSchema = 3;
 
 /// An encoded message, fingerprint included. A UDP datagram holds 65507 bytes with LCM's header and
 /// the channel's name; larger messages become fragments, and liblcm 1.3.1 drops a message whose

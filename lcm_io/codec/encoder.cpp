@@ -10,12 +10,12 @@
 #include "base/errors.h"
 #include "base/limits.h"
 #include "lcm_io/codec/contact_rows.h"
-#include "lcm_io/codec/counter_rows.h"
 #include "lcm_io/codec/log_format.h"
 #include "lcm_io/codec/near_rows.h"
 #include "lcm_io/codec/pair_columns.h"
 #include "lcm_io/codec/readable.h"
 #include "lcm_io/codec/separation_rows.h"
+#include "scenes/run/stages.h"
 
 namespace throng {
 namespace {
@@ -226,8 +226,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   const auto begins = std::count_if(frame.events.begin(), frame.events.end(),
                                     [](const PairEvent& e) { return e.kind == EventKind::kBegin; });
   for (Outlet* outlet : open_) {
-    send_stages(*outlet, frame);
-    send_counters(*outlet, frame, begins);
+    send_frame_stats(*outlet, frame, begins);
     send_checks(*outlet, frame.hash, false);
   }
   for (Outlet* outlet : open_) outlet->target_.after_frame(*outlet);
@@ -416,14 +415,29 @@ void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float 
   }
 }
 
-void RunEncoder::send_stages(Outlet& to, const Frame& frame) {
-  fill_stages(stages_, frame, to.options_.with_clock_times);
-  send(to, Channel::kStages, stages_, 0, 1);
-}
-
-void RunEncoder::send_counters(Outlet& to, const Frame& frame, int64_t begins) {
-  fill_counters(counters_, frame, begins, to.options_.with_clock_times);
-  send(to, Channel::kCounters, counters_, 0, 1);
+void RunEncoder::send_frame_stats(Outlet& to, const Frame& frame, int64_t begins) {
+  // A log has no clock in it, so that it is the same every time.
+  const bool clock = to.options_.with_clock_times;
+  frame_stats_t& m = frame_stats_;
+  const auto stages = culling_stages(*frame.counters);
+  static_assert(std::extent_v<decltype(m.updates)> == kCullingStageCount);
+  for (size_t i = 0; i < kCullingStageCount; ++i) {
+    m.updates[i] = static_cast<int64_t>(stages[i]->updates);
+    m.tests[i] = static_cast<int64_t>(stages[i]->tests);
+    m.passed[i] = static_cast<int64_t>(stages[i]->passed);
+    m.update_ns[i] = clock ? stages[i]->update_ns : 0;
+    m.test_ns[i] = clock ? stages[i]->test_ns : 0;
+  }
+  m.posed_bodies = static_cast<int64_t>(frame.counters->posed_bodies);
+  m.begins = begins;
+  m.ends = static_cast<int64_t>(frame.events.size()) - begins;
+  m.persisting = static_cast<int64_t>(frame.persisting);
+  m.touching = static_cast<int64_t>(frame.pairs.size());
+  const FrameTimes times = clock && frame.times ? *frame.times : FrameTimes{};
+  static_assert(std::extent_v<decltype(m.stage_ns)> == kStageCount);
+  std::copy(times.stage_ns.begin(), times.stage_ns.end(), m.stage_ns);
+  m.frame_ns = times.frame_ns;
+  send(to, Channel::kFrameStats, m, 0, 1);
 }
 
 void RunEncoder::send_checks(Outlet& to, uint64_t hash, bool is_last) {

@@ -17,13 +17,12 @@
 #include "scenes/separation/separation_monitor.h"
 #include "throng/checks_t.hpp"
 #include "throng/contact_points_t.hpp"
-#include "throng/counters_t.hpp"
 #include "throng/events_t.hpp"
+#include "throng/frame_stats_t.hpp"
 #include "throng/near_t.hpp"
 #include "throng/parts_t.hpp"
 #include "throng/run_t.hpp"
 #include "throng/separation_t.hpp"
-#include "throng/stages_t.hpp"
 #include "throng/states_t.hpp"
 #include "throng/touching_t.hpp"
 
@@ -47,7 +46,7 @@ class RunEncoder final : public Sink {
   void begin(const RunInfo& run) override;
   /// Messages in this order: events, touching (once a simulated second), near (where distances are
   /// asked for), contacts (where their points are), separation (where the scene has one), states,
-  /// parts, stages, counters, checks.
+  /// parts, frame_stats, checks.
   /// A run that was resumed first sends what touched before, as touching of the frame before.
   void frame(const RunInfo& run, const Frame& frame) override;
   /// The last ends, then THRONG_END.
@@ -97,8 +96,7 @@ class RunEncoder final : public Sink {
   void send_parts(const RunInfo& run, const Frame& frame);
   void add_part_poses(const Model& model, const RootPose& root, float scale,
                       std::span<const float> posture);
-  void send_stages(Outlet& to, const Frame& frame);
-  void send_counters(Outlet& to, const Frame& frame, int64_t begins);
+  void send_frame_stats(Outlet& to, const Frame& frame, int64_t begins);
   void send_checks(Outlet& to, uint64_t hash, bool is_last);
   static void fill_end(const RunEnd& end, const Outlet& of, end_t& m);
 
@@ -127,8 +125,7 @@ class RunEncoder final : public Sink {
   contact_points_t contacts_{};
   separation_t separation_{};
   std::optional<SeparationMonitor> monitor_;  // of a run whose scene has a separation
-  stages_t stages_{};
-  counters_t counters_{};
+  frame_stats_t frame_stats_{};
   parts_t parts_{};
   checks_t checks_{};
   std::vector<uint8_t> buffer_ = std::vector<uint8_t>(kMaxMessageBytes);

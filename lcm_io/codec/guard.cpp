@@ -97,15 +97,8 @@ void walk(Cursor& c, const separation_t*) {
   c.array(c.count(kRow), kRow);
 }
 
-void walk(Cursor& c, const counters_t*) {
-  c.skip(kMessageHeaderBytes + (5 * 4 + 5 + 9) * sizeof(int64_t));
-}
-
-void walk(Cursor& c, const stages_t*) {
-  c.skip(kMessageHeaderBytes);
-  constexpr size_t stage_bytes = 5 * sizeof(double);
-  c.array(c.count(stage_bytes), stage_bytes);
-  c.array(c.count(8), 8);
+void walk(Cursor& c, const frame_stats_t*) {
+  c.skip(kMessageHeaderBytes + (5 * 5 + 5 + 9 + 1) * sizeof(int64_t));
 }
 
 void walk(Cursor& c, const end_t*) {
@@ -269,16 +262,14 @@ int64_t fingerprint_of(Channel channel) {
       return events_t::getHash();
     case Channel::kTouching:
       return touching_t::getHash();
-    case Channel::kCounters:
-      return counters_t::getHash();
+    case Channel::kFrameStats:
+      return frame_stats_t::getHash();
     case Channel::kEnd:
       return end_t::getHash();
     case Channel::kParts:
       return parts_t::getHash();
     case Channel::kChecks:
       return checks_t::getHash();
-    case Channel::kStages:
-      return stages_t::getHash();
     case Channel::kNear:
       return near_t::getHash();
     case Channel::kSeparation:
@@ -388,12 +379,8 @@ std::string decode(std::span<const uint8_t> bytes, separation_t& out) {
   return defect;
 }
 
-std::string decode(std::span<const uint8_t> bytes, counters_t& out) {
-  return decode_message(Channel::kCounters, bytes, out);
-}
-
-std::string decode(std::span<const uint8_t> bytes, stages_t& out) {
-  return decode_message(Channel::kStages, bytes, out);
+std::string decode(std::span<const uint8_t> bytes, frame_stats_t& out) {
+  return decode_message(Channel::kFrameStats, bytes, out);
 }
 
 std::string decode(std::span<const uint8_t> bytes, end_t& out) {
@@ -471,16 +458,14 @@ std::string check_message(Channel channel, std::span<const uint8_t> bytes) {
       return check<events_t>(bytes);
     case Channel::kTouching:
       return check<touching_t>(bytes);
-    case Channel::kCounters:
-      return check<counters_t>(bytes);
+    case Channel::kFrameStats:
+      return check<frame_stats_t>(bytes);
     case Channel::kEnd:
       return check<end_t>(bytes);
     case Channel::kParts:
       return check<parts_t>(bytes);
     case Channel::kChecks:
       return check<checks_t>(bytes);
-    case Channel::kStages:
-      return check<stages_t>(bytes);
     case Channel::kNear:
       return check<near_t>(bytes);
     case Channel::kSeparation:

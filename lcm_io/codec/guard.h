@@ -11,16 +11,15 @@
 #include "throng/answer_t.hpp"
 #include "throng/checks_t.hpp"
 #include "throng/contact_points_t.hpp"
-#include "throng/counters_t.hpp"
 #include "throng/drive_t.hpp"
 #include "throng/end_t.hpp"
 #include "throng/events_t.hpp"
+#include "throng/frame_stats_t.hpp"
 #include "throng/near_t.hpp"
 #include "throng/parts_t.hpp"
 #include "throng/run_description_t.hpp"
 #include "throng/run_t.hpp"
 #include "throng/separation_t.hpp"
-#include "throng/stages_t.hpp"
 #include "throng/states_t.hpp"
 #include "throng/touching_t.hpp"
 
@@ -55,8 +54,7 @@ std::string decode(std::span<const uint8_t> bytes, touching_t& out);
 std::string decode(std::span<const uint8_t> bytes, near_t& out);
 std::string decode(std::span<const uint8_t> bytes, separation_t& out);
 std::string decode(std::span<const uint8_t> bytes, contact_points_t& out);
-std::string decode(std::span<const uint8_t> bytes, counters_t& out);
-std::string decode(std::span<const uint8_t> bytes, stages_t& out);
+std::string decode(std::span<const uint8_t> bytes, frame_stats_t& out);
 std::string decode(std::span<const uint8_t> bytes, end_t& out);
 std::string decode(std::span<const uint8_t> bytes, parts_t& out);
 /// Its own checksum is right, too.

@@ -51,8 +51,7 @@ void RunReader::rewind() {
   near_people_.clear();
   contact_points_.clear();
   new_shortfalls_.clear();
-  counters_.reset();
-  stages_.reset();
+  frame_stats_.reset();
   end_.reset();
   checks_.reset();
 }
@@ -91,16 +90,14 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
       return take<events_t>(*channel, bytes);
     case Channel::kTouching:
       return take<touching_t>(*channel, bytes);
-    case Channel::kCounters:
-      return take<counters_t>(*channel, bytes);
+    case Channel::kFrameStats:
+      return take<frame_stats_t>(*channel, bytes);
     case Channel::kEnd:
       return take<end_t>(*channel, bytes);
     case Channel::kParts:
       return take<parts_t>(*channel, bytes);
     case Channel::kChecks:
       return take<checks_t>(*channel, bytes);
-    case Channel::kStages:
-      return take<stages_t>(*channel, bytes);
     case Channel::kNear:
       return take<near_t>(*channel, bytes);
     case Channel::kSeparation:
@@ -111,14 +108,9 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
   return Update::kNothing;
 }
 
-std::string RunReader::use(counters_t& counters, Update& update) {
-  counters_ = counters;
-  update = Update::kCounters;
-  return "";
-}
-
-std::string RunReader::use(stages_t& stages, Update&) {
-  stages_ = std::move(stages);
+std::string RunReader::use(frame_stats_t& stats, Update& update) {
+  frame_stats_ = stats;
+  update = Update::kFrameStats;
   return "";
 }
 

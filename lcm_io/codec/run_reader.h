@@ -41,7 +41,7 @@ class RunReader {
     kState,       ///< state() is a newer frame
     kEvents,      ///< touching() and new_events() changed
     kTouching,    ///< touching() was set anew
-    kCounters,    ///< counters() is new, and the frame is over
+    kFrameStats,  ///< frame_stats() is new, and the frame is over
     kEnd,         ///< end() is known
     kChecks,      ///< checks() is new
     kNear,        ///< near_pairs() and near_people() are new
@@ -86,9 +86,7 @@ class RunReader {
   std::span<const ContactPoint> contact_points() const { return contact_points_; }
   /// Begins and ends of the last THRONG_SEPARATION message.
   std::span<const ShortfallEvent> new_shortfalls() const { return new_shortfalls_; }
-  const std::optional<counters_t>& counters() const { return counters_; }
-  /// Of the newest frame that had them; logs of an older Throng have none.
-  const std::optional<stages_t>& stages() const { return stages_; }
+  const std::optional<frame_stats_t>& frame_stats() const { return frame_stats_; }
   const std::optional<end_t>& end() const { return end_; }
   /// What the run says of itself, and of all that it has said so far.
   const std::optional<checks_t>& checks() const { return checks_; }
@@ -124,8 +122,7 @@ class RunReader {
   std::string use(const near_t& near, Update& update);
   std::string use(const contact_points_t& points, Update& update);
   std::string use(const separation_t& separation, Update& update);
-  std::string use(counters_t& counters, Update& update);
-  std::string use(stages_t& stages, Update& update);
+  std::string use(frame_stats_t& stats, Update& update);
   std::string use(end_t& end, Update& update);
   std::string use(const parts_t& parts, Update& update);
   std::string use(checks_t& checks, Update& update);
@@ -160,8 +157,7 @@ class RunReader {
   std::vector<NearPair> near_pairs_, near_people_, pending_near_pairs_, pending_near_people_;
   std::vector<ContactPoint> contact_points_, pending_contact_points_;
   std::vector<ShortfallEvent> new_shortfalls_;
-  std::optional<counters_t> counters_;
-  std::optional<stages_t> stages_;
+  std::optional<frame_stats_t> frame_stats_;
   std::optional<end_t> end_;
   std::optional<checks_t> checks_;
 };

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/append.h"
+#include "scenes/run/stages.h"
 
 namespace throng {
 namespace {
@@ -103,22 +104,20 @@ void add_states(RunReader& run, const MessageHeader&, std::string& out) {
   }
 }
 
-constexpr const char* kStages[] = {"sphere", "box", "part_volume", "exact"};
-
-std::string counter_columns() {
+std::string frame_stats_columns() {
   std::string out = "frame,time_s";
-  for (const char* stage : kStages)
-    append(out, ",{}_updates,{}_tests,{}_passed", stage, stage, stage);
+  for (const std::string_view stage : kCullingStageNames)
+    append(out, ",{0}_updates,{0}_tests,{0}_passed", stage);
   return out + ",posed_bodies,begins,ends,persisting,touching";
 }
 
-void add_counters(RunReader& run, const MessageHeader& header, std::string& out) {
-  const counters_t& counters = *run.counters();
+void add_frame_stats(RunReader& run, const MessageHeader& header, std::string& out) {
+  const frame_stats_t& stats = *run.frame_stats();
   append(out, "{},{:.6f}", header.frame, seconds(header.utime_us));
-  for (size_t i = 0; i < std::size(kStages); ++i)
-    append(out, ",{},{},{}", counters.updates[i], counters.tests[i], counters.passed[i]);
-  append(out, ",{},{},{},{},{}\n", counters.posed_bodies, counters.begins, counters.ends,
-         counters.persisting, counters.touching);
+  for (size_t i = 0; i < kCullingStageCount; ++i)
+    append(out, ",{},{},{}", stats.updates[i], stats.tests[i], stats.passed[i]);
+  append(out, ",{},{},{},{},{}\n", stats.posed_bodies, stats.begins, stats.ends, stats.persisting,
+         stats.touching);
 }
 
 /// One channel: what its rows are called and how a message becomes some.
@@ -151,7 +150,7 @@ const std::vector<Table>& tables() {
        "frame,time_s,kind,robot,person,region,begin_frame,least_lo_m,least_hi_m,most_short_m,cut,"
        "beyond_margin",
        add_separation},
-      {"counters", Update::kCounters, counter_columns(), add_counters}};
+      {"frame_stats", Update::kFrameStats, frame_stats_columns(), add_frame_stats}};
   return all;
 }
 

@@ -12,7 +12,7 @@
 
 namespace throng {
 
-/// "events", "states", "touching", "near", "contacts", "separation", "counters".
+/// "events", "states", "touching", "near", "contacts", "separation", "frame_stats".
 const std::vector<std::string>& csv_channels();
 /// "THRONG_EVENTS" is "events"; "" for what has no such table.
 std::string csv_channel(std::string_view name);

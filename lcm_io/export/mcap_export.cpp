@@ -69,7 +69,7 @@ class Exporter {
       case RunReader::Update::kState:
         has_state_ = true;
         break;
-      case RunReader::Update::kCounters:
+      case RunReader::Update::kFrameStats:
       case RunReader::Update::kEnd:
         end_frame(run);
         break;

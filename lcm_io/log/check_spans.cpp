@@ -14,6 +14,37 @@ bool is_recorders_stamp(const MessageHeader& header, const LogEvent& event) {
   return event.stamp_us >= kClock_us && event.stamp_us - header.utime_us >= kClock_us / 2;
 }
 
+void LogHash::finish_frame() {
+  for (Way& way : ways_) {
+    is_chained_ = is_chained_ || way.frame.count > 0;
+    way.hash.add_frame(static_cast<uint64_t>(frame_), way.frame);
+    way.frame = {};
+  }
+}
+
+void LogHash::add(int64_t frame, std::span<const PairEvent> events) {
+  if (frame != frame_) finish_frame();
+  frame_ = frame;
+  for (const EventHashKind kind : {EventHashKind::kEvents, EventHashKind::kEventsAndLevels})
+    way(kind).frame.add(events, kind);
+}
+
+void LogHash::start_from(uint64_t hash) {
+  if (is_chained_) return;
+  for (Way& way : ways_) way.hash = EventHash(hash);
+}
+
+uint64_t LogHash::value(EventHashKind kind) {
+  finish_frame();
+  return way(kind).hash.value();
+}
+
+void LogHash::go_on_from(EventHashKind kind, uint64_t hash) {
+  finish_frame();
+  way(kind).hash = EventHash(hash);
+  is_chained_ = true;
+}
+
 void CheckSpans::add(Channel channel, const LogEvent& event, const MessageHeader* header) {
   if (header == nullptr || !is_recorders_stamp(*header, event)) {
     sums_.add(channel, event.number, event.stamp_us, event.data);

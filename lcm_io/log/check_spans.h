@@ -1,12 +1,15 @@
-// Compares the messages of a log with the checks that were written into it.
+// Compares the messages of a log and their events with the checks that were written into it.
 // One rule: what is damaged, missing or too much lies between two checks, and is named by its
 // channel; behind such a place the comparison goes on with what the checks say.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "culling/event_hash.h"
 #include "lcm_io/codec/guard.h"
 #include "lcm_io/codec/running_checks.h"
 #include "lcm_io/log/log_reader.h"
@@ -32,6 +35,36 @@ struct DamagedSpan {
 /// numbers and the clock's stamps in their place: then the message's own time counts, and its place
 /// between two checks.
 bool is_recorders_stamp(const MessageHeader& header, const LogEvent& event);
+
+/// Hashes the events of a log under both kinds at once: which one is meant, the checks say behind
+/// them.
+class LogHash {
+ public:
+  static bool is_known(int32_t kind) {
+    return kind == static_cast<int32_t>(EventHashKind::kEvents) ||
+           kind == static_cast<int32_t>(EventHashKind::kEventsAndLevels);
+  }
+  /// Adds events in the order of the log; those of a frame may come in pieces.
+  void add(int64_t frame, std::span<const PairEvent> events);
+  /// Continues from another hash, unless frames have been chained already.
+  void start_from(uint64_t hash);
+  /// The hash of all events so far.
+  uint64_t value(EventHashKind kind);
+  /// Replaces the hash so far: what went wrong before is known and reported.
+  void go_on_from(EventHashKind kind, uint64_t hash);
+
+ private:
+  struct Way {
+    EventSum frame;  // of frame_
+    EventHash hash;
+  };
+  Way& way(EventHashKind kind) { return ways_[kind == EventHashKind::kEventsAndLevels ? 1 : 0]; }
+  void finish_frame();
+
+  std::array<Way, 2> ways_;
+  int64_t frame_ = 0;
+  bool is_chained_ = false;
+};
 
 class CheckSpans {
  public:

@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
+#include "base/errors.h"
 #include "base/text.h"
 #include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/log_gaps.h"
-#include "lcm_io/log/log_hash.h"
 #include "lcm_io/log/log_reader.h"
 
 namespace throng {
@@ -20,7 +20,9 @@ size_t index_of(Channel channel) { return static_cast<size_t>(channel); }
 
 class Judge {
  public:
-  explicit Judge(const std::filesystem::path& file) : log_(file) { report_.bytes = log_.size(); }
+  explicit Judge(const std::filesystem::path& file) : file_(file), log_(file) {
+    report_.bytes = log_.size();
+  }
 
   LogReport run() {
     LogEvent event;
@@ -32,6 +34,7 @@ class Judge {
         break;
       }
     }
+    require_this_version();
     finish();
     return report_;
   }
@@ -84,6 +87,7 @@ class Judge {
     if (defect.empty()) defect = read_header(channel, event.data, header);
     if (!defect.empty()) {
       ++sum.refused;
+      if (first_refusal_.empty()) first_refusal_ = fmt::format("{}: {}", event.channel, defect);
       problem(fmt::format("byte {}: {}: {}", event.offset, event.channel, defect));
       return;
     }
@@ -93,7 +97,7 @@ class Judge {
       problem(fmt::format("byte {}: {}: a message behind the last one of the run", event.offset,
                           event.channel));
     // Behind the last frame come the last ends, under the number of a frame that never was.
-    if (channel == Channel::kCounters)
+    if (channel == Channel::kFrameStats)
       report_.last_frame = std::max(report_.last_frame, header.frame);
     report_.last_utime_us = std::max(report_.last_utime_us, header.utime_us);
     const int64_t foreign = reader_.foreign();
@@ -114,7 +118,7 @@ class Judge {
       pair_up(event);
     }
     if (update == RunReader::Update::kChecks) compare_checks(event, header);
-    if (update == RunReader::Update::kCounters) {
+    if (update == RunReader::Update::kFrameStats) {
       compare_touching(event);
       compare_present(event);
     }
@@ -199,14 +203,14 @@ class Judge {
   void compare_hash(const end_t& end, const LogEvent& event) {
     const auto written = static_cast<uint64_t>(end.hash);
     if (!report_.has_checks) {
-      report_.hash_agrees = hash_.is_old_hash(written);
-      if (was_resumed_) return;  // what came before the log is not known
-    } else if (!LogHash::is_known(reader_.checks()->hash_kind)) {
+      report_.finished = false;
+      problem(fmt::format("byte {}: expected THRONG_CHECKS before THRONG_END, found none",
+                          event.offset));
       return;
-    } else {
-      const auto kind = static_cast<EventHashKind>(reader_.checks()->hash_kind);
-      report_.hash_agrees = hash_.value(kind) == written;
     }
+    if (!LogHash::is_known(reader_.checks()->hash_kind)) return;
+    const auto kind = static_cast<EventHashKind>(reader_.checks()->hash_kind);
+    report_.hash_agrees = hash_.value(kind) == written;
     if (report_.hash_agrees) return;
     report_.finished = false;
     problem(fmt::format("byte {}: the run says hash {:016x}, the events in the log have another",
@@ -246,7 +250,7 @@ class Judge {
   }
 
   void compare_touching(const LogEvent& event) {
-    const int64_t said = reader_.counters()->touching;
+    const int64_t said = reader_.frame_stats()->touching;
     if (said != static_cast<int64_t>(open_.size()))
       problem(fmt::format("byte {}: {} pairs touch by the counters, {} by the events", event.offset,
                           said, open_.size()));
@@ -255,7 +259,7 @@ class Judge {
   /// An absent avatar touches nobody.
   void compare_present(const LogEvent& event) {
     const CrowdState& crowd = reader_.state();
-    if (crowd.frame != reader_.counters()->frame) return;
+    if (crowd.frame != reader_.frame_stats()->frame) return;
     const auto is_absent = [&crowd](uint32_t body) {
       return body < crowd.present.size() && crowd.present[body] == 0;
     };
@@ -293,6 +297,18 @@ class Judge {
     compare_hash(end, event);
   }
 
+  /// Damage hits some messages, another version all of them.
+  void require_this_version() const {
+    int64_t messages = 0, refused = 0;
+    for (const LogReport::ChannelReport& sum : report_.channels) {
+      messages += sum.messages;
+      refused += sum.refused;
+    }
+    if (messages > 1 && refused == messages)
+      throw InputError(file_.string(), "messages of this version of Throng",
+                       first_refusal_ + "; record the run again with this version");
+  }
+
   void finish() {
     report_.open_pairs = static_cast<int64_t>(open_.size());
     if (!reader_.run()) problem("no complete run description");
@@ -320,8 +336,10 @@ class Judge {
       report_.problems.emplace_back(text);
   }
 
+  std::filesystem::path file_;
   LogReader log_;
   LogReport report_;
+  std::string first_refusal_;
   RunReader reader_;
   std::set<PairKey> open_;
   CheckSpans spans_;
@@ -367,7 +385,7 @@ std::string describe_run(const run_description_t& run) {
 }
 
 std::string describe_channels(const LogReport& report) {
-  std::string out = fmt::format("{:<16}{:>10}{:>14}{:>12}{:>12}{:>9}\n", "channel", "messages",
+  std::string out = fmt::format("{:<18}{:>10}{:>14}{:>12}{:>12}{:>9}\n", "channel", "messages",
                                 "bytes", "per s", "kB/s", "missing");
   const double seconds = static_cast<double>(report.last_utime_us) * 1e-6;
   for (const Channel channel : kAllChannels) {
@@ -375,22 +393,18 @@ std::string describe_channels(const LogReport& report) {
     if (sum.messages == 0) continue;
     const double per_s = seconds > 0 ? static_cast<double>(sum.messages) / seconds : 0;
     const double kb_per_s = seconds > 0 ? static_cast<double>(sum.bytes) * 1e-3 / seconds : 0;
-    out += fmt::format("{:<16}{:>10}{:>14}{:>12.1f}{:>12.1f}{:>9}\n", name_of(channel),
+    out += fmt::format("{:<18}{:>10}{:>14}{:>12.1f}{:>12.1f}{:>9}\n", name_of(channel),
                        sum.messages, sum.bytes, per_s, kb_per_s, sum.missing);
   }
   if (report.foreign_messages > 0)
-    out += fmt::format("{:<16}{:>10}\n", "other channels", report.foreign_messages);
+    out += fmt::format("{:<18}{:>10}\n", "other channels", report.foreign_messages);
   return out;
 }
 
 }  // namespace
 
 std::vector<std::string> describe_coverage(const LogReport& report) {
-  if (!report.has_checks)
-    return {report.finished
-                ? "none, as in every log of an older Throng; the hash of the events is right"
-                : "none: cut off before the first, or a log of an older Throng; damage may go "
-                  "unnoticed"};
+  if (!report.has_checks) return {"none: cut off before the first; damage may go unnoticed"};
   std::vector<std::string> out = {fmt::format("up to those of frame {}", report.checked_frame)};
   if (report.uncovered > 0)
     out.push_back("not covered: " + counted(report.uncovered, "message") + " behind those");

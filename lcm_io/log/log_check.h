@@ -45,7 +45,7 @@ struct LogReport {
   int64_t last_frame = -1;
   int64_t last_utime_us = 0;
 
-  /// By THRONG_CHECKS; a log of an older Throng has none, and only the hash of its events speaks.
+  /// Whether THRONG_CHECKS was found; a log that is cut off before the first frame has none.
   bool has_checks = false;
   int64_t uncovered = 0;            ///< messages behind the last checks: nothing vouches for them
   int64_t checked_frame = -1;       ///< of the last checks
@@ -66,7 +66,7 @@ struct LogReport {
   bool is_whole() const { return is_sound() && finished; }
 };
 
-/// Throws InputError if `file` is no log at all.
+/// Throws InputError if `file` is no log at all, or if none of its messages is of this version.
 LogReport check_log(const std::filesystem::path& file);
 
 /// How far checksums vouch for a log, a line each.

@@ -55,7 +55,10 @@ void LogGaps::note(const LogEvent& event) {
   const std::optional<Channel> channel = channel_of(event.channel);
   MessageHeader header;
   if (!channel) return;
-  const bool has_header = read_header(*channel, event.data, header).empty();
+  const std::string defect = read_header(*channel, event.data, header);
+  const bool has_header = defect.empty();
+  if (!has_header && first_refusal_.empty())
+    first_refusal_ = fmt::format("{}: {}", event.channel, defect);
   if (has_header && *channel == Channel::kChecks) compare(event, header);
   spans_.add(*channel, event, has_header ? &header : nullptr);
   if (!has_header) return;
@@ -69,7 +72,7 @@ void LogGaps::note(const LogEvent& event) {
   if (header.seq > next_seq) missing_ += header.seq - next_seq;
   next_seq = std::max(next_seq, header.seq + 1);
   has_end_ = has_end_ || *channel == Channel::kEnd;
-  if (*channel == Channel::kCounters) last_frame_ = std::max(last_frame_, header.frame);
+  if (*channel == Channel::kFrameStats) last_frame_ = std::max(last_frame_, header.frame);
 }
 
 /// With what the run says of the messages before.
@@ -81,7 +84,10 @@ void LogGaps::compare(const LogEvent& event, const MessageHeader& header) {
 }
 
 std::string LogGaps::found_no_description() const {
-  return is_torn_ ? "none: the file ends inside a message" : "none; is it a log of `throng run`?";
+  if (is_torn_) return "none: the file ends inside a message";
+  if (!first_refusal_.empty() && !has_run_)
+    return fmt::format("none ({}); record the run again with this version", first_refusal_);
+  return "none; is it a log of `throng run`?";
 }
 
 std::string LogGaps::describe(double step_s) const {

@@ -55,6 +55,7 @@ class LogGaps {
   size_t damaged_spans_ = 0;
   int64_t missing_ = 0, last_frame_ = -1;
   int64_t run_id_ = 0, instance_ = 0;
+  std::string first_refusal_;  // of a message whose header could not be read
   std::array<int64_t, kChannelCount> next_seq_{};
 };
 

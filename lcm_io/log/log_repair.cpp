@@ -4,7 +4,6 @@
 #include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/check_spans.h"
 #include "lcm_io/log/log_check.h"
-#include "lcm_io/log/log_hash.h"
 #include "lcm_io/log/log_reader.h"
 #include "lcm_io/log/log_sink.h"
 

@@ -77,8 +77,8 @@ void Monitor::take(RunReader::Update update, double now_s) {
     case RunReader::Update::kTouching:
       forget_what_ended_unheard();
       break;
-    case RunReader::Update::kCounters:
-      take_counters();
+    case RunReader::Update::kFrameStats:
+      take_frame_stats();
       break;
     default:
       break;
@@ -147,30 +147,21 @@ void Monitor::forget_what_ended_unheard() {
                 [&touching](const auto& entry) { return !touching.contains(entry.first); });
 }
 
-template <class Message>
-void Monitor::add_stage(size_t stage, const Message& m, size_t at) {
+void Monitor::take_frame_stats() {
+  const frame_stats_t& m = *inbox_.run().frame_stats();
   // A hostile sender may claim any number: sums must not overflow.
   const auto sane = [](int64_t n) { return std::clamp<int64_t>(n, 0, int64_t{1} << 40); };
-  sums_.updates[stage] += sane(m.updates[at]);
-  sums_.tests[stage] += sane(m.tests[at]);
-  sums_.passed[stage] += sane(m.passed[at]);
-  sums_.update_ns[stage] += m.update_ns[at];
-  sums_.test_ns[stage] += m.test_ns[at];
-}
-
-void Monitor::take_counters() {
-  const counters_t& c = *inbox_.run().counters();
-  const std::optional<stages_t>& all = inbox_.run().stages();
   ++sums_.frames;
-  if (all && all->frame == c.frame) {
-    const size_t count = std::min(all->updates.size(), kCullingStageCount);
-    for (size_t i = 0; i < count; ++i) add_stage(i, *all, i);
-  } else {  // an older Throng, or the message is lost: all but the boxes of bodies
-    constexpr size_t kStageOf[] = {0, 2, 3, 4};
-    for (size_t i = 0; i < std::size(kStageOf); ++i) add_stage(kStageOf[i], c, i);
+  for (size_t i = 0; i < kCullingStageCount; ++i) {
+    sums_.updates[i] += sane(m.updates[i]);
+    sums_.tests[i] += sane(m.tests[i]);
+    sums_.passed[i] += sane(m.passed[i]);
+    sums_.update_ns[i] += m.update_ns[i];
+    sums_.test_ns[i] += m.test_ns[i];
   }
-  sums_.other_ns += c.kinematics_ns + c.events_ns;
-  frame_ms_.push_back(static_cast<float>(c.frame_ns * 1e-6));
+  const auto ns_of = [&m](Stage stage) { return m.stage_ns[static_cast<size_t>(stage)]; };
+  sums_.other_ns += ns_of(Stage::kKinematics) + ns_of(Stage::kEvents);
+  frame_ms_.push_back(static_cast<float>(m.frame_ns * 1e-6));
   if (frame_ms_.size() > kFrameTimes) frame_ms_.pop_front();
 }
 

@@ -79,9 +79,7 @@ class Monitor {
   void name_parts();
   size_t part_of(uint32_t body, uint32_t part) const;
   void take_events();
-  void take_counters();
-  template <class Message>
-  void add_stage(size_t stage, const Message& m, size_t at);
+  void take_frame_stats();
   void forget_what_ended_unheard();
   Totals now(double now_s) const;
 

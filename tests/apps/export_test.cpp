@@ -43,14 +43,15 @@ std::vector<LogPiece> pieces_of_channel(const std::string& log, const std::strin
 
 TEST(Export, WritesTablesOfChannels) {
   const ScratchFolder folder;
-  const Outcome outcome = shell(std::string(kRun) +
-                                    "throng check a.lcmlog; for c in events touching counters; do "
-                                    "throng export a.lcmlog --csv $c --out $c.csv; done; "
-                                    "throng export a.lcmlog --csv THRONG_STATES | wc -l",
-                                folder);
+  const Outcome outcome =
+      shell(std::string(kRun) +
+                "throng check a.lcmlog; for c in events touching frame_stats; do "
+                "throng export a.lcmlog --csv $c --out $c.csv; done; "
+                "throng export a.lcmlog --csv THRONG_STATES | wc -l",
+            folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, testing::EndsWith("\n2401\n")) << "40 people, 60 frames and the names";
-  EXPECT_EQ(line_count(read_file(folder / "counters.csv")), 61);
+  EXPECT_EQ(line_count(read_file(folder / "frame_stats.csv")), 61);
   const std::string events = read_file(folder / "events.csv");
   const int begins = std::stoi(outcome.out.substr(outcome.out.find("events") + 6));
   EXPECT_EQ(line_count(events), 1 + 2 * begins);
@@ -76,7 +77,7 @@ TEST(Export, RefusesALogWithoutAWholeDescriptionBeforeItWritesAnything) {
   for (const char* line :
        {"throng export h.lcmlog --mcap keep.mcap", "throng export h.lcmlog --mcap new.mcap",
         "throng export h.lcmlog --csv events --out keep.csv",
-        "throng export h.lcmlog --csv counters --out new.csv",
+        "throng export h.lcmlog --csv frame_stats --out new.csv",
         "throng export h.lcmlog --csv states"})
     expect_refused(place, line, "h.lcmlog: expected a run's description, found none");
 }
@@ -97,9 +98,9 @@ TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
   const ScratchFolder folder;
   ASSERT_EQ(shell(kRun, folder).exit_code, 0);
   const std::string whole = read_file(folder / "a.lcmlog");
-  const std::vector<LogPiece> counters = pieces_of_channel(whole, "THRONG_COUNTERS");
-  ASSERT_EQ(counters.size(), 60u);
-  const LogPiece middle = counters[30];
+  const std::vector<LogPiece> stats = pieces_of_channel(whole, "THRONG_FRAME_STATS");
+  ASSERT_EQ(stats.size(), 60u);
+  const LogPiece middle = stats[30];
   std::string lacking = whole, unreadable = whole, altered = whole;
   lacking.erase(middle.begin, middle.end - middle.begin);
   unreadable[middle.begin] = 'X';
@@ -118,7 +119,7 @@ TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
         Case{"altered.lcmlog", "1 stretch of messages is not what was written", 60}}) {
     const std::string log = each.log;
     EXPECT_EQ(shell("throng check " + log, folder).exit_code, 1) << log;
-    for (const char* options : {"--csv counters --out t.csv", "--mcap t.mcap"}) {
+    for (const char* options : {"--csv frame_stats --out t.csv", "--mcap t.mcap"}) {
       const Outcome outcome = shell("throng export " + log + " " + options, folder);
       EXPECT_EQ(outcome.exit_code, 1) << log << " " << options;
       EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
@@ -129,7 +130,7 @@ TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
     EXPECT_EQ(line_count(read_file(folder / "t.csv")), 1 + each.rows) << log;
     EXPECT_THAT(read_file(folder / "t.mcap"), testing::EndsWith("\x89MCAP0\r\n")) << log;
   }
-  const Outcome fine = shell("throng export a.lcmlog --csv counters --out t.csv", folder);
+  const Outcome fine = shell("throng export a.lcmlog --csv frame_stats --out t.csv", folder);
   EXPECT_EQ(fine.exit_code, 0);
   EXPECT_EQ(fine.err, "");
 }
@@ -144,7 +145,7 @@ TEST(Export, CallsALogCutOffWhereCheckDoes) {
   };
   for (const Cut& cut :
        {Cut{pieces_of_channel(whole, "THRONG_STATES").at(0).begin, "before its first frame"},
-        Cut{pieces_of_channel(whole, "THRONG_COUNTERS").at(30).end, "after frame 30 (0.50 s)"},
+        Cut{pieces_of_channel(whole, "THRONG_FRAME_STATS").at(30).end, "after frame 30 (0.50 s)"},
         Cut{pieces_of_channel(whole, "THRONG_CHECKS").at(59).end, "after frame 59 (0.98 s)"},
         Cut{pieces_of_channel(whole, "THRONG_END").at(0).begin, "after frame 59 (0.98 s)"}}) {
     write_file(folder / "cut.lcmlog", whole.substr(0, cut.bytes));
@@ -154,7 +155,7 @@ TEST(Export, CallsALogCutOffWhereCheckDoes) {
     EXPECT_EQ(check.exit_code, 1) << check.out;
     EXPECT_THAT(check.out, StartsWith("cut.lcmlog: sound, but cut off\n"));
     EXPECT_THAT(check.out, HasSubstr("  end        " + sentence + "\n"));
-    const Outcome exported = shell("throng export cut.lcmlog --csv counters", folder);
+    const Outcome exported = shell("throng export cut.lcmlog --csv frame_stats", folder);
     EXPECT_EQ(exported.exit_code, 1);
     EXPECT_THAT(exported.err, HasSubstr(sentence));
   }
@@ -171,7 +172,7 @@ TEST(Export, SaysWhatItDoesNotUnderstand) {
   const std::pair<const char*, const char*> cases[] = {
       {"throng export a.lcmlog", "expected --mcap FILE or --csv CHANNEL, found neither"},
       {"throng export a.lcmlog --csv evnts",
-       "expected a channel: events, states, touching, near, contacts, separation or counters"},
+       "expected a channel: events, states, touching, near, contacts, separation or frame_stats"},
       {"throng export run.txt --mcap t.mcap", "run.txt: expected a log of a run"},
       {"throng export none --mcap t.mcap", "none: expected a log of a run"},
       {"throng export a.lcmlog --mcap a.lcmlog", "a.lcmlog"},

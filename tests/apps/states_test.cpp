@@ -40,7 +40,7 @@ TEST_F(ThinLog, HasFewerStatesAndEveryContact) {
   record("--log full.lcmlog");
   EXPECT_EQ(messages("full.lcmlog", "THRONG_STATES"), 61);
   EXPECT_EQ(messages("thin.lcmlog", "THRONG_STATES"), 11);
-  for (const char* channel : {"THRONG_COUNTERS", "THRONG_EVENTS", "THRONG_TOUCHING"})
+  for (const char* channel : {"THRONG_FRAME_STATS", "THRONG_EVENTS", "THRONG_TOUCHING"})
     EXPECT_EQ(messages("thin.lcmlog", channel), messages("full.lcmlog", channel)) << channel;
 }
 
@@ -91,7 +91,7 @@ TEST_F(ThinLog, OfARunThatGoesOnBeginsWithStates) {
   record("--states-hz 1 --log whole.lcmlog");
   record("--states-hz 1 --log rest.lcmlog --resume run.checkpoint");
   EXPECT_EQ(messages("whole.lcmlog", "THRONG_STATES"), 2) << "frames 0 and 60";
-  const int frames = messages("rest.lcmlog", "THRONG_COUNTERS");
+  const int frames = messages("rest.lcmlog", "THRONG_FRAME_STATS");
   ASSERT_THAT(frames, testing::AllOf(testing::Gt(0), testing::Lt(61)));
   const std::string first = std::to_string(61 - frames);
   const Outcome render = shell(

@@ -197,19 +197,19 @@ TEST_F(Mending, DamageIsNamedByChannelAndFrame) {
 
 TEST_F(Mending, TwoDamagesAreTwo) {
   damage(event("THRONG_STATES", 1), -10);
-  damage(event("THRONG_COUNTERS", 4), 80);
+  damage(event("THRONG_FRAME_STATS", 4), 80);
   const LogReport report = check();
   ASSERT_EQ(report.damage.size(), 2u) << testing::PrintToString(report.problems);
   EXPECT_EQ(report.damage[0].channel, Channel::kStates);
   EXPECT_EQ(report.damage[0].to_frame, 1);
-  EXPECT_EQ(report.damage[1].channel, Channel::kCounters);
+  EXPECT_EQ(report.damage[1].channel, Channel::kFrameStats);
   EXPECT_EQ(report.damage[1].to_frame, 4);
 }
 
 TEST_F(Mending, AMessageThatIsMissingIsCounted) {
-  erase(event("THRONG_COUNTERS", 2));
+  erase(event("THRONG_FRAME_STATS", 2));
   EXPECT_THAT(check().problems, testing::Contains(HasSubstr(
-                                    "THRONG_COUNTERS: 0 messages, 1 were written, between the "
+                                    "THRONG_FRAME_STATS: 0 messages, 1 were written, between the "
                                     "checks of frame 1 and those of frame 2")));
 }
 
@@ -296,12 +296,13 @@ TEST_F(Mending, NothingComesBehindTheLastChecks) {
 }
 
 TEST_F(Mending, AChannelThatNoRunHasIsNamed) {
-  const Event& counters = event("THRONG_COUNTERS", 2);
+  const Event& counters = event("THRONG_FRAME_STATS", 2);
   bytes_[counters.offset + kLogHeadBytes + 3] ^= 1;
   const LogReport report = check();
   EXPECT_THAT(report.problems,
-              testing::Contains(HasSubstr("'THRNNG_COUNTERS' is no channel of a run")));
-  EXPECT_THAT(report.problems, testing::Contains(HasSubstr("THRONG_COUNTERS: 0 messages, 1 were")));
+              testing::Contains(HasSubstr("'THRNNG_FRAME_STATS' is no channel of a run")));
+  EXPECT_THAT(report.problems,
+              testing::Contains(HasSubstr("THRONG_FRAME_STATS: 0 messages, 1 were")));
   EXPECT_TRUE(check_mended().damage.empty());
 }
 
@@ -335,7 +336,7 @@ TEST(Checks, ComeWithTheCountersOfEveryFrame) {
   const auto messages = messages_of(run, 30);
   int64_t frames = 0;
   for (size_t i = 0; i + 1 < messages.size(); ++i) {
-    if (messages[i].channel != Channel::kCounters) continue;
+    if (messages[i].channel != Channel::kFrameStats) continue;
     EXPECT_EQ(messages[i + 1].channel, Channel::kChecks);
     ++frames;
   }

@@ -70,7 +70,7 @@ TEST(Guard, AnOlderThrongIsRefusedByItsFingerprint) {
   for (const auto& m : one_of_each()) {
     auto bytes = m.bytes;
     put_big_endian(bytes.data() + 56, int32_t{1});
-    EXPECT_EQ(check_message(m.channel, bytes), "schema 1, this program reads 2");
+    EXPECT_EQ(check_message(m.channel, bytes), "schema 1, this program reads 3");
   }
 }
 
@@ -169,7 +169,7 @@ TEST(Guard, RefusesImpossibleHeaders) {
     EXPECT_THAT(with(48, int32_t{-1}), HasSubstr("chunk -1"));
     EXPECT_THAT(with(52, int32_t{0}), HasSubstr("of 0"));
     EXPECT_THAT(with(52, INT32_MAX), HasSubstr("chunk"));
-    EXPECT_THAT(with(56, kSchema + 1), HasSubstr("schema 3"));
+    EXPECT_THAT(with(56, kSchema + 1), HasSubstr("schema 4, this program reads 3"));
   }
 }
 

@@ -182,7 +182,7 @@ TEST(Lockstep, WhatIsNoAnswerIsCountedAndNotUsed) {
   EXPECT_EQ(run.counts().late, 1);
   EXPECT_EQ(run.counts().other_runs, 1);
   EXPECT_EQ(run.counts().answers, 7);
-  EXPECT_EQ(run.counts().refusal, "schema 1, this program reads 2");
+  EXPECT_EQ(run.counts().refusal, "schema 1, this program reads 3");
 }
 
 TEST(Lockstep, WhoDoesNotAnswerIsNamed) {

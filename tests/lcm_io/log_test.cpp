@@ -1,4 +1,5 @@
 // Logs: reproducible to the byte, readable by LCM's own code, and honest about a full disk.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -16,6 +17,8 @@
 
 #include "base/errors.h"
 #include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/log_format.h"
+#include "lcm_io/export/exported_log.h"
 #include "lcm_io/log/file_writer.h"
 #include "lcm_io/log/log_check.h"
 #include "lcm_io/log/log_reader.h"
@@ -332,6 +335,48 @@ TEST(Log, WhatIsNoLogIsRefused) {
   EXPECT_THROW(check_log(file.path()), InputError);
   EXPECT_THROW(check_log("/no/such/file.lcmlog"), InputError);
   EXPECT_THROW(check_log("/tmp"), InputError);
+}
+
+TEST(Log, ALogOfAnotherVersionIsRefusedInOneLine) {
+  const ScratchFile file;
+  SyntheticRun run({.avatars = 2, .seed = 6, .crowd = SyntheticRun::Crowd::kRovers});
+  LogSink sink(file.path());
+  run.play(sink, 3);
+  std::vector<uint8_t> bytes = bytes_of(file.path());
+  LogReader log(file.path());
+  for (LogEvent event; log.next(event) == LogReader::Status::kEvent;)
+    put_big_endian(bytes.data() + event.offset + kLogHeadBytes + event.channel.size() + 56,
+                   kSchema - 1);
+  write_bytes(file.path(), bytes);
+  const auto said = [&file](auto read) -> std::string {
+    try {
+      read(file.path());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  const std::string why =
+      fmt::format("THRONG_RUN: schema {}, this program reads {}", kSchema - 1, kSchema);
+  EXPECT_THAT(said([](auto path) { check_log(path); }),
+              testing::HasSubstr("expected messages of this version of Throng, found " + why +
+                                 "; record the run again with this version"));
+  EXPECT_THAT(said([](auto path) { ExportedLog(path, [] { return true; }); }),
+              testing::HasSubstr("expected a run's description, found none (" + why +
+                                 "); record the run again with this version"));
+}
+
+TEST(Log, AnEndWithoutChecksIsNamed) {
+  SyntheticRun run({.avatars = 2, .seed = 6, .crowd = SyntheticRun::Crowd::kRovers});
+  const ScratchFile file;
+  LogFile log(file.path());
+  for (const auto& m : messages_of(run, 3))
+    if (m.channel != Channel::kChecks) log.write(name_of(m.channel), m.utime_us, m.bytes);
+  log.close();
+  const LogReport report = check_log(file.path());
+  EXPECT_FALSE(report.finished);
+  EXPECT_THAT(report.problems, testing::Contains(testing::HasSubstr(
+                                   "expected THRONG_CHECKS before THRONG_END, found none")));
 }
 
 }  // namespace

@@ -28,11 +28,10 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"states_t", {states_t::getHash(), 0xcd54b2106e6dbb6c}},
       {"events_t", {events_t::getHash(), 0xc3c4687c6fb789ed}},
       {"touching_t", {touching_t::getHash(), 0x9eff8eb7aaa41e9d}},
-      {"counters_t", {counters_t::getHash(), 0x5a8873b3b6a931fb}},
+      {"frame_stats_t", {frame_stats_t::getHash(), 0x50b2de6ad1c65e10}},
       {"end_t", {end_t::getHash(), 0xe798eab369bd5e12}},
       {"parts_t", {parts_t::getHash(), 0x15259622cf3c970a}},
       {"drive_t", {drive_t::getHash(), 0x413474c4188a3919}},
-      {"stages_t", {stages_t::getHash(), 0x3cf87a4616479eaf}},
       {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
       {"near_t", {near_t::getHash(), 0xa556b0d68e2546c0}},
       {"separation_t", {separation_t::getHash(), 0xd59f80a91bbddbaf}},
@@ -275,7 +274,7 @@ TEST(Messages, ThinningStatesKeepsEveryEvent) {
   EXPECT_EQ(full[Channel::kStates], 30);
   EXPECT_EQ(thin[Channel::kStates], 6);
   for (const Channel channel :
-       {Channel::kEvents, Channel::kCounters, Channel::kTouching, Channel::kEnd})
+       {Channel::kEvents, Channel::kFrameStats, Channel::kTouching, Channel::kEnd})
     EXPECT_EQ(thin[channel], full[channel]) << name_of(channel);
 }
 

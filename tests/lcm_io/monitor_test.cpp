@@ -37,7 +37,7 @@ TEST(Monitor, CountsEventsFramesAndStagesAsTheRunDoes) {
   EXPECT_EQ(all.tests[0], 120 * 20 * 7 + 119 * 120 / 2);
   EXPECT_DOUBLE_EQ(all.test_ns[3], 12.5 * 120 * 121 / 2);
   EXPECT_DOUBLE_EQ(all.now_s, end_s);
-  EXPECT_EQ(all.messages[static_cast<size_t>(Channel::kCounters)], 120);
+  EXPECT_EQ(all.messages[static_cast<size_t>(Channel::kFrameStats)], 120);
   EXPECT_EQ(monitor.frame_time().last_ms, 1);
   int64_t sides = 0;
   for (const Monitor::PartTotal& part : monitor.parts()) {

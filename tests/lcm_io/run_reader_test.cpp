@@ -35,7 +35,7 @@ TEST(RunReader, FollowsARunFromItsFirstMessageToItsLast) {
       ASSERT_EQ(reader.state().frame, frame->number);
       ASSERT_NEAR(reader.state().roots[3].position_m.x(), frame->roots[3].position_m.x(), 1e-4);
     }
-    if (update == Update::kCounters) {
+    if (update == Update::kFrameStats) {
       const auto& touching = reader.touching();
       ASSERT_TRUE(std::equal(touching.begin(), touching.end(), frame->pairs.begin(),
                              frame->pairs.end(),
@@ -65,7 +65,7 @@ TEST(RunReader, KnowsWhoIsThereAndHowFarEachPairWasRefined) {
           << "frame " << frame->number;
       absent += std::count(frame->present.begin(), frame->present.end(), 0);
     }
-    if (update == Update::kCounters) {
+    if (update == Update::kFrameStats) {
       ASSERT_EQ(reader.touching().size(), frame->pairs.size());
       for (size_t i = 0; i < frame->pairs.size(); ++i) {
         const auto found = reader.touching().find(frame->pairs[i]);
@@ -126,13 +126,13 @@ TEST(RunReader, CountsExactlyWhatIsMissing) {
   RunReader reader;
   int64_t dropped = 0;
   for (size_t i = 0; i < all.size(); ++i) {
-    const bool is_hole = all[i].channel == Channel::kCounters && i % 7 == 3;
+    const bool is_hole = all[i].channel == Channel::kFrameStats && i % 7 == 3;
     dropped += is_hole ? 1 : 0;
     if (!is_hole) take(reader, all[i]);
   }
   EXPECT_GT(dropped, 5);
-  EXPECT_EQ(reader.tally(Channel::kCounters).missing, dropped);
-  EXPECT_EQ(reader.tally(Channel::kCounters).messages + dropped, 100);
+  EXPECT_EQ(reader.tally(Channel::kFrameStats).missing, dropped);
+  EXPECT_EQ(reader.tally(Channel::kFrameStats).messages + dropped, 100);
   EXPECT_EQ(reader.tally(Channel::kStates).missing, 0);
 }
 
@@ -140,11 +140,11 @@ TEST(RunReader, AMessageThatIsLateIsNotLost) {
   Messages all = run_of(5, 30);
   std::vector<size_t> counters;
   for (size_t i = 0; i < all.size(); ++i)
-    if (all[i].channel == Channel::kCounters) counters.push_back(i);
+    if (all[i].channel == Channel::kFrameStats) counters.push_back(i);
   std::swap(all[counters[10]], all[counters[12]]);
   RunReader reader;
   for (const auto& m : all) take(reader, m);
-  EXPECT_EQ(reader.tally(Channel::kCounters).missing, 0);
+  EXPECT_EQ(reader.tally(Channel::kFrameStats).missing, 0);
 }
 
 TEST(RunReader, AFrameWithALostChunkIsNotShown) {

@@ -74,7 +74,7 @@ TEST(Tally, ARunHeardFromItsFirstFrameExcusesNothing) {
   run.count(Channel::kStates, numbered(7, 2), 1);
   EXPECT_EQ(run[Channel::kStates].before, 7);
   EXPECT_EQ(run[Channel::kStates].missing, 0);
-  run.count(Channel::kCounters, numbered(0, 0), 1);  // frame 0, overtaken
+  run.count(Channel::kFrameStats, numbered(0, 0), 1);  // frame 0, overtaken
   EXPECT_EQ(run[Channel::kStates].before, 0);
   EXPECT_EQ(run[Channel::kStates].missing, 7);
   run.count(Channel::kEvents, numbered(2, 2), 1);

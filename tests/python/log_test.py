@@ -75,7 +75,7 @@ class Logs(Case):
         return bytes_, found
 
     def test_say_what_of_them_is_not_what_was_written(self):
-        for channel in (b"THRONG_COUNTERS", b"THRONG_STATES"):
+        for channel in (b"THRONG_FRAME_STATS", b"THRONG_STATES"):
             bytes_, found = self.pieces(channel)
             begin, end = found[50]
             altered = self.folder / "altered.lcmlog"
@@ -92,7 +92,7 @@ class Logs(Case):
             self.assertTrue(any(note.startswith("1 place of the log") for note in notes), notes)
 
     def test_that_are_cut_off_are_not_called_whole(self):
-        bytes_, found = self.pieces(b"THRONG_COUNTERS")
+        bytes_, found = self.pieces(b"THRONG_FRAME_STATS")
         cut = self.folder / "cut.lcmlog"
         cut.write_bytes(bytes_[: found[50][1]])
         report = throng.check(cut)

@@ -274,8 +274,8 @@ TEST(PairBegins, DoubtsAllBeginsWhereEventsAreLost) {
     if (is_lost) continue;
     const auto update = run.take(name_of(message.channel), message.bytes);
     begins.take(run, update);
-    if (update == RunReader::Update::kCounters) frame = header.frame;
-    if (update != RunReader::Update::kCounters || frame >= kFrames) continue;
+    if (update == RunReader::Update::kFrameStats) frame = header.frame;
+    if (update != RunReader::Update::kFrameStats || frame >= kFrames) continue;
     // A frame number is said only where it is right; before the gap shows, nobody can know.
     for (const auto& [pair, began] : begins.all()) {
       const auto& now = expected[static_cast<size_t>(frame)];

@@ -20,9 +20,9 @@ RecordedFrame::RecordedFrame(const std::filesystem::path& log, int64_t number)
 void RecordedFrame::advance_to(int64_t number) {
   LogEvent event;
   while (last_frame_ < number && gaps_.next(reader_, event)) {
-    // The counters are the last message of a frame.
-    if (run_.take(event.channel, event.data) == RunReader::Update::kCounters)
-      last_frame_ = run_.counters()->frame;
+    // frame_stats_t is the last message of a frame.
+    if (run_.take(event.channel, event.data) == RunReader::Update::kFrameStats)
+      last_frame_ = run_.frame_stats()->frame;
   }
   if (run_.run() == nullptr)
     throw InputError(log_.string(), "a run's description", gaps_.found_no_description());

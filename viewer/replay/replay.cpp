@@ -150,13 +150,13 @@ void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> byt
       keys_.push_back({crowd.frame, crowd});
       break;
     }
-    case RunReader::Update::kCounters:
-      if (run_.counters()->frame >= kMostFrames)
+    case RunReader::Update::kFrameStats:
+      if (run_.frame_stats()->frame >= kMostFrames)
         throw EnvironmentError(fmt::format("--html shows at most {} frames; found number {}",
-                                           kMostFrames, run_.counters()->frame));
-      last_frame_ = std::max(last_frame_, run_.counters()->frame);
+                                           kMostFrames, run_.frame_stats()->frame));
+      last_frame_ = std::max(last_frame_, run_.frame_stats()->frame);
       frame_ms_.resize(static_cast<size_t>(last_frame_) + 1);
-      frame_ms_.back() = static_cast<float>(run_.counters()->frame_ns * 1e-6);
+      frame_ms_.back() = static_cast<float>(run_.frame_stats()->frame_ns * 1e-6);
       break;
     default:
       break;

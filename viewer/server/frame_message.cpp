@@ -270,7 +270,7 @@ std::shared_ptr<const Bytes> FrameMessages::build(double seq, int64_t frame,
   head_.frame = static_cast<double>(frame);
   head_.time_s = static_cast<double>(frame) * run_.run()->step_s;
   head_.seq = seq;
-  if (run_.counters()) head_.frame_ms = static_cast<float>(run_.counters()->frame_ns * 1e-6);
+  if (run_.frame_stats()) head_.frame_ms = static_cast<float>(run_.frame_stats()->frame_ns * 1e-6);
   head_.lost = static_cast<float>(lost);
   parts_at_ = sizeof(FrameHead) + head_.avatars * sizeof(AvatarRecord);
   message->resize(parts_at_ + head_.parts * sizeof(PartRecord) + head_.pairs * sizeof(PairRecord));

@@ -101,7 +101,7 @@ void LiveView::take(const ReceivedMessage& message) {
     case RunReader::Update::kEvents:
       note_ends();
       break;
-    case RunReader::Update::kCounters:
+    case RunReader::Update::kFrameStats:
       last_touching_.clear();
       last_begins_.clear();
       ++heard_;
@@ -154,10 +154,10 @@ void LiveView::end_run() {
 void LiveView::offer_frame() {
   const RunReader& run = receiver_->inbox().run();
   if (messages_ == nullptr || server_.client_count() == 0 || run.run() == nullptr ||
-      run.state().frame < 0 || !run.counters())
+      run.state().frame < 0 || !run.frame_stats())
     return;
   const bool is_over = run.end().has_value();
-  server_.offer_frame(messages_->build(static_cast<double>(heard_), run.counters()->frame,
+  server_.offer_frame(messages_->build(static_cast<double>(heard_), run.frame_stats()->frame,
                                        is_over ? last_touching_ : run.touching(),
                                        is_over ? last_begins_ : begins_.all(), missing()));
   ++built_;

@@ -54,11 +54,11 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
   };
   if (channel == Channel::kStates) mark(states_);
   if (channel == Channel::kTouching) mark(touching_);
-  if (channel == Channel::kCounters) {
-    counters_t counters;
-    if (!decode(event.data, counters).empty() || header.frame <= last_frame_) return;
-    samples_.push_back({header.frame, static_cast<int32_t>(counters.touching),
-                        static_cast<float>(counters.frame_ns * 1e-6)});
+  if (channel == Channel::kFrameStats) {
+    frame_stats_t stats;
+    if (!decode(event.data, stats).empty() || header.frame <= last_frame_) return;
+    samples_.push_back({header.frame, static_cast<int32_t>(stats.touching),
+                        static_cast<float>(stats.frame_ns * 1e-6)});
     last_frame_ = header.frame;
   }
 }
@@ -150,7 +150,7 @@ void LogPlayer::read_to(int64_t frame, const LogIndex::Start& start) {
     // States that newer ones replace before anybody sees them are not decoded.
     if (event.channel == name_of(Channel::kStates) && event.offset < start.states.offset) continue;
     // The counters are the last message of a frame.
-    if (take(event) == RunReader::Update::kCounters) frame_ = run_.counters()->frame;
+    if (take(event) == RunReader::Update::kFrameStats) frame_ = run_.frame_stats()->frame;
   }
 }
 
