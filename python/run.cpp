@@ -11,7 +11,7 @@
 #include "analysis/trace.h"
 #include "analysis/trajectories/trajectory_sink.h"
 #include "base/errors.h"
-#include "lcm_io/codec/readable.h"
+#include "lcm_io/codec/encoder.h"
 #include "lcm_io/log/log_sink.h"
 #include "python/bindings.h"
 #include "python/facts_dict.h"

@@ -9,7 +9,7 @@ set -euo pipefail
 
 packages=(
   # tools
-  build-essential cmake ninja-build pkg-config git ccache clang-format
+  build-essential cmake ninja-build pkg-config python3 git ccache clang-format
   # geometry, kinematics, meshes
   libeigen3-dev liburdfdom-dev liburdfdom-headers-dev liborocos-kdl-dev libassimp-dev libfcl-dev
   # scenes, speed, command line, pictures

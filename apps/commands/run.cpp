@@ -24,7 +24,7 @@
 #include "base/say.h"
 #include "base/text.h"
 #include "crowd/journeys.h"
-#include "lcm_io/codec/readable.h"
+#include "lcm_io/codec/encoder.h"
 #include "lcm_io/log/log_sink.h"
 #include "lcm_io/replay/file_kind.h"
 #include "lcm_io/wire/lcm_sink.h"

@@ -2,42 +2,30 @@
 // One rule: a message is one UDP datagram, so its loss is the loss of one message and no more.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
 
-namespace throng {
+#include "throng/messages.hpp"
 
-enum class Channel : uint8_t {
-  kRun,
-  kStates,
-  kEvents,
-  kTouching,
-  kFrameStats,
-  kEnd,
-  kParts,
-  kChecks,
-  kNear,
-  kSeparation,
-  kContacts
-};
-inline constexpr int kChannelCount = 11;
-inline constexpr std::array<Channel, kChannelCount> kAllChannels = {
-    Channel::kRun,        Channel::kStates,     Channel::kEvents,  Channel::kTouching,
-    Channel::kFrameStats, Channel::kEnd,        Channel::kParts,   Channel::kChecks,
-    Channel::kNear,       Channel::kSeparation, Channel::kContacts};
+namespace throng {
 
 /// What a run says of its channels names those of a run without options always, the others where
 /// they said something: what nobody asked for changes no byte.
 constexpr bool is_named(Channel channel, int64_t messages) {
-  return channel < Channel::kNear || messages > 0;
+  return !is_on_request(channel) || messages > 0;
 }
 
 /// "THRONG_RUN", "THRONG_STATES", ...
-std::string_view name_of(Channel channel);
-std::optional<Channel> channel_of(std::string_view name);
+constexpr std::string_view name_of(Channel channel) {
+  return kChannelNames[static_cast<size_t>(channel)];
+}
+inline std::optional<Channel> channel_of(std::string_view name) {
+  for (const Channel channel : kAllChannels)
+    if (name_of(channel) == name) return channel;
+  return std::nullopt;
+}
 
 /// What the numbers in the messages mean. Grows when a meaning changes and the field does not;
 /// a changed field changes the fingerprint by itself.
@@ -50,6 +38,11 @@ inline constexpr size_t kMaxMessageBytes = 60'000;
 
 /// Fingerprint, five int64 and three int32 that every message begins with.
 inline constexpr size_t kHeaderBytes = 8 + 5 * 8 + 3 * 4;
+
+/// Rows that fit into a message of a type that has lists of one count.
+template <class Message>
+inline constexpr size_t kRowsPerMessage =
+    (kMaxMessageBytes - kFixedBytes<Message>) / kRowBytes<Message>;
 
 /// Messages that so many items take.
 constexpr int chunks_of(size_t items, size_t per_chunk) {

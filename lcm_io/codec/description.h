@@ -10,8 +10,6 @@
 #include "lcm_io/codec/channels.h"
 #include "lcm_io/codec/quantise.h"
 #include "scenes/run/sink.h"
-#include "throng/checks_t.hpp"
-#include "throng/run_description_t.hpp"
 
 namespace throng {
 
@@ -19,6 +17,10 @@ namespace throng {
 std::vector<ColumnRange> column_ranges(const Model& model);
 
 run_description_t describe(const RunInfo& run);
+
+/// The description of a run, encoded. Throws InputError naming the scene's file if it is longer
+/// than a reader takes, or has what defect_of() refuses.
+std::vector<uint8_t> readable_description(const RunInfo& run);
 
 /// Fills in what checks_t says of the run itself: by what it was made, and what it leaves out.
 void describe_checks(const RunInfo& run, checks_t& out);

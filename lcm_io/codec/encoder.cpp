@@ -9,12 +9,8 @@
 #include "base/checksum.h"
 #include "base/errors.h"
 #include "base/limits.h"
-#include "lcm_io/codec/contact_rows.h"
 #include "lcm_io/codec/log_format.h"
-#include "lcm_io/codec/near_rows.h"
-#include "lcm_io/codec/pair_columns.h"
-#include "lcm_io/codec/readable.h"
-#include "lcm_io/codec/separation_rows.h"
+#include "lcm_io/codec/rows.h"
 #include "scenes/run/stages.h"
 
 namespace throng {
@@ -28,13 +24,9 @@ static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
 // Where they differ from target to target.
 constexpr size_t kInstanceAt = 8 + 2 * 8, kSeqAt = 8 + 4 * 8;
 
-constexpr int kRunBytes = static_cast<int>(kMaxMessageBytes - kHeaderBytes) - 12;
+constexpr auto kRunBytes = static_cast<int>(kRowsPerMessage<run_t>);
 constexpr size_t kStatesFixed = kHeaderBytes + 5 * sizeof(int32_t);
 constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte of who is absent
-constexpr size_t kPartsFixed = kHeaderBytes + 4 * sizeof(int32_t);
-constexpr size_t kPartsPerPart = 3 * 4 + 4 * 2;
-constexpr size_t kTouchingPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 11;
-constexpr size_t kShortfallsPerMessage = (kMaxMessageBytes - kHeaderBytes - 4) / 32;
 
 /// A message takes some hundred microseconds; all slots together fit the second cache.
 constexpr size_t kSlotsAThread = 4;
@@ -176,7 +168,7 @@ void RunEncoder::begin(const RunInfo& run) {
     slot.bytes.resize(kMaxMessageBytes);
     slot.checksums.resize(outlets_.size());
   }
-  part_chunks_ = plan(kPartsFixed, 0, kPartsPerPart,
+  part_chunks_ = plan(kFixedBytes<parts_t>, 0, kRowBytes<parts_t>,
                       [&](uint16_t model) { return run.models[model]->part_count(); });
   if (part_poses) require_few(run, part_chunks_.size());
   choose_outlets();
@@ -235,8 +227,8 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
 /// Also when there are none: a receiver learns that nothing touches, or is near. set(first, count)
 /// fills `m`.
 template <class Message, class Set>
-void RunEncoder::send_rows(Channel channel, Message& m, size_t rows, size_t per_message,
-                           const Set& set) {
+void RunEncoder::send_rows(Channel channel, Message& m, size_t rows, const Set& set) {
+  constexpr size_t per_message = kRowsPerMessage<Message>;
   const int chunks = std::max(1, chunks_of(rows, per_message));
   for (int chunk = 0; chunk < chunks; ++chunk) {
     const size_t first = static_cast<size_t>(chunk) * per_message;
@@ -246,45 +238,45 @@ void RunEncoder::send_rows(Channel channel, Message& m, size_t rows, size_t per_
 }
 
 void RunEncoder::send_events(std::span<const PairEvent> events) {
-  const int chunks = chunks_of(events.size(), kEventsPerMessage);
+  const int chunks = chunks_of(events.size(), kRowsPerMessage<events_t>);
   for (int chunk = 0; chunk < chunks; ++chunk) {
-    const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
-    set_events(events_, events.subspan(first, std::min(kEventsPerMessage, events.size() - first)));
+    const size_t first = static_cast<size_t>(chunk) * kRowsPerMessage<events_t>;
+    set_events(events_,
+               events.subspan(first, std::min(kRowsPerMessage<events_t>, events.size() - first)));
     send(open_, Channel::kEvents, events_, chunk, chunks);
   }
 }
 
 void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels) {
   assert(levels.empty() || levels.size() == pairs.size());
-  send_rows(Channel::kTouching, touching_, pairs.size(), kTouchingPerMessage,
-            [&](size_t first, size_t count) {
-              resize_pairs(touching_, count);
-              for (size_t i = 0; i < count; ++i)
-                set_pair(touching_, i, pairs[first + i], level_at(levels, first + i, last_level_));
-            });
+  send_rows(Channel::kTouching, touching_, pairs.size(), [&](size_t first, size_t count) {
+    resize_pairs(touching_, count);
+    for (size_t i = 0; i < count; ++i)
+      set_pair(touching_, i, pairs[first + i], level_at(levels, first + i, last_level_));
+  });
 }
 
 void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
   const size_t rows = frame.near_pairs.size() + frame.near_people.size();
-  send_rows(Channel::kNear, near_, rows, kNearPerMessage, [&](size_t first, size_t) {
+  send_rows(Channel::kNear, near_, rows, [&](size_t first, size_t) {
     set_near_chunk(near_, run.culler.near, frame.near_hash, frame.near_pairs, frame.near_people,
                    first);
   });
 }
 
 void RunEncoder::send_contacts(std::span<const ContactPoint> points) {
-  send_rows(
-      Channel::kContacts, contacts_, points.size(), kContactsPerMessage,
-      [&](size_t first, size_t count) { set_contacts(contacts_, points.subspan(first, count)); });
+  send_rows(Channel::kContacts, contacts_, points.size(), [&](size_t first, size_t count) {
+    set_contacts(contacts_, points.subspan(first, count));
+  });
 }
 
 void RunEncoder::send_separation() {
   const std::span<const Shortfall> begun = monitor_->begun(), ended = monitor_->ended();
   const size_t rows = begun.size() + ended.size();
-  const int chunks = chunks_of(rows, kShortfallsPerMessage);
+  const int chunks = chunks_of(rows, kRowsPerMessage<separation_t>);
   for (int chunk = 0; chunk < chunks; ++chunk) {
-    const size_t first = static_cast<size_t>(chunk) * kShortfallsPerMessage;
-    const size_t count = std::min(kShortfallsPerMessage, rows - first);
+    const size_t first = static_cast<size_t>(chunk) * kRowsPerMessage<separation_t>;
+    const size_t count = std::min(kRowsPerMessage<separation_t>, rows - first);
     begin_separation(separation_, count);
     for (size_t i = 0; i < count; ++i) {
       const bool is_begin = first + i < begun.size();
@@ -484,6 +476,15 @@ void RunEncoder::end(const RunInfo&, const RunEnd& end) {
     send(*outlet, Channel::kEnd, outlet->end_, 0, 1);
     outlet->target_.after_end(*outlet);
   }
+}
+
+void require_readable(const RunInfo& run, bool part_poses) {
+  struct : MessageTarget {
+    void message(Channel, int64_t, std::span<const uint8_t>) override {}
+  } nobody;
+  EncoderOptions options;
+  options.part_poses = part_poses;
+  RunEncoder(options, nobody).begin(run);
 }
 
 }  // namespace throng

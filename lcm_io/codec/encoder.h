@@ -15,16 +15,6 @@
 #include "lcm_io/codec/message_target.h"
 #include "scenes/run/sink.h"
 #include "scenes/separation/separation_monitor.h"
-#include "throng/checks_t.hpp"
-#include "throng/contact_points_t.hpp"
-#include "throng/events_t.hpp"
-#include "throng/frame_stats_t.hpp"
-#include "throng/near_t.hpp"
-#include "throng/parts_t.hpp"
-#include "throng/run_t.hpp"
-#include "throng/separation_t.hpp"
-#include "throng/states_t.hpp"
-#include "throng/touching_t.hpp"
 
 namespace throng {
 
@@ -83,7 +73,7 @@ class RunEncoder final : public Sink {
   void hand_over(Outlet& to, Channel channel, std::span<const uint8_t> bytes, uint64_t checksum);
   void send_description_chunk(Outlet& to, int chunk);
   template <class Message, class Set>
-  void send_rows(Channel channel, Message& m, size_t rows, size_t per_message, const Set& set);
+  void send_rows(Channel channel, Message& m, size_t rows, const Set& set);
   void send_events(std::span<const PairEvent> events);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   void send_near(const RunInfo& run, const Frame& frame);
@@ -130,6 +120,32 @@ class RunEncoder final : public Sink {
   checks_t checks_{};
   std::vector<uint8_t> buffer_ = std::vector<uint8_t>(kMaxMessageBytes);
   uint64_t last_hash_ = 0;  // of the run's end
+};
+
+/// Throws InputError if a reader could not take what begin() of an encoder would send: to be known
+/// before anything is opened.
+void require_readable(const RunInfo& run, bool part_poses);
+
+/// A target that also listens to a run by itself, with an encoder of its own. Targets that listen
+/// to one run share an encoder, and this one is not made.
+class TargetSink : public Sink, public MessageTarget {
+ public:
+  /// How its messages are to be.
+  virtual EncoderOptions encoding() const = 0;
+
+  SinkNeeds needs() const override { return {.postures = true}; }
+  void begin(const RunInfo& run) override {
+    if (!encoder_) encoder_.emplace(encoding(), static_cast<MessageTarget&>(*this));
+    encoder_->begin(run);
+  }
+  void frame(const RunInfo& run, const Frame& frame) override { encoder_->frame(run, frame); }
+  void end(const RunInfo& run, const RunEnd& end) override { encoder_->end(run, end); }
+
+  /// What was said, after begin().
+  const Outlet& outlet() const { return encoder_->outlet(); }
+
+ private:
+  std::optional<RunEncoder> encoder_;
 };
 
 }  // namespace throng

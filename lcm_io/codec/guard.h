@@ -8,20 +8,7 @@
 #include <string>
 
 #include "lcm_io/codec/channels.h"
-#include "throng/answer_t.hpp"
-#include "throng/checks_t.hpp"
-#include "throng/contact_points_t.hpp"
-#include "throng/drive_t.hpp"
-#include "throng/end_t.hpp"
-#include "throng/events_t.hpp"
-#include "throng/frame_stats_t.hpp"
-#include "throng/near_t.hpp"
-#include "throng/parts_t.hpp"
-#include "throng/run_description_t.hpp"
-#include "throng/run_t.hpp"
-#include "throng/separation_t.hpp"
-#include "throng/states_t.hpp"
-#include "throng/touching_t.hpp"
+#include "throng/messages.hpp"
 
 namespace throng {
 
@@ -37,7 +24,6 @@ struct MessageHeader {
   int32_t chunk_count = 0;
   int32_t schema = 0;
 };
-inline constexpr size_t kMessageHeaderBytes = 60;
 
 /// The fingerprint of the type that belongs on a channel.
 int64_t fingerprint_of(Channel channel);
@@ -46,28 +32,13 @@ int64_t fingerprint_of(Channel channel);
 /// is wrong, or "".
 std::string read_header(Channel channel, std::span<const uint8_t> bytes, MessageHeader& header);
 
-/// Decodes a whole message, or says what is wrong and leaves `out` unusable.
-std::string decode(std::span<const uint8_t> bytes, run_t& out);
-std::string decode(std::span<const uint8_t> bytes, states_t& out);
-std::string decode(std::span<const uint8_t> bytes, events_t& out);
-std::string decode(std::span<const uint8_t> bytes, touching_t& out);
-std::string decode(std::span<const uint8_t> bytes, near_t& out);
-std::string decode(std::span<const uint8_t> bytes, separation_t& out);
-std::string decode(std::span<const uint8_t> bytes, contact_points_t& out);
-std::string decode(std::span<const uint8_t> bytes, frame_stats_t& out);
-std::string decode(std::span<const uint8_t> bytes, end_t& out);
-std::string decode(std::span<const uint8_t> bytes, parts_t& out);
-/// Its own checksum is right, too.
-std::string decode(std::span<const uint8_t> bytes, checks_t& out);
+/// Decodes a whole message of any type of THRONG_MESSAGES that is no part of another, or returns
+/// what is wrong and leaves `out` unusable: its lengths, the rules of its .lcm file, the own
+/// checksum of checks_t, and defect_of() a run_description_t.
+template <class Message>
+std::string decode(std::span<const uint8_t> bytes, Message& out);
 
-/// The description that the pieces of THRONG_RUN add up to; checked by defect_of() as well.
-std::string decode(std::span<const uint8_t> bytes, run_description_t& out);
-
-/// What moves a driven group; every list has as many items as it says.
-std::string decode(std::span<const uint8_t> bytes, drive_t& out);
-std::string decode(std::span<const uint8_t> bytes, answer_t& out);
-
-/// Header and lengths of the message that belongs on `channel`; what is wrong, or "".
+/// What decode() of the type that belongs on `channel` returns.
 std::string check_message(Channel channel, std::span<const uint8_t> bytes);
 
 }  // namespace throng

@@ -5,9 +5,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
-#include "lcm_io/codec/contact_rows.h"
-#include "lcm_io/codec/near_rows.h"
-#include "lcm_io/codec/pair_columns.h"
+#include "lcm_io/codec/rows.h"
 
 namespace throng {
 
@@ -63,6 +61,12 @@ RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
 }
 
 template <class Message>
+std::string RunReader::use(const Message&, Update& update) {
+  update = Update::kMessage;
+  return "";
+}
+
+template <class Message>
 RunReader::Update RunReader::take(Channel channel, std::span<const uint8_t> bytes) {
   Message message;
   std::string defect = decode(bytes, message);
@@ -81,31 +85,7 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
   if (!channel) return Update::kNothing;
   std::string defect = read_header(*channel, bytes, header_);
   if (!defect.empty()) return refuse(name, std::move(defect));
-  switch (*channel) {
-    case Channel::kRun:
-      return take<run_t>(*channel, bytes);
-    case Channel::kStates:
-      return take<states_t>(*channel, bytes);
-    case Channel::kEvents:
-      return take<events_t>(*channel, bytes);
-    case Channel::kTouching:
-      return take<touching_t>(*channel, bytes);
-    case Channel::kFrameStats:
-      return take<frame_stats_t>(*channel, bytes);
-    case Channel::kEnd:
-      return take<end_t>(*channel, bytes);
-    case Channel::kParts:
-      return take<parts_t>(*channel, bytes);
-    case Channel::kChecks:
-      return take<checks_t>(*channel, bytes);
-    case Channel::kNear:
-      return take<near_t>(*channel, bytes);
-    case Channel::kSeparation:
-      return take<separation_t>(*channel, bytes);
-    case Channel::kContacts:
-      return take<contact_points_t>(*channel, bytes);
-  }
-  return Update::kNothing;
+  return with_type_of(*channel, [&]<class Message>() { return take<Message>(*channel, bytes); });
 }
 
 std::string RunReader::use(frame_stats_t& stats, Update& update) {
@@ -120,8 +100,6 @@ std::string RunReader::use(end_t& end, Update& update) {
   update = Update::kEnd;
   return "";
 }
-
-std::string RunReader::use(const parts_t&, Update&) { return ""; }
 
 std::string RunReader::use(checks_t& checks, Update& update) {
   checks_ = std::move(checks);

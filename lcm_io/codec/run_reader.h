@@ -16,7 +16,7 @@
 
 #include "lcm_io/codec/description.h"
 #include "lcm_io/codec/guard.h"
-#include "lcm_io/codec/separation_rows.h"
+#include "lcm_io/codec/rows.h"
 #include "lcm_io/codec/tally.h"
 #include "scenes/run/sink.h"
 
@@ -47,6 +47,7 @@ class RunReader {
     kNear,        ///< near_pairs() and near_people() are new
     kSeparation,  ///< new_shortfalls() changed
     kContacts,    ///< contact_points() is new
+    kMessage,     ///< a message that changes none of these
     kRefused      ///< damaged, hostile or of another version: see refusal()
   };
 
@@ -124,7 +125,8 @@ class RunReader {
   std::string use(const separation_t& separation, Update& update);
   std::string use(frame_stats_t& stats, Update& update);
   std::string use(end_t& end, Update& update);
-  std::string use(const parts_t& parts, Update& update);
+  template <class Message>
+  std::string use(const Message& message, Update& update);
   std::string use(checks_t& checks, Update& update);
   std::string adopt_description();
 

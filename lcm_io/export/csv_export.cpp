@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <type_traits>
 
 #include "base/append.h"
-#include "scenes/run/stages.h"
+#include "throng/layouts.hpp"
 
 namespace throng {
 namespace {
@@ -104,53 +104,77 @@ void add_states(RunReader& run, const MessageHeader&, std::string& out) {
   }
 }
 
-std::string frame_stats_columns() {
-  std::string out = "frame,time_s";
-  for (const std::string_view stage : kCullingStageNames)
-    append(out, ",{0}_updates,{0}_tests,{0}_passed", stage);
-  return out + ",posed_bodies,begins,ends,persisting,touching";
+template <class Cell>
+void add_cell(const Cell& cell, std::string& out) {
+  if constexpr (std::is_same_v<Cell, std::string>)
+    out += ',' + quoted(printable(cell));
+  else
+    append(out, ",{}", cell);
 }
 
-void add_frame_stats(RunReader& run, const MessageHeader& header, std::string& out) {
-  const frame_stats_t& stats = *run.frame_stats();
-  append(out, "{},{:.6f}", header.frame, seconds(header.utime_us));
-  for (size_t i = 0; i < kCullingStageCount; ++i)
-    append(out, ",{},{},{}", stats.updates[i], stats.tests[i], stats.passed[i]);
-  append(out, ",{},{},{},{},{}\n", stats.posed_bodies, stats.begins, stats.ends, stats.persisting,
-         stats.touching);
+/// The rows of a message whose table follows from its definition.
+template <class Message>
+void add_rows(std::span<const uint8_t> bytes, std::string& out) {
+  Message m;
+  if (!decode(bytes, m).empty()) return;
+  for (size_t row = 0; row < csv_rows(m); ++row) {
+    append(out, "{},{:.6f}", m.frame, seconds(m.utime));
+    add_csv_cells(m, row, [&out](const auto& cell) { add_cell(cell, out); });
+    out += '\n';
+  }
 }
 
 /// One channel: what its rows are called and how a message becomes some.
 struct Table {
-  const char* channel;
+  std::string channel;
   RunReader::Update update;
   std::string columns;
   void (*add)(RunReader& run, const MessageHeader& header, std::string& out);
+  void (*add_rows)(std::span<const uint8_t> bytes, std::string& out) = nullptr;  ///< or this one
 };
+
+/// "THRONG_EVENTS" is "events".
+std::string csv_name(std::string_view channel) {
+  std::string lower(channel);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (lower.starts_with("throng_")) lower.erase(0, 7);
+  return lower;
+}
+
+std::vector<Table> with_defined_tables(std::vector<Table> tables) {
+  for (const Channel channel : kAllChannels)
+    with_type_of(channel, [&]<class Message>() {
+      if constexpr (requires(const Message* type) { csv_columns(type); })
+        tables.push_back(
+            {csv_name(name_of(channel)), RunReader::Update::kMessage,
+             fmt::format("frame,time_s,{}", csv_columns(std::add_pointer_t<const Message>())),
+             nullptr, add_rows<Message>});
+    });
+  return tables;
+}
 
 const std::vector<Table>& tables() {
   using Update = RunReader::Update;
-  static const std::vector<Table> all = {
-      {"events", Update::kEvents, fmt::format("frame,time_s,kind,{},level", kPairColumns),
-       add_events},
-      {"states", Update::kState, "frame,time_s,id,name,x_m,y_m,z_m,heading_rad,speed_mps",
-       add_states},
-      {"touching", Update::kTouching, fmt::format("frame,time_s,{},level", kPairColumns),
-       add_touching},
-      {"near", Update::kNear,
-       fmt::format("frame,time_s,of,{},level,lo_m,hi_m,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,"
-                   "normal_x,normal_y,normal_z,depth_m,closing_mps,contact_in_s",
-                   kPairColumns),
-       add_near},
-      {"contacts", Update::kContacts,
-       fmt::format("frame,time_s,{},x_m,y_m,z_m,direction_x,direction_y,direction_z,depth_m",
-                   kPairColumns),
-       add_contacts},
-      {"separation", Update::kSeparation,
-       "frame,time_s,kind,robot,person,region,begin_frame,least_lo_m,least_hi_m,most_short_m,cut,"
-       "beyond_margin",
-       add_separation},
-      {"frame_stats", Update::kFrameStats, frame_stats_columns(), add_frame_stats}};
+  static const std::vector<Table> all = with_defined_tables(
+      {{"events", Update::kEvents, fmt::format("frame,time_s,kind,{},level", kPairColumns),
+        add_events},
+       {"states", Update::kState, "frame,time_s,id,name,x_m,y_m,z_m,heading_rad,speed_mps",
+        add_states},
+       {"touching", Update::kTouching, fmt::format("frame,time_s,{},level", kPairColumns),
+        add_touching},
+       {"near", Update::kNear,
+        fmt::format("frame,time_s,of,{},level,lo_m,hi_m,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,"
+                    "normal_x,normal_y,normal_z,depth_m,closing_mps,contact_in_s",
+                    kPairColumns),
+        add_near},
+       {"contacts", Update::kContacts,
+        fmt::format("frame,time_s,{},x_m,y_m,z_m,direction_x,direction_y,direction_z,depth_m",
+                    kPairColumns),
+        add_contacts},
+       {"separation", Update::kSeparation,
+        "frame,time_s,kind,robot,person,region,begin_frame,least_lo_m,least_hi_m,most_short_m,cut,"
+        "beyond_margin",
+        add_separation}});
   return all;
 }
 
@@ -172,9 +196,7 @@ const std::vector<std::string>& csv_channels() {
 }
 
 std::string csv_channel(std::string_view name) {
-  std::string lower(name);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (lower.starts_with("throng_")) lower.erase(0, 7);
+  const std::string lower = csv_name(name);
   return table_of(lower) != nullptr ? lower : "";
 }
 
@@ -188,8 +210,14 @@ std::string export_csv(ExportedLog& log, const std::string& channel,
     is_stopped = !keep_going();
     if (is_stopped) break;
     RunReader& run = log.run();
-    if (log.update() != table.update || run.header() == nullptr) continue;
-    table.add(run, *run.header(), text);
+    const RunReader::Update update = log.update();
+    if (run.header() == nullptr) continue;
+    if (table.add_rows == nullptr) {
+      if (update == table.update) table.add(run, *run.header(), text);
+    } else if (update > RunReader::Update::kNothing && update < RunReader::Update::kRefused &&
+               csv_name(log.event().channel) == table.channel) {
+      table.add_rows(log.event().data, text);
+    }
     if (text.size() < kPiece) continue;
     write(text);
     text.clear();

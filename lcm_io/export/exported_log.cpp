@@ -23,9 +23,8 @@ ExportedLog::ExportedLog(const std::filesystem::path& file, const std::function<
 }
 
 bool ExportedLog::next() {
-  LogEvent event;
-  if (!gaps_.next(reader_, event)) return false;
-  update_ = run_.take(event.channel, event.data);
+  if (!gaps_.next(reader_, event_)) return false;
+  update_ = run_.take(event_.channel, event_.data);
   if (!has_run_ && run_.run() != nullptr) {
     has_run_ = true;
     first_ = id();

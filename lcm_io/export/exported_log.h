@@ -25,6 +25,7 @@ class ExportedLog {
   bool next();
   /// What the message was, and the run as far as it.
   RunReader::Update update() const { return update_; }
+  const LogEvent& event() const { return event_; }
   RunReader& run() { return run_; }
   /// Throws InputError if the message is of another run than those before.
   void require_one_run() const;
@@ -41,6 +42,7 @@ class ExportedLog {
   LogReader reader_;
   LogGaps gaps_;
   RunReader run_;
+  LogEvent event_;
   RunReader::Update update_ = RunReader::Update::kNothing;
   double step_s_ = 0;
   bool is_stopped_ = false, has_run_ = false;

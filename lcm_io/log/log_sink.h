@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lcm_io/codec/target_sink.h"
+#include "lcm_io/codec/encoder.h"
 #include "lcm_io/log/file_writer.h"
 
 namespace throng {

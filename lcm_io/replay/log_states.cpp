@@ -36,14 +36,14 @@ bool LogStates::take(const LogEvent& event) {
     return false;
   }
   if (channel == Channel::kRun) {
-    if (run_.run() == nullptr) hash_.add(checksum(event.data.subspan(kMessageHeaderBytes)));
+    if (run_.run() == nullptr) hash_.add(checksum(event.data.subspan(kHeaderBytes)));
     if (run_.take(event.channel, event.data) == RunReader::Update::kRefused)
       refusal_ = run_.refusal();
     return false;
   }
   has_hole_ = has_hole_ || header.seq != next_seq_;
   next_seq_ = header.seq < INT64_MAX ? header.seq + 1 : 0;
-  hash_.add(checksum(event.data.subspan(kMessageHeaderBytes)));
+  hash_.add(checksum(event.data.subspan(kHeaderBytes)));
   const RunReader::Update update = run_.take(event.channel, event.data);
   if (update == RunReader::Update::kRefused) {
     has_hole_ = true;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "lcm_io/codec/target_sink.h"
+#include "lcm_io/codec/encoder.h"
 
 namespace lcm {
 class LCM;

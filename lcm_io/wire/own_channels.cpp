@@ -9,8 +9,7 @@
 #include <chrono>
 
 #include "base/errors.h"
-#include "lcm_io/codec/near_rows.h"
-#include "lcm_io/codec/pair_columns.h"
+#include "lcm_io/codec/rows.h"
 #include "scenes/run/named_bodies.h"
 
 namespace throng {
@@ -119,12 +118,12 @@ void OwnChannels::tell_events(size_t i, std::span<const PairEvent> events) {
   for (const PairEvent& event : events)
     if (names(parties_[i], event.pair)) own_events_.push_back(event);
   told_[i].events += static_cast<int64_t>(own_events_.size());
-  const int chunks = chunks_of(own_events_.size(), kEventsPerMessage);
+  const int chunks = chunks_of(own_events_.size(), kRowsPerMessage<events_t>);
   for (int chunk = 0; chunk < chunks; ++chunk) {
-    const size_t first = static_cast<size_t>(chunk) * kEventsPerMessage;
-    set_events(events_,
-               std::span(own_events_)
-                   .subspan(first, std::min(kEventsPerMessage, own_events_.size() - first)));
+    const size_t first = static_cast<size_t>(chunk) * kRowsPerMessage<events_t>;
+    set_events(events_, std::span(own_events_)
+                            .subspan(first, std::min(kRowsPerMessage<events_t>,
+                                                     own_events_.size() - first)));
     send(i, parties_[i].events, events_, chunk, chunks);
   }
 }
@@ -141,10 +140,10 @@ void OwnChannels::tell_near(size_t i, const RunInfo& run, const Frame& frame) {
   stamp_.near_rows = static_cast<int32_t>(rows);
   told_[i].near_rows += static_cast<int64_t>(rows);
   // Also when nothing is near: a receiver learns that nothing is.
-  const int chunks = std::max(1, chunks_of(rows, kNearPerMessage));
+  const int chunks = std::max(1, chunks_of(rows, kRowsPerMessage<near_t>));
   for (int chunk = 0; chunk < chunks; ++chunk) {
     set_near_chunk(near_, run.culler.near, frame.near_hash, own_near_, own_people_,
-                   static_cast<size_t>(chunk) * kNearPerMessage);
+                   static_cast<size_t>(chunk) * kRowsPerMessage<near_t>);
     send(i, parties_[i].near, near_, chunk, chunks);
   }
 }

@@ -5,27 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 # The classes of LCM messages: a class and a module of each name, of which the class is meant.
-from .answer_t import answer_t as answer_t
-from .checks_t import checks_t as checks_t
-from .contact_points_t import contact_points_t as contact_points_t
-from .drive_t import drive_t as drive_t
-from .end_t import end_t as end_t
-from .events_t import events_t as events_t
-from .frame_stats_t import frame_stats_t as frame_stats_t
-from .joint_t import joint_t as joint_t
-from .mesh_t import mesh_t as mesh_t
-from .model_t import model_t as model_t
-from .near_t import near_t as near_t
-from .obstacle_t import obstacle_t as obstacle_t
-from .part_t import part_t as part_t
-from .parts_t import parts_t as parts_t
-from .run_description_t import run_description_t as run_description_t
-from .run_t import run_t as run_t
-from .separation_t import separation_t as separation_t
-from .stamp_t import stamp_t as stamp_t
-from .states_t import states_t as states_t
-from .touching_t import touching_t as touching_t
-from .turn_t import turn_t as turn_t
+from ._messages import *
 
 Path = Union[str, PathLike[str]]
 Progress = Union[None, bool, Callable[[int, int], object]]

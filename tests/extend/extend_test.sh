@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# What it takes to add a bounding volume, a scene field, a steering model, a sink: a patch each.
+# What it takes to add a bounding volume, a scene field, a steering model, a sink, a message: a patch each.
 #   tests/extend/extend_test.sh check SOURCE          they apply, and touch as few files as said here
 #   tests/extend/extend_test.sh build SOURCE FOLDER   applied to a copy in FOLDER they build, the tests
 #                                                     that go over all volumes and models pass, and
 #                                                     `throng run` knows them; takes minutes
 set -euo pipefail
 
-declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5)
+declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5 [message]=4)
 
 mode=${1:-} source=${2:-} folder=${3:-}
 here=$(cd "$(dirname "$0")" && pwd)
@@ -44,14 +44,14 @@ build() {
   local name
   for name in "${!files[@]}"; do patch --batch --quiet -p1 <"$here/$name.patch"; done
   bash scripts/build.sh release throng test_volumes test_culler test_recipe test_no_miss steering_tests \
-    scenes_tests schema_tests
+    scenes_tests schema_tests test_lcm_io
   # The documents and the schema follow from the tables of keys.
   build/release/throng scenes --schema >scenes/scene.schema.json
   THRONG_DOCS_UPDATE=1 build/release/schema_tests --gtest_filter='SceneKeys.*' >/dev/null
   grep -q '`headroom_m`' docs/scenes.md || fail "expected headroom_m in docs/scenes.md"
   grep -q '"capsule"' scenes/scene.schema.json || fail "expected capsule in scene.schema.json"
   local test
-  for test in test_volumes test_culler test_recipe test_no_miss steering_tests scenes_tests schema_tests; do
+  for test in test_volumes test_culler test_recipe test_no_miss steering_tests scenes_tests schema_tests test_lcm_io; do
     "build/release/$test" --gtest_brief=1
   done
 
@@ -60,11 +60,16 @@ build() {
   run run corridor "${few[@]}" --steering force | tail -n 1
   awk -F, 'NR > 1 {sum += $3} END {if (sum < 99 || sum > 103) exit 1}' "$folder/heat.csv" ||
     fail "heat.csv: expected about 100 person-seconds"
+  run run plaza --avatars 100 --seconds 1 --lcm off --log "$folder/presence.lcmlog" | tail -n 1
+  run check "$folder/presence.lcmlog"
+  run export "$folder/presence.lcmlog" --csv presence --out "$folder/presence.csv"
+  awk -F, 'NR == 1 {if ($3 != "present") exit 1} NR > 1 && $3 == 100 {++frames} END {if (frames != 60) exit 1}' \
+    "$folder/presence.csv" || fail "presence.csv: expected 60 frames of 100 people"
   printf '%s\n' 'ground: {min_m: [0, 0], max_m: [10, 10]}' \
     'groups: [{count: 1, spawn: {min_m: [1, 1], max_m: [2, 2]}, goals: [{min_m: [8, 8], max_m: [9, 9]}]}]' \
     'obstacles: [{kind: box, position_m: [5, 5], size_m: [1, 1, 1], bottom_m: 2, headroom_m: 1.9}]' >"$folder/low.yaml"
   run info "$folder/low.yaml" >/dev/null
-  echo "all four are built in, and run"
+  echo "all five are built in, and run"
 }
 
 case $mode in

@@ -131,7 +131,7 @@ void add_messages(std::vector<Bytes>& out) {
     // Checks that are right in themselves reach what lies behind the guard.
     if (message.channel == Channel::kChecks) {
       Bytes hostile = message.bytes;
-      for (size_t at = kMessageHeaderBytes; at + 12 < hostile.size(); at += 97) {
+      for (size_t at = kHeaderBytes; at + 12 < hostile.size(); at += 97) {
         hostile[at] ^= 0x80;
         seal(hostile);
         out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, hostile}}));
@@ -140,8 +140,8 @@ void add_messages(std::vector<Bytes>& out) {
     // A count that generated code would die of, in the place of the first field behind the header.
     for (const int32_t count : {0x7fffffff, -1, INT32_MIN}) {
       Bytes hostile = message.bytes;
-      if (hostile.size() < kMessageHeaderBytes + 4) continue;
-      put_big_endian(hostile.data() + kMessageHeaderBytes, count);
+      if (hostile.size() < kHeaderBytes + 4) continue;
+      put_big_endian(hostile.data() + kHeaderBytes, count);
       out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, hostile}}));
     }
   }

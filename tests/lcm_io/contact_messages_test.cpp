@@ -7,7 +7,7 @@
 #include <map>
 
 #include "culled_again.h"
-#include "lcm_io/codec/contact_rows.h"
+#include "lcm_io/codec/rows.h"
 #include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/log_check.h"
 #include "lcm_io/log/log_reader.h"

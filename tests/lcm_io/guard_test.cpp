@@ -91,12 +91,14 @@ TEST(Guard, RefusesPairsAndPresenceThatCannotBe) {
         change(damaged);
         return defect_of_encoded(damaged);
       };
-      EXPECT_THAT(with([](auto& e) { e.b[0] = e.a[0]; }), HasSubstr("a pair of bodies"));
-      EXPECT_THAT(with([](auto& e) { e.b[0] = 1 << 24; }), HasSubstr("a pair of bodies"));
-      EXPECT_THAT(with([](auto& e) { e.part_a[0] = 255; }), HasSubstr("a pair of parts 255 and"));
+      EXPECT_THAT(with([](auto& e) { e.b[0] = e.a[0]; }),
+                  HasSubstr("expected 0 <= a < b <= 16777215, found a "));
+      EXPECT_THAT(with([](auto& e) { e.b[0] = 1 << 24; }), HasSubstr(", b 16777216"));
+      EXPECT_THAT(with([](auto& e) { e.part_a[0] = 255; }),
+                  HasSubstr("(part_b == 255), found part_a 255, part_b "));
       EXPECT_EQ(with([](auto& e) { e.part_a[0] = e.part_b[0] = 255; }), "") << "whole bodies";
-      EXPECT_EQ(with([](auto& e) { e.level[0] = 4; }), "level 4");
-      EXPECT_EQ(with([](auto& e) { e.kind[0] = 2; }), "event kind 2");
+      EXPECT_EQ(with([](auto& e) { e.level[0] = 4; }), "expected level <= 3, found level 4");
+      EXPECT_EQ(with([](auto& e) { e.kind[0] = 2; }), "expected kind <= 1, found kind 2");
     }
     if (m.channel == Channel::kStates) {
       states_t states;
@@ -104,7 +106,10 @@ TEST(Guard, RefusesPairsAndPresenceThatCannotBe) {
       ASSERT_EQ(states.present_count, 12);
       states.present.pop_back();
       --states.present_count;
-      EXPECT_EQ(defect_of_encoded(states), "presence of 11 of 12 avatars");
+      EXPECT_EQ(
+          defect_of_encoded(states),
+          "expected present_count == 0 || present_count == avatar_count, found present_count 11, "
+          "avatar_count 12");
     }
   }
 }

@@ -11,8 +11,8 @@
 
 #include "base/errors.h"
 #include "base/random.h"
+#include "lcm_io/codec/encoder.h"
 #include "lcm_io/codec/guard.h"
-#include "lcm_io/codec/readable.h"
 #include "scenes/scenes.h"
 #include "synthetic_run.h"
 

@@ -9,8 +9,7 @@
 
 #include "base/errors.h"
 #include "lcm_io/codec/guard.h"
-#include "lcm_io/codec/near_rows.h"
-#include "lcm_io/codec/pair_columns.h"
+#include "lcm_io/codec/rows.h"
 #include "synthetic_run.h"
 
 namespace throng {
@@ -160,7 +159,7 @@ TEST(OwnChannels, ManyRowsComeInChunks) {
   Listened listened("all", {.avatars = 300, .pairs = 20'000});
   listened.own.begin(listened.run.info());
   const Frame& frame = listened.run.step();
-  ASSERT_GT(frame.near_pairs.size(), kNearPerMessage);
+  ASSERT_GT(frame.near_pairs.size(), kRowsPerMessage<near_t>);
   listened.own.frame(listened.run.info(), frame);
   listened.take_in();
   std::set<uint32_t> everybody;

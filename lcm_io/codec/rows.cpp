@@ -1,0 +1,140 @@
+#include "lcm_io/codec/rows.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+/// A message of so many rows, to be set.
+void begin_near(near_t& m, const NearOptions& asked, uint64_t hash, size_t count) {
+  m.near_m = asked.near_m;
+  m.person_near_m = asked.body_near_m;
+  m.hash = static_cast<int64_t>(hash);
+  resize_pairs(m, count);
+  m.of.resize(count);
+  for (auto* column :
+       {&m.lo_m, &m.hi_m, &m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m, &m.closing_mps})
+    column->resize(count);
+  for (auto* column : {&m.a_x_m, &m.a_y_m, &m.a_z_m, &m.b_x_m, &m.b_y_m, &m.b_z_m})
+    column->resize(count);
+}
+
+/// `of_people`: the nearest parts of two people, not a pair within near_m.
+void set_near(near_t& m, size_t i, const NearPair& row, bool of_people) {
+  set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
+  m.of[i] = of_people ? 1 : 0;
+  m.lo_m[i] = row.lo_m;
+  m.hi_m[i] = row.hi_m;
+  m.a_x_m[i] = row.point_a_m[0];
+  m.a_y_m[i] = row.point_a_m[1];
+  m.a_z_m[i] = row.point_a_m[2];
+  m.b_x_m[i] = row.point_b_m[0];
+  m.b_y_m[i] = row.point_b_m[1];
+  m.b_z_m[i] = row.point_b_m[2];
+  m.normal_x[i] = row.normal[0];
+  m.normal_y[i] = row.normal[1];
+  m.normal_z[i] = row.normal[2];
+  m.depth_m[i] = row.depth_m;
+  m.closing_mps[i] = row.closing_mps;
+}
+
+}  // namespace
+
+void set_events(events_t& m, std::span<const PairEvent> events) {
+  resize_pairs(m, events.size());
+  m.kind.resize(events.size());
+  for (size_t i = 0; i < events.size(); ++i) {
+    set_pair(m, i, events[i].pair, static_cast<uint8_t>(events[i].level));
+    m.kind[i] = static_cast<uint8_t>(events[i].kind);
+  }
+}
+
+void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash, const NearRows& parts,
+                    const NearRows& people, size_t first) {
+  const size_t count = std::min(kRowsPerMessage<near_t>, parts.size() + people.size() - first);
+  begin_near(m, asked, hash, count);
+  for (size_t i = 0; i < count; ++i) {
+    const size_t row = first + i;
+    const bool of_people = row >= parts.size();
+    set_near(m, i, of_people ? people[row - parts.size()] : parts[row], of_people);
+  }
+}
+
+NearPair near_at(const near_t& m, size_t i) {
+  NearPair row;
+  row.pair = pair_at(m, i);
+  row.level = static_cast<PairLevel>(m.level[i]);
+  row.lo_m = m.lo_m[i];
+  row.hi_m = m.hi_m[i];
+  row.point_a_m = {m.a_x_m[i], m.a_y_m[i], m.a_z_m[i]};
+  row.point_b_m = {m.b_x_m[i], m.b_y_m[i], m.b_z_m[i]};
+  row.normal = {m.normal_x[i], m.normal_y[i], m.normal_z[i]};
+  row.depth_m = m.depth_m[i];
+  row.closing_mps = m.closing_mps[i];
+  return row;
+}
+
+void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows) {
+  resize_pairs(m, rows.size());
+  for (auto* column : {&m.x_m, &m.y_m, &m.z_m}) column->resize(rows.size());
+  for (auto* column : {&m.direction_x, &m.direction_y, &m.direction_z, &m.depth_m})
+    column->resize(rows.size());
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const ContactPoint& row = rows[i];
+    set_pair(m, i, row.pair);
+    m.x_m[i] = row.point_m[0];
+    m.y_m[i] = row.point_m[1];
+    m.z_m[i] = row.point_m[2];
+    m.direction_x[i] = row.direction[0];
+    m.direction_y[i] = row.direction[1];
+    m.direction_z[i] = row.direction[2];
+    m.depth_m[i] = row.depth_m;
+  }
+}
+
+ContactPoint contact_at(const contact_points_t& m, size_t i) {
+  return {pair_at(m, i),
+          {m.x_m[i], m.y_m[i], m.z_m[i]},
+          {m.direction_x[i], m.direction_y[i], m.direction_z[i]},
+          m.depth_m[i]};
+}
+
+void begin_separation(separation_t& m, size_t count) {
+  m.count = static_cast<int32_t>(count);
+  for (auto* column : {&m.kind, &m.region, &m.cut, &m.beyond_margin}) column->resize(count);
+  for (auto* column : {&m.robot, &m.person}) column->resize(count);
+  for (auto* column : {&m.least_lo_m, &m.least_hi_m, &m.most_short_m}) column->resize(count);
+  m.begin_frame.resize(count);
+}
+
+void set_shortfall(separation_t& m, size_t i, EventKind kind, const Shortfall& shortfall) {
+  m.kind[i] = static_cast<uint8_t>(kind);
+  m.robot[i] = static_cast<int32_t>(shortfall.robot);
+  m.person[i] = static_cast<int32_t>(shortfall.person);
+  m.region[i] = static_cast<uint8_t>(shortfall.region);
+  m.begin_frame[i] = shortfall.begin_frame;
+  m.least_lo_m[i] = shortfall.least_lo_m;
+  m.least_hi_m[i] = shortfall.least_hi_m;
+  m.most_short_m[i] = shortfall.most_short_m;
+  m.cut[i] = shortfall.is_cut ? 1 : 0;
+  m.beyond_margin[i] = shortfall.is_beyond_margin ? 1 : 0;
+}
+
+ShortfallEvent shortfall_at(const separation_t& m, size_t i) {
+  ShortfallEvent event;
+  event.kind = static_cast<EventKind>(m.kind[i]);
+  Shortfall& shortfall = event.shortfall;
+  shortfall.robot = static_cast<uint32_t>(m.robot[i]);
+  shortfall.person = static_cast<uint32_t>(m.person[i]);
+  shortfall.region = static_cast<BodyRegion>(m.region[i]);
+  shortfall.begin_frame = m.begin_frame[i];
+  shortfall.end_frame = event.kind == EventKind::kEnd ? m.frame : 0;
+  shortfall.least_lo_m = m.least_lo_m[i];
+  shortfall.least_hi_m = m.least_hi_m[i];
+  shortfall.most_short_m = m.most_short_m[i];
+  shortfall.is_cut = m.cut[i] != 0;
+  shortfall.is_beyond_margin = m.beyond_margin[i] != 0;
+  return event;
+}
+
+}  // namespace throng

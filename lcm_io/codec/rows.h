@@ -1,0 +1,69 @@
+// Rows of messages: pairs, events, distances, contact points and shortfalls, written and read.
+// Invariant: what is read is what was written, to the bit.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "culling/near.h"
+#include "culling/pair.h"
+#include "lcm_io/codec/channels.h"
+#include "scenes/separation/separation_monitor.h"
+
+namespace throng {
+
+template <class Message>
+void resize_pairs(Message& m, size_t count) {
+  m.count = static_cast<int32_t>(count);
+  m.a.resize(count);
+  m.b.resize(count);
+  m.part_a.resize(count);
+  m.part_b.resize(count);
+  if constexpr (requires { m.level; }) m.level.resize(count);
+}
+
+template <class Message>
+void set_pair(Message& m, size_t i, const PairKey& pair) {
+  m.a[i] = static_cast<int32_t>(pair.a());
+  m.b[i] = static_cast<int32_t>(pair.b());
+  m.part_a[i] = static_cast<uint8_t>(pair.part_a());
+  m.part_b[i] = static_cast<uint8_t>(pair.part_b());
+}
+template <class Message>
+void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
+  set_pair(m, i, pair);
+  m.level[i] = level;
+}
+
+/// Of a message that was checked.
+template <class Message>
+PairKey pair_at(const Message& m, size_t i) {
+  return {static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i], m.part_b[i]};
+}
+
+/// Makes a message of these events; they have to fit.
+void set_events(events_t& m, std::span<const PairEvent> events);
+
+/// Makes a message of the rows from number `first` on, as many as fit: those of parts, then those
+/// of two people.
+void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash, const NearRows& parts,
+                    const NearRows& people, size_t first);
+NearPair near_at(const near_t& m, size_t i);
+
+/// Makes a message of these contact points; they have to fit.
+void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows);
+ContactPoint contact_at(const contact_points_t& m, size_t i);
+
+/// A begin or an end; an end's last frame is that of its message.
+struct ShortfallEvent {
+  EventKind kind = EventKind::kBegin;
+  Shortfall shortfall;
+};
+
+/// Makes a message of so many rows, to be set.
+void begin_separation(separation_t& m, size_t count);
+void set_shortfall(separation_t& m, size_t i, EventKind kind, const Shortfall& shortfall);
+ShortfallEvent shortfall_at(const separation_t& m, size_t i);
+
+}  // namespace throng
