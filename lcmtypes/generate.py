@@ -107,6 +107,10 @@ def read(path):
 class Types:
     def __init__(self, structs):
         self.by_name = {struct.name: struct for struct in structs}
+        for struct in structs:
+            for field in struct.fields:
+                if field.type != "string" and field.type not in SIZES and field.type not in self.by_name:
+                    struct.fail(1, "types of LCM or of a .lcm file", f"{field.type} {field.name}")
         self.structs = sorted(structs, key=self.depth)
 
     def depth(self, struct):
@@ -119,8 +123,6 @@ class Types:
             return MIN_STRING_BYTES
         if field.type in SIZES:
             return SIZES[field.type]
-        if field.type not in self.by_name:
-            sys.exit(f"lcmtypes: expected a type of LCM or of a .lcm file, found '{field.type} {field.name}'")
         inner = self.by_name[field.type]
         return sum(0 if part.is_list() else self.min_bytes(part) * part.items() for part in inner.fields)
 
@@ -344,6 +346,16 @@ namespace throng {
     return "\n".join(parts)
 
 
+def write_changed(path, text):
+    """Leaves a file that is so already as old as it is: what includes it is not built again."""
+    if os.path.exists(path):
+        with open(path, encoding="utf-8") as file:
+            if file.read() == text:
+                return
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
 def main():
     folder, *files = sys.argv[1:]
     types = Types([read(path) for path in sorted(files)])
@@ -353,9 +365,9 @@ def main():
     for name, text in made.items():
         path = os.path.join(folder, name)
         os.makedirs(os.path.dirname(path), exist_ok=True)
-        is_header = name.endswith(".hpp")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(("// Made from the .lcm files by lcmtypes/generate.py.\n#pragma once\n\n" if is_header else "") + text)
+        if name.endswith(".hpp"):
+            text = "// Made from the .lcm files by lcmtypes/generate.py.\n#pragma once\n\n" + text
+        write_changed(path, text)
 
 
 if __name__ == "__main__":
