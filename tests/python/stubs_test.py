@@ -2,12 +2,14 @@
 
 import ast
 import inspect
+import pathlib
 import unittest
 
 import throng
 from expectations import SOURCES, Case
 
 STUBS = ast.parse((SOURCES / "python/throng/__init__.pyi").read_text())
+MESSAGES = ast.parse(pathlib.Path(throng.__file__).with_name("_messages.pyi").read_text())
 
 
 def parameters(function):
@@ -50,7 +52,7 @@ class Stubs(Case):
         self.assertIn("events_t", classes)
         stubbed = {
             alias.asname: (node.module, node.level, alias.name)
-            for node in STUBS.body if isinstance(node, ast.ImportFrom) and node.level for alias in node.names
+            for node in MESSAGES.body if isinstance(node, ast.ImportFrom) and node.level for alias in node.names
         }
         # `import name as name` of a stub says that it has the name itself, and not the module of that name.
         self.assertEqual(stubbed, {name: (name, 1, name) for name in classes})
