@@ -46,6 +46,12 @@ std::optional<SimdTarget> simd_target_of(std::string_view name) {
   return std::nullopt;
 }
 
+std::vector<std::string> simd_target_names() {
+  std::vector<std::string> names;
+  for (const auto& [target, name] : kNames) names.emplace_back(name);
+  return names;
+}
+
 std::vector<SimdTarget> simd_targets_of_this_machine() {
   std::vector<SimdTarget> targets;
   for (const auto& [target, name] : kNames)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,7 @@ enum class SimdTarget { kBest, kScalar, kSse4, kAvx2, kAvx512 };
 /// "best", "scalar", "sse4", "avx2", "avx512".
 std::string_view name_of(SimdTarget target);
 std::optional<SimdTarget> simd_target_of(std::string_view name);
+std::vector<std::string> simd_target_names();
 
 /// What this machine can run, from kScalar upwards, kBest left out.
 std::vector<SimdTarget> simd_targets_of_this_machine();

@@ -1,5 +1,7 @@
 #include "culling/culler.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/errors.h"
@@ -10,6 +12,9 @@
 
 namespace throng {
 namespace {
+
+/// By PairSearch.
+constexpr std::array<std::string_view, 3> kPairSearches = {"grid", "sweep", "brute"};
 
 void require_tally(const CullerOptions& options) {
   if (options.by_part && options.has_deadline())
@@ -45,6 +50,18 @@ std::unique_ptr<Pass> make_pass(BodyTypes types, const CullerOptions& options, W
 }
 
 }  // namespace
+
+std::string_view name_of(PairSearch search) { return kPairSearches[static_cast<size_t>(search)]; }
+
+std::optional<PairSearch> pair_search_of(std::string_view name) {
+  const auto found = std::find(kPairSearches.begin(), kPairSearches.end(), name);
+  if (found == kPairSearches.end()) return std::nullopt;
+  return static_cast<PairSearch>(found - kPairSearches.begin());
+}
+
+std::vector<std::string> pair_search_names() {
+  return {kPairSearches.begin(), kPairSearches.end()};
+}
 
 struct Culler::State {
   State(std::vector<std::shared_ptr<const BodyType>> body_types, const CullerOptions& options,

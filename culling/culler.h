@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/simd.h"
@@ -22,6 +24,11 @@
 namespace throng {
 
 enum class PairSearch { kGrid, kSweep, kBrute };
+
+/// "grid", "sweep", "brute".
+std::string_view name_of(PairSearch search);
+std::optional<PairSearch> pair_search_of(std::string_view name);
+std::vector<std::string> pair_search_names();
 
 struct CullerOptions {
   VolumeKind part_volume = VolumeKind::kOrdop26;

@@ -281,16 +281,16 @@ CullerPtr made(std::vector<ShapePtr> shapes, py::dict given) {
                  fmt::format("metres from 0 to {}", most_m));
   require_number("step_s", step_s, 0, 1e6, true, "a number of seconds above 0");
   const RunRequest request = request_of(given);
-  const PartVolumes volumes = part_volumes_of(request.source.part_volume, "part_volume");
+  const PartVolumes volumes = request.options.part_volume.value_or(PartVolumes());
   std::vector<std::string> part_names;
   for (const ShapePtr& shape : shapes)
     part_names.insert(part_names.end(), shape->part_names.begin(), shape->part_names.end());
   require_parts(volumes, std::move(part_names));
   CullerOptions options = request.simulation.culler;
-  options.near = {static_cast<float>(request.source.near_m.value_or(0)),
-                  static_cast<float>(body_near_m), step_s, request.source.contact_points};
+  options.near = {static_cast<float>(request.options.near_m.value_or(0)),
+                  static_cast<float>(body_near_m), step_s, request.options.contact_points};
   options.part_volume = volumes.fallback;
-  options.exact = request.source.exact;
+  options.exact = request.options.exact;
   const int threads = request.simulation.threads;
   return result_apart<CullerPtr>([shapes = std::move(shapes), volumes, options, threads] {
     return std::make_shared<OwnCuller>(shapes, volumes, options, threads);

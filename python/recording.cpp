@@ -37,7 +37,7 @@ using RecordingPtr = std::shared_ptr<Recording>;
 
 RecordingPtr opened(const py::dict& dict) {
   const RunRequest request = request_of(dict);
-  const RecordingOptions options = recording_options(request.source.name, request.source.recording);
+  const RecordingOptions options = recording_options(request.source, request.options.recording);
   return std::const_pointer_cast<Recording>(result_apart<std::shared_ptr<const Recording>>(
       [options] { return read_recording(options); }));
 }
@@ -127,8 +127,8 @@ MeasuredRun measured(RunSource source, const CompareWork& work, WorkSigns& signs
 }
 
 void compare_runs(CompareWork& work, WorkSigns& signs) {
-  RunSource a = open_run_source(work.a.source);
-  RunSource b = open_run_source(work.b.source);
+  RunSource a = open_run_source(work.a.source, work.a.options);
+  RunSource b = open_run_source(work.b.source, work.b.options);
   const auto frames = [](const Scene& scene) {
     return frame_count(scene.duration_s, scene.step_s);
   };

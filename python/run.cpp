@@ -46,7 +46,7 @@ void refuse_inputs(const RunRequest& request, const Scene& scene) {
   outputs.push_back(request.html);
   outputs.push_back(request.trace_hash);
   for (const fs::path& output : outputs)
-    for (const fs::path& input : {fs::path(request.source.name), scene.file}) {
+    for (const fs::path& input : {fs::path(request.source), scene.file}) {
       std::error_code error;
       if (!output.empty() && fs::equivalent(output, input, error))
         throw InputError(output.string(), "another file than the one that is run", "the same");
@@ -58,22 +58,13 @@ bool writes_files(const RunRequest& request) {
            request.separation.empty() && request.trace_hash.empty() && request.trajectory.empty());
 }
 
-/// Frames from states to states of the log.
-double state_every(const RunRequest& request, double step_s) {
-  if (!request.states_hz) return 1;
-  if (*request.states_hz * step_s > 1 + 1e-9)
-    throw InputError("states_hz", fmt::format("at most {:.6g}, the frames a second", 1 / step_s),
-                     fmt::format("{:.6g}", *request.states_hz));
-  return std::max(1.0, 1 / (step_s * *request.states_hz));
-}
-
 void prepare(RunWork& work) {
   RunRequest& request = work.request;
   for (const fs::path& file : request.trajectory)
     if (!is_trajectory_name(file))
       throw InputError("trajectory", "a name that ends in .sqlite or .csv",
                        fmt::format("'{}'", file.string()));
-  work.source = open_run_source(request.source);
+  work.source = open_run_source(request.source, request.options);
   refuse_inputs(request, work.source.scene);
   if (!request.separation.empty()) require_separation(work.source.scene, "separation");
   require_trajectory_area(request.trajectory, work.source.scene, request.trajectory_piece,
@@ -81,9 +72,9 @@ void prepare(RunWork& work) {
   request.simulation.world = std::move(work.source.world);
   work.simulation = std::make_unique<Simulation>(work.source.scene, request.simulation);
   work.recorder = std::make_unique<RunRecorder>(request.trajectory_fps, request.trajectories);
-  state_every(request, work.simulation->info().step_s);
+  state_every(request.options, work.source.scene);
   if (!request.log.empty() || !request.html.empty())
-    require_readable(work.simulation->info(), request.publish_parts);
+    require_readable(work.simulation->info(), request.options.publish_parts);
 }
 
 void run_to_end(RunWork& work, WorkSigns& signs) {
@@ -105,8 +96,8 @@ void run_to_end(RunWork& work, WorkSigns& signs) {
   if (!request.log.empty()) {
     LogOptions options;
     options.threads = request.simulation.threads;
-    options.state_every = state_every(request, simulation.info().step_s);
-    options.part_poses = request.publish_parts;
+    options.state_every = state_every(request.options, simulation.scene());
+    options.part_poses = request.options.publish_parts;
     files.push_back(std::make_unique<LogSink>(request.log, options));
   }
   std::vector<Sink*> sinks{work.recorder.get()};
@@ -185,10 +176,26 @@ py::list scene_list() {
   return out;
 }
 
+/// The rows of run_options(), for what checks that the written half has them all.
+py::list option_list() {
+  constexpr const char* kKinds[] = {"flag", "whole", "number", "word", "text"};
+  py::list out;
+  for (const RunOption& row : run_options()) {
+    py::dict option;
+    option["name"] = row.name;
+    option["kind"] = kKinds[static_cast<size_t>(row.kind)];
+    option["expected"] = row.expected;
+    option["is_of_study"] = row.is_of_study;
+    out.append(option);
+  }
+  return out;
+}
+
 }  // namespace
 
 void bind_run(py::module_& module) {
   module.def("run", run_scene, py::arg("options"), py::arg("progress") = py::none());
+  module.def("run_options", option_list);
   module.def("scenes", scene_list);
 }
 

@@ -1,13 +1,10 @@
 #include "python/run_request.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
-#include <set>
-#include <thread>
 
 #include "analysis/trajectories/walkable_area.h"
 #include "base/errors.h"
@@ -17,9 +14,6 @@ namespace py = pybind11;
 
 namespace throng {
 namespace {
-
-constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
-    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
 
 /// Takes values out of a dictionary, so that what is left is what nobody knows.
 class Given {
@@ -51,21 +45,10 @@ class Given {
     out = take<double>(name, what.c_str());
     if (out) require_number(name, *out, low, high, open, what);
   }
-  template <typename T>
-  void whole(const char* name, int64_t low, int64_t high, std::optional<T>& out) {
-    const std::string what = fmt::format("a whole number from {} to {}", low, high);
-    const std::optional<int64_t> value = take<int64_t>(name, what.c_str());
-    if (!value) return;
-    if (*value < low || *value > high) throw InputError(name, what, fmt::format("{}", *value));
-    out = static_cast<T>(*value);
-  }
-  std::string name(const char* name, const std::vector<std::string>& names) {
-    std::string value;
-    take(name, "a name", value);
-    if (!value.empty() && std::find(names.begin(), names.end(), value) == names.end())
-      throw InputError(name, fmt::format("one of {}", fmt::join(names, ", ")),
-                       fmt::format("'{}'{}", value, did_you_mean(value, names)));
-    return value;
+  /// An option of the table.
+  void option(const RunOption& row, RunOptions& out) {
+    const std::optional<std::string> text = text_of(row);
+    if (text) row.read(*text, row.name, out);
   }
 
   /// Throws TypeError where something is left, as a function of Python does.
@@ -79,6 +62,29 @@ class Given {
   }
 
  private:
+  /// The value as a command line would have it.
+  std::optional<std::string> text_of(const RunOption& row) {
+    const char* const name = row.name.c_str();
+    switch (row.kind) {
+      case RunOption::Kind::kFlag: {
+        const std::optional<bool> value = take<bool>(name, "True or False");
+        return value ? std::optional<std::string>(*value ? "true" : "false") : std::nullopt;
+      }
+      case RunOption::Kind::kWhole: {
+        const std::optional<int64_t> value = take<int64_t>(name, row.expected.c_str());
+        return value ? std::optional(fmt::format("{}", *value)) : std::nullopt;
+      }
+      case RunOption::Kind::kNumber: {
+        const std::optional<double> value = take<double>(name, row.expected.c_str());
+        return value ? std::optional(fmt::format("{}", *value)) : std::nullopt;
+      }
+      case RunOption::Kind::kWord:
+      case RunOption::Kind::kText:
+        return take<std::string>(name, row.expected.c_str());
+    }
+    return std::nullopt;
+  }
+
   /// Python writes no number of more than 4300 digits.
   static std::string written(const py::int_& number) {
     constexpr size_t kMostBits = 256;
@@ -91,68 +97,6 @@ class Given {
   std::vector<std::string> known_;
 };
 
-template <typename Kinds>
-std::vector<std::string> names_of(const Kinds& kinds) {
-  std::vector<std::string> names;
-  for (const auto kind : kinds) names.emplace_back(name_of(kind));
-  return names;
-}
-
-void take_source(Given& given, RunSourceOptions& source) {
-  given.take("source", "a name or a path", source.name);
-  given.whole("avatars", 1, PairKey::kMaxId, source.avatars);
-  given.number("seconds", 0, 1e7, true, "a number of seconds above 0", source.seconds);
-  given.whole("seed", 0, INT64_MAX, source.seed);
-  source.steering = given.name("steering", steering_names());
-  given.take("part_volume", "a volume, or 'hands: sphere, default: ordop26'", source.part_volume);
-  if (!source.part_volume.empty()) part_volumes_of(source.part_volume, "part_volume");
-  given.take("exact", "True or False", source.exact);
-  given.take("contact_points", "True or False", source.contact_points);
-  const double most_m = static_cast<double>(kMostNear_m);
-  const std::string margin = fmt::format("metres from 0 to {}", kMostNear_m);
-  given.take("between", "pairs of groups, as in 'robots: people'", source.between);
-  if (!source.between.empty()) pair_rules_of(source.between, "between");
-  given.take("parts", "words of parts, as in 'hands: head'", source.parts);
-  if (!source.parts.empty()) part_rules_of(source.parts, "parts");
-  given.number("near", 0, most_m, false, margin, source.near_m);
-  given.number("person_near", 0, most_m, false, margin, source.person_near_m);
-  RecordingFlags& flags = source.recording;
-  given.number("fps", 0, 10'000, true, "a number of frames a second above 0", flags.fps);
-  flags.unit = given.name("unit", unit_names());
-  flags.heading_unit = given.name("heading_unit", heading_unit_names());
-  given.take("columns", "a list id=NAME,t=NAME,x=NAME,y=NAME", flags.columns);
-  given.take("separator", "one character, or tab, blank, comma, semicolon", flags.separator);
-  flags.tracks = given.name("tracks", tracks_names());
-  given.take("strict", "True or False", flags.strict);
-  source.step = given.name("step", step_names());
-}
-
-void take_culling(Given& given, SimulationOptions& simulation) {
-  std::optional<int64_t> threads;
-  given.whole("threads", 1, 256, threads);
-  simulation.threads = checked_threads(threads);
-  CullerOptions& culler = simulation.culler;
-  constexpr SimdTarget kTargets[] = {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
-                                     SimdTarget::kAvx2, SimdTarget::kAvx512};
-  const std::string simd = given.name("simd", names_of(kTargets));
-  culler.simd = resolved(simd.empty() ? SimdTarget::kBest : simd_target_of(simd).value());
-  given.number("deadline_ms", 0, 1e6, false, "a number of milliseconds from 0", culler.deadline_ms);
-  given.whole("deadline_tests", 0, INT64_MAX, culler.deadline_tests);
-  const std::string strategy = given.name("strategy", names_of(kAllStrategies));
-  if (!strategy.empty()) simulation.strategy = strategy_of(strategy).value();
-  const bool is_papers = simulation.strategy != Strategy::kPipeline;
-  if (is_papers && culler.has_deadline())
-    throw InputError("strategy", "'pipeline' beside a deadline", fmt::format("'{}'", strategy));
-  if (is_papers) culler.pair_search = PairSearch::kBrute;
-  std::vector<std::string> searches;
-  for (const auto& [name, search] : kPairSearches) searches.emplace_back(name);
-  const std::string chosen = given.name("pair_search", searches);
-  for (const auto& [name, search] : kPairSearches)
-    if (chosen == name) culler.pair_search = search;
-  given.take("culling", "True or False", simulation.culling);
-  given.take("postures", "True or False", simulation.postures);
-}
-
 }  // namespace
 
 void require_number(const char* option, double value, double low, double high, bool open,
@@ -161,24 +105,17 @@ void require_number(const char* option, double value, double low, double high, b
   if (!number_option(low, high, open, what)(text).empty()) throw InputError(option, what, text);
 }
 
-int usual_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
-
-int checked_threads(std::optional<int64_t> threads) {
-  if (threads && (*threads < 1 || *threads > 256))
-    throw InputError("threads", "a whole number from 1 to 256", fmt::format("{}", *threads));
-  return threads ? static_cast<int>(*threads) : usual_threads();
-}
-
 RunRequest request_of(const py::dict& dict) {
   Given given(dict);
   RunRequest request;
-  take_source(given, request.source);
-  take_culling(given, request.simulation);
+  given.take("source", "a name or a path", request.source);
+  for (const RunOption& row : run_options()) given.option(row, request.options);
+  request.simulation = simulation_options(request.options);
+  given.take("culling", "True or False", request.simulation.culling);
+  given.take("postures", "True or False", request.simulation.postures);
   given.number("trajectory_fps", 0, 1e4, true, "a number of frames a second above 0",
                request.trajectory_fps);
   given.take("trajectories", "True or False", request.trajectories);
-  given.number("states_hz", 0, 1e6, true, "a number of states a second above 0", request.states_hz);
-  given.take("publish_parts", "True or False", request.publish_parts);
   given.take("log", "a path", request.log);
   given.take("html", "a path", request.html);
   given.take("contacts", "a folder", request.contacts);

@@ -1,4 +1,4 @@
-// What somebody asks of a run in Python: the options of `throng run`, by their names.
+// RunRequest holds what is asked of a run in Python: the rows of run_options(), by their names.
 // One rule: a name that does not exist and a value that cannot be are refused before anything is
 // read.
 #pragma once
@@ -15,13 +15,12 @@
 namespace throng {
 
 struct RunRequest {
-  RunSourceOptions source;
-  SimulationOptions simulation;
+  std::string source;  ///< a file, or a bundled scene
+  RunOptions options;
+  SimulationOptions simulation;  ///< what `options` ask for
   // What is kept, and what is written.
   std::optional<double> trajectory_fps;
   bool trajectories = true;
-  std::optional<double> states_hz;
-  bool publish_parts = false;
   std::filesystem::path log, html, contacts, separation, trace_hash;
   std::vector<std::filesystem::path> trajectory;
   std::optional<int64_t> trajectory_piece;  ///< see TrajectoryOptions
@@ -35,11 +34,5 @@ RunRequest request_of(const pybind11::dict& given);
 /// `open`.
 void require_number(const char* option, double value, double low, double high, bool open,
                     const std::string& what);
-
-/// How many threads there are where nobody says.
-int usual_threads();
-
-/// Throws InputError, too.
-int checked_threads(std::optional<int64_t> threads);
 
 }  // namespace throng

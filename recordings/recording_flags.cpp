@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "base/errors.h"
 #include "recordings/units.h"
 
 namespace throng {
@@ -12,16 +11,6 @@ constexpr std::pair<const char*, char> kSeparators[] = {
     {"tab", '\t'}, {"blank", ' '}, {"comma", ','}, {"semicolon", ';'}};
 
 }  // namespace
-
-std::string RecordingFlags::given() const {
-  if (fps) return "--fps";
-  if (!unit.empty()) return "--unit";
-  if (!heading_unit.empty()) return "--heading-unit";
-  if (!columns.empty()) return "--columns";
-  if (!separator.empty()) return "--separator";
-  if (!tracks.empty()) return "--tracks";
-  return strict ? "--strict" : "";
-}
 
 std::vector<std::string> unit_names() { return unit_names_of(Quantity::kLength); }
 
@@ -44,11 +33,6 @@ RecordingOptions recording_options(const std::filesystem::path& file, const Reco
     out.tracks = flags.tracks == "head" ? TrackedPoint::kHead : TrackedPoint::kCentre;
   out.strict = flags.strict;
   return out;
-}
-
-void require_no_recording_options(const RecordingFlags& flags, const std::string& what) {
-  if (const std::string option = flags.given(); !option.empty())
-    throw InputError(option, "a recording", what);
 }
 
 }  // namespace throng

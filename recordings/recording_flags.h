@@ -20,9 +20,6 @@ struct RecordingFlags {
   std::string separator;     ///< see separator_named()
   std::string tracks;        ///< one of tracks_names()
   bool strict = false;
-
-  /// The first option that was given, "--fps", or "".
-  std::string given() const;
 };
 
 std::vector<std::string> unit_names();
@@ -32,8 +29,5 @@ std::vector<std::string> tracks_names();
 char separator_named(const std::string& name);
 
 RecordingOptions recording_options(const std::filesystem::path& file, const RecordingFlags& flags);
-
-/// Throws InputError if any was given: `what` ("a scene") needs none.
-void require_no_recording_options(const RecordingFlags& flags, const std::string& what);
 
 }  // namespace throng

@@ -107,10 +107,12 @@ PlannedRun StudyPlan::planned(size_t scene, size_t point, LoadedModels& models) 
         set_value(tree, block.parameters[k].name, value, at_line(file, block.parameters[k].line));
     }
   }
-  const StudyOptions read = read_study_options(Fields(file, options, "options of a run"));
-  PlannedRun run{read_scene(source.file, tree, models), read.culler, read.strategy, 1, {}};
+  const RunOptions read = read_study_options(Fields(file, options, "options of a run"));
+  const SimulationOptions simulation = simulation_options(read);
+  PlannedRun run{
+      read_scene(source.file, tree, models), simulation.culler, simulation.strategy, 1, {}};
   run.notes = run.scene.notes;
-  run.plan_growth = apply(read.choices, run.scene, run.notes);
+  run.plan_growth = apply(read, run.scene, run.notes);
   return run;
 }
 

@@ -21,6 +21,7 @@
 #include "bench/exchange.h"
 #include "bench/report.h"
 #include "bench/steering.h"
+#include "scenes/file/part_volumes.h"
 
 namespace throng {
 namespace {
@@ -45,9 +46,6 @@ Examples:
 constexpr std::chrono::milliseconds kPatience{700};
 
 constexpr int kStride = 20;  // steps between two frames, where few frames stand for a crowd
-
-constexpr std::pair<const char*, PairSearch> kSearches[] = {
-    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
 
 struct BenchCommand {
   bench::BenchOptions options;
@@ -229,8 +227,7 @@ int measure(BenchCommand& command) {
   options.per_m2 = command.density.value_or(1);
   options.crowd = command.crowd == "plaza" ? bench::CrowdKind::kPlaza : bench::CrowdKind::kSquare;
   options.simd = resolved(*simd_target_of(command.simd));
-  for (const auto& [name, search] : kSearches)
-    if (command.pair_search == name) options.pair_search = search;
+  options.pair_search = pair_search_of(command.pair_search).value();
   const StopSignal stop;
   const OpenOutputs outputs = opened_outputs(command);  // fails before it has taken minutes
   const auto result = std::make_shared<Measured>();
@@ -277,17 +274,11 @@ void add_options(CommandOptions& app, BenchCommand& command) {
   app.add_option("--seed", options.seed, "Of the crowd [1]")
       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
       ->type_name("N");
-  std::vector<std::string> simds, searches, volumes;
-  for (const SimdTarget target : {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
-                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
-    simds.emplace_back(name_of(target));
-  for (const auto& [name, search] : kSearches) searches.emplace_back(name);
-  for (const VolumeKind kind : kAllVolumes) volumes.emplace_back(name_of(kind));
   app.add_option("--simd", command.simd, "Force a vector target [best]")
-      ->check(name_option(simds))
+      ->check(name_option(simd_target_names()))
       ->type_name("TARGET");
   auto* search = app.add_option("--pair-search", command.pair_search, "grid, sweep or brute [grid]")
-                     ->check(name_option(searches))
+                     ->check(name_option(pair_search_names()))
                      ->type_name("NAME");
   auto* age = app.add_option("--age", command.aged_frames,
                              "Compare fresh structures with ones that followed N frames [300]")
@@ -297,7 +288,7 @@ void add_options(CommandOptions& app, BenchCommand& command) {
   auto* parts = app.add_option("--parts", command.parts,
                                "False positives of every volume, and part by part of this one "
                                "[ordop26]")
-                    ->check(name_option(volumes))
+                    ->check(name_option(volume_names()))
                     ->type_name("VOLUME")
                     ->excludes(age);
   parts->expected(0, 1)->default_str("ordop26");

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "analysis/measures/comparison.h"
 #include "apps/command.h"
 #include "apps/commands/comparison_report.h"
-#include "apps/input/run_source.h"
+#include "apps/options/run_arguments.h"
 #include "apps/output/json_output.h"
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"
@@ -16,6 +15,7 @@
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/say.h"
+#include "lcm_io/replay/run_source.h"
 #include "scenes/run/runner.h"
 
 namespace throng {
@@ -34,18 +34,15 @@ struct CompareOptions {
   std::string a, b;
   std::string json;
   std::string out;
-  std::optional<double> seconds;
   std::vector<float> line;  ///< two points
-  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  RunOptions run;
 };
 
 /// With triangles, and no longer than asked for.
 RunSource source_of(const std::string& name, const CompareOptions& options) {
-  RunSourceOptions source;
-  source.name = name;
-  source.seconds = options.seconds;
-  source.exact = true;
-  RunSource out = open_run_source(source);
+  RunOptions run = options.run;
+  run.exact = true;
+  RunSource out = open_run_source(name, run);
   for (const std::string& note : out.notes) say("note: {}\n", note);
   return out;
 }
@@ -62,7 +59,7 @@ std::optional<Passage> chosen_line(const CompareOptions& options) {
 
 /// Nothing if a signal came first.
 std::optional<MeasuredRun> measured(RunSource source, const CompareOptions& options) {
-  SimulationOptions simulated{.threads = options.threads};
+  SimulationOptions simulated = simulation_options(options.run);
   simulated.world = std::move(source.world);
   Simulation simulation(std::move(source.scene), simulated);
   for (const std::string& note : simulation.notes())
@@ -136,16 +133,12 @@ Command add_compare_command(CommandLine& parent) {
   app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
   app->add_option("--out", options->out, "A folder for report.md and its figures")
       ->type_name("DIR");
-  app->add_option("--seconds", options->seconds, "Of each, instead of the scene's")
-      ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
-      ->type_name("S");
+  add_run_option(*app, "seconds", options->run);
   app->add_list("--line", options->line, 4, ',', number_option(-1e6, 1e6, false, ""),
                 "two points in metres, X,Y,X,Y",
                 "Where flow is measured, from one point to another [the narrowest place]")
       ->type_name("X,Y,X,Y");
-  app->add_option("--threads", options->threads, "Default: all cores")
-      ->check(whole_option(1, 256, "a whole number from 1 to 256"))
-      ->type_name("N");
+  add_run_option(*app, "threads", options->run);
   return {app, [options] { return compare(*options); }};
 }
 

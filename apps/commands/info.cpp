@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "apps/command.h"
-#include "apps/options/recording_options.h"
+#include "apps/options/run_arguments.h"
 #include "avatars/model/describe.h"
 #include "base/errors.h"
 #include "base/say.h"
@@ -41,14 +41,14 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-std::string description_of(const std::string& name, const RecordingFlags& flags) {
+std::string description_of(const std::string& name, const RunOptions& options) {
   const fs::path file(name);
   const std::string extension = is_urdf(file) ? ".urdf" : lower_extension(file);
   std::error_code ignored;
   const bool is_bundled = extension.empty() && !fs::exists(file, ignored);
   if (extension == ".tri" || extension == ".urdf" || extension == ".yaml" || extension == ".yml" ||
       extension == ".lcmlog" || is_bundled)
-    require_no_recording_options(flags, "a file that needs no options");
+    require_no_recording_options(options, "a file that needs no options");
   if (extension == ".tri") return describe_tri(read_tri(file), name);
   if (extension == ".urdf") return describe_model(*load_model(file));
   if (extension == ".yaml" || extension == ".yml") return describe_scene(name);
@@ -57,11 +57,11 @@ std::string description_of(const std::string& name, const RecordingFlags& flags)
   const std::optional<FileKind> kind = known_kind(file);
   if (kind && !kind->is_recording)
     throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file, or a recording", kind->what);
-  return describe_recording(*read_recording(recording_options(file, flags)), name);
+  return describe_recording(*read_recording(recording_options(file, options.recording)), name);
 }
 
-int describe(const std::string& name, const RecordingFlags& flags) {
-  show("{}", description_of(name, flags));
+int describe(const std::string& name, const RunOptions& options) {
+  show("{}", description_of(name, options));
   return kExitFine;
 }
 
@@ -73,9 +73,9 @@ Command add_info_command(CommandLine& parent) {
   app->footer(kInfoFooter);
   const auto file = std::make_shared<std::string>();
   app->add_option("FILE", *file, "What to describe")->required();
-  const auto flags = std::make_shared<RecordingFlags>();
-  add_recording_options(*app, *flags);
-  return {app, [file, flags] { return describe(*file, *flags); }};
+  const auto options = std::make_shared<RunOptions>();
+  add_recording_options(*app, *options);
+  return {app, [file, options] { return describe(*file, *options); }};
 }
 
 }  // namespace throng

@@ -5,10 +5,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "apps/command.h"
-#include "apps/input/run_source.h"
+#include "apps/options/run_arguments.h"
 #include "apps/output/checkpoints.h"
 #include "apps/output/json_output.h"
 #include "apps/output/log_guard.h"
@@ -27,6 +26,7 @@
 #include "lcm_io/codec/encoder.h"
 #include "lcm_io/log/log_sink.h"
 #include "lcm_io/replay/file_kind.h"
+#include "lcm_io/replay/run_source.h"
 #include "lcm_io/wire/lcm_sink.h"
 #include "lcm_io/wire/own_channels.h"
 #include "scenes/run/runner.h"
@@ -35,8 +35,6 @@ namespace throng {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kMaxThreads = 256;
 
 constexpr const char* kRunFooter = R"(
 Examples:
@@ -66,20 +64,13 @@ SIGTERM with 143, SIGHUP with 129.
 No file is touched before the run is known to be possible. An older log under the name that nobody chose,
 out/SCENE.lcmlog, is kept as out/SCENE.previous.lcmlog; what a named file held is replaced.)";
 
-struct RunOptions {
-  RunSourceOptions source;
-  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::optional<double> deadline_ms;
-  std::optional<uint64_t> deadline_tests;
-  std::string strategy = "pipeline";
-  std::string simd = "best";
-  std::string pair_search;  // empty: a grid, or all pairs where the paper's strategies test spheres
+struct RunCommand {
+  std::string file;
+  RunOptions run;
   double pace = 0;
   std::string lcm{kDefaultLcmUrl};
   std::string log;
   std::string json;
-  std::optional<double> states_hz;
-  bool publish_parts = false;
   std::vector<std::string> tell;
   RecorderOptions recorders;
   double flush_s = LogOptions{}.flush_s;
@@ -87,54 +78,8 @@ struct RunOptions {
   DrivingOptions driving;
 };
 
-constexpr std::pair<const char*, PairSearch> kPairSearches[] = {
-    {"grid", PairSearch::kGrid}, {"sweep", PairSearch::kSweep}, {"brute", PairSearch::kBrute}};
-
-std::vector<std::string> simd_names() {
-  std::vector<std::string> names;
-  for (const SimdTarget target : {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
-                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
-    names.emplace_back(name_of(target));
-  return names;
-}
-
-std::vector<std::string> strategy_names() {
-  std::vector<std::string> names;
-  for (const Strategy strategy : kAllStrategies) names.emplace_back(name_of(strategy));
-  return names;
-}
-
-std::vector<std::string> pair_search_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, search] : kPairSearches) names.emplace_back(name);
-  return names;
-}
-
-void add_options(CommandOptions& app, RunOptions& options) {
-  add_run_source_options(app, options.source);
-  app.add_option("--threads", options.threads, "Default: all cores")
-      ->check(whole_option(1, kMaxThreads, fmt::format("a whole number from 1 to {}", kMaxThreads)))
-      ->type_name("N");
-  app.add_option("--deadline-ms", options.deadline_ms, "Time for culling a frame, by the clock")
-      ->check(number_option(0, 1e6, false, "a number of milliseconds from 0"))
-      ->type_name("D");
-  app.add_option("--deadline-tests", options.deadline_tests,
-                 "Tests of boxes, part volumes and triangles a frame")
-      ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
-      ->type_name("N");
-  app.add_option("--strategy", options.strategy,
-                 "One of the paper's instead of ours, on one thread: none, sphere, volume, "
-                 "hybrid-one, hybrid-all or two-pass")
-      ->check(name_option(strategy_names()))
-      ->type_name("NAME")
-      ->excludes("--deadline-ms")
-      ->excludes("--deadline-tests");
-  app.add_option("--simd", options.simd, "best, scalar, sse4, avx2 or avx512")
-      ->check(name_option(simd_names()))
-      ->type_name("TARGET");
-  app.add_option("--pair-search", options.pair_search, "grid, sweep or brute")
-      ->check(name_option(pair_search_names()))
-      ->type_name("NAME");
+void add_options(CommandOptions& app, RunCommand& options) {
+  add_run_options(app, options.file, options.run);
   app.add_option("--pace", options.pace, "Simulated seconds a second; 1 is real time [unpaced]")
       ->check(number_option(0, 1e6, true, "a number above 0; 1 is real time"))
       ->type_name("X");
@@ -157,12 +102,6 @@ void add_options(CommandOptions& app, RunOptions& options) {
          "The longest until a frame goes to the log's file; 0: before the next frame [0.25]")
       ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
       ->type_name("S");
-  app.add_option("--states-hz", options.states_hz,
-                 "States so often a simulated second, in log and LCM [every frame]")
-      ->check(number_option(0, 1e6, true, "a number of states a second above 0"))
-      ->type_name("N");
-  app.add_flag("--publish-parts", options.publish_parts,
-               "The pose of every part with the states, in log and LCM");
   app.add_option("--tell", options.tell,
                  "Contacts and near rows of a group, a body's number or all alone, on "
                  "CHANNEL_EVENTS and _NEAR, and when, on CHANNEL_STAMP")
@@ -174,42 +113,16 @@ void add_options(CommandOptions& app, RunOptions& options) {
   add_driving_options(app, options.driving);
 }
 
-SimulationOptions simulation_options(const RunOptions& options) {
-  CullerOptions culler;
-  culler.simd = resolved(simd_target_of(options.simd).value());
-  culler.deadline_ms = options.deadline_ms;
-  culler.deadline_tests = options.deadline_tests;
-  const Strategy strategy = strategy_of(options.strategy).value();
-  if (strategy != Strategy::kPipeline) culler.pair_search = PairSearch::kBrute;
-  for (const auto& [name, search] : kPairSearches)
-    if (options.pair_search == name) culler.pair_search = search;
-  culler.by_part = !options.recorders.by_part.empty();
-  return {.threads = options.threads, .culler = culler, .strategy = strategy};
-}
-
-/// Frames from states to states, as --states-hz asks for.
-double state_every(const RunOptions& options, const Scene& scene) {
-  if (!options.states_hz) return 1;
-  const double frames_hz = 1 / scene.step_s;
-  if (*options.states_hz > frames_hz * (1 + 1e-9))
-    throw InputError(
-        "--states-hz",
-        fmt::format("at most {:.6g}, the frames a second of {}", frames_hz, scene.name),
-        fmt::format("{:.6g}", *options.states_hz));
-  return std::max(1.0, frames_hz / *options.states_hz);
-}
-
 /// Where the log goes, or nothing if it is off.
-PlannedFile planned_log(const RunOptions& options) {
+PlannedFile planned_log(const RunCommand& options) {
   PlannedFile log{.option = "--log", .writing = Writing::kAsItRuns, .is_recording = true};
   if (options.log == "off") return log;
   log.path = options.log;
   if (!log.path.empty()) return log;
   // A log that is culled again, and that of the run that was stopped, have the other names.
-  const std::string ending =
-      fmt::format("{}{}.lcmlog", is_log(options.source.name) ? "_culled" : "",
-                  options.checkpoints.resume.empty() ? "" : "_resumed");
-  log.path = fs::path("out") / fs::path(options.source.name).stem().concat(ending);
+  const std::string ending = fmt::format("{}{}.lcmlog", is_log(options.file) ? "_culled" : "",
+                                         options.checkpoints.resume.empty() ? "" : "_resumed");
+  log.path = fs::path("out") / fs::path(options.file).stem().concat(ending);
   log.makes_folder = true;
   // Nobody chose the name, so nobody chose to lose what has it.
   log.keeps = links_followed(log.path).replace_extension(".previous.lcmlog");
@@ -217,7 +130,7 @@ PlannedFile planned_log(const RunOptions& options) {
 }
 
 /// What the run writes, and what it must not write over as far as the command line tells.
-OutputPlan planned_outputs(const RunOptions& options, const PlannedFile& log) {
+OutputPlan planned_outputs(const RunCommand& options, const PlannedFile& log) {
   OutputPlan plan;
   plan.writes(log);
   plan.writes_json(options.json);
@@ -246,7 +159,7 @@ struct Listeners {
 };
 
 /// What --tell asks for, or nothing.
-std::unique_ptr<OwnChannels> own_channels(const RunOptions& options, const RunInfo& run) {
+std::unique_ptr<OwnChannels> own_channels(const RunCommand& options, const RunInfo& run) {
   if (options.tell.empty()) return {};
   if (options.lcm == "off") throw InputError("--tell", "LCM, to tell it over", "--lcm off");
   std::vector<OwnChannel> asked;
@@ -275,17 +188,17 @@ std::string by_signal() {
   return StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "";
 }
 
-RunReport report_of(const RunOptions& options, const SimulationOptions& simulated,
+RunReport report_of(const RunCommand& options, const SimulationOptions& simulated,
                     const Scene& scene, const RunSummary& summary, const Listeners& listeners,
                     const fs::path& log) {
   RunReport report;
   report.scene = scene.name;
   report.seed = scene.seed;
   report.step_s = scene.step_s;
-  report.threads = options.threads;
+  report.threads = simulated.threads;
   report.simd = name_of(simulated.culler.simd);
-  report.deadline_ms = options.deadline_ms;
-  report.deadline_tests = options.deadline_tests;
+  report.deadline_ms = options.run.deadline_ms;
+  report.deadline_tests = options.run.deadline_tests;
   report.steering = scene.steering;
   report.summary = summary;
   for (const Stranding& stranding : summary.strandings)
@@ -315,15 +228,15 @@ void share_encoder(Listeners& listeners) {
 }
 
 /// Opens what the run writes, the log last: its older one is moved away only when all else is open.
-Listeners open_listeners(const RunOptions& options, const Scene& scene, const PlannedFile& log,
-                         double states, OpenOutputs& outputs,
+Listeners open_listeners(const RunCommand& options, int threads, const Scene& scene,
+                         const PlannedFile& log, double states, OpenOutputs& outputs,
                          std::shared_ptr<lcm::LCM> connection) {
   Listeners listeners;
   if (options.lcm != "off") {
     LcmOptions lcm;
     lcm.url = options.lcm;
     lcm.state_every = states;
-    lcm.part_poses = options.publish_parts;
+    lcm.part_poses = options.run.publish_parts;
     listeners.lcm = connection ? std::make_unique<LcmSink>(lcm, std::move(connection))
                                : std::make_unique<LcmSink>(lcm);
   }
@@ -333,9 +246,9 @@ Listeners open_listeners(const RunOptions& options, const Scene& scene, const Pl
   if (!log.path.empty()) {
     LogOptions log_options;
     log_options.flush_s = options.flush_s;
-    log_options.threads = options.threads;
+    log_options.threads = threads;
     log_options.state_every = states;
-    log_options.part_poses = options.publish_parts;
+    log_options.part_poses = options.run.publish_parts;
     listeners.log = std::make_unique<LogSink>(log.path, log_options);
     listeners.guard = std::make_unique<LogGuard>(*listeners.log);
   }
@@ -344,7 +257,7 @@ Listeners open_listeners(const RunOptions& options, const Scene& scene, const Pl
 }
 
 /// What went wrong with files, and the results; the exit code.
-int report_end(const RunOptions& options, const RunReport& report, const Listeners& listeners,
+int report_end(const RunCommand& options, const RunReport& report, const Listeners& listeners,
                const Checkpoints& checkpoints) {
   show_beside_json(options.json, format_table(report));
   if (listeners.lost_log()) say("{}\n", listeners.guard->failure());
@@ -363,22 +276,23 @@ int report_end(const RunOptions& options, const RunReport& report, const Listene
   return report.summary.stopped_early ? StopSignal::exit_code() : kExitFine;
 }
 
-int run_scene(const RunOptions& options) {
-  SimulationOptions simulated = simulation_options(options);
+int run_scene(const RunCommand& options) {
+  SimulationOptions simulated = simulation_options(options.run);
+  simulated.culler.by_part = !options.recorders.by_part.empty();
   const PlannedFile log = planned_log(options);
   OutputPlan plan = planned_outputs(options, log);
   plan.check();  // before what takes its time
-  RunSource source = open_run_source(options.source);
+  RunSource source = open_run_source(options.file, options.run);
   require_recordable(options.recorders, source.scene);
   for (const std::string& note : source.notes) say("note: {}\n", note);
-  const double states = state_every(options, source.scene);
+  const double states = state_every(options.run, source.scene);
   plan_inputs(source.scene, plan);
   plan.check();
   simulated.world = std::move(source.world);
   Simulation simulation(std::move(source.scene), simulated);
   require_recordable(options.recorders, simulation.info());
   if (!log.path.empty() || options.lcm != "off" || !options.recorders.html.empty())
-    require_readable(simulation.info(), options.publish_parts);
+    require_readable(simulation.info(), options.run.publish_parts);
   for (const std::string& note : simulation.notes()) say("note: {}\n", note);
   Pacer pacer(options.pace);
   std::unique_ptr<OwnChannels> own = own_channels(options, simulation.info());
@@ -393,8 +307,8 @@ int run_scene(const RunOptions& options) {
   // their ends.
   const StopSignal stop;
   OpenOutputs outputs = plan.open();
-  Listeners listeners =
-      open_listeners(options, simulation.scene(), log, states, outputs, driving.connection());
+  Listeners listeners = open_listeners(options, simulated.threads, simulation.scene(), log, states,
+                                       outputs, driving.connection());
   listeners.own = std::move(own);
   if (listeners.own != nullptr) listeners.own->publish_by(*listeners.lcm);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
@@ -426,7 +340,7 @@ Command add_run_command(CommandLine& parent) {
   CommandOptions* app =
       parent.add_subcommand("run", "Runs a scene: who touches whom, frame by frame");
   app->footer(kRunFooter);
-  const auto options = std::make_shared<RunOptions>();
+  const auto options = std::make_shared<RunCommand>();
   add_options(*app, *options);
   return {app, [options] { return run_scene(*options); }};
 }

@@ -178,6 +178,20 @@ Option* CommandOptions::add_flag(const std::string& name, bool& value, const std
   return &options_.emplace_back(*parsed_->add_flag(name, value, about));
 }
 
+Option* CommandOptions::add_value(const std::string& name, OptionCheck check,
+                                  std::function<void(const std::string&)> take,
+                                  const std::string& about) {
+  return options_
+      .emplace_back(*parsed_->add_option_function<std::string>(name, std::move(take), about))
+      .check(std::move(check));
+}
+
+Option* CommandOptions::add_flag(const std::string& name, std::function<void(bool)> take,
+                                 const std::string& about) {
+  const auto count = [take = std::move(take)](int64_t found) { take(found > 0); };
+  return &options_.emplace_back(*parsed_->add_flag_function(name, count, about));
+}
+
 bool CommandOptions::is_given() const { return parsed_->parsed(); }
 
 void CommandOptions::require_names() const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -72,6 +73,11 @@ class CommandOptions {
   Option* add_list(const std::string& name, std::vector<T>& values, size_t count, char between,
                    const OptionCheck& number, const std::string& what, const std::string& about);
   Option* add_flag(const std::string& name, bool& value, const std::string& about);
+  /// `take` reads an argument that has passed `check`.
+  Option* add_value(const std::string& name, OptionCheck check,
+                    std::function<void(const std::string&)> take, const std::string& about);
+  Option* add_flag(const std::string& name, std::function<void(bool)> take,
+                   const std::string& about);
 
   /// Whether the command was given.
   bool is_given() const;

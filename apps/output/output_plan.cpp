@@ -16,11 +16,19 @@
 
 #include "base/errors.h"
 #include "base/files/whole_file.h"
+#include "scenes/file/scene.h"
 
 namespace throng {
 namespace {
 
 namespace fs = std::filesystem;
+
+void plan_model(const Model* model, OutputPlan& plan) {
+  if (model == nullptr) return;
+  for (const Link& link : model->robot.links)
+    for (const std::vector<Geometry>* shapes : {&link.collision, &link.visual})
+      for (const Geometry& shape : *shapes) plan.reads("a mesh of the scene", shape.mesh_file);
+}
 
 /// Bytes that go there do not come to lie in a file.
 bool is_special(mode_t mode) { return !S_ISREG(mode) && !S_ISDIR(mode); }
@@ -375,6 +383,20 @@ void OpenOutputs::keep_older(const PlannedFile& file) {
   notes_.push_back(fmt::format(
       "{} of {}, is kept as {}{}", file.path.string(), age_and_size(status), file.keeps.string(),
       replaces ? fmt::format(", in place of that of {}", age_and_size(kept)) : ""));
+}
+
+void plan_inputs(const Scene& scene, OutputPlan& plan) {
+  plan.reads("the scene", scene.file);
+  if (scene.recorded) plan.reads("the recording of the scene", scene.recorded->options.file);
+  for (const Group& group : scene.groups) {
+    plan.reads("a model of the scene", group.model);
+    plan_model(group.body.get(), plan);
+  }
+  for (const Obstacle& obstacle : scene.obstacles)
+    plan.reads("an obstacle of the scene", obstacle.mesh_file);
+  if (!scene.box) return;
+  plan.reads("the model of the scene", scene.box->model);
+  plan_model(scene.box->body.get(), plan);
 }
 
 }  // namespace throng

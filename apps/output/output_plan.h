@@ -12,6 +12,8 @@
 
 namespace throng {
 
+struct Scene;
+
 /// A file on its way: an existing folder or file, and what is not there yet below it. Two paths are
 /// one file if and only if their places are equal, whatever links, dots and names lead there.
 struct FilePlace {
@@ -118,5 +120,8 @@ class OutputPlan {
   std::vector<Folder> folders_;
   bool json_to_stdout_ = false;
 };
+
+/// The files that a scene was read from.
+void plan_inputs(const Scene& scene, OutputPlan& plan);
 
 }  // namespace throng

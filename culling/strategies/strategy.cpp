@@ -20,6 +20,8 @@ std::optional<Strategy> strategy_of(std::string_view name) {
   return std::nullopt;
 }
 
+std::vector<std::string> strategy_names() { return {kNames.begin(), kNames.end()}; }
+
 std::string_view left_out_by(Strategy strategy) {
   switch (strategy) {
     case Strategy::kNone:

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace throng {
 
@@ -25,6 +27,7 @@ inline constexpr Strategy kAllStrategies[] = {
 /// "pipeline", "none", "sphere", "volume", "hybrid-one", "hybrid-all", "two-pass".
 std::string_view name_of(Strategy strategy);
 std::optional<Strategy> strategy_of(std::string_view name);
+std::vector<std::string> strategy_names();
 
 /// What touches and is not reported, in words; "" where nothing is left out.
 std::string_view left_out_by(Strategy strategy);

@@ -7,28 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "recordings/recording_flags.h"
-#include "scenes/run/simulation.h"
+#include "scenes/run/run_options.h"
 
 namespace throng {
-
-struct RunSourceOptions {
-  std::string name;  ///< a file, or a bundled scene
-  std::optional<int> avatars;
-  std::optional<double> seconds;
-  std::optional<uint64_t> seed;
-  std::string steering;
-  std::string part_volume;  ///< see part_volumes_of()
-  bool exact = false;
-  std::optional<double> near_m, person_near_m;
-  bool contact_points = false;
-  std::string between, parts;  ///< see pair_rules_of()
-  RecordingFlags recording;
-  std::string step;  ///< of a recording: "smooth" or "recorded"
-};
-
-/// What --step takes.
-std::vector<std::string> step_names();
 
 struct RunSource {
   /// What is culled instead of a crowd of our own.
@@ -44,7 +25,7 @@ struct RunSource {
   std::vector<std::string> notes = {};
 };
 
-/// Reads what is to be run. Throws InputError.
-RunSource open_run_source(const RunSourceOptions& options);
+/// Reads what is to be run: `name` is a file, or a bundled scene. Throws InputError.
+RunSource open_run_source(const std::string& name, const RunOptions& options);
 
 }  // namespace throng

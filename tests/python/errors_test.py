@@ -1,6 +1,8 @@
 """Bad input raises exceptions that say where, and what was expected."""
 
+import os
 import pickle
+import subprocess
 import unittest
 
 import numpy
@@ -91,6 +93,54 @@ class BadOptions(Case):
     def test_of_another_type_are_type_errors(self):
         with self.assertRaisesRegex(TypeError, "seconds: expected a number"):
             throng.run("plaza", seconds="long")
+
+
+class OptionsOfARun(Case):
+    WRONG = {"whole": -1, "number": -1, "word": "no such word"}
+    WRONG_TEXTS = {"part_volume": "ordop25", "between": "a: b: c", "parts": "a: b: c", "separator": "ab"}
+
+    def said_by_command(self, *arguments):
+        done = subprocess.run([os.environ["THRONG_COMMAND"], *arguments], cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        return done.stderr
+
+    def test_are_refused_in_the_same_words_wherever_they_are_given(self):
+        study = self.folder / "study.yaml"
+        for option in throng._core.run_options():
+            name = option["name"]
+            wrong = self.WRONG.get(option["kind"], self.WRONG_TEXTS.get(name))
+            if wrong is None:
+                continue
+            with self.subTest(option=name):
+                with self.assertRaises(throng.InputError) as raised:
+                    throng.run("plaza", **{name: wrong})
+                self.assertEqual(raised.exception.where, name)
+                words = str(raised.exception).removeprefix(f"{name}: ")
+                self.assertRegex(words, "^expected .*, found ")
+                argument = "--" + name.replace("_", "-")
+                self.assertEqual(
+                    self.said_by_command("run", "plaza", f"{argument}={wrong}"), f"throng run: {argument}: {words}\n"
+                )
+                if option["is_of_study"]:
+                    study.write_text(f"scenes: [plaza]\n{name}: {wrong}\n")
+                    self.assertEqual(
+                        self.said_by_command("study", "study.yaml", "--out", "t.csv"), f"study.yaml:2: {words}\n"
+                    )
+
+    def test_that_nothing_takes_are_named_as_the_front_end_names_them(self):
+        for options, where in [
+            ({"fps": 25}, "fps"),
+            ({"step": "smooth"}, "step"),
+            ({"strategy": "two-pass", "deadline_tests": 3}, "strategy"),
+            ({"states_hz": 1000}, "states_hz"),
+        ]:
+            with self.subTest(options=options):
+                with self.assertRaises(throng.InputError) as raised:
+                    throng.run("plaza", seconds=0.1, **options)
+                words = str(raised.exception).removeprefix(f"{where}: ")
+                arguments = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
+                said = self.said_by_command("run", "plaza", "--seconds", "0.1", "--log", "off", "--lcm", "off", *arguments)
+                self.assertEqual(said, f"--{where.replace('_', '-')}: {words}\n")
 
 
 class OverlongNames(Case):

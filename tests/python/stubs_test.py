@@ -37,6 +37,20 @@ class Stubs(Case):
                 with self.subTest(function=called):
                     self.assertEqual(parameters(stub), list(inspect.signature(function).parameters))
 
+    def test_have_every_option_of_a_run(self):
+        stub = self.named["run"].args
+        annotations = {arg.arg: ast.unparse(arg.annotation) for arg in stub.kwonlyargs}
+        defaults = {arg.arg: ast.unparse(value) for arg, value in zip(stub.kwonlyargs, stub.kw_defaults)}
+        types = {"flag": "bool", "whole": "Optional[int]", "number": "Optional[float]", "word": "Optional[str]",
+                 "text": "Optional[str]"}
+        for option in throng._core.run_options():
+            name = option["name"]
+            with self.subTest(option=name):
+                default = False if option["kind"] == "flag" else None
+                self.assertIs(inspect.signature(throng.run).parameters[name].default, default)
+                self.assertEqual((annotations[name], defaults[name]), (types[option["kind"]], str(default)))
+                self.assertRegex(inspect.getdoc(throng.run), rf"\b{name}\b")
+
     def test_name_every_public_member(self):
         for name in throng.__all__:
             node, real = self.named[name], getattr(throng, name)

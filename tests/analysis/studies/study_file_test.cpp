@@ -151,7 +151,16 @@ TEST_F(StudyFile, SaysWhichLineIsWrongBeforeAnythingRuns) {
       {"scenes: [sqare]\n", "study.yaml:1: expected a scene, found 'sqare'"},
       {scene + "log: a.lcmlog\n", "study.yaml:2: expected an option that shapes a result"},
       {scene + "deadline_ms: 5\n", "study.yaml:2: expected what comes out the same every time"},
-      {scene + "seconds: -1\n", "study.yaml:2: expected 'seconds'"},
+      {scene + "seconds: -1\n", "study.yaml:2: expected a number of seconds above 0, found '-1'"},
+      {scene + "seconds: '2'\n", "study.yaml:2: expected a number of seconds above 0, found"},
+      {scene + "exact: yes\n", "study.yaml:2: expected true or false, found 'yes'"},
+      {scene + "deadline_tests: 5\nstrategy: two-pass\n",
+       "study.yaml:3: expected 'pipeline' beside a deadline, found 'two-pass'"},
+      {scene + "threads: 4\n", "study.yaml:2: expected threads on the command line"},
+      {scene + "states_hz: 4\n", "study.yaml:2: expected an option that shapes a result"},
+      {scene + "trace_hash: a\n", "study.yaml:2: expected an option that shapes a result"},
+      {scene + "pair_search: gird\n",
+       "study.yaml:2: expected one of grid, sweep, brute, found 'gird' (did you mean 'grid'?)"},
       {scene + "seeds: 5\n", "study.yaml:2: expected a list of values of 'seeds'"},
       {scene + "seeds: [-5]\n", "study.yaml:2: expected a whole number from 0"},
       {scene + "parameters:\n  avatars: [5, many]\n",
@@ -180,6 +189,14 @@ TEST_F(StudyFile, SaysWhichLineIsWrongBeforeAnythingRuns) {
        "study.yaml:3: expected at most 100000 values"},
   };
   for (const auto& [text, expected] : cases) EXPECT_THAT(error(text), HasSubstr(expected)) << text;
+}
+
+TEST_F(StudyFile, TakesVolumesByPartAsTheCommandLineDoes) {
+  const std::string volumes = "hands: sphere, default: obb";
+  const StudyPlan planned =
+      plan("scenes: [square.yaml]\npart_volume: '" + volumes + "'\nseconds: 1/2\n");
+  EXPECT_EQ(to_text(planned.planned(0).scene.part_volume), volumes);
+  EXPECT_EQ(planned.planned(0).scene.duration_s, 0.5);
 }
 
 TEST_F(StudyFile, IsKnownByWhatItAsksForNotByHowItIsWritten) {

@@ -1,0 +1,331 @@
+#include "scenes/run/run_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <thread>
+#include <utility>
+
+#include "base/errors.h"
+#include "base/option_checks.h"
+#include "scenes/file/scene_fields.h"
+
+namespace throng {
+namespace {
+
+constexpr int kMaxThreads = 256;
+
+using Kind = RunOption::Kind;
+
+RunOption row(std::string name, Kind kind, std::string value, std::string meaning) {
+  RunOption option;
+  option.name = std::move(name);
+  option.value = std::move(value);
+  option.meaning = std::move(meaning);
+  option.kind = kind;
+  return option;
+}
+
+/// `check` accepts a text, and `set` stores what it has accepted.
+RunOption checked(RunOption option, OptionCheck check,
+                  std::function<void(const std::string&, RunOptions&)> set) {
+  option.read = [check = std::move(check), set = std::move(set), name = option.name,
+                 expected = option.expected, words = option.words,
+                 is_flag = option.kind == Kind::kFlag](
+                    const std::string& text, std::string_view where, RunOptions& options) {
+    if (!check(text).empty())
+      throw InputError(where, expected, fmt::format("'{}'{}", text, did_you_mean(text, words)));
+    set(text, options);
+    if (!is_flag || text == "true") options.given.push_back({name, std::string(where)});
+  };
+  return option;
+}
+
+/// `member` is a member of RunOptions, or a function that finds one of RecordingFlags.
+template <typename Number, typename Member>
+auto storing_number(Member member) {
+  return [member](const std::string& text, RunOptions& options) {
+    Number value{};
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    std::invoke(member, options) = value;
+  };
+}
+
+template <typename Member>
+RunOption whole(const char* name, const char* value, const char* meaning, Member member,
+                int64_t least, int64_t most) {
+  using Number = typename std::decay_t<std::invoke_result_t<Member, RunOptions&>>::value_type;
+  RunOption option = row(name, Kind::kWhole, value, meaning);
+  option.expected = fmt::format("a whole number from {}", least);
+  if (most < INT64_MAX) option.expected += fmt::format(" to {}", most);
+  return checked(std::move(option), whole_option(least, most, ""), storing_number<Number>(member));
+}
+
+template <typename Member>
+RunOption number(const char* name, const char* value, const char* meaning, Member member,
+                 const Range& range, std::string expected) {
+  RunOption option = row(name, Kind::kNumber, value, meaning);
+  option.expected = std::move(expected);
+  return checked(std::move(option), number_option(range.min, range.max, range.above_min, ""),
+                 storing_number<double>(member));
+}
+
+template <typename Member>
+RunOption metres(const char* name, const char* meaning, Member member) {
+  return number(name, "M", meaning, member, {0, static_cast<double>(kMostNear_m)},
+                fmt::format("metres from 0 to {}", kMostNear_m));
+}
+
+template <typename Member>
+RunOption flag(const char* name, const char* meaning, Member member) {
+  RunOption option = row(name, Kind::kFlag, "", meaning);
+  option.expected = "true or false";
+  return checked(std::move(option), name_option({"true", "false"}),
+                 [member](const std::string& text, RunOptions& options) {
+                   std::invoke(member, options) = text == "true";
+                 });
+}
+
+/// `named` finds what a word stands for.
+template <typename Member, typename Named>
+RunOption word(const char* name, const char* value, std::string meaning, Member member,
+               std::vector<std::string> words, const Named& named) {
+  RunOption option = row(name, Kind::kWord, value, std::move(meaning));
+  option.expected = fmt::format("one of {}", fmt::join(words, ", "));
+  option.words = words;
+  return checked(std::move(option), name_option(std::move(words)),
+                 [member, named](const std::string& text, RunOptions& options) {
+                   std::invoke(member, options) = named(text).value();
+                 });
+}
+
+/// The word itself is stored.
+template <typename Member>
+RunOption word(const char* name, const char* value, std::string meaning, Member member,
+               std::vector<std::string> words) {
+  return word(name, value, std::move(meaning), member, std::move(words),
+              [](const std::string& text) { return std::optional(text); });
+}
+
+/// `parse` reads a text of several parts, and throws InputError itself.
+template <typename Member, typename Parse>
+RunOption parsed(const char* name, const char* value, const char* meaning, Member member,
+                 const char* expected, Parse parse) {
+  RunOption option = row(name, Kind::kText, value, meaning);
+  option.expected = expected;
+  option.read = [member, parse, name](const std::string& text, std::string_view where,
+                                      RunOptions& options) {
+    std::invoke(member, options) = parse(text, where);
+    options.given.push_back({name, std::string(where)});
+  };
+  return option;
+}
+
+RunOption of_study(RunOption option) {
+  option.is_of_study = true;
+  return option;
+}
+
+RunOption not_of_study(RunOption option, std::string study_has) {
+  option.study_has = std::move(study_has);
+  return option;
+}
+
+RunOption of_recording(RunOption option) {
+  option.is_of_recording = true;
+  return option;
+}
+
+template <typename Value>
+auto flags(Value RecordingFlags::*member) {
+  return [member](RunOptions& options) -> Value& { return options.recording.*member; };
+}
+
+std::string checked_separator(const std::string& text, std::string_view where) {
+  if (separator_named(text) == '\0')
+    throw InputError(where, "one character, or tab, blank, comma or semicolon",
+                     fmt::format("'{}'", text));
+  return text;
+}
+
+void add_source_rows(std::vector<RunOption>& rows) {
+  using O = RunOptions;
+  rows.push_back(of_study(whole("avatars", "N", "People in all; scales the scene's groups",
+                                &O::avatars, 1, PairKey::kMaxId)));
+  rows.push_back(of_study(number("seconds", "S", "Simulated time instead of the scene's",
+                                 &O::seconds, {0, 1e7, true}, "a number of seconds above 0")));
+  rows.push_back(
+      not_of_study(whole("seed", "N", "Start of all random numbers instead of the scene's",
+                         &O::seed, 0, INT64_MAX),
+                   "'seeds: [1, 2, 3]'"));
+  rows.push_back(of_study(
+      parsed("part_volume", "VOLUME",
+             "What encloses a body part; or by part, 'hands: sphere, default: ordop26'",
+             &O::part_volume, "a volume, or 'hands: sphere, default: ordop26'", part_volumes_of)));
+  rows.push_back(
+      of_study(word("steering", "MODEL", steering_choices() + "; instead of the scene's model",
+                    &O::steering, steering_names(), steering_kind_of)));
+  rows.push_back(of_study(flag("exact", "Triangles decide what touches, and how near", &O::exact)));
+  rows.push_back(
+      metres("near", "Distances of all parts that are nearer than M metres", &O::near_m));
+  rows.push_back(metres("person_near", "Of each two people nearer than M metres the nearest parts",
+                        &O::person_near_m));
+  rows.push_back(flag("contact_points",
+                      "Of all parts that touch a point, direction and depth; needs --exact",
+                      &O::contact_points));
+  rows.push_back(
+      parsed("between", "A:B",
+             "Pairs of these groups alone, as in 'robots: people'; a name alone is with all",
+             &O::between, "pairs of groups, as in 'robots: people'", pair_rules_of));
+  rows.push_back(
+      parsed("parts", "PARTS",
+             "Pairs of these parts alone, as in 'hands: head'; words alone are with all parts",
+             &O::parts, "words of parts, as in 'hands: head'", part_rules_of));
+}
+
+void add_recording_rows(std::vector<RunOption>& rows) {
+  using F = RecordingFlags;
+  const auto add = [&rows](RunOption option) { rows.push_back(of_recording(std::move(option))); };
+  add(number("fps", "N", "Of a recording: frames a second, as its file numbers them",
+             flags(&F::fps), {0, 10'000, true}, "a number of frames a second above 0"));
+  add(word("unit", "UNIT", "Of lengths in a recording: m, cm, mm, km, ft or in", flags(&F::unit),
+           unit_names()));
+  add(word("heading_unit", "UNIT", "Of headings in a table: rad or deg", flags(&F::heading_unit),
+           heading_unit_names()));
+  add(parsed("columns", "LIST",
+             "Of a table: id=NAME,t=NAME,x=NAME,y=NAME; frame=, z=, heading=; numbers from 1 do",
+             flags(&F::columns), "a list id=NAME,t=NAME,x=NAME,y=NAME",
+             [](const std::string& text, std::string_view) { return text; }));
+  add(parsed("separator", "CHARACTER", "Of a table: one character, or tab, blank, comma, semicolon",
+             flags(&F::separator), "one character, or tab, blank, comma or semicolon",
+             checked_separator));
+  add(word("tracks", "POINT",
+           "Whose way a recording is: of heads or of centres of bodies [as the kind of file]",
+           flags(&F::tracks), tracks_names()));
+  add(flag("strict", "What is odd about a recording is an error", flags(&F::strict)));
+  add(word("step", "STEP",
+           "Of a recording: recorded, its frames alone, or smooth, at most 1/60 s [smooth]",
+           &RunOptions::step, {"smooth", "recorded"}));
+}
+
+void add_culling_rows(std::vector<RunOption>& rows) {
+  using O = RunOptions;
+  rows.push_back(
+      not_of_study(whole("threads", "N", "Default: all cores", &O::threads, 1, kMaxThreads),
+                   "threads on the command line: throng study FILE --threads N"));
+  rows.push_back(
+      not_of_study(number("deadline_ms", "D", "Time for culling a frame, by the clock",
+                          &O::deadline_ms, {0, 1e6}, "a number of milliseconds from 0"),
+                   "what comes out the same every time ('deadline_tests' does; a clock does not)"));
+  rows.push_back(
+      of_study(whole("deadline_tests", "N", "Tests of boxes, part volumes and triangles a frame",
+                     &O::deadline_tests, 0, INT64_MAX)));
+  const std::vector<std::string> strategies = strategy_names();
+  const std::vector<std::string> papers(strategies.begin() + 1, strategies.end());
+  rows.push_back(of_study(
+      word("strategy", "NAME",
+           "One of the paper's instead of ours, on one thread, without a deadline: " +
+               list_of(papers, " or "),
+           &O::strategy, strategies, [](const std::string& name) { return strategy_of(name); })));
+  rows.push_back(of_study(word("simd", "TARGET", list_of(simd_target_names(), " or "), &O::simd,
+                               simd_target_names(), simd_target_of)));
+  rows.push_back(of_study(word("pair_search", "NAME", list_of(pair_search_names(), " or "),
+                               &O::pair_search, pair_search_names(), pair_search_of)));
+}
+
+void add_message_rows(std::vector<RunOption>& rows) {
+  using O = RunOptions;
+  rows.push_back(not_of_study(
+      number("states_hz", "N", "States so often a simulated second, in log and LCM [every frame]",
+             &O::states_hz, {0, 1e6, true}, "a number of states a second above 0"),
+      kShapesNoResult));
+  rows.push_back(
+      not_of_study(flag("publish_parts", "The pose of every part with the states, in log and LCM",
+                        &O::publish_parts),
+                   kShapesNoResult));
+}
+
+}  // namespace
+
+bool RunOptions::is_given(std::string_view name) const {
+  return std::any_of(given.begin(), given.end(), [&](const Given& g) { return g.name == name; });
+}
+
+std::string RunOptions::where(std::string_view name) const {
+  for (const Given& each : given)
+    if (each.name == name) return each.where;
+  return argument_of(name);
+}
+
+std::string argument_of(std::string_view option) {
+  std::string text = "--" + std::string(option);
+  std::replace(text.begin(), text.end(), '_', '-');
+  return text;
+}
+
+void require_no_recording_options(const RunOptions& options, std::string_view found) {
+  for (const RunOption& option : run_options())
+    if (option.is_of_recording && options.is_given(option.name))
+      throw InputError(options.where(option.name), "a recording", found);
+}
+
+const std::vector<RunOption>& run_options() {
+  static const std::vector<RunOption> rows = [] {
+    std::vector<RunOption> all;
+    add_source_rows(all);
+    add_recording_rows(all);
+    add_culling_rows(all);
+    add_message_rows(all);
+    return all;
+  }();
+  return rows;
+}
+
+double apply(const RunOptions& options, Scene& scene, std::vector<std::string>& notes) {
+  if (options.seconds && scene.recorded && *options.seconds > scene.duration_s)
+    notes.push_back(fmt::format("{} is over after {:.6g} s", scene.name, scene.duration_s));
+  else if (options.seconds)
+    scene.duration_s = *options.seconds;
+  if (options.seed) scene.seed = *options.seed;
+  if (options.steering) scene.steering.model = *options.steering;
+  if (options.part_volume) scene.part_volume = *options.part_volume;
+  if (options.exact) scene.exact = true;
+  if (options.near_m) scene.near_m = *options.near_m;
+  if (options.person_near_m) scene.person_near_m = *options.person_near_m;
+  if (options.contact_points) scene.contact_points = true;
+  if (options.between) scene.between = *options.between;
+  if (options.parts) scene.parts = *options.parts;
+  return options.avatars ? scale_to(scene, *options.avatars, notes) : 1;
+}
+
+SimulationOptions simulation_options(const RunOptions& options) {
+  const bool is_papers = options.strategy != Strategy::kPipeline;
+  if (is_papers && (options.deadline_ms || options.deadline_tests))
+    throw InputError(options.where("strategy"), "'pipeline' beside a deadline",
+                     fmt::format("'{}'", name_of(options.strategy)));
+  SimulationOptions out;
+  out.threads =
+      options.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  out.culler.simd = resolved(options.simd);
+  out.culler.deadline_ms = options.deadline_ms;
+  out.culler.deadline_tests = options.deadline_tests;
+  out.strategy = options.strategy;
+  out.culler.pair_search =
+      options.pair_search.value_or(is_papers ? PairSearch::kBrute : PairSearch::kGrid);
+  return out;
+}
+
+double state_every(const RunOptions& options, const Scene& scene) {
+  if (!options.states_hz) return 1;
+  const double frames_hz = 1 / scene.step_s;
+  if (*options.states_hz > frames_hz * (1 + 1e-9))
+    throw InputError(
+        options.where("states_hz"),
+        fmt::format("at most {:.6g}, the frames a second of {}", frames_hz, scene.name),
+        fmt::format("{:.6g}", *options.states_hz));
+  return std::max(1.0, frames_hz / *options.states_hz);
+}
+
+}  // namespace throng

@@ -1,0 +1,95 @@
+// RunOptions hold what is asked of a run beside its scene; run_options() is the table of them, from
+// which the command line, the options of studies and the arguments in Python follow.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recordings/recording_flags.h"
+#include "scenes/file/scene.h"
+#include "scenes/run/simulation.h"
+
+namespace throng {
+
+/// What is not given stays as the scene has it.
+struct RunOptions {
+  std::optional<int> avatars;
+  std::optional<double> seconds;
+  std::optional<uint64_t> seed;
+  std::optional<PartVolumes> part_volume;
+  std::optional<SteeringKind> steering;
+  bool exact = false;
+  std::optional<double> near_m, person_near_m;
+  bool contact_points = false;
+  std::optional<PairRules> between, parts;
+  RecordingFlags recording;
+  std::string step;  ///< of a recording: "smooth", "recorded", or "" where not given
+  std::optional<int> threads;
+  std::optional<double> deadline_ms;
+  std::optional<uint64_t> deadline_tests;
+  Strategy strategy = Strategy::kPipeline;
+  SimdTarget simd = SimdTarget::kBest;
+  std::optional<PairSearch> pair_search;
+  std::optional<double> states_hz;
+  bool publish_parts = false;
+
+  struct Given {
+    std::string name, where;
+  };
+  std::vector<Given> given;  ///< what RunOption::read() has taken
+
+  bool is_given(std::string_view name) const;
+  /// Where an option was given, for messages: "--part-volume", "part_volume", "study.yaml:3".
+  std::string where(std::string_view name) const;
+};
+
+/// What studies say of options that only shape what is written.
+inline constexpr const char* kShapesNoResult =
+    "an option that shapes a result (what a study finds goes to its table)";
+
+/// One row of the table.
+struct RunOption {
+  /// The type of the values, where a front end has types.
+  enum class Kind : uint8_t { kFlag, kWhole, kNumber, kWord, kText };
+
+  std::string name;   ///< with "_" between its words: "part_volume"
+  std::string value;  ///< what help calls the value: "VOLUME"
+  std::string meaning;
+  std::string expected;  ///< what the value has to be, to follow "expected"
+  Kind kind = Kind::kText;
+  std::vector<std::string> words = {};  ///< of kWord
+  bool is_of_recording = false;         ///< refused for a scene and for a log
+  bool is_of_study = false;             ///< a study may set and vary it
+  /// What a study has instead, to follow "expected"; "" where it is a key of the scene, too.
+  std::string study_has = {};
+  /// Reads a value. Throws InputError, which begins with `where`.
+  std::function<void(const std::string& text, std::string_view where, RunOptions&)> read = {};
+};
+
+/// "--part-volume", as command lines have "part_volume".
+std::string argument_of(std::string_view option);
+
+/// In the order of the help.
+const std::vector<RunOption>& run_options();
+
+/// Throws InputError where an option of recordings was given: `found` ("a scene") needs none.
+void require_no_recording_options(const RunOptions& options, std::string_view found);
+
+/// Changes the scene; says on `notes` what else had to change with it. Returns how many times
+/// longer the plan is, see scale_to(). A recording is not made longer than it is. Throws
+/// InputError.
+double apply(const RunOptions& options, Scene& scene, std::vector<std::string>& notes);
+
+/// Threads, and how contacts are found. Throws InputError where options exclude each other,
+/// EnvironmentError for a SIMD target that this machine lacks.
+SimulationOptions simulation_options(const RunOptions& options);
+
+/// How many frames lie between two states, as `states_hz` asks for. Throws InputError for more
+/// states than frames.
+double state_every(const RunOptions& options, const Scene& scene);
+
+}  // namespace throng
