@@ -1,17 +1,18 @@
 // `throng`: the command line over the library.
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <exception>
+#include <initializer_list>
 #include <new>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/command.h"
-#include "apps/output/unfinished.h"
-#include "apps/process/standard_files.h"
 #include "apps/process/stop_signal.h"
 #include "base/errors.h"
 #include "base/say.h"
@@ -95,6 +96,20 @@ int run_guarded(int argc, char** argv) {
     return failed("throng: out of memory", kExitEnvironment);
   } catch (const std::exception& error) {
     return failed(fmt::format("throng: {}", error.what()), kExitEnvironment);
+  }
+}
+
+/// Standard input, output and error that were closed when the program started take 0, 1 and 2
+/// before anything is opened, so that no log or picture gets the number of stderr. A closed stdin
+/// then reads as empty; what is said to a closed stderr goes nowhere; what is shown on a closed
+/// stdout fails as it would have: somebody wanted to read it.
+void open_standard_files() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(descriptor, F_GETFD) >= 0) continue;
+    // open() gives the lowest free number, which is this one. Writing to a file that is open for
+    // reading fails with "bad file descriptor", as writing to a closed one does.
+    const int mode = descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY;
+    [[maybe_unused]] const int opened = open("/dev/null", mode);
   }
 }
 

@@ -15,10 +15,9 @@
 #include "base/limits.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
-#include "python/facts_dict.h"
 #include "python/interrupts.h"
-#include "python/part_matrices.h"
 #include "python/posed_parts.h"
+#include "python/recorder.h"
 #include "python/run_request.h"
 
 namespace py = pybind11;

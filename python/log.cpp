@@ -3,17 +3,26 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/errors.h"
 #include "base/limits.h"
+#include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/log_check.h"
+#include "lcm_io/log/log_gaps.h"
+#include "lcm_io/log/log_reader.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
-#include "python/facts_dict.h"
 #include "python/interrupts.h"
-#include "python/log_arrays.h"
+#include "python/recorder.h"
 #include "python/run_request.h"
 #include "viewer/picture/picture.h"
 #include "viewer/replay/replay.h"
@@ -24,6 +33,185 @@ namespace fs = std::filesystem;
 
 namespace throng {
 namespace {
+
+/// The events, places and counters of the first run of a log. What a message cannot be believed is
+/// left out, and how much was left out is known; `throng check` judges logs.
+struct LogArrays {
+  RunFacts facts;
+  std::vector<EventRow> events;
+  std::vector<PlaceRow> places;
+  std::vector<FrameRow> frames;
+  int64_t end_frame = 0;  ///< where the run is over, as far as the log goes
+  bool finished = false;  ///< the run said that it was
+  std::string hash;       ///< of its end; "" where it is cut off
+  int64_t left_out = 0;   ///< messages that were damaged
+  /// What is missing or altered before the log ends, a sentence each.
+  std::vector<std::string> damage;
+};
+
+RunFacts facts_of(const run_description_t& run, int64_t run_id) {
+  RunFacts facts{.scene = printable(run.scene, 256),
+                 .seed = static_cast<uint64_t>(run.seed),
+                 .run_id = static_cast<uint64_t>(run_id),
+                 .step_s = run.step_s};
+  for (const std::string& group : run.groups) facts.groups.push_back(printable(group));
+  for (const model_t& model : run.models) {
+    facts.models.push_back(printable(model.name));
+    facts.part_names.emplace_back();
+    for (const part_t& part : model.parts) facts.part_names.back().push_back(printable(part.name));
+  }
+  for (const obstacle_t& obstacle : run.obstacles)
+    facts.obstacles.push_back(printable(obstacle.name));
+  for (size_t i = 0; i < run.model_of_avatar.size(); ++i) {
+    const auto model = static_cast<uint16_t>(run.model_of_avatar[i]);
+    facts.people.push_back(
+        {static_cast<uint32_t>(i), static_cast<uint16_t>(run.group_of_avatar[i]), model,
+         run.scale_of_avatar[i],
+         run.scale_of_avatar[i] * static_cast<float>(run.models[model].height_m)});
+  }
+  return facts;
+}
+
+/// Reads one run, message after message.
+class Reading {
+ public:
+  Reading(LogArrays& out, std::optional<double> fps, bool places)
+      : out_(out), fps_(fps), keeps_places_(places) {}
+
+  void take(std::string_view name, std::span<const uint8_t> bytes) {
+    const std::optional<Channel> channel = channel_of(name);
+    MessageHeader header;
+    if (!channel) return;
+    if (!read_header(*channel, bytes, header).empty()) {
+      ++out_.left_out;
+      return;
+    }
+    const std::pair id(header.run_id, header.instance);
+    if (!id_) id_ = id;
+    if (id != *id_) return;  // another run in the same file
+    if (!take(*channel, header, bytes)) ++out_.left_out;
+  }
+
+  /// Who is who; null until the log says it.
+  const run_description_t* run() const { return reader_.run(); }
+  int64_t run_id() const { return id_ ? id_->first : 0; }
+
+ private:
+  bool take(Channel channel, const MessageHeader& header, std::span<const uint8_t> bytes) {
+    switch (channel) {
+      case Channel::kEvents:
+        return decode(bytes, events_).empty() && keep_events();
+      case Channel::kRun:
+        return reader_.take(name_of(channel), bytes) != RunReader::Update::kRefused;
+      case Channel::kStates:
+        return keep_places(header, bytes);
+      case Channel::kFrameStats:
+        return decode(bytes, frame_stats_).empty() && keep_frame_stats();
+      case Channel::kEnd:
+        return decode(bytes, end_).empty() && keep_end();
+      default:
+        return true;
+    }
+  }
+
+  bool keep_events() {
+    const size_t before = out_.events.size();
+    for (size_t i = 0; i < events_.a.size(); ++i) {
+      const auto a = static_cast<uint32_t>(events_.a[i]), b = static_cast<uint32_t>(events_.b[i]);
+      const auto kind = static_cast<uint8_t>(events_.kind[i]),
+                 level = static_cast<uint8_t>(events_.level[i]);
+      if (a >= b || b > PairKey::kMaxId || kind > 1 || level >= kPairLevels) {
+        out_.events.resize(before);
+        return false;
+      }
+      out_.events.push_back({events_.frame, a, b, static_cast<uint8_t>(events_.part_a[i]),
+                             static_cast<uint8_t>(events_.part_b[i]), kind, level});
+    }
+    out_.end_frame = std::max(out_.end_frame, events_.frame);
+    return true;
+  }
+
+  bool keep_places(const MessageHeader& header, std::span<const uint8_t> bytes) {
+    if (!keeps_places_ || (reader_.run() != nullptr && header.frame % every() != 0)) return true;
+    const RunReader::Update update = reader_.take(name_of(Channel::kStates), bytes);
+    if (update == RunReader::Update::kState) {
+      const CrowdState& crowd = reader_.state();
+      for (size_t i = 0; i < crowd.roots.size(); ++i)
+        if (crowd.present[i] != 0)
+          out_.places.push_back(place_of(crowd.frame, static_cast<double>(crowd.utime_us) * 1e-6,
+                                         static_cast<uint32_t>(i), crowd.roots[i],
+                                         crowd.speeds_mps[i]));
+    }
+    return update != RunReader::Update::kRefused;
+  }
+  int64_t every() const {
+    return fps_ ? std::max<int64_t>(1, std::llround(1 / (*fps_ * reader_.run()->step_s))) : 1;
+  }
+
+  bool keep_frame_stats() {
+    FrameRow row{};
+    row.frame = frame_stats_.frame;
+    row.time_s = static_cast<double>(frame_stats_.utime) * 1e-6;
+    row.touching = frame_stats_.touching;
+    row.begins = frame_stats_.begins;
+    row.ends = frame_stats_.ends;
+    row.persisting = frame_stats_.persisting;
+    row.posed_bodies = frame_stats_.posed_bodies;
+    row.frame_ms = frame_stats_.frame_ns * 1e-6;
+    int64_t* const to[][3] = {{&row.avatar_updates, &row.avatar_tests, &row.avatar_passed},
+                              {&row.body_box_updates, &row.body_box_tests, &row.body_box_passed},
+                              {&row.part_box_updates, &row.part_box_tests, &row.part_box_passed},
+                              {&row.part_updates, &row.part_tests, &row.part_passed},
+                              {&row.exact_updates, &row.exact_tests, &row.exact_passed}};
+    static_assert(std::size(to) == kCullingStageCount);
+    for (size_t i = 0; i < kCullingStageCount; ++i) {
+      *to[i][0] = frame_stats_.updates[i];
+      *to[i][1] = frame_stats_.tests[i];
+      *to[i][2] = frame_stats_.passed[i];
+    }
+    out_.frames.push_back(row);
+    out_.end_frame = std::max(out_.end_frame, frame_stats_.frame + 1);
+    return true;
+  }
+
+  bool keep_end() {
+    out_.finished = true;
+    out_.end_frame = end_.frames;
+    out_.hash = hash_text(static_cast<uint64_t>(end_.hash));
+    return true;
+  }
+
+  LogArrays& out_;
+  std::optional<double> fps_;
+  bool keeps_places_;
+  std::optional<std::pair<int64_t, int64_t>> id_;
+  RunReader reader_;
+  events_t events_{};
+  frame_stats_t frame_stats_{};
+  end_t end_{};
+};
+
+/// Throws InputError where the file is no log, or says of no run. `fps`: see places_every();
+/// without, every state that there is.
+LogArrays read_log(const std::filesystem::path& file, std::optional<double> fps, bool places,
+                   WorkSigns& signs) {
+  LogArrays out;
+  LogReader log(file);
+  Reading reading(out, fps, places);
+  signs.frames = static_cast<int64_t>(log.size());
+  LogEvent event;
+  LogGaps gaps;
+  while (!signs.stop && gaps.next(log, event)) {
+    reading.take(event.channel, event.data);
+    signs.done = static_cast<int64_t>(event.offset + event.bytes);
+  }
+  if (reading.run() == nullptr)
+    throw InputError(file.string(), "a run's description", gaps.found_no_description());
+  out.left_out += gaps.damaged_places();
+  out.damage = gaps.describe_damage();
+  out.facts = facts_of(*reading.run(), reading.run_id());
+  return out;
+}
 
 py::dict read(const fs::path& file, std::optional<double> fps, bool places,
               const py::object& progress) {

@@ -12,7 +12,6 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/interrupts.h"
-#include "python/part_matrices.h"
 
 namespace py = pybind11;
 

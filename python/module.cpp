@@ -1,14 +1,54 @@
 // The compiled half of the module `throng`; the other half, python/throng, gives it the shape that
 // users see, with docstrings.
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
 
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "base/errors.h"
 #include "base/version.h"
 #include "python/bindings.h"
-#include "python/errors.h"
 #include "python/interrupts.h"
 #include "python/rows.h"
 
 namespace py = pybind11;
+
+namespace throng {
+namespace {
+
+/// A name of a file may be no UTF-8.
+py::object text_of(const std::string& text) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
+void raise(const char* name, const std::string& message, const std::string& where) {
+  const py::object type = py::module_::import("throng._errors").attr(name);
+  const py::object error = type(text_of(message), text_of(where));
+  PyErr_SetObject(type.ptr(), error.ptr());
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(std::move(thrown));
+  } catch (const InputError& error) {
+    raise("InputError", error.what(), error.where());
+  } catch (const EnvironmentError& error) {
+    raise("EnvironmentFault", error.what(), "");
+  } catch (const std::filesystem::filesystem_error& error) {
+    raise("EnvironmentFault", fmt::format("{}: {}", error.path1().string(), error.code().message()),
+          "");
+  }
+}
+
+/// From here on what the module's functions throw becomes the classes of throng/_errors.py: its
+/// message, file and line get through.
+void register_errors() { py::register_exception_translator(translate); }
+
+}  // namespace
+}  // namespace throng
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "The libraries of Throng; see the package throng.";

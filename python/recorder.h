@@ -2,6 +2,9 @@
 // One rule: a row for everybody who is there, none for anybody who is not, as in trajectory files.
 #pragma once
 
+#include <pybind11/pybind11.h>
+
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,5 +58,13 @@ class RunRecorder final : public Sink {
 /// Where somebody is, from the root of the body.
 PlaceRow place_of(int64_t frame, double time_s, uint32_t id, const RootPose& root, float speed_mps);
 float heading_of(const RootPose& root);
+
+/// As `throng run` prints hashes.
+std::string hash_text(uint64_t hash);
+
+pybind11::dict dict_of(RunFacts facts);
+
+/// events, trajectories and counters as arrays, contacts when they are asked for.
+void add_rows(pybind11::dict& out, RunRecorder& recorder, double step_s);
 
 }  // namespace throng

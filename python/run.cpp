@@ -14,7 +14,6 @@
 #include "lcm_io/codec/encoder.h"
 #include "lcm_io/log/log_sink.h"
 #include "python/bindings.h"
-#include "python/facts_dict.h"
 #include "python/interrupts.h"
 #include "python/recorder.h"
 #include "python/run_request.h"

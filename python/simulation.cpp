@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "base/errors.h"
+#include "python/arrays.h"
 #include "python/bindings.h"
-#include "python/facts_dict.h"
 #include "python/interrupts.h"
-#include "python/part_matrices.h"
+#include "python/recorder.h"
 #include "python/stepped_run.h"
 #include "scenes/run/sink.h"
 

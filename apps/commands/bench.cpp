@@ -9,10 +9,8 @@
 #include <optional>
 
 #include "apps/command.h"
-#include "apps/output/json_output.h"
 #include "apps/output/output_plan.h"
 #include "apps/output/text_file.h"
-#include "apps/output/unfinished.h"
 #include "apps/process/machine.h"
 #include "apps/process/stop_signal.h"
 #include "base/errors.h"

@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-class Screen {
+class FactLines {
  public:
   template <typename... Args>
   void line(std::string_view what, fmt::format_string<Args...> format, Args&&... args) {
@@ -24,9 +24,9 @@ class Screen {
   std::string text_;
 };
 
-void add_time(Screen& screen, const RecordingFacts& facts) {
+void add_time(FactLines& lines, const RecordingFacts& facts) {
   if (facts.fps == 0) {
-    screen.line("time", "{:.6g} s, positions at any time", facts.duration_s);
+    lines.line("time", "{:.6g} s, positions at any time", facts.duration_s);
     return;
   }
   std::string numbers;
@@ -34,17 +34,17 @@ void add_time(Screen& screen, const RecordingFacts& facts) {
     numbers = fmt::format(", numbered {} to {}", facts.first_frame,
                           facts.first_frame + (facts.frames - 1) * facts.frame_step);
   if (facts.frame_step > 1) numbers += fmt::format(" by {}", facts.frame_step);
-  screen.line("time", "{:.6g} s, {} frames at {:.6g} a second{}", facts.duration_s, facts.frames,
-              facts.fps, numbers);
+  lines.line("time", "{:.6g} s, {} frames at {:.6g} a second{}", facts.duration_s, facts.frames,
+             facts.fps, numbers);
 }
 
-void add_area(Screen& screen, const RecordingFacts& facts, const std::string& file) {
+void add_area(FactLines& lines, const RecordingFacts& facts, const std::string& file) {
   const Rectangle& b = facts.bounds;
-  screen.line("area", "({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m, {:.1f} m2", b.min_m.x(), b.min_m.y(),
-              b.max_m.x(), b.max_m.y(), b.area_m2());
+  lines.line("area", "({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m, {:.1f} m2", b.min_m.x(), b.min_m.y(),
+             b.max_m.x(), b.max_m.y(), b.area_m2());
   if (!facts.shift_m.isZero())
-    screen.line("shifted", "by ({:.0f}, {:.0f}) m, which the file's coordinates are larger",
-                facts.shift_m.x(), facts.shift_m.y());
+    lines.line("shifted", "by ({:.0f}, {:.0f}) m, which the file's coordinates are larger",
+               facts.shift_m.x(), facts.shift_m.y());
   if (facts.wkt.empty()) return;
   size_t edges = 0, holes = 0;
   const std::vector<AreaPolygon> polygons = recorded_area(facts, file).polygons;
@@ -53,8 +53,8 @@ void add_area(Screen& screen, const RecordingFacts& facts, const std::string& fi
     holes += polygon.holes.size();
     for (const AreaPolygon::Ring& hole : polygon.holes) edges += hole.size();
   }
-  screen.line("walls", "{} around {} with {}", counted(edges, "edge"),
-              counted(polygons.size(), "walkable area"), counted(holes, "hole"));
+  lines.line("walls", "{} around {} with {}", counted(edges, "edge"),
+             counted(polygons.size(), "walkable area"), counted(holes, "hole"));
 }
 
 }  // namespace
@@ -63,37 +63,37 @@ std::string describe_recording(const Recording& recording, const std::string& fi
   const RecordingFacts& facts = recording.facts();
   const std::vector<RecordedPerson>& people = recording.people();
   const RecordingSummary summary = summary_of(recording);
-  Screen screen;
-  screen.head(fmt::format("{}: a recording, {}", file, facts.kind));
-  screen.line("tracks", "{} (--tracks {} if they are not)",
-              facts.tracks == TrackedPoint::kHead ? "of heads" : "of the centres of bodies",
-              facts.tracks == TrackedPoint::kHead ? "centre" : "head");
-  screen.line("people", "{}, ids {} to {}; {:.0f} at once, at most {} (at {:.0f} s)", people.size(),
-              people.front().id, people.back().id, summary.mean_people, summary.most_people,
-              summary.most_at_s);
-  add_time(screen, facts);
-  screen.line("positions", "{}, {:.0f} a person", facts.samples,
-              static_cast<double>(facts.samples) / static_cast<double>(people.size()));
-  add_area(screen, facts, file);
+  FactLines lines;
+  lines.head(fmt::format("{}: a recording, {}", file, facts.kind));
+  lines.line("tracks", "{} (--tracks {} if they are not)",
+             facts.tracks == TrackedPoint::kHead ? "of heads" : "of the centres of bodies",
+             facts.tracks == TrackedPoint::kHead ? "centre" : "head");
+  lines.line("people", "{}, ids {} to {}; {:.0f} at once, at most {} (at {:.0f} s)", people.size(),
+             people.front().id, people.back().id, summary.mean_people, summary.most_people,
+             summary.most_at_s);
+  add_time(lines, facts);
+  lines.line("positions", "{}, {:.0f} a person", facts.samples,
+             static_cast<double>(facts.samples) / static_cast<double>(people.size()));
+  add_area(lines, facts, file);
   if (summary.heights > 0)
-    screen.line("heights", "{:.2f} m, 90 % from {:.2f} to {:.2f}; {} of {} people have one",
-                summary.height_m.median, summary.height_m.low, summary.height_m.high,
-                summary.heights, people.size());
+    lines.line("heights", "{:.2f} m, 90 % from {:.2f} to {:.2f}; {} of {} people have one",
+               summary.height_m.median, summary.height_m.low, summary.height_m.high,
+               summary.heights, people.size());
   else
-    screen.line("heights", "none");
-  screen.line("headings", "{}", facts.has_headings ? "as the file has them" : "none");
-  screen.line("speeds", "{:.2f} m/s over a second, 90 % from {:.2f} to {:.2f}",
-              summary.speed_mps.median, summary.speed_mps.low, summary.speed_mps.high);
-  screen.line("densities",
-              "{:.2f} per m2 within {:g} m, 90 % from {:.2f} to {:.2f}; walls not "
-              "counted",
-              summary.density_per_m2.median, kDensityRadius_m, summary.density_per_m2.low,
-              summary.density_per_m2.high);
-  screen.line("odd", "{}", facts.odd.empty() ? "nothing" : "");
+    lines.line("heights", "none");
+  lines.line("headings", "{}", facts.has_headings ? "as the file has them" : "none");
+  lines.line("speeds", "{:.2f} m/s over a second, 90 % from {:.2f} to {:.2f}",
+             summary.speed_mps.median, summary.speed_mps.low, summary.speed_mps.high);
+  lines.line("densities",
+             "{:.2f} per m2 within {:g} m, 90 % from {:.2f} to {:.2f}; walls not "
+             "counted",
+             summary.density_per_m2.median, kDensityRadius_m, summary.density_per_m2.low,
+             summary.density_per_m2.high);
+  lines.line("odd", "{}", facts.odd.empty() ? "nothing" : "");
   for (const Oddity& oddity : facts.odd)
-    screen.head(
+    lines.head(
         fmt::format("    {:>6} {}\n           first {}", oddity.count, oddity.what, oddity.first));
-  return screen.take();
+  return lines.take();
 }
 
 }  // namespace throng

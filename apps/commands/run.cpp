@@ -1,21 +1,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "apps/command.h"
 #include "apps/options/run_arguments.h"
 #include "apps/output/checkpoints.h"
-#include "apps/output/json_output.h"
-#include "apps/output/log_guard.h"
 #include "apps/output/output_plan.h"
 #include "apps/output/recorders.h"
 #include "apps/output/run_report.h"
+#include "apps/output/text_file.h"
 #include "apps/process/driving.h"
-#include "apps/process/pacer.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
 #include "base/errors.h"
@@ -137,6 +139,53 @@ OutputPlan planned_outputs(const RunCommand& options, const PlannedFile& log) {
   plan_recorders(options.recorders, plan);
   plan_checkpoints(options.checkpoints, plan);
   return plan;
+}
+
+/// Ties a run to the clock, for whoever watches it live. It only ever waits: no result depends on
+/// it, and being late is reported, not hidden.
+class Pacer {
+ public:
+  /// `pace`: simulated seconds a second of wall time; 1 is real time, 0 never waits.
+  explicit Pacer(double pace) : pace_(pace) {}
+
+  /// Waits until the frame at this simulation time is due; frame 0 starts the clock. Gives up when
+  /// `stopped` says so.
+  void wait_for(int64_t utime_us, const std::function<bool()>& stopped);
+
+  double pace() const { return pace_; }
+  int64_t late_frames() const { return late_frames_; }  ///< that came more than kTolerance late
+  double worst_s() const { return worst_s_; }           ///< how late the latest was
+  double behind_s() const { return behind_s_; }         ///< how late the last frame was
+
+  /// A scheduler's tick and a wake-up are not lateness that anybody could see.
+  static constexpr double kTolerance_s = 0.005;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double pace_;
+  bool is_running_ = false;
+  Clock::time_point start_{};
+  int64_t late_frames_ = 0;
+  double worst_s_ = 0;
+  double behind_s_ = 0;
+};
+
+void Pacer::wait_for(int64_t utime_us, const std::function<bool()>& stopped) {
+  if (pace_ <= 0) return;
+  if (!is_running_) {
+    is_running_ = true;
+    start_ = Clock::now();
+  }
+  // A frame of a slow motion may be minutes away: look up now and then.
+  constexpr std::chrono::milliseconds kLook{50};
+  const std::chrono::duration<double> since_start(static_cast<double>(utime_us) * 1e-6 / pace_);
+  const auto due = start_ + std::chrono::duration_cast<Clock::duration>(since_start);
+  auto now = Clock::now();
+  behind_s_ = std::max(0.0, std::chrono::duration<double>(now - due).count());
+  worst_s_ = std::max(worst_s_, behind_s_);
+  late_frames_ += behind_s_ > kTolerance_s ? 1 : 0;
+  for (; now < due && !stopped(); now = Clock::now())
+    std::this_thread::sleep_until(std::min<Clock::time_point>(due, now + kLook));
 }
 
 /// Everybody who listens to the run.

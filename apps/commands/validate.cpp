@@ -9,9 +9,8 @@
 
 #include "apps/command.h"
 #include "apps/commands/validation_report.h"
-#include "apps/output/json_output.h"
 #include "apps/output/output_plan.h"
-#include "apps/output/unfinished.h"
+#include "apps/output/text_file.h"
 #include "apps/process/stop_signal.h"
 #include "base/errors.h"
 #include "base/figure.h"

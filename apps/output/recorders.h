@@ -12,8 +12,9 @@
 #include "analysis/separation/separation_sink.h"
 #include "analysis/trajectories/trajectory_sink.h"
 #include "apps/options/command_line.h"
-#include "apps/output/log_guard.h"
 #include "apps/output/output_plan.h"
+#include "lcm_io/codec/message_target.h"
+#include "scenes/run/sink.h"
 
 namespace throng {
 
@@ -34,6 +35,52 @@ void plan_recorders(const RecorderOptions& options, OutputPlan& plan);
 void require_recordable(const RecorderOptions& options, const Scene& scene);
 /// The same for what the run turns out to be.
 void require_recordable(const RecorderOptions& options, const RunInfo& run);
+
+/// Keeps a run alive when a file of it cannot be written any more: what was computed is worth its
+/// summary. The first failure is kept; after it the file gets nothing.
+class FileGuard {
+ public:
+  bool failed() const { return !failure_.empty(); }
+  const std::string& failure() const { return failure_; }
+
+ protected:
+  template <typename Write>
+  void guarded(const Write& write);
+
+ private:
+  std::string failure_;
+};
+
+/// Of a sink that writes a file.
+class SinkGuard final : public FileGuard, public Sink {
+ public:
+  /// Keeps a reference to `sink`.
+  explicit SinkGuard(Sink& sink) : sink_(sink) {}
+
+  SinkNeeds needs() const override { return sink_.needs(); }
+  void begin(const RunInfo& run) override;
+  void frame(const RunInfo& run, const Frame& frame) override;
+  void end(const RunInfo& run, const RunEnd& end) override;
+
+ private:
+  Sink& sink_;
+};
+
+/// Of a log, which shares its encoder with others: they get their messages all the same.
+class LogGuard final : public FileGuard, public MessageTarget {
+ public:
+  /// Keeps a reference to `log`.
+  explicit LogGuard(MessageTarget& log) : log_(log) {}
+
+  bool wants_messages() const override { return !failed() && log_.wants_messages(); }
+  void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
+  void after_begin(Outlet& outlet) override;
+  void after_frame(Outlet& outlet) override;
+  void after_end(Outlet& outlet) override;
+
+ private:
+  MessageTarget& log_;
+};
 
 class Recorders {
  public:

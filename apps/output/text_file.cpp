@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/files/whole_file.h"
+#include "base/say.h"
 
 namespace throng {
 
@@ -23,6 +24,18 @@ void append_text(const std::filesystem::path& file, const std::string& text) {
   if (!out)
     throw EnvironmentError(
         fmt::format("{}: cannot write: {}", file.string(), std::strerror(errno)));
+}
+
+void write_json_output(const std::string& file, const std::string& json) {
+  if (file.empty()) return;
+  if (is_stdout(file))
+    show_text(json);
+  else
+    write_text(file, json);
+}
+
+void show_beside_json(const std::string& file, const std::string& table) {
+  if (!is_stdout(file)) show_text(table);
 }
 
 }  // namespace throng

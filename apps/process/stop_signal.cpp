@@ -6,7 +6,12 @@
 #include <csignal>
 #include <cstdint>
 #include <ctime>
+#include <exception>
+#include <future>
 #include <initializer_list>
+#include <memory>
+#include <thread>
+#include <utility>
 
 #include "base/say.h"
 
@@ -58,6 +63,9 @@ void handle(int signal) {
   _exit(128 + signal);
 }
 
+constexpr std::chrono::milliseconds kLookAround{20};
+std::atomic<bool> g_work_was_left{false};
+
 }  // namespace
 
 StopSignal::StopSignal() { g_work_is_open = true; }
@@ -87,5 +95,26 @@ bool StopSignal::requested() { return g_signal != 0; }
 int StopSignal::exit_code() { return requested() ? 128 + g_signal : 0; }
 
 std::string_view StopSignal::name() { return name_of_signal(g_signal); }
+
+bool done_before_a_signal(std::function<void()> work, std::chrono::milliseconds patience) {
+  std::packaged_task<void()> task(std::move(work));
+  std::future<void> result = task.get_future();
+  std::thread worker(std::move(task));
+  while (result.wait_for(kLookAround) != std::future_status::ready) {
+    if (!StopSignal::requested()) continue;
+    if (result.wait_for(patience) == std::future_status::ready) break;
+    g_work_was_left = true;
+    worker.detach();
+    return false;
+  }
+  worker.join();
+  result.get();
+  return true;
+}
+
+void leave_unfinished_work(int exit_code) {
+  // Destructors of what is static would pull the ground from under the thread.
+  if (g_work_was_left) _exit(exit_code);
+}
 
 }  // namespace throng

@@ -3,6 +3,8 @@
 // ends the process at once, and one that comes again, a while later, always does.
 #pragma once
 
+#include <chrono>
+#include <functional>
 #include <string_view>
 
 namespace throng {
@@ -25,5 +27,15 @@ class StopSignal {
   /// "SIGINT"; "" if there was none.
   static std::string_view name();
 };
+
+/// Runs `work` on a thread of its own and waits for it, or for a signal (a StopSignal lives). True:
+/// it is done; what it threw is thrown here. False: a signal came first, and `work` goes on until
+/// the process ends, so that it must own, or share, all that it uses.
+///
+/// `patience`: for work that looks for the signal itself and ends soon after it.
+bool done_before_a_signal(std::function<void()> work, std::chrono::milliseconds patience = {});
+
+/// At the very end of main(): ends the process here if work was left.
+void leave_unfinished_work(int exit_code);
 
 }  // namespace throng
