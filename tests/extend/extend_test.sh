@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# What it takes to add a bounding volume, a scene field, a steering model, a sink, a message: a patch each.
+# What it takes to add a bounding volume, a scene field, a steering model, a sink, a message, an option of a
+# run: a patch each.
 #   tests/extend/extend_test.sh check SOURCE          they apply, and touch as few files as said here
 #   tests/extend/extend_test.sh build SOURCE FOLDER   applied to a copy in FOLDER they build, the tests
 #                                                     that go over all volumes and models pass, and
 #                                                     `throng run` knows them; takes minutes
 set -euo pipefail
 
-declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5 [message]=4)
+declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5 [message]=4 [option]=5)
 
 mode=${1:-} source=${2:-} folder=${3:-}
 here=$(cd "$(dirname "$0")" && pwd)
@@ -38,12 +39,26 @@ run() {
   build/release/throng "$@"
 }
 
+# The option on the command line, in a study and in Python is the same, and does something.
+one_option_everywhere() {
+  local scene=bottleneck plain given
+  plain=$(run run $scene --seconds 5 --lcm off --log off | awk '$1 == "hash" {print $2}')
+  given=$(run run $scene --seconds 5 --lcm off --log off --density-speed | awk '$1 == "hash" {print $2}')
+  [ "$given" != "$plain" ] || fail "--density-speed: expected another hash than $plain"
+  printf 'scenes: [%s]\nseconds: 5\ndensity_speed: true\n' $scene >"$folder/study.yaml"
+  run study "$folder/study.yaml" --out "$folder/study.csv" >/dev/null
+  grep -q "$given" "$folder/study.csv" || fail "study.csv: expected the hash $given"
+  [ "$(PYTHONPATH=build/release/python /usr/bin/python3 -c \
+    "import throng; print(throng.run('$scene', seconds=5, density_speed=True).hash)")" = "$given" ] ||
+    fail "throng.run(density_speed=True): expected the hash $given"
+}
+
 build() {
   copy
   cd "$folder/source"
   local name
   for name in "${!files[@]}"; do patch --batch --quiet -p1 <"$here/$name.patch"; done
-  bash scripts/build.sh release throng test_volumes test_culler test_recipe test_no_miss steering_tests \
+  bash scripts/build.sh release throng throng_module test_volumes test_culler test_recipe test_no_miss steering_tests \
     scenes_tests schema_tests test_lcm_io
   # The documents and the schema follow from the tables of keys.
   build/release/throng scenes --schema >scenes/scene.schema.json
@@ -69,7 +84,8 @@ build() {
     'groups: [{count: 1, spawn: {min_m: [1, 1], max_m: [2, 2]}, goals: [{min_m: [8, 8], max_m: [9, 9]}]}]' \
     'obstacles: [{kind: box, position_m: [5, 5], size_m: [1, 1, 1], bottom_m: 2, headroom_m: 1.9}]' >"$folder/low.yaml"
   run info "$folder/low.yaml" >/dev/null
-  echo "all five are built in, and run"
+  one_option_everywhere
+  echo "all six are built in, and run"
 }
 
 case $mode in
