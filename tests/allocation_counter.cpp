@@ -30,8 +30,8 @@ void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
 
-namespace throng::testing {
+namespace throng::test {
 
 size_t allocations_so_far() { return allocations; }
 
-}  // namespace throng::testing
+}  // namespace throng::test

@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-namespace throng::testing {
+namespace throng::test {
 
 size_t allocations_so_far();
 
-}  // namespace throng::testing
+}  // namespace throng::test

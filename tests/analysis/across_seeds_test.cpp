@@ -8,7 +8,7 @@
 
 #include "analysis/validation/validation.h"
 
-namespace throng::validation {
+namespace throng::validation::across_seeds_test {
 namespace {
 
 /// 1.0 to 1.2 is accepted.
@@ -124,4 +124,4 @@ TEST(Conditions, OfARunAreTheSameButForTheSeed) {
 }
 
 }  // namespace
-}  // namespace throng::validation
+}  // namespace throng::validation::across_seeds_test

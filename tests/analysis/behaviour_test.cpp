@@ -11,7 +11,7 @@
 
 #include "analysis/validation/recorded_inflow.h"
 
-namespace throng::validation {
+namespace throng::validation::behaviour_test {
 namespace {
 
 TEST(AccelerationsOfPeople, FailWhereOneSceneJerks) {
@@ -331,4 +331,4 @@ TEST(Behaviour, EncountersBeginWhereTheyAreDrawnAndAreTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace throng::validation
+}  // namespace throng::validation::behaviour_test

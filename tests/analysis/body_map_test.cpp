@@ -9,7 +9,7 @@
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 
-namespace throng {
+namespace throng::body_map_test {
 namespace {
 
 /// By trying the plane, the edges and the corners.
@@ -125,4 +125,4 @@ TEST(BodyMap, IsDrawnBesideTheOtherFigures) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::body_map_test

@@ -10,7 +10,7 @@
 #include "base/simd.h"
 #include "scenes/scenes.h"
 
-namespace throng {
+namespace throng::by_part_test {
 namespace {
 
 constexpr const char* kMixture = "hands: sphere, torso: ordop18, legs: obb, default: ordop26";
@@ -180,4 +180,4 @@ TEST(PartVolumes, StandInASceneAsAMap) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::by_part_test

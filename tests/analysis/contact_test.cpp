@@ -17,7 +17,7 @@
 #include "analysis/contacts/contact_sink.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::contact_test {
 namespace {
 
 /// Three people and a wall; a step is a tenth of a second.
@@ -330,4 +330,4 @@ TEST(LocalDensity, LevelsBeginAboveTheirBounds) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::contact_test

@@ -16,7 +16,7 @@
 #include "scenes/run/simulation.h"
 #include "tests/scenes/scene_file.h"
 
-namespace throng {
+namespace throng::networks_test {
 namespace {
 
 using testing::HasSubstr;
@@ -199,4 +199,4 @@ TEST(GraphFiles, EscapeNames) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::networks_test

@@ -12,7 +12,7 @@
 
 #include "analysis/validation/recorded_set_ups.h"
 
-namespace throng::validation {
+namespace throng::validation::reality_test {
 namespace {
 
 constexpr SteeringKind kModel = SteeringKind::kOrca;
@@ -303,4 +303,4 @@ TEST(Reality, ASlowOneIsPassedOrNot) {
 }
 
 }  // namespace
-}  // namespace throng::validation
+}  // namespace throng::validation::reality_test

@@ -19,7 +19,7 @@
 #include "scenes/separation/separation_rule.h"
 #include "tests/scenes/scene_file.h"
 
-namespace throng {
+namespace throng::separation_test {
 namespace {
 
 using testing::HasSubstr;
@@ -425,4 +425,4 @@ TEST_F(Separation, FilesSayWhatTheMonitorSaw) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::separation_test

@@ -22,7 +22,7 @@
 #include "recordings/walkable_wkt.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::trajectory_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -361,4 +361,4 @@ TEST_F(Trajectory, AFolderThatIsNotThereIsTold) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::trajectory_test

@@ -13,7 +13,7 @@
 #include "analysis/validation/reality_tables.h"
 #include "analysis/validation/trial.h"
 
-namespace throng::validation {
+namespace throng::validation::validation_test {
 namespace {
 
 const Test& test_of(const std::string& id) {
@@ -210,4 +210,4 @@ TEST(Validation, RowsPlaceAsManyPeopleAsAskedFor) {
 }
 
 }  // namespace
-}  // namespace throng::validation
+}  // namespace throng::validation::validation_test

@@ -7,7 +7,7 @@
 #include "base/errors.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::walkable_area_test {
 namespace {
 
 using Ring = std::vector<Eigen::Vector2d>;
@@ -172,4 +172,4 @@ TEST(WalkableArea, HoldsThePointsThatPeopleMayStandOn) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::walkable_area_test

@@ -10,7 +10,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::by_part_test {
 namespace {
 
 using testing::HasSubstr;
@@ -128,4 +128,4 @@ TEST(RenderVolumes, DrawsWhatIsAskedFor) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::by_part_test

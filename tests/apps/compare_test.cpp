@@ -7,7 +7,7 @@
 
 #include "tests/apps/workplace.h"
 
-namespace throng {
+namespace throng::compare_test {
 namespace {
 
 using testing::HasSubstr;
@@ -84,4 +84,4 @@ TEST(Compare, RefusesWhatItCannotReadBeforeAnythingChanges) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::compare_test

@@ -4,7 +4,7 @@
 
 #include "tests/apps/run_json.h"
 
-namespace throng {
+namespace throng::culled_log_test {
 namespace {
 
 using testing::HasSubstr;
@@ -155,4 +155,4 @@ TEST_F(CulledLog, WhatIsWrongWithItIsSaidInALine) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::culled_log_test

@@ -8,7 +8,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::deadline_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -88,4 +88,4 @@ TEST(RunWithDeadline, ANegativeOneIsRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::deadline_test

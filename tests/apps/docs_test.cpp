@@ -10,7 +10,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::docs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ TEST(Documents, LinksLeadToFiles) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::docs_test

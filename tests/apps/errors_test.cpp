@@ -6,7 +6,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::errors_test {
 namespace {
 
 using testing::HasSubstr;
@@ -132,4 +132,4 @@ TEST(Help, FullDiskEndsTheRunWithItsResults) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::errors_test

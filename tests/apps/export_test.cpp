@@ -9,7 +9,7 @@
 #include "tests/apps/cli.h"
 #include "tests/apps/workplace.h"
 
-namespace throng {
+namespace throng::export_test {
 namespace {
 
 using testing::HasSubstr;
@@ -189,4 +189,4 @@ TEST(Export, SaysWhatItDoesNotUnderstand) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::export_test

@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::faults_test {
 namespace {
 
 using testing::HasSubstr;
@@ -191,4 +191,4 @@ TEST(Trace, TellsTheFirstStageAndFrameInWhichRunsDiffer) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::faults_test

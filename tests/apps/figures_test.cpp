@@ -13,7 +13,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::figures_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -118,4 +118,4 @@ TEST(Figures, AreMendedWhereTheyStand) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::figures_test

@@ -4,7 +4,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::hello_test {
 namespace {
 
 const std::string kTop = THRONG_SOURCE_DIR "/";
@@ -24,4 +24,4 @@ TEST(Hello, StandsInTheReadmeWordForWord) {
 TEST(Hello, IsShort) { EXPECT_LE(line_count(read_file(kTop + "examples/hello.cpp")), 18); }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::hello_test

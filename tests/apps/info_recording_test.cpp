@@ -7,7 +7,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::info_recording_test {
 namespace {
 
 using testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST(InfoRecording, ReadsWhatARunWrote) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::info_recording_test

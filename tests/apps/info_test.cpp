@@ -8,7 +8,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::info_test {
 namespace {
 
 using testing::HasSubstr;
@@ -226,4 +226,4 @@ TEST(Info, WhatAUrdfLeavesOpenIsANote) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::info_test

@@ -6,7 +6,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::log_test {
 namespace {
 
 using testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST_F(Log, PictureThatCannotBeWrittenIsTold) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::log_test

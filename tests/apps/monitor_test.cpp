@@ -7,7 +7,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::monitor_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -140,4 +140,4 @@ TEST(Monitor, LossesThatItReportsAreSentMinusReceived) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::monitor_test

@@ -7,7 +7,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::names_test {
 namespace {
 
 using testing::HasSubstr;
@@ -61,4 +61,4 @@ TEST(Names, ThatNothingCanHoldAreRefusedWithTheirLine) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::names_test

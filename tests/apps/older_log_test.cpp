@@ -8,7 +8,7 @@
 
 #include "tests/apps/workplace.h"
 
-namespace throng {
+namespace throng::older_log_test {
 namespace {
 
 using testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST(TwoRuns, OnOneOutputAreOneAndTheSecondIsRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::older_log_test

@@ -12,7 +12,7 @@
 
 #include "tests/apps/workplace.h"
 
-namespace throng {
+namespace throng::output_plan_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -387,4 +387,4 @@ TEST(OutputPlan, AnOutputKeepsItsModeAndItsLink) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::output_plan_test

@@ -10,7 +10,7 @@
 #include "tests/apps/cli.h"
 #include "tests/apps/run_json.h"
 
-namespace throng {
+namespace throng::plan_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -85,4 +85,4 @@ TEST(Plan, APlanThatGrewIsInTheJson) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::plan_test

@@ -9,7 +9,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::recorders_test {
 namespace {
 
 using testing::HasSubstr;
@@ -238,4 +238,4 @@ TEST(TrajectoryFiles, OfAFullDiskEndWithAWholeFrame) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::recorders_test

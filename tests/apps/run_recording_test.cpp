@@ -8,7 +8,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::run_recording_test {
 namespace {
 
 using testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(RunRecording, ASceneAroundItNamesItsFile) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::run_recording_test

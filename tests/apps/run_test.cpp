@@ -9,7 +9,7 @@
 #include "tests/apps/cli.h"
 #include "tests/apps/run_json.h"
 
-namespace throng {
+namespace throng::run_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -182,4 +182,4 @@ TEST(Run, PublishesToLcmInMemory) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::run_test

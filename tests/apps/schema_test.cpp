@@ -18,7 +18,7 @@
 #include "scenes/file/yaml_tree.h"
 #include "tests/apps/json_schema.h"
 
-namespace throng {
+namespace throng::schema_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -255,4 +255,4 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::schema_test

@@ -7,7 +7,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::scripts_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,4 +102,4 @@ TEST_F(Scripts, BuildConfiguresAnewWhenAJdkHasComeSince) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::scripts_test

@@ -9,7 +9,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::signals_test {
 namespace {
 
 using testing::AnyOf;
@@ -157,4 +157,4 @@ TEST(Signals, MonitorAndViewEndFine) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::signals_test

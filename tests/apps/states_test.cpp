@@ -7,7 +7,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::states_test {
 namespace {
 
 using testing::HasSubstr;
@@ -113,4 +113,4 @@ TEST_F(ThinLog, MoreStatesThanFramesAreRefusedBeforeAnythingIsWritten) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::states_test

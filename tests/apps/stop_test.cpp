@@ -8,7 +8,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::stop_test {
 namespace {
 
 struct Signal {
@@ -51,4 +51,4 @@ INSTANTIATE_TEST_SUITE_P(Signals, Stop,
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::stop_test

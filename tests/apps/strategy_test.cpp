@@ -8,7 +8,7 @@
 #include "tests/apps/cli.h"
 #include "tests/apps/run_json.h"
 
-namespace throng {
+namespace throng::strategy_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -79,4 +79,4 @@ TEST(RunStrategy, KnowsNoDeadlineAndNoOtherName) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::strategy_test

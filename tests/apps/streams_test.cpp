@@ -9,7 +9,7 @@
 #include "tests/apps/cli.h"
 #include "tests/apps/workplace.h"
 
-namespace throng {
+namespace throng::streams_test {
 namespace {
 
 using testing::HasSubstr;
@@ -144,4 +144,4 @@ TEST(Streams, JsonOnStandardOutputStandsAlone) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::streams_test

@@ -9,7 +9,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::study_test {
 namespace {
 
 using testing::HasSubstr;
@@ -211,4 +211,4 @@ TEST_F(Study, TheExamplesAskForWhatTheySay) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::study_test

@@ -7,7 +7,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::validate_test {
 namespace {
 
 using testing::HasSubstr;
@@ -136,4 +136,4 @@ TEST(Validate, AFolderThatCannotBeIsToldBeforeAnythingRuns) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::validate_test

@@ -6,7 +6,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::view_test {
 namespace {
 
 using testing::HasSubstr;
@@ -183,4 +183,4 @@ TEST_F(View, ACheckpointThatCannotBeWrittenIsTheOnlyWordOfIt) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::view_test

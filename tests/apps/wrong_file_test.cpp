@@ -7,7 +7,7 @@
 
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::wrong_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -130,4 +130,4 @@ TEST(Lcm, AServerThatIsMissingIsToldOnce) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::wrong_file_test

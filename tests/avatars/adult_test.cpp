@@ -17,7 +17,7 @@
 #include "avatars/models/adult_body.h"
 #include "base/elementary.h"
 
-namespace throng {
+namespace throng::adult_test {
 namespace {
 
 const std::filesystem::path kFolder =
@@ -374,4 +374,4 @@ TEST(Adult, NoseAndToesPointForwardAndThumbsToo) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::adult_test

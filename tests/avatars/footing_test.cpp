@@ -12,7 +12,7 @@
 #include "tests/avatars/footing_fixture.h"
 #include "tests/avatars/leg_path.h"
 
-namespace throng {
+namespace throng::footing_test {
 namespace {
 
 using Eigen::Vector2f;
@@ -148,4 +148,4 @@ TEST(Footing, IsTheSameSeenFromAnywhere) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::footing_test

@@ -11,7 +11,7 @@
 
 #include "base/elementary.h"
 
-namespace throng {
+namespace throng::gait_curves_test {
 namespace {
 
 using Knots = std::vector<PeriodicCurve::Knot>;
@@ -144,4 +144,4 @@ TEST(GaitCurves, TheFootIsFlatUnderTheBodyAndTipsAsMeasured) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::gait_curves_test

@@ -8,7 +8,7 @@
 #include "avatars/gait/gait_curves.h"
 #include "tests/avatars/gait_fixture.h"
 
-namespace throng {
+namespace throng::gait_feet_test {
 namespace {
 
 using test::Walking;
@@ -119,4 +119,4 @@ TEST(GaitFeet, StandingFeetAreFlatAndAsFarApartAsTheHips) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::gait_feet_test

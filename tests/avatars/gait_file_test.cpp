@@ -15,7 +15,7 @@
 #include "base/random.h"
 #include "tests/same_bits.h"
 
-namespace throng {
+namespace throng::gait_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -176,4 +176,4 @@ TEST(GaitFile, OfAModelWithoutLegsHoldsItsStillness) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::gait_file_test

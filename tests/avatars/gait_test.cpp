@@ -13,7 +13,7 @@
 #include "base/random.h"
 #include "tests/avatars/gait_fixture.h"
 
-namespace throng {
+namespace throng::gait_test {
 namespace {
 
 using test::Walking;
@@ -429,4 +429,4 @@ TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::gait_test

@@ -11,7 +11,7 @@
 #include "tests/avatars/leg_path.h"
 #include "tests/same_bits.h"
 
-namespace throng {
+namespace throng::many_legs_test {
 namespace {
 
 using Eigen::Vector2f;
@@ -242,4 +242,4 @@ TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::many_legs_test

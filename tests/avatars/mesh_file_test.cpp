@@ -18,7 +18,7 @@
 #include "base/errors.h"
 #include "tests/avatars/mesh_seeds.h"
 
-namespace throng {
+namespace throng::mesh_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -233,4 +233,4 @@ TEST_F(MeshFiles, OwnFormatNeedsNoOtherProcess) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::mesh_file_test

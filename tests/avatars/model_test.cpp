@@ -12,7 +12,7 @@
 #include "avatars/model/describe.h"
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::model_test {
 namespace {
 
 using testing::HasSubstr;
@@ -333,4 +333,4 @@ TEST(Describe, tells_dialect_size_and_volume_of_a_tri_file) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::model_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace throng {
+namespace throng::primitives_test {
 namespace {
 
 /// The smallest distance from the origin to the plane of a face whose normal `counts`.
@@ -91,4 +91,4 @@ TEST(Primitives, a_capsule_encloses_the_true_one_and_stands_out_by_less_than_3_p
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::primitives_test

@@ -18,7 +18,7 @@
 #include "base/elementary.h"
 #include "tests/avatars/gait_fixture.h"
 
-namespace throng {
+namespace throng::standing_arms_test {
 namespace {
 
 using test::Walking;
@@ -264,4 +264,4 @@ TEST(StandingPostures, OutlinesHoldThemAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::standing_arms_test

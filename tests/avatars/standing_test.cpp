@@ -12,7 +12,7 @@
 
 #include "tests/avatars/gait_fixture.h"
 
-namespace throng {
+namespace throng::standing_test {
 namespace {
 
 using test::Walking;
@@ -238,4 +238,4 @@ TEST(Standing, WhoWalksIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::standing_test

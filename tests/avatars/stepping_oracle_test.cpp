@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "tests/avatars/gait_fixture.h"
 
-namespace throng {
+namespace throng::stepping_oracle_test {
 namespace {
 
 using test::OracleFoot;
@@ -352,4 +352,4 @@ INSTANTIATE_TEST_SUITE_P(Styles, SteppingOracleTest,
                          testing::Values(GaitStyle::kPlain, GaitStyle::kShortSteps));
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::stepping_oracle_test

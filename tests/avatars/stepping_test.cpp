@@ -13,7 +13,7 @@
 #include "tests/avatars/gait_fixture.h"
 #include "tests/same_bits.h"
 
-namespace throng {
+namespace throng::stepping_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -362,4 +362,4 @@ TEST(Stepping, EveryTargetGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::stepping_test

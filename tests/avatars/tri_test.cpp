@@ -12,7 +12,7 @@
 #include "base/errors.h"
 #include "base/random.h"
 
-namespace throng {
+namespace throng::tri_test {
 namespace {
 
 using testing::HasSubstr;
@@ -247,4 +247,4 @@ TEST(Tri, DamagedFilesAreRefusedOrReadSoundly) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::tri_test

@@ -14,7 +14,7 @@
 #include "base/elementary.h"
 #include "tests/avatars/gait_fixture.h"
 
-namespace throng {
+namespace throng::yielding_test {
 namespace {
 
 constexpr float kHalfTurn = 3.14159265f;
@@ -497,4 +497,4 @@ TEST(Yielding, TrunksComeToTheirLimitWithoutAJerk) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::yielding_test

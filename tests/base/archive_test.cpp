@@ -8,7 +8,7 @@
 
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::archive_test {
 namespace {
 
 enum class Colour : uint8_t { kRed = 1, kBlue = 7 };
@@ -114,4 +114,4 @@ TEST(Archive, RefusesLengthsThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::archive_test

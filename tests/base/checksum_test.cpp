@@ -9,7 +9,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::checksum_test {
 namespace {
 
 std::vector<uint8_t> bytes_of(size_t size, uint64_t seed) {
@@ -82,4 +82,4 @@ TEST(Chained, IsABijectionOfTheStateAndOfTheWord) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::checksum_test

@@ -7,7 +7,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::counting_sort_test {
 namespace {
 
 TEST(CountingSort, GroupsItemsByKeyAndKeepsTheirOrder) {
@@ -33,4 +33,4 @@ TEST(CountingSort, GroupsItemsByKeyAndKeepsTheirOrder) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::counting_sort_test

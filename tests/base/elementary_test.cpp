@@ -11,7 +11,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::elementary_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -144,4 +144,4 @@ TEST(PhaseOf, LiesInACycleWhateverIsRounded) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::elementary_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace throng {
+namespace throng::errors_test {
 namespace {
 
 using testing::IsEmpty;
@@ -48,4 +48,4 @@ TEST(Errors, NearestNameWinsAndTiesGoToTheFirst) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::errors_test

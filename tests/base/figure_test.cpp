@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace throng {
+namespace throng::figure_test {
 namespace {
 
 TEST(FigureText, StaysInItsQuotesOnOneLine) {
@@ -39,4 +39,4 @@ TEST(FigureText, RunsNoCommandOfAName) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::figure_test

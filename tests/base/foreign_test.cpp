@@ -25,7 +25,7 @@
 #include "base/errors.h"
 #include "base/files/foreign_child.h"
 
-namespace throng {
+namespace throng::foreign_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -430,4 +430,4 @@ TEST_F(Apart, AParserDiesWithItsParent) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::foreign_test

@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-namespace throng {
+namespace throng::random_test {
 namespace {
 
 constexpr int kDraws = 100'000;
@@ -81,4 +81,4 @@ TEST(Random, NormalHasItsMeanDeviationAndShape) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::random_test

@@ -8,7 +8,7 @@
 
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::simd_test {
 namespace {
 
 constexpr SimdTarget kAll[] = {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
@@ -47,4 +47,4 @@ TEST(Simd, TargetResolvesToItselfOrIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::simd_test

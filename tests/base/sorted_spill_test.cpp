@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::sorted_spill_test {
 namespace {
 
 struct Value {
@@ -43,4 +43,4 @@ TEST(SortedSpill, GivesAllInOrderHoweverManyThereAre) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::sorted_spill_test

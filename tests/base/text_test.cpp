@@ -7,7 +7,7 @@
 #include "base/limits.h"
 #include "base/random.h"
 
-namespace throng {
+namespace throng::text_test {
 namespace {
 
 TEST(Names, AreShortPrintableUtf8) {
@@ -83,4 +83,4 @@ TEST(Text, HasOnePieceMoreThanSeparators) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::text_test

@@ -11,7 +11,7 @@
 #include <iterator>
 #include <string>
 
-namespace throng {
+namespace throng::version_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -74,4 +74,4 @@ TEST_F(Version, TheSameAnswerLeavesTheFileAlone) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::version_test

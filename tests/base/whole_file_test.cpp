@@ -15,7 +15,7 @@
 
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::whole_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -112,4 +112,4 @@ TEST_F(WholeFile, DevicesStayDevices) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::whole_file_test

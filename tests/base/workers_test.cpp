@@ -6,7 +6,7 @@
 #include <atomic>
 #include <vector>
 
-namespace throng {
+namespace throng::workers_test {
 namespace {
 
 class WorkersTest : public testing::TestWithParam<int> {};
@@ -53,4 +53,4 @@ TEST_P(WorkersTest, BlocksSeeWhatCameBefore) {
 INSTANTIATE_TEST_SUITE_P(Threads, WorkersTest, testing::Values(1, 2, 3, 8));
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::workers_test

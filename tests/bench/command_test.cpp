@@ -9,7 +9,7 @@
 #include "bench/engines/engine.h"
 #include "tests/apps/cli.h"
 
-namespace throng {
+namespace throng::command_test {
 namespace {
 
 using testing::HasSubstr;
@@ -233,4 +233,4 @@ TEST(BenchCommand, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::command_test

@@ -7,7 +7,7 @@
 #include "bench/crowd.h"
 #include "bench/engines/engine.h"
 
-namespace throng::bench {
+namespace throng::bench::engines_test {
 namespace {
 
 std::vector<BoxPair> brute_force_pairs(const BoxList& list) {
@@ -138,4 +138,4 @@ TEST(BenchSpread, IsOfTheSortedValues) {
 }
 
 }  // namespace
-}  // namespace throng::bench
+}  // namespace throng::bench::engines_test

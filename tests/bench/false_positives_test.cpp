@@ -6,7 +6,7 @@
 #include "bench/comparison.h"
 #include "bench/workbench/volume_trials.h"
 
-namespace throng::bench {
+namespace throng::bench::false_positives_test {
 namespace {
 
 class FalsePositiveTable : public testing::Test {
@@ -68,4 +68,4 @@ TEST_F(FalsePositiveTable, MatrixAddsUpToTheTable) {
 }
 
 }  // namespace
-}  // namespace throng::bench
+}  // namespace throng::bench::false_positives_test

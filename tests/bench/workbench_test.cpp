@@ -9,7 +9,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "culling/volumes/volume_list.h"
 
-namespace throng {
+namespace throng::workbench_test {
 namespace {
 
 using bench::LawRow;
@@ -131,4 +131,4 @@ TEST(Workbench, PutsAVolumeBesideThoseOfTheProject) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::workbench_test

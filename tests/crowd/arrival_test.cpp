@@ -15,7 +15,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
-namespace throng {
+namespace throng::arrival_test {
 namespace {
 
 constexpr int kStepsASecond = 20;
@@ -222,4 +222,4 @@ INSTANTIATE_TEST_SUITE_P(Models, Goals,
                          [](const auto& each) { return std::string(name_of(each.param)); });
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::arrival_test

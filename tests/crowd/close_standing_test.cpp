@@ -10,7 +10,7 @@
 #include "scenes/file/density.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::close_standing_test {
 namespace {
 
 /// A crowd of a density on 6 m x 6 m in the middle of a hall, which looks north and stays.
@@ -194,4 +194,4 @@ TEST(CloseStanding, WhoHasRoomAgainTakesIt) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::close_standing_test

@@ -13,7 +13,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
-namespace throng {
+namespace throng::companions_test {
 namespace {
 
 constexpr int kStepsASecond = 30;
@@ -388,4 +388,4 @@ TEST(Companions, ChooseTheirPlacesBesideEachOther) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::companions_test

@@ -13,7 +13,7 @@
 #include "base/random.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::crowd_test {
 namespace {
 
 constexpr Distribution kExactly134{1.34, 0, 1.34, 1.34};
@@ -408,4 +408,4 @@ TEST(Spawn, SaysHowManyItCouldNotPlace) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::crowd_test

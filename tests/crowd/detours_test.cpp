@@ -14,7 +14,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
-namespace throng {
+namespace throng::detours_test {
 namespace {
 
 using Walkers = std::vector<Detours::Walker>;
@@ -276,4 +276,4 @@ TEST(Detours, ADamagedCheckpointIsRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::detours_test

@@ -8,7 +8,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
-namespace throng {
+namespace throng::doors_test {
 namespace {
 
 constexpr int kStepsASecond = 30;
@@ -193,4 +193,4 @@ INSTANTIATE_TEST_SUITE_P(Models, Doors,
                          [](const auto& each) { return std::string(name_of(each.param)); });
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::doors_test

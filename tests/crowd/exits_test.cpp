@@ -12,7 +12,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
-namespace throng {
+namespace throng::exits_test {
 namespace {
 
 constexpr int kStepsASecond = 20;
@@ -339,4 +339,4 @@ TEST(Approach, KnowsHowManyAreAhead) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::exits_test

@@ -15,7 +15,7 @@
 #include "crowd/steering/heuristic_tuning.h"
 #include "tests/crowd/steering_draws.h"
 
-namespace throng {
+namespace throng::heuristic_test {
 namespace {
 
 constexpr float kFree_mps = 1.34f;
@@ -353,8 +353,9 @@ TEST(Heuristic, PeopleFromAllSidesGetPastEachOtherWithoutWalkingThroughBodies) {
 }
 
 }  // namespace
+}  // namespace throng::heuristic_test
 
-namespace validation {
+namespace throng::validation::heuristic_test {
 namespace {
 
 /// People whose wishes lagged behind their way swung to and fro before such a door for ever; so did
@@ -401,5 +402,4 @@ TEST(HeuristicCrowd, AWiderDoorLetsMorePeopleThrough) {
 }
 
 }  // namespace
-}  // namespace validation
-}  // namespace throng
+}  // namespace throng::validation::heuristic_test

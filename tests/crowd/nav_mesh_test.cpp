@@ -14,7 +14,7 @@
 #include "scenes/file/scene.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::nav_mesh_test {
 namespace {
 
 NavMesh mesh_of(const Scene& scene) { return NavMesh(scene.ground, Walkable(scene).footprints()); }
@@ -182,4 +182,4 @@ TEST(NavMesh, IsTheSameEveryTimeItIsBuilt) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::nav_mesh_test

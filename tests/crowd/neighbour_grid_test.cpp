@@ -9,7 +9,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::neighbour_grid_test {
 namespace {
 
 /// The nearest slots by (distance, slot), from looking at everybody.
@@ -124,4 +124,4 @@ TEST(NeighbourGrid, OrderHoldsEverybodyOnce) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::neighbour_grid_test

@@ -9,7 +9,7 @@
 
 #include "tests/crowd/steering_draws.h"
 
-namespace throng {
+namespace throng::orca_test {
 namespace {
 
 constexpr float kMaxSpeed_mps = 1.6f;
@@ -170,4 +170,4 @@ TEST(Orca, StandingStillMeetsEveryWall) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::orca_test

@@ -12,7 +12,7 @@
 #include "scenes/file/scene.h"
 #include "scenes/run/simulation.h"
 
-namespace throng {
+namespace throng::people_test {
 namespace {
 
 constexpr uint64_t kSeed = 77;
@@ -143,4 +143,4 @@ TEST(People, AgesNameTheRun) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::people_test

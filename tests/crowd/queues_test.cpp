@@ -12,7 +12,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
-namespace throng {
+namespace throng::queues_test {
 namespace {
 
 constexpr int kStepsASecond = 30;
@@ -343,4 +343,4 @@ TEST(Queues, ACheckpointWithSomebodyTwiceInOneIsRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::queues_test

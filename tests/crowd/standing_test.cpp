@@ -14,7 +14,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/near_people.h"
 
-namespace throng {
+namespace throng::standing_test {
 namespace {
 
 double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
@@ -322,4 +322,4 @@ TEST(StandingPeople, NoContactOfPeopleWhoShiftTheirWeightIsMissed) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::standing_test

@@ -11,7 +11,7 @@
 #include "scenes/scenes.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::traffic_test {
 namespace {
 
 /// A room in the west, a door of 1 m, a room in the east; people start and come in the west and
@@ -321,4 +321,4 @@ TEST(Simulation, PairsOfWhoLeavesEndAndIdsStay) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::traffic_test

@@ -13,7 +13,7 @@
 #include "scenes/file/scene.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::walkable_test {
 namespace {
 
 TEST(Shapes, FootprintTurnsWithTheObstacle) {
@@ -137,4 +137,4 @@ TEST(FlowField, LeadsRoundWallsAndTellsWhereNoWayIs) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::walkable_test

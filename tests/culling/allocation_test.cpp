@@ -6,31 +6,31 @@
 #include "tests/allocation_counter.h"
 #include "tests/culling/random_world.h"
 
-namespace throng {
+namespace throng::allocation_test {
 namespace {
 
-void expect_none(const std::vector<testing::RandomWorld>& frames, const CullerOptions& options,
+void expect_none(const std::vector<test::RandomWorld>& frames, const CullerOptions& options,
                  int threads) {
   Workers workers(threads);
   // The frames differ in poses only, so one set of types serves them all.
   Culler culler(frames[0].types, options, workers);
   for (int warm_up = 0; warm_up < 2; ++warm_up)
     for (const auto& frame : frames) culler.step(frame.view(), frame);
-  EXPECT_GT(testing::allocations_so_far(), 0u);
-  const size_t before = testing::allocations_so_far();
+  EXPECT_GT(test::allocations_so_far(), 0u);
+  const size_t before = test::allocations_so_far();
   uint64_t grown = 0;
   for (const auto& frame : frames) {
     culler.step(frame.view(), frame);
     grown += culler.counters().allocations_grown;
   }
-  EXPECT_EQ(testing::allocations_so_far() - before, 0u)
+  EXPECT_EQ(test::allocations_so_far() - before, 0u)
       << "search " << static_cast<int>(options.pair_search) << ", " << threads << " threads, "
       << (options.deadline_tests ? "with" : "without") << " a deadline";
   EXPECT_EQ(grown, 0u);
 }
 
 TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
-  std::vector<testing::RandomWorld> frames;
+  std::vector<test::RandomWorld> frames;
   for (uint64_t seed = 1; seed <= 5; ++seed)
     frames.emplace_back(seed, 400, 6, Eigen::Vector3d::Zero());
   for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute}) {
@@ -44,7 +44,7 @@ TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
 }
 
 TEST(Culler, AllocatesNothingForDistancesOfFramesItHasSeen) {
-  std::vector<testing::RandomWorld> frames;
+  std::vector<test::RandomWorld> frames;
   for (uint64_t seed = 1; seed <= 3; ++seed)
     frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());
   for (const bool exact : {false, true}) {
@@ -58,7 +58,7 @@ TEST(Culler, AllocatesNothingForDistancesOfFramesItHasSeen) {
 }
 
 TEST(Culler, AllocatesNothingForContactPointsOfFramesItHasSeen) {
-  std::vector<testing::RandomWorld> frames;
+  std::vector<test::RandomWorld> frames;
   for (uint64_t seed = 1; seed <= 3; ++seed)
     frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());
   for (const float near_m : {0.0f, 0.2f}) {
@@ -72,4 +72,4 @@ TEST(Culler, AllocatesNothingForContactPointsOfFramesItHasSeen) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::allocation_test

@@ -10,11 +10,11 @@
 #include "tests/culling/random_world.h"
 #include "tests/same_bits.h"
 
-namespace throng {
+namespace throng::contact_points_test {
 namespace {
 
 using Eigen::Vector3d;
-using testing::RandomWorld;
+using test::RandomWorld;
 
 /// Every other world lies far from the origin.
 RandomWorld world_of(uint64_t seed) {
@@ -212,4 +212,4 @@ TEST(ContactPoints, OfVolumesAndOfRecipesAreRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::contact_points_test

@@ -14,12 +14,12 @@
 #include "tests/culling/random_world.h"
 #include "tests/culling/truth.h"
 
-namespace throng {
+namespace throng::culler_test {
 namespace {
 
-using testing::RandomWorld;
-using testing::Subset;
-using testing::touching_by_brute_force;
+using test::RandomWorld;
+using test::Subset;
+using test::touching_by_brute_force;
 
 std::vector<PairKey> pairs_of(const RandomWorld& world, const CullerOptions& options, int threads) {
   Workers workers(threads);
@@ -287,4 +287,4 @@ TEST(Culler, HandlesAnEmptyFrameAndASingleBody) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::culler_test

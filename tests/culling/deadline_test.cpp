@@ -11,11 +11,11 @@
 #include "tests/culling/random_world.h"
 #include "tests/culling/truth.h"
 
-namespace throng {
+namespace throng::deadline_test {
 namespace {
 
-using testing::RandomWorld;
-using testing::Subset;
+using test::RandomWorld;
+using test::Subset;
 
 constexpr uint64_t kBudgets[] = {0, 1, 17, 400, 3000, 20'000, 150'000, 1'000'000, UINT64_MAX};
 
@@ -54,7 +54,7 @@ bool whole_body(const PairKey& pair) {
 TEST(Deadline, CoversEveryTouchingPairUnderAnyBudget) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     const RandomWorld world = dense_world(seed);
-    const std::vector<PairKey> truth = testing::touching_by_brute_force(world);
+    const std::vector<PairKey> truth = test::touching_by_brute_force(world);
     ASSERT_GT(truth.size(), 20u);
     for (const bool exact : {false, true}) {
       for (const uint64_t budget : kBudgets) {
@@ -76,7 +76,7 @@ TEST(Deadline, CoversEveryTouchingPairUnderAnyBudget) {
 TEST(Deadline, CoversEveryTouchingPairWhenTheClockIsUpAtOnce) {
   const RandomWorld world = dense_world(5);
   const Answer found = one_frame(world, {.deadline_ms = 0});
-  for (const PairKey& pair : testing::touching_by_brute_force(world))
+  for (const PairKey& pair : test::touching_by_brute_force(world))
     EXPECT_TRUE(std::binary_search(found.pairs.begin(), found.pairs.end(),
                                    PairKey(pair.a(), pair.b(), kWholeBody, kWholeBody)));
   EXPECT_EQ(tests_of(found.counters), 0u);
@@ -286,4 +286,4 @@ TEST(Deadline, BeginsAndEndsPairUpWithTheirLevels) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::deadline_test

@@ -8,7 +8,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::event_hash_test {
 namespace {
 
 std::vector<PairEvent> events_of(uint64_t seed, uint64_t frame, size_t count) {
@@ -99,4 +99,4 @@ TEST(EventHash, IsTheOneThatLogsHold) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::event_hash_test

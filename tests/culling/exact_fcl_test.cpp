@@ -9,7 +9,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "shapes.h"
 
-namespace throng::test {
+namespace throng::test::exact_fcl_test {
 namespace {
 
 constexpr uint64_t kSeed = 20263;
@@ -161,4 +161,4 @@ TEST(AgainstFcl, TimesOfNearContacts) {
 }
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::exact_fcl_test

@@ -4,7 +4,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "shapes.h"
 
-namespace throng::test {
+namespace throng::test::exact_pieces_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -77,4 +77,4 @@ TEST(Surface, SolidsAndLooseTrianglesAreToldApartAsTheyWerePutTogether) {
 }
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::exact_pieces_test

@@ -8,7 +8,7 @@
 #include "culling/exact/triangle_test.h"
 #include "shapes.h"
 
-namespace throng::test {
+namespace throng::test::exact_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -453,4 +453,4 @@ TEST(Counters, CountNodesAndTriangles) {
 }
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::exact_test

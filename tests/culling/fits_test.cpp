@@ -10,7 +10,7 @@
 #include "culling/volumes/volume_list.h"
 #include "shapes.h"
 
-namespace throng::test {
+namespace throng::test::fits_test {
 namespace {
 
 constexpr uint64_t kSeed = 20261;
@@ -183,4 +183,4 @@ TEST(ConicBound, NeverLiesBelowTheSolid18) { expect_bound_covers_solid<18>(); }
 TEST(ConicBound, NeverLiesBelowTheSolid26) { expect_bound_covers_solid<26>(); }
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::fits_test

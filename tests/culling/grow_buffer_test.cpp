@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-namespace throng {
+namespace throng::grow_buffer_test {
 namespace {
 
 TEST(GrowBuffer, KeepsWhatItIsToldToAsItGrowsFromAFewBytesToManyPages) {
@@ -47,4 +47,4 @@ TEST(GrowBuffer, MatchesAnotherAndChangesHands) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::grow_buffer_test

@@ -17,7 +17,7 @@
 #include "tests/culling/degenerate_hulls.h"
 #include "tests/culling/shapes.h"
 
-namespace throng {
+namespace throng::hull_corners_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -179,4 +179,4 @@ TEST(GrowingPolytope, StaysClosedAndConvexOnPointsOfAPlaneBoxAndBall) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::hull_corners_test

@@ -12,7 +12,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "tests/culling/depth_oracle.h"
 
-namespace throng {
+namespace throng::hull_depth_test {
 namespace {
 
 using test::Cloud;
@@ -337,4 +337,4 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForPeopleWhoWalk) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::hull_depth_test

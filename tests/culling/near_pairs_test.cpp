@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace throng::test {
+namespace throng::test::near_pairs_test {
 namespace {
 
 class NearPairsLaw : public testing::TestWithParam<Family> {};
@@ -34,4 +34,4 @@ INSTANTIATE_TEST_SUITE_P(Families, NearPairsLaw, testing::ValuesIn(kFamilies),
                          [](const auto& family) { return std::string(name_of(family.param)); });
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::near_pairs_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace throng::test {
+namespace throng::test::near_rows_test {
 namespace {
 
 class NearRows : public ::testing::TestWithParam<bench::Family> {};
@@ -26,4 +26,4 @@ INSTANTIATE_TEST_SUITE_P(Families, NearRows, ::testing::ValuesIn(bench::kFamilie
                          });
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::near_rows_test

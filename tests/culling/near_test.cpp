@@ -13,11 +13,11 @@
 #include "tests/culling/random_world.h"
 #include "tests/culling/truth.h"
 
-namespace throng {
+namespace throng::near_test {
 namespace {
 
 using Eigen::Vector3d;
-using testing::RandomWorld;
+using test::RandomWorld;
 
 constexpr float kNear_m = 0.25f;
 
@@ -63,7 +63,7 @@ std::map<PairKey, double> true_distances(const RandomWorld& world, double within
     }
   }
   std::map<PairKey, double> out;
-  for (const PairKey& key : testing::touching_by_brute_force(world)) out[key] = 0;
+  for (const PairKey& key : test::touching_by_brute_force(world)) out[key] = 0;
   for (size_t a = 0; a < parts.size(); ++a)
     for (size_t b = a + 1; b < parts.size(); ++b) {
       if (world.types[world.type_of[a]]->is_static() && world.types[world.type_of[b]]->is_static())
@@ -284,7 +284,7 @@ TEST(NearRows, UnderACountedDeadlineAreTheSameAndNoneIsMissing) {
 struct Line : PoseSource {
   Line() {
     types = {
-        std::make_shared<BodyType>(std::vector<PartShape>{testing::blob(
+        std::make_shared<BodyType>(std::vector<PartShape>{test::blob(
                                        Eigen::Vector3f::Zero(), Eigen::Vector3f::Constant(0.1f))},
                                    RootSphere{{0, 0, 0}, 0.11f}, false)};
   }
@@ -367,4 +367,4 @@ TEST(NearMargins, OfRecipesAndOfNonsenseAreRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::near_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace throng {
+namespace throng::nearby_points_test {
 namespace {
 
 using Eigen::Vector3f;
@@ -75,4 +75,4 @@ TEST(NearbyPoints, OfAFineMeshAreSomeOfItsPoints) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::nearby_points_test

@@ -14,7 +14,7 @@
 #include "culling/volumes/volume_list.h"
 #include "shapes.h"
 
-namespace throng::test {
+namespace throng::test::no_miss_test {
 namespace {
 
 constexpr uint64_t kSeed = 20264;
@@ -275,4 +275,4 @@ TEST(NoMiss, TheSphereOfAWalkerHoldsEveryVertex) {
 }
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::no_miss_test

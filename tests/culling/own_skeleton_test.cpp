@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace throng {
+namespace throng::own_skeleton_test {
 namespace {
 
 TEST(OwnSkeleton, TellsWhichPartsTouch) {
@@ -22,4 +22,4 @@ TEST(OwnSkeleton, TellsWhichPartsTouch) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::own_skeleton_test

@@ -10,11 +10,11 @@
 #include "culling/strategies/paper_culler.h"
 #include "tests/culling/random_world.h"
 
-namespace throng {
+namespace throng::pair_filter_test {
 namespace {
 
-using testing::Draw;
-using testing::RandomWorld;
+using test::RandomWorld;
+using test::WorldDraw;
 
 TEST(PairFilter, ARuleAsksForOneOfEachSide) {
   const auto left = PairFilter::left_of(3), right = PairFilter::right_of(3);
@@ -29,7 +29,7 @@ TEST(PairFilter, ARuleAsksForOneOfEachSide) {
 }
 
 /// Some rules by chance; every third filter is of bodies alone, every third of parts alone.
-PairFilter random_filter(const RandomWorld& world, Draw& draw, uint64_t seed) {
+PairFilter random_filter(const RandomWorld& world, WorldDraw& draw, uint64_t seed) {
   const int rules = draw.integer(1, PairFilter::kMaxRules);
   const auto sides = [&] {
     PairFilter::Sides out = 0;
@@ -100,7 +100,7 @@ TEST(PairFilter, WhatIsAskedForIsFoundAsWithoutIt) {
     options.pair_search = kSearches[seed % 3];
     if (seed % 5 == 0) options.deadline_tests = 1'000'000'000;
     Answer whole = answer(world, options, 1);
-    Draw draw(seed);
+    WorldDraw draw(seed);
     options.filter = random_filter(world, draw, seed);
     const Answer sifted = answer(world, options, 1 + static_cast<int>(seed % 3));
     const size_t pairs = whole.pairs.size();
@@ -149,4 +149,4 @@ TEST(PairFilter, OfOtherTypesOrOfARecipeIsRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::pair_filter_test

@@ -9,12 +9,12 @@
 #include "base/random.h"
 #include "culling/culling.h"
 
-namespace throng::testing {
+namespace throng::test {
 
 /// A counter-based stream of numbers for one world.
-class Draw {
+class WorldDraw {
  public:
-  explicit Draw(uint64_t seed) : seed_(seed) {}
+  explicit WorldDraw(uint64_t seed) : seed_(seed) {}
   double uniform(double low, double high) {
     return random_uniform({.seed = seed_, .id = next_++, .purpose = Purpose::kBoxWorld}, low, high);
   }
@@ -63,7 +63,7 @@ inline PartShape blob(const Eigen::Vector3f& centre, const Eigen::Vector3f& half
 }
 
 /// A body type of `parts` blobs; part i sits on the root's axis, somewhere in reach.
-inline std::shared_ptr<const BodyType> random_type(Draw& draw, int parts, float size,
+inline std::shared_ptr<const BodyType> random_type(WorldDraw& draw, int parts, float size,
                                                    bool is_static) {
   std::vector<PartShape> shapes;
   for (int i = 0; i < parts; ++i) {
@@ -81,7 +81,7 @@ inline std::shared_ptr<const BodyType> random_type(Draw& draw, int parts, float 
 class RandomWorld : public PoseSource {
  public:
   RandomWorld(uint64_t seed, int bodies, double extent_m, const Eigen::Vector3d& centre_m) {
-    Draw draw(seed);
+    WorldDraw draw(seed);
     types = {random_type(draw, 15, 1, false), random_type(draw, 1, 1, false),
              random_type(draw, 37, 1, false), random_type(draw, 1, 6, true),
              random_type(draw, 2, 0.8f, true)};
@@ -162,4 +162,4 @@ struct Subset {
   std::vector<RootPose> roots;
 };
 
-}  // namespace throng::testing
+}  // namespace throng::test

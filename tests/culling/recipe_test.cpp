@@ -9,11 +9,11 @@
 #include "tests/culling/random_world.h"
 #include "tests/culling/truth.h"
 
-namespace throng {
+namespace throng::recipe_test {
 namespace {
 
-using testing::RandomWorld;
-using testing::touching_by_brute_force;
+using test::RandomWorld;
+using test::touching_by_brute_force;
 
 RandomWorld dense_world(uint64_t seed) { return {seed, 60, 3, Eigen::Vector3d(5000, -300, 0)}; }
 
@@ -133,4 +133,4 @@ TEST(Strategy, NamesAreReadBack) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::recipe_test

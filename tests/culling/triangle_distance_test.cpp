@@ -9,7 +9,7 @@
 #include "tests/culling/distance_oracle.h"
 #include "tests/culling/shapes.h"
 
-namespace throng {
+namespace throng::triangle_distance_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -153,4 +153,4 @@ TEST(ContactPoint, BelongsToBothParts) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::triangle_distance_test

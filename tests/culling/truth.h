@@ -6,7 +6,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "tests/culling/random_world.h"
 
-namespace throng::testing {
+namespace throng::test {
 
 /// Every pair of parts of different bodies whose solids touch, by trying them all.
 inline std::vector<PairKey> touching_by_brute_force(const RandomWorld& world) {
@@ -38,4 +38,4 @@ inline std::vector<PairKey> touching_by_brute_force(const RandomWorld& world) {
   return out;
 }
 
-}  // namespace throng::testing
+}  // namespace throng::test

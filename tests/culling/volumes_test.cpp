@@ -7,7 +7,7 @@
 #include "culling/volumes/volume_list.h"
 #include "shapes.h"
 
-namespace throng::test {
+namespace throng::test::volumes_test {
 namespace {
 
 constexpr uint64_t kSeed = 20260;
@@ -109,7 +109,7 @@ template <typename V>
 struct Oracle {
   static double gap(const typename V::Placed& a, const typename V::Placed& b,
                     const Eigen::Vector3d& a_to_b) {
-    return test::gap(a, b, a_to_b);
+    return volumes_test::gap(a, b, a_to_b);
   }
 };
 template <int K>
@@ -360,4 +360,4 @@ TEST(Margin, InflatesByThatManyMetres) {
 }
 
 }  // namespace
-}  // namespace throng::test
+}  // namespace throng::test::volumes_test

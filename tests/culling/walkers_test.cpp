@@ -7,7 +7,7 @@
 #include "culling/culling.h"
 #include "culling/exact/triangle_bvh.h"
 
-namespace throng {
+namespace throng::walkers_test {
 namespace {
 
 std::shared_ptr<const Model> adult() {
@@ -106,4 +106,4 @@ TEST(Walkers, TheGridRebuiltEachFrameDoesNotAge) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::walkers_test

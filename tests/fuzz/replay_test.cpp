@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "tests/fuzz/targets.h"
 
-namespace throng::fuzz {
+namespace throng::fuzz::replay_test {
 namespace {
 
 /// THRONG_FUZZ_SEED varies a run; THRONG_FUZZ_ROUNDS lengthens it.
@@ -81,4 +81,4 @@ INSTANTIATE_TEST_SUITE_P(Targets, Replay, testing::ValuesIn(kTargets),
                          [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace
-}  // namespace throng::fuzz
+}  // namespace throng::fuzz::replay_test

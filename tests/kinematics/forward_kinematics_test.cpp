@@ -10,7 +10,7 @@
 #include "tests/kinematics/kdl_oracle.h"
 #include "tests/same_bits.h"
 
-namespace throng {
+namespace throng::forward_kinematics_test {
 namespace {
 
 constexpr uint64_t kSeed = 20240611;
@@ -168,4 +168,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::filesystem::path(test.param).stem().string(); });
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::forward_kinematics_test

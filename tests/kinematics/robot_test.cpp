@@ -9,7 +9,7 @@
 
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::robot_test {
 namespace {
 
 using testing::ElementsAre;
@@ -136,4 +136,4 @@ TEST(ReadUrdf, takes_line_breaks_and_tabs_between_numbers) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::robot_test

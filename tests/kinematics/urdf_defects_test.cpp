@@ -7,7 +7,7 @@
 #include "base/errors.h"
 #include "kinematics/robot.h"
 
-namespace throng {
+namespace throng::urdf_defects_test {
 namespace {
 
 using testing::HasSubstr;
@@ -297,4 +297,4 @@ TEST(Defects, takes_the_longest_chain_it_allows) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::urdf_defects_test

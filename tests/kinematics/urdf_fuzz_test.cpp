@@ -10,7 +10,7 @@
 #include "base/random.h"
 #include "tests/kinematics/finite_poses.h"
 
-namespace throng {
+namespace throng::urdf_fuzz_test {
 namespace {
 
 /// THRONG_FUZZ_SEED repeats or varies a run; THRONG_FUZZ_ROUNDS lengthens it.
@@ -143,4 +143,4 @@ TEST(DamagedUrdf, is_refused_in_words_or_sound) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::urdf_fuzz_test

@@ -16,7 +16,7 @@
 #include "kinematics/robot.h"
 #include "kinematics/xml_scan.h"
 
-namespace throng {
+namespace throng::urdf_idle_test {
 namespace {
 
 using testing::Contains;
@@ -390,4 +390,4 @@ TEST(RootTag, IsFoundBehindWhateverMayStandBeforeIt) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::urdf_idle_test

@@ -16,7 +16,7 @@
 #include "scenes/run/runner.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::checks_test {
 namespace {
 
 using testing::HasSubstr;
@@ -496,4 +496,4 @@ TEST(Checks, ARunSaysWhatItLeavesOut) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::checks_test

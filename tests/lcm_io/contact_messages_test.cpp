@@ -14,7 +14,7 @@
 #include "synthetic_run.h"
 #include "tests/same_bits.h"
 
-namespace throng {
+namespace throng::contact_messages_test {
 namespace {
 
 using Rows = std::vector<ContactPoint>;
@@ -175,4 +175,4 @@ TEST(ContactMessages, ThatWereDamagedAreToldByTheCheck) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::contact_messages_test

@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "nearly_touching.h"
 
-namespace throng {
+namespace throng::culled_again_test {
 namespace {
 
 struct Case {
@@ -95,4 +95,4 @@ TEST(CulledAgainBound, TwoPeopleAreOffByLessThanHalfAMillimetreTogether) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::culled_again_test

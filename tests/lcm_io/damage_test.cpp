@@ -11,7 +11,7 @@
 #include "lcm_io/log/log_reader.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::damage_test {
 namespace {
 
 /// A log without adults, so that it is small enough to be cut at every byte.
@@ -167,4 +167,4 @@ TEST_F(Damage, AnEndWithoutABeginAndASecondBeginAreNamed) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::damage_test

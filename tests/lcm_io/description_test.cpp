@@ -8,7 +8,7 @@
 #include "lcm_io/codec/guard.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::description_test {
 namespace {
 
 run_description_t sent_and_received(const run_description_t& description) {
@@ -142,4 +142,4 @@ TEST(Description, EveryDefectIsRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::description_test

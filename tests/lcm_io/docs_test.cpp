@@ -11,7 +11,7 @@
 
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::docs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,4 +65,4 @@ TEST(Documentation, ListsEveryTypeWithEveryField) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::docs_test

@@ -18,7 +18,7 @@
 #include "lcm_io/wire/lcm_sink.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::drive_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -377,4 +377,4 @@ TEST(DriveReceiver, ContactsOfTheRobotComeBackOverLcm) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::drive_test

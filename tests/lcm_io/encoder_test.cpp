@@ -6,7 +6,7 @@
 #include "scenes/run/stages.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::encoder_test {
 namespace {
 
 /// Keeps every message, the description and the last checks among them.
@@ -122,4 +122,4 @@ TEST(RunEncoder, SaysEveryStageInItsOrder) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::encoder_test

@@ -8,7 +8,7 @@
 #include "lcm_io/codec/log_format.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::guard_test {
 namespace {
 
 using testing::HasSubstr;
@@ -179,4 +179,4 @@ TEST(Guard, RefusesImpossibleHeaders) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::guard_test

@@ -12,7 +12,7 @@
 #include "lcm_io/codec/run_reader.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::lcm_sink_test {
 namespace {
 
 /// LCM's transport within one process, with a reader on the other end.
@@ -112,4 +112,4 @@ TEST(LcmSink, TheDefaultUrlStaysOnThisMachineAndHasAReceiveBuffer) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::lcm_sink_test

@@ -16,7 +16,7 @@
 #include "scenes/scenes.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::limits_test {
 namespace {
 
 /// A scene and a robot of which some fields, drawn by the seed, stand at a limit or beyond it.
@@ -222,4 +222,4 @@ TEST(Limits, OfGroupsAndModelsAreThoseOfTheirNumbers) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::limits_test

@@ -18,7 +18,7 @@
 #include "scenes/run/checkpoint.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::lockstep_test {
 namespace {
 
 /// Answers a turn with everybody where the turn says, a row of joints left out.
@@ -320,4 +320,4 @@ TEST(Lockstep, DamagedAnswersMoveNobodyWhereNobodyCanBe) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::lockstep_test

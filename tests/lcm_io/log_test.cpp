@@ -24,7 +24,7 @@
 #include "lcm_io/log/log_reader.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::log_test {
 namespace {
 
 std::vector<uint8_t> log_of(uint64_t seed, uint64_t instance, const LogOptions& options = {}) {
@@ -380,4 +380,4 @@ TEST(Log, AnEndWithoutChecksIsNamed) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::log_test

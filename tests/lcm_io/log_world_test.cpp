@@ -14,7 +14,7 @@
 #include "lcm_io/replay/log_survey.h"
 #include "nearly_touching.h"
 
-namespace throng {
+namespace throng::log_world_test {
 namespace {
 
 using testing::Contains;
@@ -302,4 +302,4 @@ TEST(LogWorld, SpheresHoldEveryPostureOfTheLog) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::log_world_test

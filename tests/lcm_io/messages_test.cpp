@@ -11,7 +11,7 @@
 #include "throng/stamp_t.hpp"
 #include "throng/turn_t.hpp"
 
-namespace throng {
+namespace throng::messages_test {
 namespace {
 
 // Every listener was built against these numbers. A change is a new protocol: say so in the
@@ -356,4 +356,4 @@ TEST(Messages, PartPosesAreThoseOfForwardKinematics) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::messages_test

@@ -12,7 +12,7 @@
 #include "lcm_io/log/log_sink.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::monitor_test {
 namespace {
 
 using Messages = std::vector<MessageList::Message>;
@@ -176,4 +176,4 @@ TEST(Monitor, NamesFromTheWireCannotCommandATerminal) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::monitor_test

@@ -6,7 +6,7 @@
 #include "lcm_io/codec/run_reader.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::near_messages_test {
 namespace {
 
 std::vector<NearPair> some_rows(size_t count) {
@@ -111,4 +111,4 @@ TEST(NearMessages, WithADistanceThatIsNoneAreRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::near_messages_test

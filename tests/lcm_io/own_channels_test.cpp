@@ -12,7 +12,7 @@
 #include "lcm_io/codec/rows.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::own_channels_test {
 namespace {
 
 /// What came on the channels of somebody.
@@ -214,4 +214,4 @@ TEST(OwnChannels, WhoIsNotThereAndWhatIsNoChannelIsRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::own_channels_test

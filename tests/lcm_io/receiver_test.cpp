@@ -12,7 +12,7 @@
 #include "lcm_io/wire/lcm_sink.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::receiver_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -188,4 +188,4 @@ TEST(Receiver, AHundredThousandDamagedPacketsAreCountedAndTheRunIsStillFollowed)
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::receiver_test

@@ -7,7 +7,7 @@
 
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::run_reader_test {
 namespace {
 
 using Update = RunReader::Update;
@@ -253,4 +253,4 @@ TEST(RunReader, StatesThatTheModelsCannotHaveAreRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::run_reader_test

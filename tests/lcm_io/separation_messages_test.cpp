@@ -8,7 +8,7 @@
 #include "lcm_io/codec/run_reader.h"
 #include "synthetic_run.h"
 
-namespace throng {
+namespace throng::separation_messages_test {
 namespace {
 
 using Key = std::tuple<uint32_t, uint32_t, BodyRegion>;
@@ -100,4 +100,4 @@ TEST(SeparationMessages, ThatCannotBeAreRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::separation_messages_test

@@ -8,7 +8,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::tally_test {
 namespace {
 
 MessageHeader numbered(int64_t seq, int64_t frame = 5) {
@@ -92,4 +92,4 @@ TEST(Tally, MoreHolesThanItRemembersStayMissing) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::tally_test

@@ -15,7 +15,7 @@
 #include "scenes/motion/box_world.h"
 #include "scenes/run/runner.h"
 
-namespace throng {
+namespace throng::box_scene_test {
 namespace {
 
 RunSummary run_scene(const std::string& name, const SimulationOptions& options, double seconds,
@@ -136,4 +136,4 @@ TEST(BoxScene, ComplaintsNameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::box_scene_test

@@ -7,7 +7,7 @@
 
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::box_world_test {
 namespace {
 
 constexpr uint64_t kSeed = 7;
@@ -124,4 +124,4 @@ TEST(BoxWorld, PosesAreRotationsThatAgreeWithTheQuaternions) {
 TEST(BoxWorld, RefusesAnObjectThatDoesNotFit) { EXPECT_THROW(world_of(1, 0.6), InputError); }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::box_world_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace throng::paper {
+namespace throng::paper::census_test {
 namespace {
 
 constexpr uint64_t kSeed = 1;
@@ -114,4 +114,4 @@ TEST(Census, KeepsTheOrderOfTable2InTheMean) {
 }
 
 }  // namespace
-}  // namespace throng::paper
+}  // namespace throng::paper::census_test

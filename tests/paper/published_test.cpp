@@ -5,7 +5,7 @@
 
 #include "bench/paper/methods.h"
 
-namespace throng::paper {
+namespace throng::paper::published_test {
 namespace {
 
 TEST(Published, TotalsFollowTheFormulaWithinTwoTenthsOfAPercent) {
@@ -43,4 +43,4 @@ TEST(Published, ALostDigitIsReadAsItsMiddle) {
 }
 
 }  // namespace
-}  // namespace throng::paper
+}  // namespace throng::paper::published_test

@@ -9,7 +9,7 @@
 #include "bench/paper/report.h"
 #include "bench/paper/tables.h"
 
-namespace throng::paper {
+namespace throng::paper::result_test {
 namespace {
 
 const PaperResult& result() {
@@ -178,4 +178,4 @@ TEST(Winners, AreNamedWhereTheyChange) {
 }
 
 }  // namespace
-}  // namespace throng::paper
+}  // namespace throng::paper::result_test

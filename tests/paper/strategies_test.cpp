@@ -7,7 +7,7 @@
 
 #include "culling/stages/slots.h"
 
-namespace throng::paper {
+namespace throng::paper::strategies_test {
 namespace {
 
 constexpr uint64_t kSeed = 3;
@@ -170,4 +170,4 @@ TEST(Strategies, TrianglesConfirmSomeOfTheReportedPairsAndAreCounted) {
 }
 
 }  // namespace
-}  // namespace throng::paper
+}  // namespace throng::paper::strategies_test

@@ -10,7 +10,7 @@
 #include "bench/realism/subject.h"
 #include "scenes/run/runner.h"
 
-namespace throng::realism {
+namespace throng::realism::contact_account_test {
 namespace {
 
 ContactSums sums_of(Scene scene) {
@@ -180,4 +180,4 @@ TEST(ContactReport, ShowsBeforeAndAfterSideBySide) {
 }
 
 }  // namespace
-}  // namespace throng::realism
+}  // namespace throng::realism::contact_account_test

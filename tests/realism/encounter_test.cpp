@@ -11,7 +11,7 @@
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 
-namespace throng::realism {
+namespace throng::realism::encounter_test {
 namespace {
 
 TEST(Encounter, KeepsDiscsApartWithoutHurry) {
@@ -101,4 +101,4 @@ TEST(EncounterRuns, DressedRootsKeepToTheWays) {
 }
 
 }  // namespace
-}  // namespace throng::realism
+}  // namespace throng::realism::encounter_test

@@ -10,7 +10,7 @@
 #include "bench/realism/subject.h"
 #include "scenes/motion/walk.h"
 
-namespace throng::realism {
+namespace throng::realism::joint_test {
 namespace {
 
 /// One adult, whose joints and root are moved by hand.
@@ -217,4 +217,4 @@ TEST(StandingAndSettingOut, KeepsTheLimits) {
 }
 
 }  // namespace
-}  // namespace throng::realism
+}  // namespace throng::realism::joint_test

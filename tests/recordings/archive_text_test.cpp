@@ -8,7 +8,7 @@
 #include "recordings/sample_store.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::archive_text_test {
 namespace {
 
 using testing::HasSubstr;
@@ -178,4 +178,4 @@ TEST(SampleStore, HoldsMorePeopleThanBlocksInMemory) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::archive_text_test

@@ -18,7 +18,7 @@
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::area_union_test {
 namespace {
 
 using testing::HasSubstr;
@@ -453,4 +453,4 @@ TEST_F(CutCorridor, TouchesPeopleAsTheWholeDoes) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::area_union_test

@@ -8,7 +8,7 @@
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::binary_kinds_test {
 namespace {
 
 using testing::HasSubstr;
@@ -212,4 +212,4 @@ TEST(WalkableWkt, NamesTheGeometryThatIsNoArea) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::binary_kinds_test

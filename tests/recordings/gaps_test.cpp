@@ -6,7 +6,7 @@
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::gaps_test {
 namespace {
 
 using testing::AllOf;
@@ -136,4 +136,4 @@ TEST_F(Gaps, AreNoIdsTimesOrInfinities) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::gaps_test

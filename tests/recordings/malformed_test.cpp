@@ -5,7 +5,7 @@
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::malformed_test {
 namespace {
 
 using testing::HasSubstr;
@@ -254,4 +254,4 @@ TEST_F(MalformedBinary, WhatIsNoFileIsNotRead) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::malformed_test

@@ -5,7 +5,7 @@
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::rates_test {
 namespace {
 
 using testing::HasSubstr;
@@ -179,4 +179,4 @@ TEST_F(RatesAndTimes, ThatAgreeAreNot) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::rates_test

@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::tables_test {
 namespace {
 
 using testing::HasSubstr;
@@ -244,4 +244,4 @@ TEST_F(Tables, PackedFilesThatAreDamagedAreRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::tables_test

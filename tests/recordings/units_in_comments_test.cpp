@@ -4,7 +4,7 @@
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::units_in_comments_test {
 namespace {
 
 using testing::AllOf;
@@ -315,4 +315,4 @@ TEST_F(UnitsInComments, FootstepsMayHaveThem) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::units_in_comments_test

@@ -10,7 +10,7 @@
 #include "recordings/recording_summary.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::units_test {
 namespace {
 
 using testing::AllOf;
@@ -376,4 +376,4 @@ TEST_F(RecordedUnits, ALineOfUnitsHasOneForEachColumn) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::units_test

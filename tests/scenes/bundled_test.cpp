@@ -9,7 +9,7 @@
 #include "scenes/scenes.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::bundled_test {
 namespace {
 
 class BundledScene : public testing::TestWithParam<const char*> {};
@@ -169,4 +169,4 @@ TEST(BundledScenes, EvacuationEmptiesTheHall) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::bundled_test

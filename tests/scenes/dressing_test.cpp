@@ -16,7 +16,7 @@
 #include "scenes/run/simulation.h"
 #include "tests/scenes/walking_heads.h"
 
-namespace throng {
+namespace throng::dressing_test {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -268,4 +268,4 @@ TEST_F(Dressing, TheSwayOfHeadsTellsWhichFootCarries) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::dressing_test

@@ -1,7 +1,7 @@
 // Goals of scene files that people wait for: queues, capacities, and how long somebody stays.
 #include "tests/scenes/scene_file.h"
 
-namespace throng {
+namespace throng::goal_keys_test {
 namespace {
 
 class GoalKeys : public SceneFile {};
@@ -74,4 +74,4 @@ TEST_F(GoalKeys, LinesOfQueuesLieOnFreeGround) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::goal_keys_test

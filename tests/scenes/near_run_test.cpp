@@ -9,7 +9,7 @@
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 
-namespace throng {
+namespace throng::near_run_test {
 namespace {
 
 Scene plaza(double near_m, double person_near_m) {
@@ -468,4 +468,4 @@ TEST(AskedPairs, ThatSeparationCannotDoWithoutAreNotLeftOut) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::near_run_test

@@ -4,7 +4,7 @@
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 
-namespace throng {
+namespace throng::other_world_test {
 namespace {
 
 /// Two adults who face each other, held with their arms at their sides or lifted forwards, from
@@ -89,4 +89,4 @@ TEST(OtherWorld, GoesOnFromWhereItWas) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::other_world_test

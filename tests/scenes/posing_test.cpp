@@ -11,7 +11,7 @@
 #include "scenes/run/body_tables.h"
 #include "tests/same_bits.h"
 
-namespace throng {
+namespace throng::posing_test {
 namespace {
 
 TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
@@ -141,4 +141,4 @@ TEST(Posing, PosesAreTheSameWhetherRowsAreComputedBeforeOrNot) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::posing_test

@@ -18,7 +18,7 @@
 #include "tests/scenes/slide_meter.h"
 #include "tests/scenes/walking_heads.h"
 
-namespace throng {
+namespace throng::recorded_world_test {
 namespace {
 
 double uniform(uint64_t seed, uint64_t id, uint32_t number, double low, double high) {
@@ -335,4 +335,4 @@ TEST_F(RecordedWorldTest, OwnPeopleWalkAroundThoseWhoWereRecorded) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::recorded_world_test

@@ -17,7 +17,7 @@
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 
-namespace throng {
+namespace throng::resume_test {
 namespace {
 
 /// A bundled scene, small enough to be stepped often.
@@ -239,4 +239,4 @@ TEST(Checkpoints, ThatCannotBeWrittenLeaveTheOldOneAlone) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::resume_test

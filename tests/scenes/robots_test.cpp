@@ -11,7 +11,7 @@
 #include "base/random.h"
 #include "scenes/scenes.h"
 
-namespace throng {
+namespace throng::robots_test {
 namespace {
 
 using testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST_F(Robots, AndPeopleInOtherUnitsAreRefused) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::robots_test

@@ -14,7 +14,7 @@
 #include "scenes/file/yaml_tree.h"
 #include "tests/scenes/scene_file.h"
 
-namespace throng {
+namespace throng::scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -472,4 +472,4 @@ TEST(ScaleTo, RefusesWhatIdsCannotHold) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::scene_test

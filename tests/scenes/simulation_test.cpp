@@ -15,7 +15,7 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/scene_file.h"
 
-namespace throng {
+namespace throng::simulation_test {
 namespace {
 
 Scene small_plaza(int people, double duration_s) {
@@ -250,4 +250,4 @@ TEST_F(SceneFile, PeopleWalkUnderALintelAndDoNotTouchIt) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::simulation_test

@@ -9,7 +9,7 @@
 #include "tests/allocation_counter.h"
 #include "tests/recordings/recording_folder.h"
 
-namespace throng {
+namespace throng::step_allocation_test {
 namespace {
 
 void expect_no_uncounted_growth(const Scene& scene, const char* what) {
@@ -18,11 +18,11 @@ void expect_no_uncounted_growth(const Scene& scene, const char* what) {
     for (int frame = 0; frame < 240; ++frame) simulation.step();
     size_t uncounted = 0, steps_that_grew = 0;
     for (int frame = 0; frame < 240; ++frame) {
-      const size_t before = testing::allocations_so_far();
+      const size_t before = test::allocations_so_far();
       const Frame& now = simulation.step();
       const bool grew = now.counters->allocations_grown > 0;
       steps_that_grew += grew;
-      if (!grew) uncounted += testing::allocations_so_far() - before;
+      if (!grew) uncounted += test::allocations_so_far() - before;
     }
     EXPECT_EQ(uncounted, 0u) << what << ", " << threads
                              << " threads: steps that report no growth allocated";
@@ -68,4 +68,4 @@ TEST_F(RecordingAllocations, AWarmStepOfARecordingAllocatesOnlyWhatItCountsAsGro
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::step_allocation_test

@@ -13,7 +13,7 @@
 #include "culling/exact/triangle_bvh.h"
 #include "scenes/run/simulation.h"
 
-namespace throng {
+namespace throng::stress_test {
 namespace {
 
 constexpr uint64_t kSeed = 31;
@@ -260,4 +260,4 @@ TEST(Stress, APressedCrowdWalksOnAndEndsItsPairs) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::stress_test

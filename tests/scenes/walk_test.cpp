@@ -13,7 +13,7 @@
 #include "scenes/run/simulation.h"
 #include "tests/scenes/slide_meter.h"
 
-namespace throng {
+namespace throng::walk_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -118,4 +118,4 @@ TEST(Walk, EverybodyIsInsideTheBoundsGivenBeforePosing) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::walk_test

@@ -9,7 +9,7 @@
 
 #include "tests/structure/source_tree.h"
 
-namespace throng {
+namespace throng::named_files_test {
 namespace {
 
 using Names = std::set<std::string, std::less<>>;
@@ -99,4 +99,4 @@ TEST(NamedFiles, AreFoundInProse) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::named_files_test

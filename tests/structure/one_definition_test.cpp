@@ -9,7 +9,7 @@
 
 #include "tests/structure/definitions.h"
 
-namespace throng {
+namespace throng::one_definition_test {
 namespace {
 
 const std::set<std::string_view> kCode = {".cpp", ".h"};
@@ -108,4 +108,4 @@ TEST(OneDefinition, ANameMeansOneThing) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::one_definition_test

@@ -9,7 +9,7 @@
 
 #include "tests/structure/source_tree.h"
 
-namespace throng {
+namespace throng::structure_test {
 namespace {
 
 using Names = std::set<std::string, std::less<>>;
@@ -212,4 +212,4 @@ TEST_F(Structure, NothingKnowsTheMachineItWasWrittenOn) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::structure_test

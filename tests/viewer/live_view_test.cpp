@@ -14,7 +14,7 @@
 #include "tests/lcm_io/synthetic_run.h"
 #include "tests/viewer/web_socket.h"
 
-namespace throng {
+namespace throng::live_view_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -180,4 +180,4 @@ TEST_F(LiveCrowd, SurvivesAHundredThousandDamagedMessages) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::live_view_test

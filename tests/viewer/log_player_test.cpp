@@ -13,7 +13,7 @@
 #include "tests/lcm_io/synthetic_run.h"
 #include "viewer/server/log_view.h"
 
-namespace throng {
+namespace throng::log_player_test {
 namespace {
 
 constexpr int kFrames = 200;
@@ -378,4 +378,4 @@ TEST_F(RecordedCrowd, KnowsThePairsOfAPerson) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::log_player_test

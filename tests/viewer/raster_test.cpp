@@ -11,7 +11,7 @@
 
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::raster_test {
 namespace {
 
 constexpr float kRightAngle = 1.57079632679F;  // field of view: at 1 m, the picture is 2 m high
@@ -194,4 +194,4 @@ TEST(Raster, AFullDiskAndAMissingFolderAreTold) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::raster_test

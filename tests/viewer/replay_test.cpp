@@ -9,7 +9,7 @@
 #include "base/random.h"
 #include "tests/lcm_io/synthetic_run.h"
 
-namespace throng {
+namespace throng::replay_test {
 namespace {
 
 constexpr std::string_view kPage = "<!doctype html><!--RECORDING--><script></script>";
@@ -130,4 +130,4 @@ TEST(Replay, OfAFileThatIsNoLogIsAnError) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::replay_test

@@ -9,7 +9,7 @@
 #include "bench/workbench/couples.h"
 #include "culling/volumes/pose_math.h"
 
-namespace throng {
+namespace throng::volume_outline_test {
 namespace {
 
 constexpr uint64_t kSeed = 20268;
@@ -60,4 +60,4 @@ TEST(VolumeOutlines, OfABoxHaveTwelveEdgesAndAsManyBars) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::volume_outline_test

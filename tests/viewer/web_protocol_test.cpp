@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 
-namespace throng {
+namespace throng::web_protocol_test {
 namespace {
 
 std::span<const uint8_t> as_bytes(const std::string& text) {
@@ -121,4 +121,4 @@ TEST(WebProtocol, SurvivesAnyBytes) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::web_protocol_test

@@ -9,7 +9,7 @@
 #include "base/errors.h"
 #include "tests/viewer/web_socket.h"
 
-namespace throng {
+namespace throng::web_server_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -181,4 +181,4 @@ TEST(WebServer, SaysWhichPortIsTaken) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::web_server_test

@@ -11,7 +11,7 @@
 #include "scenes/run/runner.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::contact_measures_test {
 namespace {
 
 const std::shared_ptr<const Model>& adult() {
@@ -247,4 +247,4 @@ TEST(PartGroups, FollowFromTheNamesOfParts) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::contact_measures_test

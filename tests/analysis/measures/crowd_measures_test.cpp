@@ -15,7 +15,7 @@
 #include "scenes/run/runner.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::crowd_measures_test {
 namespace {
 
 MeasuredRun measured(Scene scene, int threads, bool culling = true) {
@@ -174,4 +174,4 @@ TEST(Comparison, OfACrowdWithNothingIsDrawn) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::crowd_measures_test

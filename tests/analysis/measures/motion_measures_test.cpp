@@ -13,7 +13,7 @@
 #include "base/random.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::motion_measures_test {
 namespace {
 
 constexpr double kSample_s = 0.1;
@@ -361,4 +361,4 @@ TEST(Histogram, QuantilesAreThoseOfTheSortedNumbersToABin) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::motion_measures_test

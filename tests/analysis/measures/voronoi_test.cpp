@@ -10,7 +10,7 @@
 #include "base/random.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng {
+namespace throng::voronoi_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
@@ -140,4 +140,4 @@ TEST(Voronoi, PeopleAtOnePlaceShareACell) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::voronoi_test

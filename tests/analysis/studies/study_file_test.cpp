@@ -14,7 +14,7 @@
 #include "analysis/studies/study_run.h"
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::study_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -230,4 +230,4 @@ TEST(StudyMeasures, HaveNamesOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::study_file_test

@@ -14,7 +14,7 @@
 #include "analysis/studies/journal.h"
 #include "base/errors.h"
 
-namespace throng {
+namespace throng::study_table_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +144,4 @@ TEST_F(StudyFiles, PicturesAreOfWhatVaries) {
 }
 
 }  // namespace
-}  // namespace throng
+}  // namespace throng::study_table_test
