@@ -61,9 +61,14 @@ function(throng_sources_for_several target variable)
   set(${variable} "${found}" PARENT_SCOPE)
 endfunction()
 
-# Reading headers takes longer than compiling what most files say themselves, so up to eight of a folder are
-# read at once: half of the time. What stands in unnamed namespaces has a name of its own within a folder.
+# throng_unite(TARGET [MOST]): reading headers takes longer than compiling what most files say themselves, so
+# up to eight of a folder are read at once: half of the time. What stands in unnamed namespaces has a name of
+# its own within a folder.
 function(throng_unite target)
+  set(most 8)
+  if(ARGC GREATER 1)
+    set(most ${ARGV1})
+  endif()
   if(NOT THRONG_UNITY)
     return()
   endif()
@@ -75,7 +80,7 @@ function(throng_unite target)
       if(NOT DEFINED of_${folder})
         set(of_${folder} 0)
       endif()
-      math(EXPR batch "${of_${folder}} / 8")
+      math(EXPR batch "${of_${folder}} / ${most}")
       math(EXPR of_${folder} "${of_${folder}} + 1")
       string(MAKE_C_IDENTIFIER "${folder}_${batch}" group)
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
@@ -115,13 +120,19 @@ function(throng_copy_by_vectors target)
   endforeach()
 endfunction()
 
-# throng_library(NAME SOURCES FILE... [PUBLIC TARGET...] [PRIVATE TARGET...]): throng::NAME.
+# throng_library(NAME [COLD] SOURCES FILE... [PUBLIC TARGET...] [PRIVATE TARGET...]): throng::NAME. COLD: no
+# frame waits for any of it.
 function(throng_library name)
-  cmake_parse_arguments(L "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(L "COLD" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(throng_${name} STATIC ${L_SOURCES})
   add_library(throng::${name} ALIAS throng_${name})
   target_link_libraries(throng_${name} PUBLIC ${L_PUBLIC} PRIVATE $<BUILD_INTERFACE:throng_warnings> ${L_PRIVATE})
-  throng_precompile(throng_${name} throng_precompiled)
+  if(L_COLD)
+    target_compile_options(throng_${name} PRIVATE ${THRONG_COLD})
+    throng_precompile(throng_${name} throng_precompiled_cold)
+  else()
+    throng_precompile(throng_${name} throng_precompiled)
+  endif()
   throng_copy_by_vectors(throng_${name})
   throng_unite(throng_${name})
 endfunction()

@@ -8,9 +8,7 @@ cd "$(dirname "$0")/.."
 
 least=${1:-90}
 folders=(base culling kinematics avatars lcm_io)
-tests=(test_base test_volumes test_exact test_culler test_deadline test_recipe test_allocation
-  test_no_miss test_near_pairs test_kinematics test_model test_primitives test_gait test_tri test_adult
-  test_lcm_io)
+tests=(base_tests culling_tests allocation_tests kinematics_tests avatars_tests gait_tests lcm_io_tests)
 if ! command -v gcovr >/dev/null; then
   echo "scripts/coverage.sh: expected gcovr; scripts/setup.sh reliability installs it" >&2
   exit 3

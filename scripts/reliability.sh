@@ -9,7 +9,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 
 pairs=${1:-1000000}
-bash scripts/build.sh release throng no_miss fuzz_replay mutated_meshes resume_tests stress_tests test_apps || exit
+bash scripts/build.sh release throng no_miss fuzz_replay mutated_meshes scenes_tests apps_tests || exit
 build=$PWD/build/release
 out=$(mktemp)
 trap 'rm -f "$out" "$out.step"' EXIT
@@ -31,10 +31,10 @@ step() { # WHAT COMMAND...
 
 step "hostile input" env THRONG_FUZZ_ROUNDS=100 "$build/fuzz_replay"
 step "damaged meshes" "$build/mutated_meshes" 1000
-step "faults" env THRONG_KILLS=100 "$build/test_apps" --gtest_filter='Faults.*:Signals/*:Trace.*'
-step "checkpoints" "$build/resume_tests" --gtest_filter='*Resume*'
+step "faults" env THRONG_KILLS=100 "$build/apps_tests" --gtest_filter='Faults.*:Signals/*:Trace.*'
+step "checkpoints" "$build/scenes_tests" --gtest_filter='*Resume*'
 step "one hash" bash scripts/determinism.sh release
-step "load" "$build/stress_tests"
+step "load" "$build/scenes_tests" --gtest_filter='Stress.*'
 step "no misses" "$build/no_miss" "$pairs"
 step "soak" bash scripts/soak.sh 1 0
 

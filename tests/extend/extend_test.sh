@@ -58,17 +58,15 @@ build() {
   cd "$folder/source"
   local name
   for name in "${!files[@]}"; do patch --batch --quiet -p1 <"$here/$name.patch"; done
-  bash scripts/build.sh release throng throng_module test_volumes test_culler test_recipe test_no_miss steering_tests \
-    scenes_tests schema_tests test_lcm_io
+  bash scripts/build.sh release throng throng_module culling_tests crowd_tests scenes_tests docs_tests lcm_io_tests
   # The documents and the schema follow from the tables of keys.
   build/release/throng scenes --schema >scenes/scene.schema.json
-  THRONG_DOCS_UPDATE=1 build/release/schema_tests --gtest_filter='SceneKeys.*' >/dev/null
+  THRONG_DOCS_UPDATE=1 build/release/docs_tests --gtest_filter='SceneKeys.*' >/dev/null
   grep -q '`headroom_m`' docs/scenes.md || fail "expected headroom_m in docs/scenes.md"
   grep -q '"capsule"' scenes/scene.schema.json || fail "expected capsule in scene.schema.json"
   local test
-  for test in test_volumes test_culler test_recipe test_no_miss steering_tests scenes_tests schema_tests test_lcm_io; do
-    "build/release/$test" --gtest_brief=1
-  done
+  for test in culling_tests crowd_tests scenes_tests lcm_io_tests; do "build/release/$test" --gtest_brief=1; done
+  build/release/docs_tests --gtest_brief=1 --gtest_filter='-*Document*'
 
   local few=(--avatars 100 --seconds 1 --lcm off --log off)
   run run plaza "${few[@]}" --part-volume capsule --heat-map "$folder/heat.csv" | tail -n 1
