@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Counts, hashes and sizes in README.md and docs/ against the commands that print them:
 # scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example `scripts/docs.sh --update lcm`.
-# --nightly also runs what takes up to a minute; --update writes what is printed now into the documents,
-# to be read and committed. Exit code 1 if a figure is another (with --update: if it could not be mended).
+# --nightly also runs what takes up to a minute, and the commands shown; --update writes what is printed
+# now into the documents, to be read and committed. Exit code 1 if a figure is another (with --update: if
+# it could not be mended).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,12 +11,12 @@ filter=
 for argument in "$@"; do
   case "$argument" in
     --update) export THRONG_DOCS_UPDATE=1 ;;
-    --nightly) export THRONG_DOCS=nightly ;;
+    --nightly) export THRONG_NIGHTLY=1 ;;
     -*) echo "scripts/docs.sh: expected --update, --nightly or a document, found '$argument'" >&2; exit 2 ;;
     *) filter=${filter:+$filter:}*/$(basename "$argument" .md) ;;
   esac
 done
-bash scripts/build.sh release docs_tests schema_tests throng no_miss stress_tests test_stepping walk_tests fuzz_replay own_volume own_engine
+bash scripts/build.sh release docs_tests throng no_miss crowd_tests gait_tests scenes_tests fuzz_replay own_volume own_engine
 if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then build/release/throng scenes --schema >scenes/scene.schema.json; fi
-build/release/schema_tests --gtest_filter='SceneKeys.*'
+build/release/docs_tests --gtest_filter='SceneKeys.*'
 exec build/release/docs_tests --gtest_filter="${filter:-*Document*}"

@@ -6,7 +6,8 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 
 declare -A what=(
-  [docs]="every count and size in the documents whose command takes less than a minute"
+  [docs]="every count and size in the documents whose command takes less than a minute, and the commands shown"
+  [long]="every seed and setting of the tests that run a part of them with every change"
   [no_miss]="no misses over ten million near part pairs, with the day as the seed"
   [determinism]="one hash over compilers, optimisation, threads and SIMD targets"
   [meshes]="5000 mutated mesh files"
@@ -22,7 +23,7 @@ declare -A what=(
   [asan]="the whole suite under the address and undefined behaviour sanitizers"
   [tsan]="the whole suite under the thread sanitizer"
 )
-order=(docs no_miss determinism meshes scenes urdfs fuzz tidy lto outside packages extend soak asan tsan)
+order=(docs long no_miss determinism meshes scenes urdfs fuzz tidy lto outside packages extend soak asan tsan)
 
 steps=("$@")
 [ ${#steps[@]} -gt 0 ] || steps=("${order[@]}")
@@ -44,6 +45,13 @@ no_miss() { # SEED: of parts alone, of people who walk, stand and give way, of p
     build/release/no_miss_near 2000000 "$1" && build/release/degenerate_hulls_sweep 100000 "$1"
 }
 
+long() { # the tests that ask tests/nightly.h
+  bash scripts/build.sh release crowd_tests scenes_tests || return
+  THRONG_NIGHTLY=1 build/release/crowd_tests --gtest_filter='Crowd.APlazaKeepsMovingWhateverTheSeed' &&
+    THRONG_NIGHTLY=1 build/release/scenes_tests \
+      --gtest_filter='NearRun.RowsAtTheMarginDependOnNoOtherMarginAndNoFilter'
+}
+
 outside() {
   local what
   for what in culling scenes; do
@@ -59,8 +67,10 @@ packages() {
   # Its programs: the command, and the examples as others build them; and its Python module.
   local tried=$PWD/build/release/tests/install/tried
   bash tests/install/install_test.sh "$PWD" "$PWD/build/release" "$tried" || return
-  THRONG_TESTED=$tried/programs build/release/test_apps --gtest_brief=1 || return
-  THRONG_TESTED=$tried/programs build/release/test_own_skeleton --gtest_brief=1 || return
+  THRONG_TESTED=$tried/programs build/release/apps_tests --gtest_brief=1 || return
+  THRONG_NIGHTLY=1 THRONG_TESTED=$tried/programs build/release/docs_tests --gtest_brief=1 \
+    --gtest_filter='Documents.*' || return
+  THRONG_TESTED=$tried/programs build/release/culling_tests --gtest_brief=1 --gtest_filter='OwnSkeleton.*' || return
   python_tests "$tried"
 }
 
@@ -78,6 +88,7 @@ run_step() {
   seed=$(date +%Y%m%d)
   case $1 in
     docs) bash scripts/docs.sh --nightly ;;
+    long) long ;;
     no_miss) no_miss "$seed" ;;
     determinism) bash scripts/determinism.sh release clang checked debug ;;
     meshes) generator mutated_meshes 5000 ;;

@@ -21,8 +21,8 @@ for preset in "${presets[@]}"; do
   mkdir -p "$folder"
   bash scripts/build.sh "$preset"
   begun=$SECONDS
-  # A program gives its report a name of its own, so that none is overlooked.
-  ASAN_OPTIONS=log_path=$folder/report UBSAN_OPTIONS=log_path=$folder/report \
+  # All of each test, too, since this is for the night. A program gives its report a name of its own, so that none is overlooked.
+  THRONG_NIGHTLY=1 ASAN_OPTIONS=log_path=$folder/report UBSAN_OPTIONS=log_path=$folder/report \
     TSAN_OPTIONS=log_path=$folder/report \
     bash scripts/test.sh "$preset" "${@:2}" 2>&1 | tee "build/$preset/tests.log" || status=1
   reports=$(find "$folder" -type f | wc -l)

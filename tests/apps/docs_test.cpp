@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/apps/cli.h"
+#include "tests/nightly.h"
 
 namespace throng::docs_test {
 namespace {
@@ -73,7 +74,10 @@ int run_blocks(const std::string& kind) {
   return commands;
 }
 
-TEST(Documents, CommandsWorkAsShown) { EXPECT_GE(run_blocks("sh run"), 3); }
+TEST(Documents, CommandsWorkAsShown) {
+  if (!test::is_nightly()) GTEST_SKIP() << "a minute: with THRONG_NIGHTLY=1";
+  EXPECT_GE(run_blocks("sh run"), 3);
+}
 
 TEST(Documents, CommandsWithRecordingsWorkAsShown) {
   if (std::getenv("THRONG_RECORDINGS") == nullptr)

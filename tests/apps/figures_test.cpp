@@ -1,5 +1,5 @@
 // Counts, hashes and sizes in the documents are what their commands print.
-// THRONG_DOCS=nightly also runs what takes up to a minute; THRONG_DOCS_UPDATE=1 writes what is
+// THRONG_NIGHTLY=1 also runs what takes up to a minute; THRONG_DOCS_UPDATE=1 writes what is
 // printed into the documents instead (scripts/docs.sh does both).
 #include "tests/apps/figures.h"
 
@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "tests/apps/cli.h"
+#include "tests/nightly.h"
 
 namespace throng::figures_test {
 namespace {
@@ -28,9 +29,9 @@ std::vector<std::string> documents() {
   return names;
 }
 
-bool is_set(const char* variable, std::string_view value) {
-  const char* found = std::getenv(variable);
-  return found != nullptr && found == value;
+bool is_updating() {
+  const char* const value = std::getenv("THRONG_DOCS_UPDATE");
+  return value != nullptr && std::string_view(value) == "1";
 }
 
 class Document : public testing::TestWithParam<std::string> {};
@@ -41,7 +42,7 @@ TEST_P(Document, SaysWhatItsCommandsPrint) {
   const std::vector<Figures> all = figures_in(text);
   // From the last to the first: what is mended moves what comes after.
   for (auto figures = all.rbegin(); figures != all.rend(); ++figures) {
-    if (figures->is_nightly && !is_set("THRONG_DOCS", "nightly")) continue;
+    if (figures->is_nightly && !test::is_nightly()) continue;
     const ScratchFolder folder;
     const Outcome outcome = shell("top='" THRONG_SOURCE_DIR "'\n" + figures->command, folder);
     const size_t size = figures->end - figures->begin;
@@ -50,7 +51,7 @@ TEST_P(Document, SaysWhatItsCommandsPrint) {
     const std::string where = GetParam() + ":" + std::to_string(figures->line);
     EXPECT_EQ(outcome.exit_code, 0) << where << ": " << figures->command << "\n" << outcome.err;
     if (wrong.empty()) continue;
-    if (outcome.exit_code == 0 && is_set("THRONG_DOCS_UPDATE", "1")) {
+    if (outcome.exit_code == 0 && is_updating()) {
       text.replace(figures->begin, size, mended(said, outcome.out, figures->is_fenced));
       write_file(file, text);
       std::printf("%s: mended:\n%s", where.c_str(), wrong.c_str());

@@ -12,6 +12,7 @@
 #include "base/hasher.h"
 #include "base/random.h"
 #include "tests/crowd/crowd_world.h"
+#include "tests/nightly.h"
 
 namespace throng::crowd_test {
 namespace {
@@ -370,7 +371,8 @@ TEST(Crowd, APlazaKeepsMovingForFiveMinutes) { EXPECT_LT(expect_plaza_keeps_movi
 /// median of nine seeds differs by 0.3 s from that of nine others.
 TEST(Crowd, APlazaKeepsMovingWhateverTheSeed) {
   std::vector<double> stalls_s;
-  for (uint64_t seed = 2; seed <= 28; ++seed)
+  const uint64_t last = test::is_nightly() ? 28 : 8;
+  for (uint64_t seed = 2; seed <= last; ++seed)
     stalls_s.push_back(expect_plaza_keeps_moving({seed, 60}));
   std::sort(stalls_s.begin(), stalls_s.end());
   EXPECT_LT(stalls_s[stalls_s.size() / 2], 3.5);

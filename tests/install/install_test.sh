@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs a build, uses it from outside, moves it and uses it again:
-# tests/install/install_test.sh SOURCE BUILD FOLDER, where FOLDER is to try it in.
+# tests/install/install_test.sh SOURCE BUILD FOLDER [short], where FOLDER is to try it in. short: the
+# libraries alone, and one program of another project on culling, with every change.
 set -euo pipefail
 
 source=$1 build=$2 folder=$3
@@ -23,23 +24,35 @@ quietly() { # COMMAND...: what it prints is shown where it fails
 hash_of() { # THRONG
   (cd "$folder" && "$1" run plaza --seconds 1 --lcm off --log off | awk '$1 == "hash" {print $2}')
 }
-try_project() { # WHAT PREFIX
+try_project() { # WHAT PREFIX [BUILD_TYPE TARGET]
   rm -rf "$folder/$1"
   quietly cmake -S "$here/project" -B "$folder/$1" -G Ninja -DCMAKE_PREFIX_PATH="$2" \
-    -DTHRONG_SOURCE="$source" -DWHAT="$1" -DCMAKE_BUILD_TYPE=Release
-  quietly cmake --build "$folder/$1" -j "$(nproc)"
+    -DTHRONG_SOURCE="$source" -DWHAT="$1" -DCMAKE_BUILD_TYPE="${3:-Release}"
+  quietly cmake --build "$folder/$1" -j "$(nproc)" --target "${4:-all}"
+}
+# Nothing that is installed tells where it was made or first put.
+expect_no_names() {
+  local place named
+  for place in "$source" "$build" "$prefix"; do
+    named=$(grep -rlF -e "$place/" "$prefix" || true)
+    expect_same "files that name $place" "" "$named"
+  done
 }
 
 rm -rf "$folder"
 mkdir -p "$folder"
 prefix=$folder/first
+if [ "${4:-}" = short ]; then
+  quietly cmake --install "$build" --prefix "$prefix" --component dev
+  expect_no_names
+  try_project culling "$prefix" Debug own_skeleton
+  expect_same "own_skeleton on culling alone" "$("$build/own_skeleton")" "$("$folder/culling/own_skeleton")"
+  rm -rf "$folder"
+  echo "the libraries are installed and used from outside"
+  exit
+fi
 quietly cmake --install "$build" --prefix "$prefix"
-
-# Nothing that is installed tells where it was made or first put.
-for place in "$source" "$build" "$prefix"; do
-  named=$(grep -rlF -e "$place/" "$prefix" || true)
-  expect_same "files that name $place" "" "$named"
-done
+expect_no_names
 
 expected=$(hash_of "$build/throng")
 [ -n "$expected" ] || fail "expected throng of the build to print a hash"
