@@ -15,7 +15,7 @@ if ! command -v clang++ >/dev/null; then
   echo "scripts/fuzz.sh: expected clang++ with libFuzzer; scripts/setup.sh reliability installs it" >&2
   exit 3
 fi
-bash scripts/build.sh fuzz fuzz_seeds "${targets[@]/#/fuzz_}"
+bash scripts/build.sh fuzz fuzz_seeds fuzzer
 build=build/fuzz
 "$build/fuzz_seeds" "$build/seeds"
 
@@ -25,7 +25,7 @@ fuzz() { # TARGET: its report in build/fuzz/TARGET.txt, with the exit code in th
   case "$target" in urdf) most_bytes=262144 ;; checkpoint) most_bytes=4096 ;; esac
   mkdir -p "$build/corpus/$target" "$build/found/$target"
   # URDFs of 10 000 links take a second to refuse under the sanitizers; a minute is a hang.
-  "$build/fuzz_$target" -max_total_time="$seconds" -max_len="$most_bytes" -timeout=60 \
+  THRONG_FUZZ_TARGET=$target "$build/fuzzer" -max_total_time="$seconds" -max_len="$most_bytes" -timeout=60 \
     -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$build/found/$target/" \
     "$build/corpus/$target" "$build/seeds/$target" >"$build/$target.txt" 2>&1 || status=$?
   echo "exit code $status" >>"$build/$target.txt"
