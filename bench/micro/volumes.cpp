@@ -16,9 +16,9 @@
 #include "base/counting_sort.h"
 #include "bench/crowd.h"
 #include "culling/fitted.h"
-#include "culling/volumes/slabs.h"
 #include "culling/volumes/polytope.h"
 #include "culling/volumes/pose_math.h"
+#include "culling/volumes/slabs.h"
 #include "culling/volumes/volume_list.h"
 
 namespace throng::bench {
