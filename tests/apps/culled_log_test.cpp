@@ -59,7 +59,7 @@ TEST_F(CulledLog, HasPointsOfContactWhereTheyAreAskedFor) {
     const Outcome check = shell("throng check " + std::string(log), folder_);
     EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
     EXPECT_THAT(shell("throng info " + std::string(log), folder_).out,
-                HasSubstr("THRONG_CONTACTS         60"));
+                HasSubstr("THRONG_CONTACTS           60"));
     const std::string table =
         shell("throng export " + std::string(log) + " --csv contacts", folder_).out;
     EXPECT_THAT(table, StartsWith("frame,time_s,a,b,name_a,name_b,part_a,part_b,x_m,y_m,z_m,"));
