@@ -45,12 +45,16 @@ no_miss() { # SEED: of parts alone, of people who walk, stand and give way, of p
     build/release/no_miss_near 2000000 "$1" && build/release/degenerate_hulls_sweep 100000 "$1"
 }
 
-long() { # the tests that ask tests/nightly.h
-  bash scripts/build.sh release crowd_tests scenes_tests || return
-  THRONG_NIGHTLY=1 build/release/crowd_tests --gtest_filter='Crowd.APlazaKeepsMovingWhateverTheSeed' &&
-    THRONG_NIGHTLY=1 build/release/scenes_tests \
-      --gtest_filter='NearRun.RowsAtTheMarginDependOnNoOtherMarginAndNoFilter'
-}
+long() ( # the tests that ask tests/nightly.h
+  bash scripts/build.sh release culling_tests crowd_tests scenes_tests || exit
+  export THRONG_NIGHTLY=1
+  build/release/culling_tests \
+    --gtest_filter='AgainstFcl.*:*NoPairWithinTheMarginIsMissed*:NearRows.ChangeNoEvents*' &&
+    build/release/crowd_tests \
+      --gtest_filter='Crowd.APlazaKeepsMovingWhateverTheSeed:NavMesh.WhereADisc*' &&
+    build/release/scenes_tests \
+      --gtest_filter='NearRun.RowsAtTheMarginDependOnNoOtherMarginAndNoFilter:*ResumeScenes*'
+)
 
 outside() {
   local what

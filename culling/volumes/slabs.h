@@ -65,6 +65,13 @@ struct Slabs {
   Slab bound(const Eigen::Vector3f& d) const;
 };
 
+template <>
+Slab Slabs::bound<14>(const Eigen::Vector3f& d) const;
+template <>
+Slab Slabs::bound<18>(const Eigen::Vector3f& d) const;
+template <>
+Slab Slabs::bound<26>(const Eigen::Vector3f& d) const;
+
 // The 13 directions of the k-DOPs as floats, with bounds of their lengths.
 // One rule: never normalised, so that projecting on one is adding and subtracting.
 
