@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 bash scripts/setup.sh
 if [ ! -x build/release/throng ]; then
-  echo "Building throng and hello: twelve minutes of processor time, shared by $(nproc) cores; once" >&2
+  echo "Building throng and hello: nine minutes of processor time, shared by $(nproc) cores; once" >&2
 fi
 bash scripts/build.sh release throng hello
 
