@@ -8,8 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "base/append.h"
-#include "base/csv.h"
 #include "base/errors.h"
 #include "base/files/whole_file.h"
 #include "base/text.h"

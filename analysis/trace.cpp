@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/checksum.h"
 #include "base/errors.h"
-#include "base/hasher.h"
 #include "culling/event_hash.h"
 #include "scenes/run/sink.h"
 

@@ -12,10 +12,9 @@
 #include <string_view>
 
 #include "avatars/mesh/tri.h"
-#include "base/append.h"
-#include "base/csv.h"
 #include "base/errors.h"
 #include "base/files/whole_file.h"
+#include "base/text.h"
 #include "bench/crowd.h"
 #include "culling/exact/triangle_bvh.h"
 

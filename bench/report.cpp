@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "base/append.h"
+#include "base/text.h"
 #include "bench/version_json.h"
 
 namespace throng::bench {

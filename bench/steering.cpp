@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "base/append.h"
+#include "base/text.h"
 #include "bench/version_json.h"
 #include "crowd/crowd.h"
 #include "crowd/navigation/ways.h"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/files/archive.h"
-#include "base/prefetch.h"
+#include "base/memory.h"
 #include "base/workers.h"
 #include "crowd/crowd_counters.h"
 #include "crowd/crowd_fields.h"

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/prefetch.h"
+#include "base/memory.h"
 #include "crowd/steering/steering.h"
 
 namespace throng {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/files/archive.h"
-#include "base/prefetch.h"
+#include "base/memory.h"
 #include "crowd/crowd_counters.h"
 #include "crowd/detours.h"
 #include "crowd/navigation/ways.h"

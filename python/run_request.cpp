@@ -8,7 +8,7 @@
 
 #include "analysis/trajectories/walkable_area.h"
 #include "base/errors.h"
-#include "base/option_checks.h"
+#include "base/text.h"
 
 namespace py = pybind11;
 

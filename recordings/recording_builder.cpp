@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "base/checksum.h"
 #include "base/errors.h"
-#include "base/hasher.h"
 #include "culling/pair.h"
 #include "recordings/area_union.h"
 #include "recordings/recorded_samples.h"

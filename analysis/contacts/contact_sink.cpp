@@ -9,8 +9,6 @@
 #include <limits>
 
 #include "analysis/part_names.h"
-#include "base/append.h"
-#include "base/csv.h"
 #include "base/files/whole_file.h"
 #include "base/text.h"
 #include "scenes/run/sink.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "analysis/contacts/contact_account.h"
-#include "base/files/sorted_spill.h"
+#include "base/files/nameless_file.h"
 #include "scenes/run/sink.h"
 
 namespace throng {

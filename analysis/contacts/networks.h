@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "analysis/contacts/contact_statistics.h"
-#include "base/files/folder_file.h"
-#include "base/files/sorted_spill.h"
+#include "base/files/nameless_file.h"
+#include "base/files/whole_file.h"
 #include "scenes/run/sink.h"
 
 namespace throng {

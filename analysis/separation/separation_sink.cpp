@@ -5,8 +5,7 @@
 #include <algorithm>
 
 #include "analysis/part_names.h"
-#include "base/append.h"
-#include "base/csv.h"
+#include "base/text.h"
 #include "scenes/run/runner.h"
 
 namespace throng {

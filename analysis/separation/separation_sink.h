@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/figure.h"
-#include "base/files/folder_file.h"
+#include "base/files/whole_file.h"
 #include "scenes/run/sink.h"
 #include "scenes/separation/separation_monitor.h"
 

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "analysis/studies/scene_path.h"
+#include "base/checksum.h"
 #include "base/errors.h"
-#include "base/hasher.h"
 #include "scenes/file/scene_keys.h"
 
 namespace throng {

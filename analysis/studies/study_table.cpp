@@ -13,7 +13,6 @@
 
 #include "analysis/studies/study.h"
 #include "analysis/studies/study_run.h"
-#include "base/append.h"
 #include "base/errors.h"
 #include "base/files/foreign.h"
 #include "base/files/regular_file.h"

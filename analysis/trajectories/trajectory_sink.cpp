@@ -13,9 +13,9 @@
 #include <initializer_list>
 
 #include "analysis/trajectories/walkable_area.h"
-#include "base/append.h"
+#include "base/checksum.h"
 #include "base/errors.h"
-#include "base/hasher.h"
+#include "base/text.h"
 #include "base/version.h"
 
 namespace throng {

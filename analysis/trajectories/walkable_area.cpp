@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/append.h"
 #include "base/errors.h"
+#include "base/text.h"
 #include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
 #include "recordings/area_grid.h"

@@ -4,7 +4,7 @@
 
 #include "apps/commands/info.h"
 #include "avatars/model/describe.h"
-#include "base/append.h"
+#include "base/text.h"
 #include "crowd/navigation/flow_field.h"
 #include "crowd/navigation/nav_mesh.h"
 #include "crowd/navigation/walkable.h"

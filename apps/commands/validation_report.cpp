@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/output/text_file.h"
-#include "base/append.h"
+#include "base/text.h"
 #include "bench/version_json.h"
 
 namespace throng {

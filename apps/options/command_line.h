@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "base/option_checks.h"
+#include "base/text.h"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the name is theirs
 class App;

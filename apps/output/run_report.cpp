@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/process/machine.h"
-#include "base/append.h"
 #include "base/text.h"
 #include "bench/version_json.h"
 

@@ -15,7 +15,7 @@
 #include "avatars/gait/row_blend.h"
 #include "base/elementary.h"
 #include "base/files/archive.h"
-#include "base/simd/bilinear.h"
+#include "base/simd/one_lane.h"
 
 namespace throng {
 namespace {

@@ -7,7 +7,6 @@
 #include "base/files/archive.h"
 #include "base/files/regular_file.h"
 #include "base/files/whole_file.h"
-#include "base/hasher.h"
 
 namespace throng {
 

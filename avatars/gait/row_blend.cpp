@@ -1,8 +1,8 @@
 // Columns as lanes. Where a row is not a multiple of a register, its last columns are done twice.
 #include "avatars/gait/row_blend.h"
 
-#include "base/simd/bilinear.h"
 #include "base/simd/dispatch.h"
+#include "base/simd/one_lane.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "avatars/gait/row_blend.cpp"

@@ -11,7 +11,7 @@
 #define HWY_TARGET_INCLUDE "avatars/stepping/stepping_simd.cpp"
 #include <hwy/foreach_target.h>
 
-#include "base/simd/register_pairs-inl.h"
+#include "base/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {

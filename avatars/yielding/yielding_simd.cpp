@@ -15,7 +15,7 @@
 #define HWY_TARGET_INCLUDE "avatars/yielding/yielding_simd.cpp"
 #include <hwy/foreach_target.h>
 
-#include "base/simd/eight_lanes-inl.h"
+#include "base/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {

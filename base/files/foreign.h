@@ -62,6 +62,21 @@ struct Refusal : std::runtime_error {
   std::string found;
 };
 
+namespace foreign {
+
+/// How an answer begins; `size` bytes follow, for kRefused `expected` and then `found`. Any number
+/// of pieces may come before it.
+struct Answer {
+  enum class Kind : uint32_t { kBytes = 1, kRefused, kThrew, kOutOfMemory, kPiece };
+  static constexpr uint32_t kMagic = 0x54485241;
+  uint32_t magic = kMagic;
+  Kind kind = Kind::kBytes;
+  uint64_t expected_size = 0;  ///< of the first text, for kRefused
+  uint64_t size = 0;
+};
+
+}  // namespace foreign
+
 /// Opens the file, runs `parse` over it in a child process and returns the bytes it produced. They
 /// come from a process whose memory the file may have scribbled over: check them like the file.
 /// Throws InputError naming the file if that is no regular file or too large, if `parse` throws, or

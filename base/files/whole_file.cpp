@@ -130,4 +130,28 @@ void write_whole_file(const fs::path& file, std::string_view text,
   write_whole_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}, options);
 }
 
+EnvironmentError cannot_write(const fs::path& file, int error, std::string_view option) {
+  return EnvironmentError(fmt::format("{}: cannot write: {}; choose another folder with {}",
+                                      file.string(), std::strerror(error), option));
+}
+
+FolderFile::FolderFile(fs::path file, std::string_view option)
+    : file_(std::move(file)), option_(option) {
+  errno = 0;
+  out_.open(file_, std::ios::trunc | std::ios::binary);
+  if (!out_) throw cannot_write(file_, errno, option_);
+}
+
+void FolderFile::write(std::string_view text) {
+  errno = 0;
+  out_.write(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!out_) throw cannot_write(file_, errno, option_);
+}
+
+void FolderFile::close() {
+  errno = 0;
+  out_.close();
+  if (!out_) throw cannot_write(file_, errno, option_);
+}
+
 }  // namespace throng

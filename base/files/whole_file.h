@@ -1,13 +1,16 @@
-// Writing a whole file, at once or piece by piece.
-// One rule: a file of that name is what it was or what was asked for, never a part of it. The new
-// one is written without a name, or beside the old one, and then takes its name. Pipes and devices,
-// and files that have a second name or whose folder takes no files, are written in place.
+// Writing a whole file, at once or piece by piece, and files of a folder that grow with a run.
+// One rule: a whole file of that name is what it was or what was asked for, never a part of it. The
+// new one is written without a name, or beside the old one, and then takes its name. Pipes and
+// devices, and files that have a second name or whose folder takes no files, are written in place.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <span>
 #include <string_view>
+
+#include "base/errors.h"
 
 namespace throng {
 
@@ -56,5 +59,25 @@ void write_whole_file(const std::filesystem::path& file, std::string_view text,
 /// Where opening the path for writing ends up: symbolic links are followed, also one whose target
 /// is not there yet.
 std::filesystem::path links_followed(std::filesystem::path path);
+
+/// What cannot be written of a folder that `option` names; `error`: of errno.
+EnvironmentError cannot_write(const std::filesystem::path& file, int error,
+                              std::string_view option);
+
+/// A text file of a folder that an option names, which grows as it is written. All throw
+/// EnvironmentError, see cannot_write().
+class FolderFile {
+ public:
+  /// Begins the file anew. `option`: "--contacts"; must outlive this.
+  FolderFile(std::filesystem::path file, std::string_view option);
+
+  void write(std::string_view text);
+  void close();
+
+ private:
+  std::filesystem::path file_;
+  std::string_view option_;
+  std::ofstream out_;
+};
 
 }  // namespace throng

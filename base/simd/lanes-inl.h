@@ -1,5 +1,7 @@
-// Registers of floats with Highway, compiled once a target, and what all fast paths do with them.
-// Included after <hwy/foreach_target.h>, by sources that include base/simd/dispatch.h first.
+// Registers of floats with Highway, compiled once a target, what all fast paths do with them, and
+// the lanes that a kernel which is written over lanes is compiled over: register_pairs,
+// eight_lanes. Included after <hwy/foreach_target.h>, by sources that include base/simd/dispatch.h
+// first.
 #if defined(THRONG_BASE_SIMD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef THRONG_BASE_SIMD_LANES_INL_H_
 #undef THRONG_BASE_SIMD_LANES_INL_H_
@@ -197,5 +199,166 @@ HWY_INLINE void float_sin_cos(V angle_rad, V& sin, V& cos) {
 }  // namespace throng::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif  // THRONG_HAS_LANES
+
+/// What functions of a kernel that is written over lanes begin with.
+#undef THRONG_LANES
+#define THRONG_LANES HWY_INLINE
+
+#if THRONG_HAS_LANES  // the reference is one_lane.h
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE::register_pairs {
+
+/// Two registers at a time: such a kernel is one long chain of sums and products, each waiting for
+/// the one before, and two chains take hardly longer than one.
+inline constexpr size_t kAtOnce = 2 * kLanes;
+
+struct F {
+  V a, b;
+  F() = default;
+  HWY_INLINE F(V first, V second) : a(first), b(second) {}
+  HWY_INLINE F(float value) : a(hn::Set(Lanes(), value)), b(a) {}
+};
+struct M {
+  hn::Mask<Lanes> a, b;
+};
+
+HWY_INLINE F operator+(F x, F y) { return {hn::Add(x.a, y.a), hn::Add(x.b, y.b)}; }
+HWY_INLINE F operator-(F x, F y) { return {hn::Sub(x.a, y.a), hn::Sub(x.b, y.b)}; }
+HWY_INLINE F operator*(F x, F y) { return {hn::Mul(x.a, y.a), hn::Mul(x.b, y.b)}; }
+HWY_INLINE F operator/(F x, F y) { return {hn::Div(x.a, y.a), hn::Div(x.b, y.b)}; }
+HWY_INLINE M operator<(F x, F y) { return {hn::Lt(x.a, y.a), hn::Lt(x.b, y.b)}; }
+HWY_INLINE M operator<=(F x, F y) { return {hn::Le(x.a, y.a), hn::Le(x.b, y.b)}; }
+HWY_INLINE M operator>(F x, F y) { return {hn::Gt(x.a, y.a), hn::Gt(x.b, y.b)}; }
+HWY_INLINE M operator>=(F x, F y) { return {hn::Ge(x.a, y.a), hn::Ge(x.b, y.b)}; }
+HWY_INLINE M operator&(M x, M y) { return {hn::And(x.a, y.a), hn::And(x.b, y.b)}; }
+HWY_INLINE M operator|(M x, M y) { return {hn::Or(x.a, y.a), hn::Or(x.b, y.b)}; }
+HWY_INLINE M operator!(M x) { return {hn::Not(x.a), hn::Not(x.b)}; }
+HWY_INLINE bool any(M x) { return !hn::AllFalse(Lanes(), hn::Or(x.a, x.b)); }
+HWY_INLINE F select(M mask, F yes, F no) {
+  return {hn::IfThenElse(mask.a, yes.a, no.a), hn::IfThenElse(mask.b, yes.b, no.b)};
+}
+HWY_INLINE F max_of(F x, F y) { return {hn::Max(x.a, y.a), hn::Max(x.b, y.b)}; }
+HWY_INLINE F min_of(F x, F y) { return {hn::Min(x.a, y.a), hn::Min(x.b, y.b)}; }
+HWY_INLINE F abs_of(F x) { return {hn::Abs(x.a), hn::Abs(x.b)}; }
+HWY_INLINE F sqrt_of(F x) { return {hn::Sqrt(x.a), hn::Sqrt(x.b)}; }
+HWY_INLINE F floor_of(F x) { return {hn::Floor(x.a), hn::Floor(x.b)}; }
+HWY_INLINE F load(const float* from) {
+  return {hn::LoadU(Lanes(), from), hn::LoadU(Lanes(), from + kLanes)};
+}
+HWY_INLINE void store(F x, float* to) {
+  hn::StoreU(x.a, Lanes(), to);
+  hn::StoreU(x.b, Lanes(), to + kLanes);
+}
+HWY_INLINE void store_whole(F x, int32_t* to) {
+  const hn::RebindToSigned<Lanes> whole;
+  hn::StoreU(hn::ConvertTo(whole, x.a), whole, to);
+  hn::StoreU(hn::ConvertTo(whole, x.b), whole, to + kLanes);
+}
+
+/// out[c]: component c of each lane's row of four; row(lane) points to it.
+template <typename Row>
+HWY_INLINE void load_rows(const Row& row, F (&out)[4]) {
+  V a[4], b[4];
+  HWY_NAMESPACE::load_rows(row, a);
+  HWY_NAMESPACE::load_rows([&row](size_t lane) HWY_ATTR { return row(kLanes + lane); }, b);
+  for (size_t i = 0; i < 4; ++i) out[i] = {a[i], b[i]};
+}
+template <typename Row>
+HWY_INLINE void store_rows(const F (&in)[4], const Row& row) {
+  const V a[4] = {in[0].a, in[1].a, in[2].a, in[3].a}, b[4] = {in[0].b, in[1].b, in[2].b, in[3].b};
+  HWY_NAMESPACE::store_rows(a, row);
+  HWY_NAMESPACE::store_rows(b, [&row](size_t lane) HWY_ATTR { return row(kLanes + lane); });
+}
+
+/// Between rows of kFloats, a multiple of four: first(lane), the next by u, and both `step` farther
+/// on by v. Rows are blended as they lie, then transposed.
+template <size_t kFloats, typename Row>
+HWY_INLINE void blend_rows(const Row& first, size_t step, F u, F v, F (&out)[kFloats]) {
+  alignas(64) float us[kAtOnce], vs[kAtOnce], rows[kAtOnce * kFloats];
+  store(u, us);
+  store(v, vs);
+  const hn::CappedTag<float, 4> quad;
+  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+    const float* from = first(lane);
+    float* to = rows + lane * kFloats;
+    size_t i = 0;
+    for (; i + kLanes <= kFloats; i += kLanes)
+      store_bilinear(Lanes(), from + i, kFloats, step, us[lane], vs[lane], to + i);
+    for (; i < kFloats; i += 4)
+      store_bilinear(quad, from + i, kFloats, step, us[lane], vs[lane], to + i);
+  }
+  for (size_t i = 0; i < kFloats; i += 4) {
+    F four[4];
+    load_rows([&](size_t lane) { return rows + lane * kFloats + i; }, four);
+    for (size_t c = 0; c < 4; ++c) out[i + c] = four[c];
+  }
+}
+
+}  // namespace throng::HWY_NAMESPACE::register_pairs
+HWY_AFTER_NAMESPACE();
+#endif
+
+/// The namespace of eight lanes, for kernels with too few numbers to fill more.
+#undef THRONG_EIGHT_LANES
+#if HWY_MAX_BYTES == 16
+#define THRONG_EIGHT_LANES register_pairs
+#else
+#define THRONG_EIGHT_LANES eight_lanes
+
+#if THRONG_HAS_LANES
+HWY_BEFORE_NAMESPACE();
+namespace throng::HWY_NAMESPACE::eight_lanes {
+
+using Eight = hn::CappedTag<float, 8>;
+inline constexpr size_t kAtOnce = hn::MaxLanes(Eight());
+static_assert(kAtOnce == 8);
+
+struct F {
+  hn::Vec<Eight> v;
+  F() = default;
+  HWY_INLINE F(hn::Vec<Eight> lanes) : v(lanes) {}
+  HWY_INLINE F(float value) : v(hn::Set(Eight(), value)) {}
+};
+struct M {
+  hn::Mask<Eight> v;
+};
+
+HWY_INLINE F operator+(F x, F y) { return hn::Add(x.v, y.v); }
+HWY_INLINE F operator-(F x, F y) { return hn::Sub(x.v, y.v); }
+HWY_INLINE F operator*(F x, F y) { return hn::Mul(x.v, y.v); }
+HWY_INLINE F operator/(F x, F y) { return hn::Div(x.v, y.v); }
+HWY_INLINE M operator<(F x, F y) { return {hn::Lt(x.v, y.v)}; }
+HWY_INLINE M operator<=(F x, F y) { return {hn::Le(x.v, y.v)}; }
+HWY_INLINE M operator>(F x, F y) { return {hn::Gt(x.v, y.v)}; }
+HWY_INLINE M operator>=(F x, F y) { return {hn::Ge(x.v, y.v)}; }
+HWY_INLINE M operator&(M x, M y) { return {hn::And(x.v, y.v)}; }
+HWY_INLINE M operator|(M x, M y) { return {hn::Or(x.v, y.v)}; }
+HWY_INLINE M operator!(M x) { return {hn::Not(x.v)}; }
+HWY_INLINE bool any(M x) { return !hn::AllFalse(Eight(), x.v); }
+HWY_INLINE F select(M mask, F yes, F no) { return hn::IfThenElse(mask.v, yes.v, no.v); }
+HWY_INLINE F max_of(F x, F y) { return hn::Max(x.v, y.v); }
+HWY_INLINE F min_of(F x, F y) { return hn::Min(x.v, y.v); }
+HWY_INLINE F abs_of(F x) { return hn::Abs(x.v); }
+HWY_INLINE F sqrt_of(F x) { return hn::Sqrt(x.v); }
+HWY_INLINE F floor_of(F x) { return hn::Floor(x.v); }
+HWY_INLINE F load(const float* from) { return hn::LoadU(Eight(), from); }
+HWY_INLINE void store(F x, float* to) { hn::StoreU(x.v, Eight(), to); }
+HWY_INLINE void store_whole(F x, int32_t* to) {
+  const hn::RebindToSigned<Eight> whole;
+  hn::StoreU(hn::ConvertTo(whole, x.v), whole, to);
+}
+
+/// out[c]: component c of each lane's row of four; row(lane) points to it.
+template <typename Row>
+HWY_INLINE void load_rows(const Row& row, F (&out)[4]) {
+  hn::Vec<Eight> lanes[4];
+  HWY_NAMESPACE::load_rows(row, lanes);
+  for (size_t i = 0; i < 4; ++i) out[i] = lanes[i];
+}
+
+}  // namespace throng::HWY_NAMESPACE::eight_lanes
+HWY_AFTER_NAMESPACE();
+#endif
+#endif
 
 #endif  // per-target include guard

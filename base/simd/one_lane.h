@@ -1,16 +1,26 @@
 // One lane at a time: what a kernel that is written over lanes is compiled over for its scalar
-// reference. One rule: every function does what the vector version in register_pairs-inl.h does to
-// each lane.
+// reference. One rule: every function does what the vector versions in lanes-inl.h do to each
+// lane.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
-#include "base/simd/bilinear.h"
-
 /// What functions of such a kernel begin with.
 #define THRONG_LANES inline
+
+namespace throng {
+
+/// Between four rows of a table: *from and the float `next` farther on by u, and the same two
+/// `step` farther on by v. store_bilinear() of lanes-inl.h does the same, operation for operation.
+inline float bilinear(const float* from, size_t next, size_t step, float u, float v) {
+  const float slow = from[0] + u * (from[next] - from[0]);
+  const float fast = from[step] + u * (from[step + next] - from[step]);
+  return slow + v * (fast - slow);
+}
+
+}  // namespace throng
 
 namespace throng::one_lane {
 

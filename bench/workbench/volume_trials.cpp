@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "avatars/avatars.h"
-#include "base/append.h"
 #include "base/figure.h"
+#include "base/text.h"
 #include "bench/workbench/couples.h"
 #include "culling/exact/triangle_bvh.h"
 #include "culling/volumes/pose_math.h"

@@ -10,11 +10,11 @@
 #include <thread>
 
 #include "avatars/avatars.h"
-#include "base/append.h"
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/files/whole_file.h"
 #include "base/say.h"
+#include "base/text.h"
 
 namespace throng {
 namespace {

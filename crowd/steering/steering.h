@@ -8,7 +8,7 @@
 #include <memory>
 #include <span>
 
-#include "base/prefetch.h"
+#include "base/memory.h"
 #include "base/simd.h"
 #include "crowd/neighbours/neighbour_grid.h"
 #include "crowd/steering/steering_rule.h"

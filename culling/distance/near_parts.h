@@ -9,7 +9,7 @@
 #include <limits>
 #include <span>
 
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "culling/distance/hull_depth.h"
 #include "culling/exact/triangle_bvh.h"
 #include "culling/near.h"

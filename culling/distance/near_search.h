@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/files/archive.h"
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "base/workers.h"
 #include "culling/bodies.h"
 #include "culling/distance/near_parts.h"

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "base/workers.h"
 #include "culling/bodies.h"
 #include "culling/kernels/kernels.h"

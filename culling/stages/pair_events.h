@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "culling/pair.h"
 
 namespace throng {

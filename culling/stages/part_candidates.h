@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "culling/body_type.h"
 #include "culling/counters.h"
 #include "culling/kernels/kernels.h"

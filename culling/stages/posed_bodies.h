@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "base/workers.h"
 #include "culling/bodies.h"
 #include "culling/body_type.h"

@@ -9,8 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "base/grow_buffer.h"
-#include "base/prefetch.h"
+#include "base/memory.h"
 #include "culling/bodies.h"
 #include "culling/body_type.h"
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "base/counting_sort.h"
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "base/workers.h"
 
 namespace throng {

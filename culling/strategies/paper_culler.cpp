@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "base/stopwatch.h"
 #include "culling/stages/pass.h"
 #include "culling/strategies/recipe.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "base/grow_buffer.h"
+#include "base/memory.h"
 #include "base/stopwatch.h"
 #include "culling/fitted.h"
 #include "culling/kernels/kernels.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "base/append.h"
+#include "base/text.h"
 #include "throng/layouts.hpp"
 
 namespace throng {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/append.h"
+#include "base/text.h"
 
 namespace throng::foxglove {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/hasher.h"
+#include "base/checksum.h"
 #include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/check_spans.h"
 #include "lcm_io/log/log_reader.h"

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/hasher.h"
+#include "base/checksum.h"
 #include "scenes/file/scene.h"
 #include "scenes/file/scene_fields.h"
 

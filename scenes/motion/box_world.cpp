@@ -9,9 +9,9 @@
 #include <numbers>
 #include <string_view>
 
+#include "base/checksum.h"
 #include "base/elementary.h"
 #include "base/errors.h"
-#include "base/hasher.h"
 #include "base/random.h"
 #include "culling/volumes/sphere.h"
 #include "scenes/run/posing.h"

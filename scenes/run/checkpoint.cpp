@@ -5,10 +5,10 @@
 #include <fstream>
 #include <string_view>
 
+#include "base/checksum.h"
 #include "base/errors.h"
 #include "base/files/archive.h"
 #include "base/files/whole_file.h"
-#include "base/hasher.h"
 #include "scenes/run/simulation.h"
 
 namespace throng {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "base/option_checks.h"
+#include "base/text.h"
 #include "scenes/file/scene_fields.h"
 
 namespace throng {

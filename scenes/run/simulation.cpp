@@ -12,8 +12,8 @@
 
 #include "avatars/model/describe.h"
 #include "avatars/stepping/standing.h"
+#include "base/checksum.h"
 #include "base/elementary.h"
-#include "base/hasher.h"
 #include "base/stopwatch.h"
 #include "crowd/navigation/footprints.h"
 #include "culling/strategies/paper_culler.h"

@@ -23,7 +23,6 @@
 #include <thread>
 
 #include "base/errors.h"
-#include "base/files/foreign_child.h"
 
 namespace throng::foreign_test {
 namespace {

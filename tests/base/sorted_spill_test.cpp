@@ -1,8 +1,7 @@
 // What is put in order on disk comes back as if it had been sorted in memory.
-#include "base/files/sorted_spill.h"
-
 #include <gtest/gtest.h>
 
+#include "base/files/nameless_file.h"
 #include "base/random.h"
 
 namespace throng::sorted_spill_test {

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "avatars/gait/gait.h"
-#include "base/hasher.h"
+#include "base/checksum.h"
 #include "base/random.h"
 #include "tests/crowd/crowd_world.h"
 #include "tests/nightly.h"

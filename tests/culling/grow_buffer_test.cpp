@@ -1,10 +1,10 @@
 // The memory of a pass: it grows with the crowd, keeps what it is asked to, and never shrinks.
-#include "base/grow_buffer.h"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <utility>
+
+#include "base/memory.h"
 
 namespace throng::grow_buffer_test {
 namespace {

@@ -10,8 +10,8 @@
 #include <limits>
 #include <thread>
 
+#include "base/checksum.h"
 #include "base/errors.h"
-#include "base/hasher.h"
 #include "base/random.h"
 #include "driven_scene.h"
 #include "lcm_io/wire/drive_receiver.h"

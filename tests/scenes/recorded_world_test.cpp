@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "base/hasher.h"
+#include "base/checksum.h"
 #include "base/random.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/retargeting/dress.h"

@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <set>
 
+#include "base/checksum.h"
 #include "base/errors.h"
-#include "base/hasher.h"
 #include "base/random.h"
 #include "scenes/run/checkpoint.h"
 #include "scenes/run/runner.h"

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/hasher.h"
+#include "base/checksum.h"
 #include "scenes/run/runner.h"
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/scene_file.h"

@@ -1,5 +1,5 @@
-// A buffer that grows and never shrinks, so that a frame like one seen before allocates nothing.
-// One rule: growing forgets the contents unless asked to keep them; growth is counted.
+// Memory of what is large: a buffer that grows and never shrinks, so that a frame like one seen
+// before allocates nothing, and functions that ask for memory before it is needed.
 #pragma once
 
 #include <sys/mman.h>
@@ -14,8 +14,16 @@
 #include <type_traits>
 #include <utility>
 
+/// Of functions that do nothing but prefetch, which are inlined early: to an optimizer such a
+/// function has no effect, and GCC drops its calls.
+#define THRONG_PREFETCH [[gnu::always_inline]] inline
+
 namespace throng {
 
+/// In bytes, of most processors that there are.
+inline constexpr size_t kCacheLine = 64;
+
+/// Growing forgets the contents unless asked to keep them; growth is counted.
 template <typename T>
 class GrowBuffer {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -46,7 +54,7 @@ class GrowBuffer {
   uint32_t times_grown() const { return times_grown_; }
 
  private:
-  static constexpr size_t kAlignment = 64;  // a cache line, and the widest register
+  static constexpr size_t kAlignment = kCacheLine;  // also the widest register
   /// From here on in pages of its own, which move when it grows: nothing is copied, and only new
   /// pages cost a fault. Below it, and under the address sanitizer, the allocator's.
 #ifdef __SANITIZE_ADDRESS__
