@@ -109,6 +109,20 @@ constexpr int64_t kDirectIds = 1 << 16;
 /// Where a step ends and the next begins.
 constexpr double kSameEvent_s = 1e-6;
 
+constexpr double kSmallest_m = 1.0, kTallest_m = 2.3;  ///< people
+constexpr double kSameHeight_m = 1e-6;
+
+/// Sprinters reach it; nobody in a crowd does.
+constexpr double kFastest_mps = 12;
+/// A track that was continued with somebody else's head.
+constexpr double kJump_m = 3;
+/// Somebody out of sight for longer has left and come back.
+constexpr double kLongAway_s = 1;
+/// Of the usual interval: what is longer lacks a sample.
+constexpr double kLacking = 1.5;
+/// Between footsteps people stand where they are for as long as they like.
+constexpr double kMoved_m = 0.01;
+
 }  // namespace
 
 RecordingBuilder::RecordingBuilder(const RecordingOptions& options)
@@ -383,13 +397,6 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
                                            survey.hash());
 }
 
-namespace {
-
-constexpr double kSmallest_m = 1.0, kTallest_m = 2.3;  ///< people
-constexpr double kSameHeight_m = 1e-6;
-
-}  // namespace
-
 /// The middle one of all heights of the head's top, which neither a stumble nor a wrong measurement
 /// moves.
 std::optional<double> PeopleSurvey::height_of(std::span<const Sample> samples) {
@@ -455,21 +462,6 @@ std::vector<RecordedPerson> PeopleSurvey::finish(RecordingFacts& facts) {
   hash_.add(std::string_view(facts.wkt)).add(facts.wkt_unit_m);
   return std::move(people_);
 }
-
-namespace {
-
-/// Sprinters reach it; nobody in a crowd does.
-constexpr double kFastest_mps = 12;
-/// A track that was continued with somebody else's head.
-constexpr double kJump_m = 3;
-/// Somebody out of sight for longer has left and come back.
-constexpr double kLongAway_s = 1;
-/// Of the usual interval: what is longer lacks a sample.
-constexpr double kLacking = 1.5;
-/// Between footsteps people stand where they are for as long as they like.
-constexpr double kMoved_m = 0.01;
-
-}  // namespace
 
 double TrackCheck::usual_interval_s(std::span<const Sample> samples) {
   gaps_s_.clear();

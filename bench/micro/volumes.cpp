@@ -278,10 +278,6 @@ void add(const std::string& name) {
   return true;
 }();
 
-}  // namespace
-
-namespace {
-
 /// The corners of every part's or-DOP 26, each once.
 std::vector<std::vector<Eigen::Vector3f>> corners_of(const BodyType& type) {
   std::vector<std::vector<Eigen::Vector3f>> out;
