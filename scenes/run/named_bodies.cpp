@@ -1,10 +1,15 @@
 #include "scenes/run/named_bodies.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
+#include "avatars/model/model.h"
+#include "base/errors.h"
 #include "scenes/file/pair_rules.h"
+#include "scenes/file/part_words.h"
 
 namespace throng {
 namespace {
@@ -15,6 +20,103 @@ constexpr std::string_view kPeople = "people", kRobots = "robots", kObstacles = 
 bool needs_prefix(std::string_view name) {
   return NamedBodies::is_kind(name) || name.starts_with(kGroupPrefix) ||
          name.starts_with(kObstaclePrefix);
+}
+
+using Sides = PairFilter::Sides;
+
+constexpr size_t kMostNamesShown = 16;
+
+/// Gives every name of the rules' sides to what it means: of(name) has a flag each.
+/// Returns the first name that means nothing, "" if there is none.
+template <typename Of>
+std::string give_sides(const PairRules& rules, std::vector<Sides>& sides, const Of& of) {
+  std::string nobody;
+  const auto give = [&](const std::string& name, Sides side) {
+    const std::vector<uint8_t> meant = of(name);
+    for (size_t i = 0; i < sides.size(); ++i)
+      if (meant[i] != 0) sides[i] |= side;
+    const bool means_nobody =
+        std::none_of(meant.begin(), meant.end(), [](uint8_t is_meant) { return is_meant != 0; });
+    if (nobody.empty() && means_nobody) nobody = name;
+  };
+  for (size_t i = 0; i < rules.size(); ++i) {
+    give(rules[i].left, PairFilter::left_of(static_cast<int>(i)));
+    give(rules[i].right, PairFilter::right_of(static_cast<int>(i)));
+  }
+  return nobody;
+}
+
+[[noreturn]] void refuse(const char* key, std::string what, std::vector<std::string> names,
+                         const std::string& name, const std::string& remark = "") {
+  const std::string nearest = remark.empty() ? did_you_mean(name, names) : remark;
+  if (names.size() > kMostNamesShown) {
+    names.resize(kMostNamesShown);
+    names.emplace_back("...");
+  }
+  throw InputError(key, fmt::format("{}: {}", what, fmt::join(names, ", ")),
+                   fmt::format("'{}'{}", name, nearest));
+}
+
+std::vector<Sides> sides_of_bodies(const Scene& scene, const RunInfo& info) {
+  std::vector<Sides> sides(info.model_of_avatar.size() + scene.obstacles.size());
+  const NamedBodies named(info);
+  const std::string nobody =
+      give_sides(scene.between, sides, [&](const std::string& name) { return named.of(name); });
+  if (nobody.empty()) return sides;
+  const std::string namesake = NamedBodies::is_kind(nobody) ? named.namesake(nobody) : "";
+  std::vector<std::string> names = named.names();
+  if (nobody.starts_with(kGroupPrefix)) {
+    names.clear();
+    for (const std::string& group : info.groups)
+      names.push_back(fmt::format("{}{}", kGroupPrefix, group));
+  }
+  for (std::string& name : names) name = in_rules(name);
+  refuse("between", "groups of the run, or", names, nobody,
+         namesake.empty() ? "" : ", which no body is; " + namesake);
+}
+
+std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo& info) {
+  std::vector<std::string> names;
+  std::vector<std::vector<Sides>> sides;
+  for (const auto& model : info.models) {
+    for (const Part& part : model->parts) names.push_back(part.name);
+    sides.emplace_back(model->parts.size());
+  }
+  for (const Obstacle& obstacle : scene.obstacles) {
+    names.push_back(obstacle.name);
+    sides.emplace_back(1);
+  }
+  std::vector<Sides> flat(names.size());
+  const std::string nobody = give_sides(scene.parts, flat, [&](const std::string& name) {
+    std::vector<uint8_t> has;
+    for (const std::string& part : names) has.push_back(name == kAll || has_words(part, name));
+    return has;
+  });
+  if (!nobody.empty()) refuse("parts", "words of a part", names, nobody);
+  size_t next = 0;
+  for (std::vector<Sides>& of_type : sides)
+    for (Sides& side : of_type) side = flat[next++];
+  return sides;
+}
+
+/// What is left out would seem far away.
+void require_robots_and_people(const Scene& scene, const RunInfo& info, const PairFilter& filter) {
+  if (!scene.separation) return;
+  const std::string& where = scene.separation->where;
+  if (!filter.of_part.empty())
+    throw InputError(where, "all parts beside 'separation', which is of whole bodies",
+                     fmt::format("'parts' (or --parts) of '{}'", to_text(scene.parts)));
+  if (filter.of_body.empty()) return;
+  // By the sides that they stand on, which are few.
+  std::set<PairFilter::Sides> robots, people;
+  for (size_t id = 0; id < info.model_of_avatar.size(); ++id)
+    (info.models[info.model_of_avatar[id]]->is_person ? people : robots).insert(filter.of_body[id]);
+  for (const PairFilter::Sides robot : robots)
+    for (const PairFilter::Sides person : people)
+      if (!PairFilter::meet(robot, person))
+        throw InputError(where,
+                         "'between' (or --between) to hold 'robots: people' beside 'separation'",
+                         fmt::format("'{}'", to_text(scene.between)));
 }
 
 }  // namespace
@@ -60,6 +162,26 @@ std::string NamedBodies::namesake(std::string_view name) const {
                   [&](const Obstacle& obstacle) { return obstacle.name == name; }))
     return fmt::format("the obstacle of this name is '{}{}'", kObstaclePrefix, name);
   return "";
+}
+
+PairFilter filter_of(const Scene& scene, const RunInfo& info) {
+  PairFilter filter;
+  if (!scene.between.empty()) filter.of_body = sides_of_bodies(scene, info);
+  if (!scene.parts.empty()) filter.of_part = sides_of_parts(scene, info);
+  require_robots_and_people(scene, info, filter);
+  return filter;
+}
+
+std::vector<std::string> filter_notes(const Scene& scene, const RunInfo& info) {
+  std::set<std::string> names;
+  for (const PairRule& rule : scene.between)
+    for (const std::string& name : {rule.left, rule.right})
+      if (NamedBodies::is_kind(name)) names.insert(name);
+  std::vector<std::string> notes;
+  for (const std::string& name : names)
+    if (const std::string namesake = NamedBodies(info).namesake(name); !namesake.empty())
+      notes.push_back(fmt::format("between: '{}' means all of that kind; {}", name, namesake));
+  return notes;
 }
 
 }  // namespace throng

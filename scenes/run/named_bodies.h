@@ -1,4 +1,5 @@
-// NamedBodies finds the bodies of a run that a name means: in filters and in --tell.
+// NamedBodies finds the bodies of a run that a name means: in filters and in --tell. A run's filter
+// follows from the names of its rules; a name that means nobody is an error, never an empty answer.
 // Invariant: a word that names bodies of a kind means all of that kind, whatever groups are called.
 #pragma once
 
@@ -7,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "culling/pair_filter.h"
 #include "scenes/run/sink.h"
 
 namespace throng {
@@ -31,5 +33,12 @@ class NamedBodies {
  private:
   const RunInfo& run_;
 };
+
+/// The filter of a run: of bodies by id, avatars first, and of parts by type, models first. Throws
+/// InputError, also where pairs are left out that the scene's separation is judged by.
+PairFilter filter_of(const Scene& scene, const RunInfo& info);
+
+/// A line for each word of the scene's `between` that a group or an obstacle is called, too.
+std::vector<std::string> filter_notes(const Scene& scene, const RunInfo& info);
 
 }  // namespace throng

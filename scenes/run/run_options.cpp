@@ -11,6 +11,7 @@
 #include "base/errors.h"
 #include "base/text.h"
 #include "scenes/file/scene_fields.h"
+#include "recordings/units.h"
 
 namespace throng {
 namespace {
@@ -143,6 +144,15 @@ auto flags(Value RecordingFlags::*member) {
   return [member](RunOptions& options) -> Value& { return options.recording.*member; };
 }
 
+/// Of anything that is none, 0.
+char separator_named(const std::string& name) {
+  constexpr std::pair<const char*, char> kSeparators[] = {
+      {"tab", '\t'}, {"blank", ' '}, {"comma", ','}, {"semicolon", ';'}};
+  for (const auto& [known, separator] : kSeparators)
+    if (name == known) return separator;
+  return name.size() == 1 ? name[0] : '\0';
+}
+
 std::string checked_separator(const std::string& text, std::string_view where) {
   if (separator_named(text) == '\0')
     throw InputError(where, "one character, or tab, blank, comma or semicolon",
@@ -191,9 +201,9 @@ void add_recording_rows(std::vector<RunOption>& rows) {
   add(number("fps", "N", "Of a recording: frames a second, as its file numbers them",
              flags(&F::fps), {0, 10'000, true}, "a number of frames a second above 0"));
   add(word("unit", "UNIT", "Of lengths in a recording: m, cm, mm, km, ft or in", flags(&F::unit),
-           unit_names()));
+           unit_names_of(Quantity::kLength)));
   add(word("heading_unit", "UNIT", "Of headings in a table: rad or deg", flags(&F::heading_unit),
-           heading_unit_names()));
+           unit_names_of(Quantity::kAngle)));
   add(parsed("columns", "LIST",
              "Of a table: id=NAME,t=NAME,x=NAME,y=NAME; frame=, z=, heading=; numbers from 1 do",
              flags(&F::columns), "a list id=NAME,t=NAME,x=NAME,y=NAME",
@@ -203,7 +213,7 @@ void add_recording_rows(std::vector<RunOption>& rows) {
              checked_separator));
   add(word("tracks", "POINT",
            "Whose way a recording is: of heads or of centres of bodies [as the kind of file]",
-           flags(&F::tracks), tracks_names()));
+           flags(&F::tracks), {"head", "centre"}));
   add(flag("strict", "What is odd about a recording is an error", flags(&F::strict)));
   add(word("step", "STEP",
            "Of a recording: recorded, its frames alone, or smooth, at most 1/60 s [smooth]",
@@ -326,6 +336,17 @@ double state_every(const RunOptions& options, const Scene& scene) {
         fmt::format("at most {:.6g}, the frames a second of {}", frames_hz, scene.name),
         fmt::format("{:.6g}", *options.states_hz));
   return std::max(1.0, frames_hz / *options.states_hz);
+}
+
+RecordingOptions recording_options(const std::filesystem::path& file, const RecordingFlags& flags) {
+  RecordingOptions out{.file = file, .fps = flags.fps, .columns = flags.columns};
+  if (const auto unit = unit_named(flags.unit)) out.unit_m = unit->in_si;
+  if (const auto unit = unit_named(flags.heading_unit)) out.heading_unit_rad = unit->in_si;
+  out.separator = separator_named(flags.separator);
+  if (!flags.tracks.empty())
+    out.tracks = flags.tracks == "head" ? TrackedPoint::kHead : TrackedPoint::kCentre;
+  out.strict = flags.strict;
+  return out;
 }
 
 }  // namespace throng

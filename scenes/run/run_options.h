@@ -8,12 +8,27 @@
 #include <string>
 #include <string_view>
 #include <vector>
+#include <filesystem>
 
-#include "recordings/recording_flags.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/simulation.h"
+#include "recordings/recording.h"
 
 namespace throng {
+
+/// What is said about a recording in words, where its file does not: the same words wherever one is
+/// read. They are for recordings only; anything else refuses them.
+struct RecordingFlags {
+  std::optional<double> fps;
+  std::string unit;          ///< "cm", or "" as everywhere where not given
+  std::string heading_unit;  ///< "deg"
+  std::string columns;       ///< "id=pedID,t=time,x=posX,y=posY"
+  std::string separator;     ///< one character, or "tab", "blank", "comma" or "semicolon"
+  std::string tracks;        ///< "head" or "centre"
+  bool strict = false;
+};
+
+RecordingOptions recording_options(const std::filesystem::path& file, const RecordingFlags& flags);
 
 /// What is not given stays as the scene has it.
 struct RunOptions {

@@ -20,7 +20,7 @@
 #include "scenes/motion/body_blocks.h"
 #include "scenes/motion/drive.h"
 #include "scenes/motion/walk.h"
-#include "scenes/run/asked_pairs.h"
+#include "scenes/run/named_bodies.h"
 #include "scenes/run/body_tables.h"
 #include "scenes/run/kinds.h"
 #include "scenes/run/posing.h"

@@ -5,7 +5,7 @@
 
 #include "base/errors.h"
 #include "scenes/file/part_words.h"
-#include "scenes/run/asked_pairs.h"
+#include "scenes/run/named_bodies.h"
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 #include "tests/nightly.h"
