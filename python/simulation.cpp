@@ -104,7 +104,7 @@ struct FrameView {
   py::array near_people() const {
     const Frame& f = frame();
     require(run->scene().person_near_m > 0, "without person_near=M, and its scene has none");
-    return array_of(near_rows(f.near_people));
+    return array_of(near_rows(f.near_bodies));
   }
   py::array part_poses(const Numbers& people) const;
 

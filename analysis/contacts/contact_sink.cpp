@@ -341,7 +341,7 @@ void NearTables::list(const RunInfo& run, const Frame& frame, const NearRows& ro
 
 void NearTables::expose(const Frame& frame) {
   pairs_.clear();
-  for (const NearPair& row : frame.near_people) {
+  for (const NearPair& row : frame.near_bodies) {
     const uint64_t pair = pair_key(row.pair.a(), row.pair.b());
     pairs_.push_back(pair);
     Exposure& exposure = exposures_[pair];
@@ -358,7 +358,7 @@ void NearTables::frame(const RunInfo& run, const Frame& frame) {
   if (rows_ == nullptr) return;
   text_.clear();
   list(run, frame, frame.near_pairs, "parts");
-  list(run, frame, frame.near_people, "people");
+  list(run, frame, frame.near_bodies, "people");
   rows_->write(text_);
   if (seconds_ != nullptr) expose(frame);
 }

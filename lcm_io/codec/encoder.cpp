@@ -257,9 +257,9 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
 }
 
 void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
-  const size_t rows = frame.near_pairs.size() + frame.near_people.size();
+  const size_t rows = frame.near_pairs.size() + frame.near_bodies.size();
   send_rows(Channel::kNear, near_, rows, [&](size_t first, size_t) {
-    set_near_chunk(near_, run.culler.near, frame.near_hash, frame.near_pairs, frame.near_people,
+    set_near_chunk(near_, run.culler.near, frame.near_hash, frame.near_pairs, frame.near_bodies,
                    first);
   });
 }

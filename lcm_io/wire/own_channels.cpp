@@ -135,7 +135,7 @@ void OwnChannels::tell_near(size_t i, const RunInfo& run, const Frame& frame) {
       if (names(parties_[i], row.pair)) own.push_back(row);
   };
   choose(frame.near_pairs, own_near_);
-  choose(frame.near_people, own_people_);
+  choose(frame.near_bodies, own_people_);
   const size_t rows = own_near_.size() + own_people_.size();
   stamp_.near_rows = static_cast<int32_t>(rows);
   told_[i].near_rows += static_cast<int64_t>(rows);

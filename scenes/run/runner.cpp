@@ -78,9 +78,9 @@ void add_counters(CullingCounters& total, const CullingCounters& frame) {
 
 void add_near(NearSummary& near, const Frame& frame) {
   near.pairs += frame.near_pairs.size();
-  near.people += frame.near_people.size();
+  near.people += frame.near_bodies.size();
   near.pairs_peak = std::max(near.pairs_peak, uint64_t{frame.near_pairs.size()});
-  for (const NearRows& rows : {frame.near_pairs, frame.near_people})
+  for (const NearRows& rows : {frame.near_pairs, frame.near_bodies})
     for (const NearPair& row : rows) near.least_m = std::min(near.least_m, row.lo_m);
 }
 

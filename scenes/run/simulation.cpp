@@ -347,17 +347,7 @@ void Simulation::State::fill_frame() {
   frame.postures = postures;
   frame.posture_offsets = posture_offsets;
   frame.present = world->present();
-  const CullingResult culled = culler->frame();
-  frame.pairs = culled.pairs;
-  frame.events = culled.events;
-  frame.levels = culled.levels;
-  frame.persisting = culled.persisting;
-  frame.hash = culled.hash;
-  frame.near_pairs = culled.near_pairs;
-  frame.near_people = culled.near_bodies;
-  frame.contact_points = culled.contact_points;
-  frame.near_hash = culled.near_hash;
-  frame.counters = culled.counters;
+  static_cast<CullingResult&>(frame) = culler->frame();
   frame.times = &times;
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
 }

@@ -50,7 +50,9 @@ struct RunInfo {
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
 };
 
-struct Frame {
+/// What the culler found, and where everybody is. `near_pairs` are within the scene's near_m, and
+/// `near_bodies` the nearest parts of two people within person_near_m.
+struct Frame : CullingResult {
   int64_t number = 0;
   int64_t utime_us = 0;               ///< simulation time
   std::span<const RootPose> roots;    ///< one an avatar
@@ -58,22 +60,9 @@ struct Frame {
   std::span<const float>
       postures;  ///< rows one after another, avatar by avatar (see posture_offsets)
   std::span<const size_t> posture_offsets;  ///< avatar_count + 1 entries into postures
-  std::span<const PairKey> pairs;           ///< all that touch now, sorted
-  std::span<const PairEvent> events;        ///< begins and ends of this frame, sorted
   /// One an avatar, 0 where it is not in the scene at this time; empty: everybody is. An absent one
   /// has no pairs and keeps the last root.
   std::span<const uint8_t> present;
-  /// PairLevel, one a pair; empty: all are fully decided.
-  std::span<const uint8_t> levels;
-  /// Of parts within the scene's near_m, and the nearest parts of two people within person_near_m;
-  /// sorted.
-  NearRows near_pairs, near_people;
-  /// One for each of pairs, where the scene asks for them (see Culler::contact_points()).
-  std::span<const ContactPoint> contact_points;
-  uint64_t near_hash = 0;  ///< of all near rows up to this frame's
-  uint64_t persisting = 0;
-  uint64_t hash = 0;  ///< of all events up to this frame's (see culling/event_hash.h)
-  const CullingCounters* counters = nullptr;
   const FrameTimes* times = nullptr;  ///< of the frame so far; kPublish is the previous frame's
 };
 

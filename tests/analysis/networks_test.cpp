@@ -33,8 +33,8 @@ struct Oracle final : public Sink {
         touching.insert({second, {pair.a(), pair.b()}});
         touching_frames[{pair.a(), pair.b()}].insert(frame.number);
       }
-    rows += frame.near_pairs.size() + frame.near_people.size();
-    for (const NearPair& row : frame.near_people) {
+    rows += frame.near_pairs.size() + frame.near_bodies.size();
+    for (const NearPair& row : frame.near_bodies) {
       const Pair people{row.pair.a(), row.pair.b()};
       near.insert({second, people});
       for (const double level : {0.5, 1.0, 2.0}) {

@@ -51,7 +51,7 @@ TEST(NearMessages, HoldEveryRowToTheBit) {
     const std::vector<NearPair> parts = some_rows(count), people = some_rows(count / 2);
     Frame frame = run.step();
     frame.near_pairs = parts;
-    frame.near_people = people;
+    frame.near_bodies = people;
     MessageList list;
     RunEncoder encoder({}, list);
     encoder.begin(info);

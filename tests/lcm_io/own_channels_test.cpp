@@ -94,7 +94,7 @@ std::vector<PairKey> of_bodies(const Rows& rows, const std::set<uint32_t>& bodie
 /// Of the parts, then of two people.
 std::vector<PairKey> near_of(const Frame& frame, const std::set<uint32_t>& bodies) {
   std::vector<PairKey> own = of_bodies(frame.near_pairs, bodies);
-  const std::vector<PairKey> people = of_bodies(frame.near_people, bodies);
+  const std::vector<PairKey> people = of_bodies(frame.near_bodies, bodies);
   own.insert(own.end(), people.begin(), people.end());
   return own;
 }

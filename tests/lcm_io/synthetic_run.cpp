@@ -181,7 +181,7 @@ void SyntheticRun::list_near() {
     contact_points_.push_back({pair, {1.5, 2.5, 0.125 * pair.part_a()}, {0, 0, 1}, 0.02f});
   frame_.contact_points = contact_points_;
   frame_.near_pairs = near_;
-  frame_.near_people = std::span<const NearPair>(near_).first(near_.size() / 2);
+  frame_.near_bodies = std::span<const NearPair>(near_).first(near_.size() / 2);
 }
 
 const Frame& SyntheticRun::step() {

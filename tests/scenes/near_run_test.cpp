@@ -100,7 +100,7 @@ TEST(NearRun, NamesTheNearestPartsOfEachTwoPeople) {
   int rows = 0;
   for (int i = 0; i < 20; ++i) {
     const Frame& frame = simulation.step();
-    for (const NearPair& people : frame.near_people) {
+    for (const NearPair& people : frame.near_bodies) {
       ++rows;
       for (const NearPair& parts : frame.near_pairs)
         if (parts.pair.a() == people.pair.a() && parts.pair.b() == people.pair.b()) {
@@ -143,7 +143,7 @@ ListedFrames listed(const Scene& scene, int threads) {
   for (int i = 0; i < 8; ++i) {
     const Frame& frame = run.step();
     out.parts.push_back(rows_of(frame.near_pairs));
-    out.people.push_back(rows_of(frame.near_people));
+    out.people.push_back(rows_of(frame.near_bodies));
   }
   return out;
 }
