@@ -44,7 +44,7 @@ Scene made_scene(const std::string& name, size_t people, double duration_s,
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMargin_m);
   scene.ground = {bounds.min_m - margin, bounds.max_m + margin};
   scene.groups.push_back(recorded_group());
-  scene.groups.back().recorded = static_cast<int64_t>(people);
+  take_people(*recorded.recording, scene.groups.back());
   return scene;
 }
 

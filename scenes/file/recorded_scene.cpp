@@ -127,6 +127,14 @@ Group recorded_group() {
   return group;
 }
 
+void take_people(const Recording& recording, Group& group) {
+  group.recorded = static_cast<int64_t>(recording.people().size());
+  for (const RecordedPerson& person : recording.people()) {
+    group.recorded_heights += person.height_m ? 1 : 0;
+    group.tallest_recorded_m = std::max(group.tallest_recorded_m, person.height_m.value_or(0));
+  }
+}
+
 void take_recording(Scene& scene, bool has_ground, const std::string& where) {
   RecordedPeople& people = *scene.recorded;
   people.recording = read_recording(people.options);
@@ -137,12 +145,7 @@ void take_recording(Scene& scene, bool has_ground, const std::string& where) {
   if (people.geometry) scene.area = recorded_area(facts, people.options.file.string()).polygons;
   if (!has_ground) scene.ground = ground_of(facts, scene.area);
   add_geometry(scene, where);
-  Group& group = scene.groups.back();
-  group.recorded = static_cast<int64_t>(people.recording->people().size());
-  for (const RecordedPerson& person : people.recording->people()) {
-    group.recorded_heights += person.height_m ? 1 : 0;
-    group.tallest_recorded_m = std::max(group.tallest_recorded_m, person.height_m.value_or(0));
-  }
+  take_people(*people.recording, scene.groups.back());
 }
 
 Scene recorded_scene(const RecordingOptions& options, bool recorded_frames) {

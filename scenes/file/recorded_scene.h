@@ -20,4 +20,7 @@ void take_recording(Scene& scene, bool has_ground, const std::string& where);
 /// The group of the recorded people: adults without goals. Always the scene's last one.
 Group recorded_group();
 
+/// Sets how many they are and how tall, as far as the recording knows.
+void take_people(const Recording& recording, Group& group);
+
 }  // namespace throng
