@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/command.h"
 #include "apps/commands/monitor_view.h"
 #include "apps/process/stop_signal.h"
 #include "base/say.h"
 #include "base/text.h"
+#include "lcm_io/log/log_check.h"
 #include "lcm_io/log/log_reader.h"
 #include "lcm_io/wire/receiver.h"
 
@@ -86,9 +88,11 @@ int print_result(MonitorView view, bool as_json) {
   }
   if (!view.inbox.runs().empty()) return kExitFine;
   say("{}: expected a run, heard none; {}\n", view.source,
-      view.inbox.refused() > 0
-          ? counted(view.inbox.refused(), "message was refused", "messages were refused")
-          : "start one with 'throng run SCENE --pace 1'");
+      view.inbox.refused() > 0 ? fmt::format("{} ({})",
+                                             counted(view.inbox.refused(), "message was refused",
+                                                     "messages were refused"),
+                                             view.inbox.run().refusal())
+                               : "start one with 'throng run SCENE --pace 1'");
   return kExitCheckFailed;
 }
 
@@ -137,19 +141,25 @@ int watch_log(const MonitorOptions& options) {
   Monitor monitor(inbox);
   MonitorView view{inbox, monitor, options.log};
   LogEvent event;
-  int64_t damaged = 0;
+  int64_t damaged = 0, messages = 0;
+  std::vector<std::string> told;  // of the damage
+  std::string first_refusal;
   for (;;) {
     const LogReader::Status status = log.next(event);
     if (status == LogReader::Status::kEnd) break;
     if (status != LogReader::Status::kEvent) {
-      if (++damaged <= kMostTold) say("{}: {}\n", options.log, log.problem());
+      if (++damaged <= kMostTold) told.push_back(log.problem());
       if (!log.resync()) break;
       continue;
     }
     const RunReader::Update update = inbox.take(event.channel, event.data);
+    messages += channel_of(event.channel) ? 1 : 0;
+    if (first_refusal.empty()) first_refusal = inbox.run().refusal();
     view.now_s = std::max(view.now_s, static_cast<double>(event.stamp_us) * 1e-6);
     monitor.take(update, view.now_s);
   }
+  require_this_version(options.log, messages, inbox.refused(), first_refusal);
+  for (const std::string& damage : told) say("{}: {}\n", options.log, damage);
   if (damaged > kMostTold)
     say("{}: damaged in {} places; see 'throng check'\n", options.log, damaged);
   return print_result(view, options.json);

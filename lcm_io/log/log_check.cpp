@@ -297,16 +297,13 @@ class Judge {
     compare_hash(end, event);
   }
 
-  /// Damage hits some messages, another version all of them.
   void require_this_version() const {
     int64_t messages = 0, refused = 0;
     for (const LogReport::ChannelReport& sum : report_.channels) {
       messages += sum.messages;
       refused += sum.refused;
     }
-    if (messages > 1 && refused == messages)
-      throw InputError(file_.string(), "messages of this version of Throng",
-                       first_refusal_ + "; record the run again with this version");
+    throng::require_this_version(file_, messages, refused, first_refusal_);
   }
 
   void finish() {
@@ -402,6 +399,13 @@ std::string describe_channels(const LogReport& report) {
 }
 
 }  // namespace
+
+void require_this_version(const std::filesystem::path& file, int64_t messages, int64_t refused,
+                          const std::string& first_refusal) {
+  if (messages > 1 && refused == messages)
+    throw InputError(file.string(), "messages of this version of Throng",
+                     first_refusal + "; record the run again with this version");
+}
 
 std::vector<std::string> describe_coverage(const LogReport& report) {
   if (!report.has_checks) return {"none: cut off before the first; damage may go unnoticed"};

@@ -66,6 +66,11 @@ struct LogReport {
   bool is_whole() const { return is_sound() && finished; }
 };
 
+/// Throws InputError where all messages of a log were refused, the first of them for
+/// `first_refusal`: damage hits some, another version all.
+void require_this_version(const std::filesystem::path& file, int64_t messages, int64_t refused,
+                          const std::string& first_refusal);
+
 /// Throws InputError if `file` is no log at all, or if none of its messages is of this version.
 LogReport check_log(const std::filesystem::path& file);
 

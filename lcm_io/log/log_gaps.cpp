@@ -84,9 +84,9 @@ void LogGaps::compare(const LogEvent& event, const MessageHeader& header) {
 }
 
 std::string LogGaps::found_no_description() const {
-  if (is_torn_) return "none: the file ends inside a message";
   if (!first_refusal_.empty() && !has_run_)
     return fmt::format("none ({}); record the run again with this version", first_refusal_);
+  if (is_torn_) return "none: the file ends inside a message";
   return "none; is it a log of `throng run`?";
 }
 

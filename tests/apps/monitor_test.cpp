@@ -66,6 +66,34 @@ TEST(Monitor, SaysWhenNothingIsHeard) {
   EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
 }
 
+TEST(Monitor, RefusesALogOfAnotherVersion) {
+  const ScratchFolder folder;
+  ASSERT_EQ(shell("throng run corridor --seconds 0.2 --lcm off --log a.lcmlog", folder).exit_code,
+            0);
+  std::string bytes = read_file(folder / "a.lcmlog");
+  const auto size_at = [&bytes](size_t at) {
+    size_t size = 0;
+    for (size_t i = at; i < at + 4; ++i) size = size << 8 | static_cast<unsigned char>(bytes[i]);
+    return size;
+  };
+  constexpr size_t kHead = 28, kSchemaEnd = 59;  // of an event and of a message
+  for (size_t at = 0; at < bytes.size();) {
+    const size_t channel = size_at(at + 20), message = size_at(at + 24);
+    bytes[at + kHead + channel + kSchemaEnd] = 2;
+    at += kHead + channel + message;
+  }
+  for (const size_t size : {bytes.size(), bytes.size() - 10}) {
+    write_file(folder / "old.lcmlog", bytes.substr(0, size));
+    const Outcome outcome = shell("throng monitor old.lcmlog --json", folder);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(
+        outcome.err,
+        "old.lcmlog: expected messages of this version of Throng, found THRONG_RUN: schema 2, "
+        "this program reads 3; record the run again with this version\n");
+  }
+}
+
 TEST(Monitor, SurvivesTornAndDamagedLogs) {
   const ScratchFolder folder;
   ASSERT_EQ(shell("throng run corridor --seconds 0.2 --lcm off --log a.lcmlog", folder).exit_code,
