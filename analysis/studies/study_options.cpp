@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <span>
+#include <string_view>
 
 #include "base/errors.h"
 
@@ -36,25 +37,8 @@ const std::vector<std::string>& study_option_names() {
 std::string why_no_study_option(const std::string& name) {
   for (const RunOption& option : run_options())
     if (option.name == name) return option.study_has;
-  constexpr std::array kOutputs = {"log",
-                                   "lcm",
-                                   "flush_s",
-                                   "json",
-                                   "html",
-                                   "contacts",
-                                   "trajectory",
-                                   "trajectory_fps",
-                                   "trajectory_area",
-                                   "by_part",
-                                   "resume",
-                                   "checkpoint",
-                                   "every",
-                                   "trace_hash",
-                                   "pace",
-                                   "tell",
-                                   "lockstep",
-                                   "lockstep_timeout"};
-  const bool is_output = std::find(kOutputs.begin(), kOutputs.end(), name) != kOutputs.end();
+  const std::span<const std::string_view> outputs = output_option_names();
+  const bool is_output = std::find(outputs.begin(), outputs.end(), name) != outputs.end();
   return is_output ? kShapesNoResult : "";
 }
 

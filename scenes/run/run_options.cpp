@@ -10,8 +10,8 @@
 
 #include "base/errors.h"
 #include "base/text.h"
-#include "scenes/file/scene_fields.h"
 #include "recordings/units.h"
+#include "scenes/file/scene_fields.h"
 
 namespace throng {
 namespace {
@@ -273,6 +273,28 @@ std::string argument_of(std::string_view option) {
   std::string text = "--" + std::string(option);
   std::replace(text.begin(), text.end(), '_', '-');
   return text;
+}
+
+std::span<const std::string_view> output_option_names() {
+  static constexpr std::string_view kNames[] = {"log",
+                                                "lcm",
+                                                "flush_s",
+                                                "json",
+                                                "html",
+                                                "contacts",
+                                                "trajectory",
+                                                "trajectory_fps",
+                                                "trajectory_area",
+                                                "by_part",
+                                                "resume",
+                                                "checkpoint",
+                                                "every",
+                                                "trace_hash",
+                                                "pace",
+                                                "tell",
+                                                "lockstep",
+                                                "lockstep_timeout"};
+  return kNames;
 }
 
 void require_no_recording_options(const RunOptions& options, std::string_view found) {

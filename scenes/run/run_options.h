@@ -3,16 +3,17 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-#include <filesystem>
 
+#include "recordings/recording.h"
 #include "scenes/file/scene.h"
 #include "scenes/run/simulation.h"
-#include "recordings/recording.h"
 
 namespace throng {
 
@@ -90,6 +91,10 @@ std::string argument_of(std::string_view option);
 
 /// In the order of the help.
 const std::vector<RunOption>& run_options();
+
+/// What the command and Python take besides these: it shapes what is written or sent, and no
+/// result. Without "separation", which is a key of scenes, too.
+std::span<const std::string_view> output_option_names();
 
 /// Throws InputError where an option of recordings was given: `found` ("a scene") needs none.
 void require_no_recording_options(const RunOptions& options, std::string_view found);

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <regex>
 #include <string>
+#include <vector>
 
 #include "tests/apps/cli.h"
 
@@ -40,6 +43,24 @@ class Study : public testing::Test {
 
   ScratchFolder folder_;
 };
+
+TEST_F(Study, KnowsEveryOptionOfARunThatIsNoKeyOfAScene) {
+  const std::string help = run("throng run --help").out;
+  const std::regex option("\n +(?:-\\w,)?--([a-z-]+)");
+  std::vector<std::string> unknown;
+  for (std::sregex_iterator at(help.begin(), help.end(), option), end; at != end; ++at) {
+    std::string name = (*at)[1];
+    std::replace(name.begin(), name.end(), '-', '_');
+    write_file(folder_ / "study.yaml", "scenes: [corridor]\n" + name + ": none\n");
+    const Outcome outcome = run("throng study study.yaml --out table.csv");
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    if (outcome.err.find("expected a key of a study") != std::string::npos) unknown.push_back(name);
+  }
+  EXPECT_THAT(unknown,
+              testing::ElementsAre("help", "near", "person_near", "contact_points", "between",
+                                   "parts", "fps", "unit", "heading_unit", "columns", "separator",
+                                   "tracks", "strict", "step", "separation"));
+}
 
 TEST_F(Study, ATableHasARowForEachRunAndNoClock) {
   const std::string table = whole(".csv");
