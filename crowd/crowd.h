@@ -18,13 +18,12 @@
 #include "base/memory.h"
 #include "base/workers.h"
 #include "crowd/crowd_counters.h"
-#include "crowd/crowd_fields.h"
+#include "crowd/crowd_state.h"
 #include "crowd/detours.h"
 #include "crowd/doorkeeper.h"
 #include "crowd/exits.h"
 #include "crowd/journeys.h"
 #include "crowd/navigation/ways.h"
-#include "crowd/neighbours/neighbour_grid.h"
 #include "crowd/occasions.h"
 #include "crowd/parties.h"
 #include "crowd/queues.h"
@@ -63,50 +62,32 @@ class Crowd {
   void decide();
 
   /// Everybody there may ever be; who is in the scene now says traffic().present().
-  size_t size() const { return positions_m_.size(); }
+  size_t size() const { return state_.positions_m.size(); }
   const Journeys& journeys() const { return journeys_; }
   const Traffic& traffic() const { return traffic_; }
   const Queues& queues() const { return queues_; }
-  std::span<const Eigen::Vector2d> positions_m() const { return positions_m_; }
+  std::span<const Eigen::Vector2d> positions_m() const { return state_.positions_m; }
   /// Unit vectors: the way the body faces.
-  std::span<const Eigen::Vector2d> headings() const { return headings_; }
-  std::span<const Eigen::Vector2d> velocities_mps() const { return velocities_mps_; }
+  std::span<const Eigen::Vector2d> headings() const { return state_.headings; }
+  std::span<const Eigen::Vector2d> velocities_mps() const { return state_.velocities_mps; }
   /// How far each head is turned away from the heading, to the left: towards where its owner wants
   /// to go, which the body follows later. At most Gait::kMostLook_rad. Keeps its place in memory.
-  std::span<const float> looks_rad() const { return looks_rad_; }
+  std::span<const float> looks_rad() const { return state_.looks_rad; }
   /// The way of the latest step.
-  std::span<const double> walked_m() const { return walked_m_; }
+  std::span<const double> walked_m() const { return state_.walked_m; }
   const SteeringCounters& counters() const { return counters_; }
 
-  static constexpr size_t kMaxNeighbours = NeighbourGrid::kMost;
   /// Whoever has moved less than this is making no progress.
   static constexpr double kStall_m = 0.3;
 
  private:
-  /// Outside or gone: has no slot.
-  static constexpr uint32_t kNowhere = UINT32_MAX;
-
   /// The walls of one block, one a worker.
   struct Walls {
     std::vector<float> x, y, clearance_m;
     std::vector<uint32_t> starts;
   };
 
-  template <typename Body>
-  void for_slots(const Body& body);  // body(begin, end, worker)
-  template <typename Body>
-  void for_deciders(const Body& body);  // body(block of slots, block, worker)
-  template <typename Body>
-  double largest(const Body& body);  // body(block of deciders, block)
-
-  // Each for a block of those who decide now.
-  using Slots = std::span<const uint32_t>;
-  /// Somebody after the i-th, to be fetched into the caches: they lie too irregularly to be
-  /// foreseen.
-  static uint32_t later_decider(Slots slots, size_t i) {
-    constexpr size_t kAhead = 8;
-    return slots[std::min(i + kAhead, slots.size() - 1)];
-  }
+  using Slots = CrowdState::Slots;
   void look_around(Slots slots);
   double wish(Slots slots);
   void limit_wishes(Slots slots, Walls& walls);
@@ -118,19 +99,11 @@ class Crowd {
   void begin_period();
   void update_detours();
   void decide(int phase);
-  Slots deciders() const {
-    return {deciders_.data() + first_deciders_[phase_],
-            deciders_.data() + first_deciders_[phase_ + 1]};
-  }
   void change_people();
   void seat_people();
   void take_slots();
-  void list_deciders();
   double entering_mps(size_t slot);
   void start_walking(size_t slot);
-  template <typename At>
-  void archive_by_id(Archive& a, const At& at);
-  void check_read(Archive& a);
   bool is_queuing(size_t slot) const;
   HeldUp held_up(size_t slot, double stuck_s) const;
   bool is_slow(size_t slot) const;
@@ -140,16 +113,12 @@ class Crowd {
   void overlook_companions(size_t slot);
   double pace(size_t slot, const Eigen::Vector2d& way);
   void stretch(size_t slot);
-  bool stands(size_t slot) const {
-    return walkers_.seen[slot].way_x == 0 && walkers_.seen[slot].way_y == 0;
-  }
   bool stands_among_standing(size_t slot) const;
   double own_side_m(size_t slot) const;
-  OwnSide own_side(size_t slot) const { return {walkers_[slot].own_side_m, walkers_[slot].facing}; }
+  OwnSide own_side(size_t slot) const {
+    return {state_.agents[slot].own_side_m, state_.agents[slot].facing};
+  }
   Eigen::Vector2d wanted_mps(size_t slot);
-  void wish_for(size_t slot, const Eigen::Vector2f& wanted_mps);
-  void show(size_t slot);
-  void look_ahead(size_t slot);
   void find_walls(size_t slot, Walls& walls);
   SteeringView view() const;
   SteeringView view_with_walls(Slots slots, Walls& walls);
@@ -161,24 +130,12 @@ class Crowd {
   bool is_settled(size_t slot) const;
   /// Discs whose centres are nearer are pushed apart.
   float apart_m(size_t slot, size_t other) const {
-    return traits_.core * (walkers_.seen[slot].radius_m + walkers_.seen[other].radius_m);
+    return state_.traits.core *
+           (state_.agents.seen[slot].radius_m + state_.agents.seen[other].radius_m);
   }
   Eigen::Vector2f expected_m(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
-  /// What a step writes by person lies anywhere.
-  THRONG_PREFETCH void prefetch(uint32_t id) const {
-    __builtin_prefetch(&positions_m_[id], 1);
-    __builtin_prefetch(&velocities_mps_[id], 1);
-    __builtin_prefetch(&headings_[id], 1);
-    __builtin_prefetch(&looks_rad_[id], 1);
-    __builtin_prefetch(&walked_m_[id], 1);
-  }
-  THRONG_PREFETCH void prefetch_neighbours(uint32_t slot) const {
-    const uint32_t* near = slots_.neighbours.data() + kMaxNeighbours * slot;
-    for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k)
-      __builtin_prefetch(&walkers_.seen[near[k]]);
-  }
   double move(size_t slot);
   double turn(size_t slot);  ///< by how much, in radians
   double turn_into_way(size_t slot, const Eigen::Vector2d& to);
@@ -191,30 +148,14 @@ class Crowd {
   double watch_progress(size_t slot);
 
   Ways& ways_;
-  Workers& workers_;
   CrowdOptions options_;
   std::unique_ptr<const SteeringModel> model_;
-  SteeringTraits traits_;
-  int steps_a_period_ = 6;
-  double period_s_ = 0.1;
-  int64_t steps_ = 0;
-  size_t phase_ = 0;  ///< the step of the period: those of it decide
+  CrowdState state_;
 
   // What never changes, by person.
-  std::vector<double> radii_m_;
-  std::vector<double> free_speeds_mps_;
   std::vector<std::optional<Eigen::Vector2d>> faces_m_;  ///< what they look at while they stand
   std::vector<float> enters_mps_;                        ///< below 0: as those ahead let it
   std::vector<float> squeezes_;                          ///< at the start, see crowd_fields.h
-  float widest_m_ = 0;                                   ///< of all radii
-  double fastest_mps_ = 0;                               ///< of all free speeds
-
-  // What others see, by person.
-  std::vector<Eigen::Vector2d> positions_m_;
-  std::vector<Eigen::Vector2d> velocities_mps_;
-  std::vector<Eigen::Vector2d> headings_;
-  std::vector<float> looks_rad_;
-  std::vector<double> walked_m_;
 
   Detours detours_;
   Journeys journeys_;
@@ -225,15 +166,9 @@ class Crowd {
   Parties parties_;
   Queues queues_;
 
-  NeighbourGrid grid_;
-  std::vector<uint32_t> slot_of_;         ///< by person, or kNowhere
-  std::vector<uint32_t> deciders_;        ///< slots, phase by phase
-  std::vector<uint32_t> first_deciders_;  ///< by phase, and the end
-  AgentStates walkers_;
-  AgentStates carried_;  ///< the slots before, while people take their new ones
-  Decisions slots_;
-  std::vector<Walls> walls_;                         ///< one a worker
-  std::vector<double> block_values_, block_ways_m_;  ///< one a block, reduced in order
+  AgentStates carried_;               ///< the slots before, while people take their new ones
+  std::vector<Walls> walls_;          ///< one a worker
+  std::vector<double> block_ways_m_;  ///< one a block, reduced in order
   SteeringCounters counters_;
 };
 

@@ -12,43 +12,46 @@ namespace throng {
 /// How far to the left of the shortest way somebody walks, less than nothing to the right: to a
 /// side of their own, as far as walls leave room and their pace does, and not all at once.
 double Crowd::own_side_m(size_t slot) const {
-  if (!traits_.keeps_sides) return 0;
-  const double room_m = std::max(walkers_[slot].clearance_m - tuning::kOwnSideFrom_m, 0.0);
-  const double pace = walkers_[slot].velocity_mps.norm() / walkers_[slot].free_speed_mps;
+  if (!state_.traits.keeps_sides) return 0;
+  const double room_m = std::max(state_.agents[slot].clearance_m - tuning::kOwnSideFrom_m, 0.0);
+  const double pace = state_.agents[slot].velocity_mps.norm() / state_.agents[slot].free_speed_mps;
   const double share = tuning::share_between(tuning::kOwnSideSlow, tuning::kOwnSideFast, pace);
-  const RandomKey key{options_.seed, grid_.order()[slot], 0, Purpose::kOwnSide};
+  const RandomKey key{options_.seed, state_.id(slot), 0, Purpose::kOwnSide};
   const double side_m = share * random_uniform(key, -room_m, room_m);
-  const double most_m = tuning::kOwnSideRate_mps * period_s_, now_m = walkers_[slot].own_side_m;
+  const double most_m = tuning::kOwnSideRate_mps * state_.period_s,
+               now_m = state_.agents[slot].own_side_m;
   return std::clamp(side_m, now_m - most_m, now_m + most_m);
 }
 
 Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
-  const uint32_t id = grid_.order()[slot];
+  const uint32_t id = state_.id(slot);
   const bool has_companions =
       parties_.has(id) && journeys_.doing(id) != Doing::kQueuing;  // each has a place of their own
-  Eigen::Vector2d direction = has_companions
-                                  ? parties_.alone(id)
-                                  : journeys_.direction(id, walkers_[slot].position_m,
-                                                        own_side(slot), walkers_[slot].clearance_m);
-  walkers_[slot].facing = direction;
+  Eigen::Vector2d direction =
+      has_companions ? parties_.alone(id)
+                     : journeys_.direction(id, state_.agents[slot].position_m, own_side(slot),
+                                           state_.agents[slot].clearance_m);
+  state_.agents[slot].facing = direction;
   const double room = doorkeeper_.has_doors() ? pace(slot, direction) : 1;
   if (has_companions) direction = parties_.way(id);
   if (room != 1) direction *= room;
   const double stalled_s = stalled_s_of(slot);
-  if (traits_.is_nudged && stalled_s > tuning::kStuck_s) {
+  if (state_.traits.is_nudged && stalled_s > tuning::kStuck_s) {
     const auto second = static_cast<uint64_t>(std::floor(stalled_s));
     const RandomKey key{options_.seed, id,
-                        static_cast<uint64_t>(walkers_[slot].anchor_step) + second,
+                        static_cast<uint64_t>(state_.agents[slot].anchor_step) + second,
                         Purpose::kSymmetryBreaking};
     const double side = random_uniform(key, -tuning::kSidestep, tuning::kSidestep, 2);
     direction += side * Eigen::Vector2d(-direction.y(), direction.x());
     if (direction.squaredNorm() > 0) direction.normalize();
   }
   if (has_companions) direction *= parties_.pace(id);
-  const double share = traits_.eases ? 1 : period_s_ / (tuning::kRelaxation_s + period_s_);
-  Eigen::Vector2d& intent = walkers_[slot].intent_mps;
-  intent += share * (walkers_[slot].free_speed_mps * direction - intent);
-  const RandomKey key{options_.seed, id, static_cast<uint64_t>(steps_), Purpose::kSymmetryBreaking};
+  const double share =
+      state_.traits.eases ? 1 : state_.period_s / (tuning::kRelaxation_s + state_.period_s);
+  Eigen::Vector2d& intent = state_.agents[slot].intent_mps;
+  intent += share * (state_.agents[slot].free_speed_mps * direction - intent);
+  const RandomKey key{options_.seed, id, static_cast<uint64_t>(state_.steps),
+                      Purpose::kSymmetryBreaking};
   // One draw for both axes: half of its bits are plenty.
   const uint64_t bits = random_bits(key);
   const auto shake = [](uint64_t half) {
@@ -60,20 +63,21 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
 /// The share of the free speed that is left to somebody whose way leads through a closed door:
 /// they come up to it, or behind others who wait for it, and stand.
 double Crowd::pace(size_t slot, const Eigen::Vector2d& way) {
-  uint8_t& held = slots_.next_held[slot];
+  uint8_t& held = state_.decisions.next_held[slot];
   held = 0;
-  const uint32_t id = grid_.order()[slot];
-  const Eigen::Vector2d& position = walkers_[slot].position_m;
+  const uint32_t id = state_.id(slot);
+  const Eigen::Vector2d& position = state_.agents[slot].position_m;
   if (way.isZero() || !journeys_.field(id).is_closed(position)) return 1;
-  const double radius_m = walkers_[slot].radius_m;
+  const double radius_m = state_.agents[slot].radius_m;
   double room_m = doorkeeper_.room_m(position, way, radius_m);
-  for (size_t k = 0; k < slots_.neighbour_counts[slot]; ++k) {
-    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
-    if (walkers_[other].held == 0) continue;
-    const Eigen::Vector2d offset = walkers_[other].position_m - position;
+  for (size_t k = 0; k < state_.decisions.neighbour_counts[slot]; ++k) {
+    const uint32_t other = state_.decisions.neighbours[CrowdState::kMaxNeighbours * slot + k];
+    if (state_.agents[other].held == 0) continue;
+    const Eigen::Vector2d offset = state_.agents[other].position_m - position;
     const double distance_m = offset.norm();
     if (way.dot(offset) < tuning::kBehind * distance_m) continue;
-    room_m = std::min(room_m, distance_m - radius_m - walkers_[other].radius_m - tuning::kWaits_m);
+    room_m =
+        std::min(room_m, distance_m - radius_m - state_.agents[other].radius_m - tuning::kWaits_m);
   }
   const double pace = room_m / tuning::kBrakes_m;
   if (pace >= 1) return 1;
@@ -85,15 +89,16 @@ double Crowd::pace(size_t slot, const Eigen::Vector2d& way) {
 /// Those who were placed closer together than discs are take more room: as long as they stand,
 /// where there is some, and as soon as they walk, little by little in any case.
 void Crowd::stretch(size_t slot) {
-  float& squeeze = walkers_[slot].squeeze;
+  float& squeeze = state_.agents[slot].squeeze;
   if (squeeze == 1) return;
   float room = 1;
-  const bool walks = journeys_.doing(grid_.order()[slot]) == Doing::kWalking;
-  const auto radius_m = static_cast<float>(walkers_[slot].radius_m);
-  for (size_t k = 0; k < slots_.neighbour_counts[slot] && !walks; ++k) {
-    const uint32_t other = slots_.neighbours[kMaxNeighbours * slot + k];
-    const float dx = grid_.x()[other] - grid_.x()[slot], dy = grid_.y()[other] - grid_.y()[slot];
-    const float apart_m = radius_m + static_cast<float>(walkers_[other].radius_m);
+  const bool walks = journeys_.doing(state_.id(slot)) == Doing::kWalking;
+  const auto radius_m = static_cast<float>(state_.agents[slot].radius_m);
+  for (size_t k = 0; k < state_.decisions.neighbour_counts[slot] && !walks; ++k) {
+    const uint32_t other = state_.decisions.neighbours[CrowdState::kMaxNeighbours * slot + k];
+    const float dx = state_.grid.x()[other] - state_.grid.x()[slot],
+                dy = state_.grid.y()[other] - state_.grid.y()[slot];
+    const float apart_m = radius_m + static_cast<float>(state_.agents[other].radius_m);
     room = std::min(room, std::sqrt(dx * dx + dy * dy) / apart_m);
   }
   squeeze = std::max(squeeze, std::min(room, squeeze + static_cast<float>(tuning::kStretch)));
@@ -102,9 +107,9 @@ void Crowd::stretch(size_t slot) {
 /// What somebody looks at who waits for the time to come; others look to the way that
 /// wanted_mps() has found.
 void Crowd::find_facing(size_t slot) {
-  const uint32_t id = grid_.order()[slot];
+  const uint32_t id = state_.id(slot);
   if (journeys_.doing(id) == Doing::kWalking && !parties_.stands(id)) return;
-  const Eigen::Vector2d& position = walkers_[slot].position_m;
+  const Eigen::Vector2d& position = state_.agents[slot].position_m;
   const bool looks_ahead = queues_.any() && !queues_.facing(id).isZero() &&
                            (!faces_m_[id] || journeys_.doing(id) == Doing::kQueuing);
   const Eigen::Vector2d facing = looks_ahead           ? queues_.facing(id)
@@ -112,16 +117,17 @@ void Crowd::find_facing(size_t slot) {
                                  : faces_m_[id]        ? *faces_m_[id] - position
                                                        : journeys_.facing(id, position);
   const double length = facing.norm();
-  walkers_[slot].facing = length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
+  state_.agents[slot].facing =
+      length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
 }
 
 /// The sine of the angle from the heading to the way wanted does for it, as far as heads turn.
 float Crowd::look_to_rad(size_t slot) const {
-  const Eigen::Vector2f heading = walkers_[slot].heading.cast<float>();
-  float x = walkers_.seen[slot].way_x, y = walkers_.seen[slot].way_y;
+  const Eigen::Vector2f heading = state_.agents[slot].heading.cast<float>();
+  float x = state_.agents.seen[slot].way_x, y = state_.agents.seen[slot].way_y;
   if (x == 0 && y == 0) {  // stands
-    x = static_cast<float>(walkers_[slot].facing.x());
-    y = static_cast<float>(walkers_[slot].facing.y());
+    x = static_cast<float>(state_.agents[slot].facing.x());
+    y = static_cast<float>(state_.agents[slot].facing.y());
   }
   const float left = heading.x() * y - heading.y() * x, ahead = heading.x() * x + heading.y() * y;
   if (ahead < 0) return std::copysign(Gait::kMostLook_rad, left);

@@ -12,7 +12,7 @@ constexpr double kReach_m = 3;
 /// People stand so far from a closed leaf.
 constexpr double kGap_m = 0.15;
 /// Whoever would pass beside the leaf by more than this does not go through it.
-constexpr double kBeside_m = 0.2;
+constexpr double kBesideDoor_m = 0.2;
 
 }  // namespace
 
@@ -77,7 +77,7 @@ double Doorkeeper::room_m(const Eigen::Vector2d& position_m, const Eigen::Vector
     const double into = -way.dot(leaf.normal);
     if (into < 0.2) continue;
     const double ahead_m = std::max(leaf.distance_m, 0.0) / into;
-    if (ways_.nearest_door(door, position_m + ahead_m * way).distance_m > kBeside_m) continue;
+    if (ways_.nearest_door(door, position_m + ahead_m * way).distance_m > kBesideDoor_m) continue;
     room_m = std::min(room_m, leaf.distance_m - radius_m - kGap_m);
   }
   return room_m;

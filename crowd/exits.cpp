@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr float kUnreachable_m = std::numeric_limits<float>::infinity();
 /// So many look at once; a block of them for a worker takes some ten microseconds.
 constexpr size_t kMostLookers = 4096;
 constexpr size_t kLookersABlock = 64;
@@ -67,7 +67,7 @@ void Exits::archive(Archive& a) {
     if (!(state.flow_per_s >= tuning::kLeastFlow_per_s && state.flow_per_s <= kMostFlow_per_s))
       a.refuse("a flow through an exit", "another");
   for (const float way_m : ways_m_)
-    if (!(way_m >= 0 && way_m < kFar)) a.refuse("the length of a way", "another");
+    if (!(way_m >= 0 && way_m < kUnreachable_m)) a.refuse("the length of a way", "another");
   for (const uint32_t exit : counted_)
     if (exit < Journeys::kOpen && exit >= states_.size()) a.refuse("an exit", "another");
 }
@@ -165,11 +165,11 @@ void Exits::choose_one(uint32_t id, std::span<const float> ways_m,
   const uint32_t own = journeys.exit(id);
   const bool has_own = own < Journeys::kOpen;
   if (const uint32_t theirs = has_own ? own : exit_of_companions(id, journeys);
-      theirs != own && ways_m[theirs - stop.first_exit] < kFar)
+      theirs != own && ways_m[theirs - stop.first_exit] < kUnreachable_m)
     return take(id, theirs, ways_m[theirs - stop.first_exit], journeys);
   if (has_own) {
     approaches_[own].add(ways_m_[id], -1);
-    if (ways_m[own - stop.first_exit] < kFar) ways_m_[id] = ways_m[own - stop.first_exit];
+    if (ways_m[own - stop.first_exit] < kUnreachable_m) ways_m_[id] = ways_m[own - stop.first_exit];
   }
   const double own_s = has_own ? expected_s(own, id, ways_m_[id]) : 0;
   uint32_t best = own;
@@ -177,7 +177,7 @@ void Exits::choose_one(uint32_t id, std::span<const float> ways_m,
   if (has_own) best_s = (1 - tuning::kBetter) * own_s - patience_s(id);
   for (uint32_t i = 0; i < stop.exits; ++i) {
     const uint32_t exit = stop.first_exit + i;
-    if (exit == own || !(ways_m[i] < kFar)) continue;
+    if (exit == own || !(ways_m[i] < kUnreachable_m)) continue;
     const double expected = expected_s(exit, id, ways_m[i]);
     if (!(expected < best_s)) continue;
     best = exit;
@@ -206,7 +206,7 @@ void Exits::lead_companions(uint32_t first, std::span<const Eigen::Vector2d> pos
     if (!(before < Journeys::kOpen) || before == exit) continue;
     if (&journeys.stop(each) != &journeys.stop(first)) continue;
     const auto way_m = static_cast<float>(ways_.exits()[exit].field->distance_m(positions_m[each]));
-    if (!(way_m < kFar)) continue;
+    if (!(way_m < kUnreachable_m)) continue;
     approaches_[before].add(ways_m_[each], -1);
     take(each, exit, way_m, journeys);
   }

@@ -21,9 +21,9 @@ constexpr double kStop_m = 0.25;
 constexpr double kRim_m = 0.3;
 /// Companions take places so far from each other.
 constexpr double kPlacesApart_m = 0.7;
-constexpr uint32_t kTries = 16;
+constexpr uint32_t kPlaceTries = 16;
 /// Beyond any coordinate of a scene file.
-constexpr double kFarthest_m = 1e6;
+constexpr double kLargestCoordinate_m = 1e6;
 /// What is this near to the end of a way is what ends it.
 constexpr double kInTheWay_m = 1;
 
@@ -85,7 +85,7 @@ void Journeys::archive(Archive& a) {
          (guides_[id].corner != kNoCorner &&
           guides_[id].corner >= ways_.queues()[*stop(id).queue].to_corners.size())))
       a.refuse("the way to a queue", "another");
-    if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kFarthest_m))
+    if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kLargestCoordinate_m))
       a.refuse("a place", "one out of the world");
   }
 }
@@ -160,7 +160,7 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Rectangle* area = is_let_in(id) ? &to.goal.areas[areas_[id]] : &to.area_near(position_m);
   const Eigen::Vector2d rim = (0.25 * area->size_m()).cwiseMin(kRim_m);
   const uint32_t first = firsts_[id];
-  for (uint32_t attempt = 0; attempt < kTries; ++attempt) {
+  for (uint32_t attempt = 0; attempt < kPlaceTries; ++attempt) {
     const RandomKey key{seed_, first, visits_[id], Purpose::kGoal};
     targets_m_[id] = {
         random_uniform(key, area->min_m.x() + rim.x(), area->max_m.x() - rim.x(), 2 * attempt),

@@ -8,9 +8,9 @@ namespace throng {
 namespace {
 
 /// Room between somebody who enters and everybody else: a hand's breadth.
-constexpr double kGap_m = 0.1;
+constexpr double kEntryGap_m = 0.1;
 /// Places tried a decision for one person; then the next decision tries.
-constexpr uint32_t kTries = 24;
+constexpr uint32_t kEntryTries = 24;
 /// Whoever comes with others takes a place so near to one of them, if there is room.
 constexpr double kJoin_m = 1;
 
@@ -88,7 +88,7 @@ bool Traffic::has_due(double now_s) const {
 }
 
 void Traffic::list_near(const Entrance& entrance, std::span<const Eigen::Vector2d> positions_m) {
-  const Rectangle around = entrance.area.grown(2 * widest_m_ + kGap_m);
+  const Rectangle around = entrance.area.grown(2 * widest_m_ + kEntryGap_m);
   near_.clear();
   for (uint32_t id = 0; id < present_.size(); ++id)
     if (present_[id] != 0 && around.contains(positions_m[id])) near_.push_back(id);
@@ -98,11 +98,11 @@ bool Traffic::find_place(const Entrance& entrance, std::span<Eigen::Vector2d> po
                          uint64_t decision) {
   const uint32_t id = entrance.next;
   const Stop& goal = ways_.route(groups_[id]).front();
-  for (uint32_t attempt = 0; attempt < kTries; ++attempt) {
+  for (uint32_t attempt = 0; attempt < kEntryTries; ++attempt) {
     const RandomKey key{seed_, id, decision, Purpose::kEmission};
     Rectangle where = entrance.area;
     // Of the tries two thirds.
-    if (follows_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kTries / 3) {
+    if (follows_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kEntryTries / 3) {
       const Eigen::Vector2d near = where.nearest_m(positions_m[id - 1]);
       where.min_m = where.min_m.cwiseMax(near - Eigen::Vector2d::Constant(kJoin_m));
       where.max_m = where.max_m.cwiseMin(near + Eigen::Vector2d::Constant(kJoin_m));
@@ -111,7 +111,7 @@ bool Traffic::find_place(const Entrance& entrance, std::span<Eigen::Vector2d> po
         random_uniform(key, where.min_m.x(), where.max_m.x(), 2 * attempt + 1),
         random_uniform(key, where.min_m.y(), where.max_m.y(), 2 * attempt + 2));
     const bool is_taken = std::any_of(near_.begin(), near_.end(), [&](uint32_t other) {
-      const double apart_m = radii_m_[id] + radii_m_[other] + kGap_m;
+      const double apart_m = radii_m_[id] + radii_m_[other] + kEntryGap_m;
       return (positions_m[other] - point).squaredNorm() < apart_m * apart_m;
     });
     if (is_taken || ways_.walkable().clearance_m(point) < wall_gaps_m_[id]) continue;

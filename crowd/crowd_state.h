@@ -1,0 +1,198 @@
+// CrowdState holds what the behaviours of a crowd share: where agents are, what others see of them,
+// and what the decision in progress has found.
+// Invariant: blocks depend on the number of agents only, never on the number of threads.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/counting_sort.h"
+#include "base/files/archive.h"
+#include "base/memory.h"
+#include "base/rectangle.h"
+#include "base/simd.h"
+#include "base/workers.h"
+#include "crowd/crowd_fields.h"
+#include "crowd/crowd_tuning.h"
+#include "crowd/neighbours/neighbour_grid.h"
+#include "crowd/spawn.h"
+#include "crowd/steering/steering.h"
+
+namespace throng {
+
+/// A decision takes about half a microsecond per agent, a step a tenth of that: blocks of some ten
+/// microseconds.
+inline constexpr size_t kPeopleABlock = 256;
+
+inline int block_count(size_t people) {
+  return static_cast<int>((people + kPeopleABlock - 1) / kPeopleABlock);
+}
+
+/// Calls body(begin, end, worker) for the blocks of so many people.
+template <typename Body>
+void for_people(Workers& workers, size_t people, const Body& body) {
+  workers.for_blocks(block_count(people), [&](int block, int worker) {
+    const size_t begin = static_cast<size_t>(block) * kPeopleABlock;
+    body(begin, std::min(begin + kPeopleABlock, people), worker);
+  });
+}
+
+/// Crowd changes it between passes; a behaviour writes only the slots that it is called for.
+struct CrowdState {
+  /// A block of those who decide now.
+  using Slots = std::span<const uint32_t>;
+  static constexpr size_t kMaxNeighbours = NeighbourGrid::kMost;
+  /// The slot of an agent that is outside or gone.
+  static constexpr uint32_t kNowhere = UINT32_MAX;
+
+  /// Keeps a reference to `workers_of_run`.
+  CrowdState(const Rectangle& ground, std::span<const Person> people, double seconds_per_step,
+             const SteeringTraits& model_traits, SimdTarget simd, Workers& workers_of_run);
+
+  /// Every agent there may ever be.
+  size_t size() const { return positions_m.size(); }
+  uint32_t id(size_t slot) const { return grid.order()[slot]; }
+  double now_s() const { return step_s * static_cast<double>(steps); }
+  uint64_t periods() const { return static_cast<uint64_t>(steps / steps_per_period); }
+
+  /// Those who decide now, neighbours in space together.
+  Slots deciders() const {
+    return {decider_slots.data() + first_deciders[phase],
+            decider_slots.data() + first_deciders[phase + 1]};
+  }
+  /// An agent after the i-th, to be fetched into the caches: they lie too irregularly to be
+  /// foreseen.
+  static uint32_t later_decider(Slots slots, size_t i) {
+    constexpr size_t kAhead = 8;
+    return slots[std::min(i + kAhead, slots.size() - 1)];
+  }
+  /// The slots of the nearest others, nearest first.
+  Slots neighbours(size_t slot) const {
+    return {decisions.neighbours.data() + kMaxNeighbours * slot, decisions.neighbour_counts[slot]};
+  }
+  THRONG_PREFETCH void prefetch_neighbours(uint32_t slot) const {
+    const uint32_t* near = decisions.neighbours.data() + kMaxNeighbours * slot;
+    for (size_t k = 0; k < decisions.neighbour_counts[slot]; ++k)
+      __builtin_prefetch(&agents.seen[near[k]]);
+  }
+  /// Asks for what a step writes by person, which lies anywhere.
+  THRONG_PREFETCH void prefetch_person(uint32_t id) const {
+    __builtin_prefetch(&positions_m[id], 1);
+    __builtin_prefetch(&velocities_mps[id], 1);
+    __builtin_prefetch(&headings[id], 1);
+    __builtin_prefetch(&looks_rad[id], 1);
+    __builtin_prefetch(&walked_m[id], 1);
+  }
+
+  /// Calls body(begin, end, worker) for all slots, neighbours in space together.
+  template <typename Body>
+  void for_slots(const Body& body) const {
+    for_people(workers, grid.order().size(), body);
+  }
+  /// Calls body(block of slots, block, worker) for those who decide now.
+  template <typename Body>
+  void for_deciders(const Body& body) const {
+    const Slots all = deciders();
+    for_people(workers, all.size(), [&](size_t begin, size_t end, int worker) {
+      body(all.subspan(begin, end - begin), begin / kPeopleABlock, worker);
+    });
+  }
+  /// Returns the largest of body(block of deciders, block), and 0 at least.
+  template <typename Body>
+  double largest(const Body& body) {
+    for_deciders([&](Slots slots, size_t block, int) { block_values[block] = body(slots, block); });
+    double value = 0;
+    for (int block = 0; block < block_count(deciders().size()); ++block)
+      value = std::max(value, block_values[static_cast<size_t>(block)]);
+    return value;
+  }
+
+  /// True of an agent that wants to stand.
+  bool stands(size_t slot) const {
+    return agents.seen[slot].way_x == 0 && agents.seen[slot].way_y == 0;
+  }
+  /// From now on the agent wants that velocity, and others see its direction.
+  void set_preferred(size_t slot, const Eigen::Vector2f& wanted_mps);
+  /// Updates what others see of an agent.
+  void show(size_t slot) {
+    const AgentState& w = agents[slot];
+    Seen& seen = agents.seen[slot];
+    Eigen::Vector2f velocity = w.velocity_mps.cast<float>();
+    // People who are stuck show where to, so that others can make way.
+    if (traits.is_nudged)
+      velocity += static_cast<float>(tuning::kShownIntent) * seen.urge *
+                  (Eigen::Vector2f(seen.wanted_x_mps, seen.wanted_y_mps) - velocity);
+    seen.vx_mps = velocity.x();
+    seen.vy_mps = velocity.y();
+    seen.radius_m = static_cast<float>(w.radius_m) * w.squeeze;
+    seen.x_m = grid.x()[slot];
+    seen.y_m = grid.y()[slot];
+    look_ahead(slot);
+  }
+  /// Updates where an agent will stand after a period of going on like this.
+  void look_ahead(size_t slot) {
+    const AgentState& w = agents[slot];
+    Seen& seen = agents.seen[slot];
+    const auto ahead_s = static_cast<float>(period_s);
+    const Eigen::Vector2f velocity = (w.velocity_mps + w.drift_mps).cast<float>();
+    seen.ahead_x_m = seen.x_m + ahead_s * velocity.x();
+    seen.ahead_y_m = seen.y_m + ahead_s * velocity.y();
+  }
+
+  /// Lists by phase the slots that decide in it; phase_of(id) is any number, of which the remainder
+  /// counts.
+  template <typename PhaseOf>
+  void list_deciders(const PhaseOf& phase_of);
+
+  /// What is known by slot, after the grid, and by person what follows from it. Refuses what no
+  /// agent does.
+  void archive_agents(Archive& a);
+
+  Workers& workers;
+  const SteeringTraits traits;
+  const double step_s;
+  int steps_per_period = 6;
+  double period_s = 0.1;  ///< between two decisions of an agent
+  int64_t steps = 0;
+  size_t phase = 0;  ///< the step of the period: those of it decide
+
+  // What never changes, by person.
+  std::vector<double> radii_m;
+  std::vector<double> free_speeds_mps;
+  float widest_m = 0;      ///< of all radii
+  double fastest_mps = 0;  ///< of all free speeds
+
+  // What others see, by person.
+  std::vector<Eigen::Vector2d> positions_m;
+  std::vector<Eigen::Vector2d> velocities_mps;
+  std::vector<Eigen::Vector2d> headings;
+  std::vector<float> looks_rad;
+  std::vector<double> walked_m;  ///< in the latest step
+
+  NeighbourGrid grid;
+  std::vector<uint32_t> slot_of;         ///< by person, or kNowhere
+  std::vector<uint32_t> decider_slots;   ///< phase by phase
+  std::vector<uint32_t> first_deciders;  ///< by phase, and the end
+  AgentStates agents;
+  Decisions decisions;
+  std::vector<double> block_values;  ///< one a block, reduced in order
+};
+
+/// By counting: each phase in the order of slots.
+template <typename PhaseOf>
+void CrowdState::list_deciders(const PhaseOf& phase_of) {
+  const std::span<const uint32_t> ids = grid.order();
+  const auto phases = static_cast<uint32_t>(steps_per_period);
+  for (size_t slot = 0; slot < ids.size(); ++slot)
+    decisions.phase[slot] = static_cast<uint8_t>(phase_of(ids[slot]) % phases);
+  counting_sort(
+      ids.size(), phases, first_deciders.data(),
+      [this](size_t slot) { return decisions.phase[slot]; },
+      [this](size_t slot, uint32_t place) { decider_slots[place] = static_cast<uint32_t>(slot); });
+}
+
+}  // namespace throng
