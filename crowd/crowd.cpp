@@ -4,21 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "avatars/gait/gait.h"
-#include "base/elementary.h"
 #include "crowd/crowd_tuning.h"
 
 namespace throng {
-namespace {
-
-/// The rate at which to turn by so much: no faster than it can be stopped at the end.
-double turn_to(double off_rad, double most_radps, double most_radps2, double step_s) {
-  const double size = std::abs(off_rad);
-  return std::copysign(std::min({most_radps, std::sqrt(2 * most_radps2 * size), size / step_s}),
-                       off_rad);
-}
-
-}  // namespace
 
 Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& options,
              Workers& workers)
@@ -34,9 +22,9 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       doorkeeper_(ways, state_.radii_m, workers),
       exits_(ways, people, options.seed),
       parties_(ways, people),
-      queues_(ways, people) {
+      queues_(ways, people),
+      turning_(state_, journeys_, parties_, queues_, people) {
   for (const Person& person : people) {
-    faces_m_.push_back(person.face_m);
     squeezes_.push_back(person.squeeze);
     enters_mps_.push_back(static_cast<float>(person.enters_mps.value_or(-1)));
   }
@@ -160,8 +148,7 @@ void Crowd::step() {
     for (size_t slot = begin; slot < end; ++slot) {
       if (slot + kAhead < end) state_.prefetch_person(state_.grid.order()[slot + kAhead]);
       farthest_m = std::max(farthest_m, move(slot));
-      turned_rad += turn(slot);
-      look(slot);
+      turned_rad += turning_.step(slot);
     }
     state_.block_values[begin / kPeopleABlock] = turned_rad;
     block_ways_m_[begin / kPeopleABlock] = farthest_m;
@@ -231,82 +218,6 @@ double Crowd::move(size_t slot) {
   const double way_m = (to - from).norm();
   state_.walked_m[id] = way_m;
   return way_m;
-}
-
-void Crowd::look(size_t slot) {
-  const auto step_s = static_cast<float>(state_.step_s);
-  float& look_rad = state_.looks_rad[state_.id(slot)];
-  float& look_radps = state_.agents[slot].look_radps;
-  const float wanted_radps =
-      (state_.agents[slot].look_to_rad - look_rad) / (tuning::kLook_s + step_s);
-  const float most_radps = tuning::kLook_radps2 * step_s;
-  look_radps += std::clamp(wanted_radps - look_radps, -most_radps, most_radps);
-  look_rad = std::clamp(look_rad + step_s * look_radps, -Gait::kMostLook_rad, Gait::kMostLook_rad);
-}
-
-double Crowd::turn(size_t slot) {
-  Eigen::Vector2d& smooth = state_.agents[slot].smooth_mps;
-  smooth += state_.step_s / (tuning::kTurnSmoothing_s + state_.step_s) *
-            (state_.agents[slot].velocity_mps - smooth);
-  const double speed = smooth.norm(), now_square = state_.agents[slot].velocity_mps.squaredNorm();
-  if (speed >= tuning::kWalks_mps && now_square >= tuning::kWalks_mps * tuning::kWalks_mps)
-    return turn_into_way(slot, smooth / speed);
-  const double slower = std::min(speed, std::sqrt(now_square));
-  const double walks = (slower - tuning::kStands_mps) / (tuning::kWalks_mps - tuning::kStands_mps);
-  const Eigen::Vector2d& facing = state_.agents[slot].facing;
-  Eigen::Vector2d to = facing;
-  if (walks > 0) to = facing.isZero() ? smooth : (1 - walks) * facing + (walks / speed) * smooth;
-  return turn_on_spot(slot, std::max(walks, 0.0), to);
-}
-
-/// Somebody who walks faces where it goes.
-double Crowd::turn_into_way(size_t slot, const Eigen::Vector2d& to) {
-  const Eigen::Vector2d& from = state_.agents[slot].heading;
-  double& rate = state_.agents[slot].turn_radps;
-  const double left = from.x() * to.y() - from.y() * to.x(), ahead = from.dot(to);
-  constexpr double kHardly = 0.99;  // a cosine: the sine is the angle, nearly
-  const double off = ahead > kHardly ? left : arc_tan2(left, ahead);
-  const double wanted =
-      turn_to(off, tuning::kMaxTurn_radps, tuning::kTurnIntoWay_radps2, state_.step_s);
-  const double at_once = off / state_.step_s;
-  if (wanted != at_once || std::abs(wanted - rate) > tuning::kTurnIntoWay_radps2 * state_.step_s)
-    return turn_on(slot, wanted, tuning::kTurnIntoWay_radps2);
-  rate = wanted;
-  state_.headings[state_.id(slot)] = state_.agents[slot].heading = to;
-  return std::abs(off);
-}
-
-/// Somebody who stands turns when it is worth it, and then all the way. In between, `walks` from 0
-/// to 1, it does more and more as those who walk.
-double Crowd::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to) {
-  const double rate = state_.agents[slot].turn_radps;
-  const Eigen::Vector2d& from = state_.agents[slot].heading;
-  const double most =
-      tuning::kTurnOnSpot_radps + walks * (tuning::kMaxTurn_radps - tuning::kTurnOnSpot_radps);
-  const double gently =
-      tuning::kTurnStart_radps2 + walks * (tuning::kTurnIntoWay_radps2 - tuning::kTurnStart_radps2);
-  double wanted = 0;
-  if (!to.isZero()) {
-    const double off = arc_tan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
-    const double far = rate == 0 ? (1 - walks) * tuning::kTurnFrom_rad : tuning::kTurnDone_rad;
-    if (std::abs(off) > far) wanted = turn_to(off, most, gently, state_.step_s);
-  }
-  return turn_on(slot, wanted, std::abs(rate) > most ? tuning::kTurnStop_radps2 : gently);
-}
-
-/// Turns on, at a rate that comes as near to the one wanted as it may.
-double Crowd::turn_on(size_t slot, double wanted_radps, double most_radps2) {
-  double& rate = state_.agents[slot].turn_radps;
-  const double change = most_radps2 * state_.step_s;
-  rate += std::clamp(wanted_radps - rate, -change, change);
-  if (rate == 0) return 0;
-  const Eigen::Vector2d from = state_.agents[slot].heading;
-  const SinCos turned = sin_cos(rate * state_.step_s);
-  state_.headings[state_.id(slot)] = state_.agents[slot].heading =
-      Eigen::Vector2d(turned.cos * from.x() - turned.sin * from.y(),
-                      turned.sin * from.x() + turned.cos * from.y())
-          .normalized();
-  return std::abs(rate) * state_.step_s;
 }
 
 }  // namespace throng

@@ -30,6 +30,7 @@
 #include "crowd/spawn.h"
 #include "crowd/steering/steering.h"
 #include "crowd/traffic.h"
+#include "crowd/turning.h"
 
 namespace throng {
 
@@ -137,13 +138,6 @@ class Crowd {
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
   double move(size_t slot);
-  double turn(size_t slot);  ///< by how much, in radians
-  double turn_into_way(size_t slot, const Eigen::Vector2d& to);
-  double turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to);
-  double turn_on(size_t slot, double wanted_radps, double most_radps2);
-  void find_facing(size_t slot);
-  void look(size_t slot);
-  float look_to_rad(size_t slot) const;
   double stalled_s_of(size_t slot) const;
   double watch_progress(size_t slot);
 
@@ -153,9 +147,8 @@ class Crowd {
   CrowdState state_;
 
   // What never changes, by person.
-  std::vector<std::optional<Eigen::Vector2d>> faces_m_;  ///< what they look at while they stand
-  std::vector<float> enters_mps_;                        ///< below 0: as those ahead let it
-  std::vector<float> squeezes_;                          ///< at the start, see crowd_fields.h
+  std::vector<float> enters_mps_;  ///< below 0: as those ahead let it
+  std::vector<float> squeezes_;    ///< at the start, see crowd_fields.h
 
   Detours detours_;
   Journeys journeys_;
@@ -165,6 +158,8 @@ class Crowd {
   Exits exits_;
   Parties parties_;
   Queues queues_;
+
+  Turning turning_;
 
   AgentStates carried_;               ///< the slots before, while people take their new ones
   std::vector<Walls> walls_;          ///< one a worker

@@ -172,8 +172,7 @@ double Crowd::wish(Slots slots) {
         std::max(eager, seen.eagerness - static_cast<float>(state_.period_s / tuning::kEagerFor_s));
     stretch(slot);
     state_.show(slot);
-    find_facing(slot);
-    w.look_to_rad = look_to_rad(slot);
+    turning_.decide(slot);
     seen.max_speed_mps = static_cast<float>(tuning::kHaste * w.free_speed_mps);
     seen.horizon_s = static_cast<float>(stalled_s > tuning::kStuck_s ? tuning::kStuckHorizon_s
                                                                      : tuning::kHorizon_s);

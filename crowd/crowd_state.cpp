@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "avatars/gait/gait.h"
+#include "crowd/turning.h"
 
 namespace throng {
 namespace {

@@ -47,29 +47,10 @@ inline constexpr double kMaxDrift_mps = 1.0;
 inline constexpr double kWish_mps = 0.01;
 /// Centres stay this far from walls whatever happens; steering itself keeps a disc's radius.
 inline constexpr double kWallGap_m = 0.1;
-/// The fastest the body turns, and how hard it begins to: a hip turns by 2.6 times that, as a foot
-/// is in the air for little more than a third of a cycle.
-inline constexpr double kMaxTurn_radps = 2.0;
-inline constexpr double kTurnIntoWay_radps2 = 40.0;
-/// The body follows the mean velocity of about this time, so that it does not shake in a throng.
-inline constexpr double kTurnSmoothing_s = 0.5;
-/// Slower than the first a person stands and faces what it waits for, faster than the second it
-/// faces the way it walks.
-inline constexpr double kStands_mps = 0.3;
-inline constexpr double kWalks_mps = 0.5;
 /// Companions walk beside each other where both together are faster than this, their discs farther
 /// apart than the second.
 inline constexpr double kBeside_mps = 0.3;
 inline constexpr double kBesideGap_m = 0.14;
-/// Whoever stands turns when what it waits for is so far off; as far as that the head alone turns.
-inline constexpr double kTurnFrom_rad = 0.45;
-/// Such a turn goes on to here, begins and ends as gently as this, and is never faster: people who
-/// are asked to turn on the spot take two to three seconds for a quarter turn to half a turn.
-inline constexpr double kTurnDone_rad = 0.035;
-inline constexpr double kTurnStart_radps2 = 3.0;
-inline constexpr double kTurnOnSpot_radps = 0.85;
-/// A turn of somebody who walks slows down to that when the walk ends.
-inline constexpr double kTurnStop_radps2 = 10.0;
 /// An audience looks to its stage give or take this; nobody farther off than the other.
 inline constexpr double kFacing_rad = 0.1;
 inline constexpr double kMostFacing_rad = 0.25;
@@ -83,10 +64,6 @@ inline constexpr double kCreeps = 0.08;
 /// By so much of its radius a disc grows a decision where people stand closer than discs: they are
 /// apart again some three seconds after they have set out, pushed by a few centimetres a second.
 inline constexpr double kStretch = 0.01;
-/// The head turns to where its owner wants to go in about this time, before the body does.
-inline constexpr float kLook_s = 0.25f;
-/// It speeds up and slows down no faster; where it looks changes at once.
-inline constexpr float kLook_radps2 = 40;
 /// Whoever made no progress for so long tries another way past, each time for about a second.
 inline constexpr double kStuck_s = 1.5;
 /// Others begin to make way for who has been stuck so long, and do all the way after so long.

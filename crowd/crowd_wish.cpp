@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "avatars/gait/gait.h"
 #include "base/random.h"
 #include "crowd/crowd.h"
 #include "crowd/crowd_tuning.h"
@@ -102,36 +101,6 @@ void Crowd::stretch(size_t slot) {
     room = std::min(room, std::sqrt(dx * dx + dy * dy) / apart_m);
   }
   squeeze = std::max(squeeze, std::min(room, squeeze + static_cast<float>(tuning::kStretch)));
-}
-
-/// What somebody looks at who waits for the time to come; others look to the way that
-/// wanted_mps() has found.
-void Crowd::find_facing(size_t slot) {
-  const uint32_t id = state_.id(slot);
-  if (journeys_.doing(id) == Doing::kWalking && !parties_.stands(id)) return;
-  const Eigen::Vector2d& position = state_.agents[slot].position_m;
-  const bool looks_ahead = queues_.any() && !queues_.facing(id).isZero() &&
-                           (!faces_m_[id] || journeys_.doing(id) == Doing::kQueuing);
-  const Eigen::Vector2d facing = looks_ahead           ? queues_.facing(id)
-                                 : parties_.stands(id) ? parties_.waits_for_m(id) - position
-                                 : faces_m_[id]        ? *faces_m_[id] - position
-                                                       : journeys_.facing(id, position);
-  const double length = facing.norm();
-  state_.agents[slot].facing =
-      length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
-}
-
-/// The sine of the angle from the heading to the way wanted does for it, as far as heads turn.
-float Crowd::look_to_rad(size_t slot) const {
-  const Eigen::Vector2f heading = state_.agents[slot].heading.cast<float>();
-  float x = state_.agents.seen[slot].way_x, y = state_.agents.seen[slot].way_y;
-  if (x == 0 && y == 0) {  // stands
-    x = static_cast<float>(state_.agents[slot].facing.x());
-    y = static_cast<float>(state_.agents[slot].facing.y());
-  }
-  const float left = heading.x() * y - heading.y() * x, ahead = heading.x() * x + heading.y() * y;
-  if (ahead < 0) return std::copysign(Gait::kMostLook_rad, left);
-  return std::clamp(left, -Gait::kMostLook_rad, Gait::kMostLook_rad);
 }
 
 }  // namespace throng
