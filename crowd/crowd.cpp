@@ -23,6 +23,7 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       exits_(ways, people, options.seed),
       parties_(ways, people),
       queues_(ways, people),
+      relaxation_(state_, ways.walkable()),
       turning_(state_, journeys_, parties_, queues_, people) {
   for (const Person& person : people) {
     squeezes_.push_back(person.squeeze);

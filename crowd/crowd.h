@@ -25,6 +25,7 @@
 #include "crowd/journeys.h"
 #include "crowd/navigation/ways.h"
 #include "crowd/occasions.h"
+#include "crowd/overlap_relaxation.h"
 #include "crowd/parties.h"
 #include "crowd/queues.h"
 #include "crowd/spawn.h"
@@ -93,9 +94,6 @@ class Crowd {
   double wish(Slots slots);
   void limit_wishes(Slots slots, Walls& walls);
   void choose(Slots slots, Walls& walls);
-  double find_close(Slots slots, size_t block);
-  double sweep(size_t block);
-  void set_drift(Slots slots);
 
   void begin_period();
   void update_detours();
@@ -113,7 +111,6 @@ class Crowd {
   double strangers_per_m2(size_t slot) const;
   void overlook_companions(size_t slot);
   double pace(size_t slot, const Eigen::Vector2d& way);
-  void stretch(size_t slot);
   bool stands_among_standing(size_t slot) const;
   double own_side_m(size_t slot) const;
   OwnSide own_side(size_t slot) const {
@@ -127,16 +124,6 @@ class Crowd {
   void limit_to_gap(size_t slot);
   void limit_to_density(const SteeringView& people, size_t i, uint32_t slot);
   void limit_forward(size_t slot);
-  void relax_discs();
-  bool is_settled(size_t slot) const;
-  /// Discs whose centres are nearer are pushed apart.
-  float apart_m(size_t slot, size_t other) const {
-    return state_.traits.core *
-           (state_.agents.seen[slot].radius_m + state_.agents.seen[other].radius_m);
-  }
-  Eigen::Vector2f expected_m(size_t slot) const;
-  double relax_disc(size_t slot);
-  void hold_back(size_t slot, float& to_x, float& to_y) const;
   double move(size_t slot);
   double stalled_s_of(size_t slot) const;
   double watch_progress(size_t slot);
@@ -159,6 +146,7 @@ class Crowd {
   Parties parties_;
   Queues queues_;
 
+  OverlapRelaxation relaxation_;
   Turning turning_;
 
   AgentStates carried_;               ///< the slots before, while people take their new ones

@@ -53,7 +53,7 @@ void Crowd::decide(int phase) {
   state_.for_deciders([this](Slots slots, size_t, int worker) {
     choose(slots, walls_[static_cast<size_t>(worker)]);
   });
-  relax_discs();
+  relaxation_.relax(counters_);
   ++counters_.rounds;
   counters_.decisions += state_.deciders().size();
 }
@@ -170,7 +170,7 @@ double Crowd::wish(Slots slots) {
         tuning::share_between(tuning::kEagerFrom_s, tuning::kEagerTo_s, stalled_s));
     seen.eagerness =
         std::max(eager, seen.eagerness - static_cast<float>(state_.period_s / tuning::kEagerFor_s));
-    stretch(slot);
+    relaxation_.grow(slot, journeys_.doing(state_.id(slot)) == Doing::kWalking);
     state_.show(slot);
     turning_.decide(slot);
     seen.max_speed_mps = static_cast<float>(tuning::kHaste * w.free_speed_mps);

@@ -32,16 +32,6 @@ inline constexpr double kSameWay = 0.5;
 inline constexpr double kRelaxation_s = 0.5;
 /// Breaks the symmetry of people who meet exactly head on.
 inline constexpr double kPerturbation_mps = 1e-3;
-/// Sweeps of disc relaxation a decision, at most, and the share of an overlap that each of two
-/// people gives way in one.
-inline constexpr int kSweeps = 40;
-inline constexpr double kSweepShare = 0.5;
-/// Overlaps below this are left alone.
-inline constexpr double kSlop_m = 0.005;
-/// Sweeps look at those who are this near to touching: no push goes farther.
-inline constexpr double kSweepMargin_m = 0.12;
-/// The fastest that relaxation moves anybody: a push, not a jump.
-inline constexpr double kMaxDrift_mps = 1.0;
 /// Whoever wants less than this wants nowhere: what breaks symmetry is below it. In the densest
 /// throng people still want this much.
 inline constexpr double kWish_mps = 0.01;
@@ -61,9 +51,6 @@ inline constexpr double kWaits_m = 0.05;
 inline constexpr double kBehind = 0.5;
 inline constexpr double kBrakes_m = 1.6;
 inline constexpr double kCreeps = 0.08;
-/// By so much of its radius a disc grows a decision where people stand closer than discs: they are
-/// apart again some three seconds after they have set out, pushed by a few centimetres a second.
-inline constexpr double kStretch = 0.01;
 /// Whoever made no progress for so long tries another way past, each time for about a second.
 inline constexpr double kStuck_s = 1.5;
 /// Others begin to make way for who has been stuck so long, and do all the way after so long.

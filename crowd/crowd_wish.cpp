@@ -85,22 +85,4 @@ double Crowd::pace(size_t slot, const Eigen::Vector2d& way) {
   return 0;
 }
 
-/// Those who were placed closer together than discs are take more room: as long as they stand,
-/// where there is some, and as soon as they walk, little by little in any case.
-void Crowd::stretch(size_t slot) {
-  float& squeeze = state_.agents[slot].squeeze;
-  if (squeeze == 1) return;
-  float room = 1;
-  const bool walks = journeys_.doing(state_.id(slot)) == Doing::kWalking;
-  const auto radius_m = static_cast<float>(state_.agents[slot].radius_m);
-  for (size_t k = 0; k < state_.decisions.neighbour_counts[slot] && !walks; ++k) {
-    const uint32_t other = state_.decisions.neighbours[CrowdState::kMaxNeighbours * slot + k];
-    const float dx = state_.grid.x()[other] - state_.grid.x()[slot],
-                dy = state_.grid.y()[other] - state_.grid.y()[slot];
-    const float apart_m = radius_m + static_cast<float>(state_.agents[other].radius_m);
-    room = std::min(room, std::sqrt(dx * dx + dy * dy) / apart_m);
-  }
-  squeeze = std::max(squeeze, std::min(room, squeeze + static_cast<float>(tuning::kStretch)));
-}
-
 }  // namespace throng

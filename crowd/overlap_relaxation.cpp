@@ -1,9 +1,8 @@
-// What is left of overlaps between discs after those of a phase have chosen: they are pushed apart,
-// sweep by sweep, until none is deeper than kSlop_m. Others go on as they have decided.
+#include "crowd/overlap_relaxation.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "crowd/crowd.h"
 #include "crowd/crowd_tuning.h"
 
 namespace throng {
@@ -15,25 +14,25 @@ constexpr uint8_t kOverlapping = 2;
 
 }  // namespace
 
-void Crowd::relax_discs() {
-  counters_.deepest_overlap_m =
-      state_.largest([this](Slots slots, size_t block) { return find_close(slots, block); });
-  counters_.sweeps = 0;
+void OverlapRelaxation::relax(SteeringCounters& counters) {
+  counters.deepest_overlap_m = state_.largest(
+      [this](CrowdState::Slots slots, size_t block) { return find_close(slots, block); });
+  counters.sweeps = 0;
   double deepest_m = tuning::kSlop_m;
-  while (deepest_m >= tuning::kSlop_m && counters_.sweeps < tuning::kSweeps) {
-    deepest_m = state_.largest([this](Slots, size_t block) { return sweep(block); });
+  while (deepest_m >= tuning::kSlop_m && counters.sweeps < tuning::kSweeps) {
+    deepest_m = state_.largest([this](CrowdState::Slots, size_t block) { return sweep(block); });
     state_.decisions.expected_x_m.swap(state_.decisions.swept_x_m);
     state_.decisions.expected_y_m.swap(state_.decisions.swept_y_m);
     state_.decisions.touched.swap(state_.decisions.swept_touched);
-    ++counters_.sweeps;
+    ++counters.sweeps;
   }
-  counters_.all_sweeps += static_cast<uint64_t>(counters_.sweeps);
-  counters_.max_sweeps = std::max(counters_.max_sweeps, counters_.sweeps);
-  state_.for_deciders([this](Slots slots, size_t, int) { set_drift(slots); });
+  counters.all_sweeps += static_cast<uint64_t>(counters.sweeps);
+  counters.max_sweeps = std::max(counters.max_sweeps, counters.sweeps);
+  state_.for_deciders([this](CrowdState::Slots slots, size_t, int) { set_drift(slots); });
 }
 
 /// Where somebody will stand after a period, as far as is known by now.
-Eigen::Vector2f Crowd::expected_m(size_t slot) const {
+Eigen::Vector2f OverlapRelaxation::expected_m(size_t slot) const {
   if (state_.decisions.phase[slot] == state_.phase)
     return {state_.decisions.expected_x_m[slot], state_.decisions.expected_y_m[slot]};
   return {state_.agents.seen[slot].ahead_x_m, state_.agents.seen[slot].ahead_y_m};
@@ -41,7 +40,7 @@ Eigen::Vector2f Crowd::expected_m(size_t slot) const {
 
 /// Brings those neighbours to the front who may overlap at the end of the period. Returns the
 /// deepest overlap of those who stand now.
-double Crowd::find_close(Slots slots, size_t block) {
+double OverlapRelaxation::find_close(CrowdState::Slots slots, size_t block) {
   float deepest_m = 0;
   const auto moved_m =
       static_cast<float>(2 * state_.period_s * tuning::kHaste * state_.fastest_mps);
@@ -80,7 +79,7 @@ double Crowd::find_close(Slots slots, size_t block) {
   return static_cast<double>(deepest_m);
 }
 
-double Crowd::sweep(size_t block) {
+double OverlapRelaxation::sweep(size_t block) {
   double deepest_m = 0;
   const uint32_t* crowded = state_.decisions.crowded.data() + block * kPeopleABlock;
   const uint32_t* end_of_crowded = crowded + state_.decisions.crowded_counts[block];
@@ -95,7 +94,7 @@ double Crowd::sweep(size_t block) {
 
 /// Overlapping nobody at the sweep before, and neither this one nor anybody near moved since: the
 /// sweep would change nothing. What it would write stands there from the sweep before.
-bool Crowd::is_settled(size_t slot) const {
+bool OverlapRelaxation::is_settled(size_t slot) const {
   if (state_.decisions.touched[slot] != 0) return false;
   const uint32_t* near = state_.decisions.neighbours.data() + CrowdState::kMaxNeighbours * slot;
   for (size_t k = 0; k < state_.decisions.close_counts[slot]; ++k)
@@ -105,22 +104,7 @@ bool Crowd::is_settled(size_t slot) const {
   return true;
 }
 
-/// Those behind push nobody forward, beyond where one's own step would have led: a person who is
-/// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
-void Crowd::hold_back(size_t slot, float& to_x, float& to_y) const {
-  const float ahead_x = state_.agents.seen[slot].way_x, ahead_y = state_.agents.seen[slot].way_y;
-  if (ahead_x == 0 && ahead_y == 0) return;
-  const float x = state_.grid.x()[slot], y = state_.grid.y()[slot];
-  const float planned_x = state_.decisions.chosen_x_m[slot] - x,
-              planned_y = state_.decisions.chosen_y_m[slot] - y;
-  const float planned_m = std::max(0.0f, planned_x * ahead_x + planned_y * ahead_y);
-  const float excess_m = (to_x - x) * ahead_x + (to_y - y) * ahead_y - planned_m;
-  if (excess_m <= 0) return;
-  to_x -= excess_m * ahead_x;
-  to_y -= excess_m * ahead_y;
-}
-
-double Crowd::relax_disc(size_t slot) {
+double OverlapRelaxation::relax_disc(size_t slot) {
   const float x = state_.decisions.expected_x_m[slot], y = state_.decisions.expected_y_m[slot];
   float push_x = 0, push_y = 0, deepest_m = 0;
   for (size_t k = 0; k < state_.decisions.close_counts[slot]; ++k) {
@@ -146,7 +130,7 @@ double Crowd::relax_disc(size_t slot) {
   if (deepest_m > 0 && state_.agents[slot].clearance_m < 2 * state_.agents[slot].radius_m + 1) {
     const Eigen::Vector2d to = Eigen::Vector2f(to_x, to_y).cast<double>() + state_.grid.middle_m();
     const Eigen::Vector2f slid =
-        (ways_.walkable().slide(state_.agents[slot].position_m, to, tuning::kWallGap_m) -
+        (walkable_.slide(state_.agents[slot].position_m, to, tuning::kWallGap_m) -
          state_.grid.middle_m())
             .cast<float>();
     to_x = slid.x();
@@ -160,8 +144,23 @@ double Crowd::relax_disc(size_t slot) {
   return static_cast<double>(deepest_m);
 }
 
+/// Those behind push nobody forward, beyond where one's own step would have led: a person who is
+/// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
+void OverlapRelaxation::hold_back(size_t slot, float& to_x, float& to_y) const {
+  const float ahead_x = state_.agents.seen[slot].way_x, ahead_y = state_.agents.seen[slot].way_y;
+  if (ahead_x == 0 && ahead_y == 0) return;
+  const float x = state_.grid.x()[slot], y = state_.grid.y()[slot];
+  const float planned_x = state_.decisions.chosen_x_m[slot] - x,
+              planned_y = state_.decisions.chosen_y_m[slot] - y;
+  const float planned_m = std::max(0.0f, planned_x * ahead_x + planned_y * ahead_y);
+  const float excess_m = (to_x - x) * ahead_x + (to_y - y) * ahead_y - planned_m;
+  if (excess_m <= 0) return;
+  to_x -= excess_m * ahead_x;
+  to_y -= excess_m * ahead_y;
+}
+
 /// The correction is spread over the period, so that nobody jumps.
-void Crowd::set_drift(Slots slots) {
+void OverlapRelaxation::set_drift(CrowdState::Slots slots) {
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
     state_.agents.prefetch(state_.later_decider(slots, i), offsetof(AgentState, smooth_mps));
@@ -178,6 +177,23 @@ void Crowd::set_drift(Slots slots) {
     }
     state_.look_ahead(slot);
   }
+}
+
+/// Those who were placed closer together than discs are take more room: as long as they stand,
+/// where there is some, and as soon as they walk, little by little in any case.
+void OverlapRelaxation::grow(size_t slot, bool walks) {
+  float& squeeze = state_.agents[slot].squeeze;
+  if (squeeze == 1) return;
+  float room = 1;
+  const auto radius_m = static_cast<float>(state_.agents[slot].radius_m);
+  for (size_t k = 0; k < state_.decisions.neighbour_counts[slot] && !walks; ++k) {
+    const uint32_t other = state_.decisions.neighbours[CrowdState::kMaxNeighbours * slot + k];
+    const float dx = state_.grid.x()[other] - state_.grid.x()[slot],
+                dy = state_.grid.y()[other] - state_.grid.y()[slot];
+    const float apart_m = radius_m + static_cast<float>(state_.agents[other].radius_m);
+    room = std::min(room, std::sqrt(dx * dx + dy * dy) / apart_m);
+  }
+  squeeze = std::max(squeeze, std::min(room, squeeze + static_cast<float>(tuning::kStretch)));
 }
 
 }  // namespace throng
