@@ -23,6 +23,7 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       exits_(ways, people, options.seed),
       parties_(ways, people),
       queues_(ways, people),
+      avoidance_(state_, *model_, ways.walkable(), options.steering.density_speed),
       relaxation_(state_, ways.walkable()),
       turning_(state_, journeys_, parties_, queues_, people) {
   for (const Person& person : people) {
@@ -30,13 +31,6 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
     enters_mps_.push_back(static_cast<float>(person.enters_mps.value_or(-1)));
   }
   carried_.resize(people.size());
-  walls_.resize(static_cast<size_t>(workers.threads()));
-  for (Walls& walls : walls_) {
-    walls.x.reserve(kPeopleABlock * kMostWalls);
-    walls.y.reserve(kPeopleABlock * kMostWalls);
-    walls.clearance_m.reserve(kPeopleABlock * kMostWalls);
-    walls.starts.reserve(kPeopleABlock + 1);
-  }
   block_ways_m_.resize(state_.block_values.size() + 1, 0);
   seat_people();
 }

@@ -17,6 +17,7 @@
 #include "base/files/archive.h"
 #include "base/memory.h"
 #include "base/workers.h"
+#include "crowd/avoidance.h"
 #include "crowd/crowd_counters.h"
 #include "crowd/crowd_state.h"
 #include "crowd/detours.h"
@@ -83,17 +84,9 @@ class Crowd {
   static constexpr double kStall_m = 0.3;
 
  private:
-  /// The walls of one block, one a worker.
-  struct Walls {
-    std::vector<float> x, y, clearance_m;
-    std::vector<uint32_t> starts;
-  };
-
   using Slots = CrowdState::Slots;
   void look_around(Slots slots);
   double wish(Slots slots);
-  void limit_wishes(Slots slots, Walls& walls);
-  void choose(Slots slots, Walls& walls);
 
   void begin_period();
   void update_detours();
@@ -111,21 +104,12 @@ class Crowd {
   double strangers_per_m2(size_t slot) const;
   void overlook_companions(size_t slot);
   double pace(size_t slot, const Eigen::Vector2d& way);
-  bool stands_among_standing(size_t slot) const;
   double own_side_m(size_t slot) const;
   OwnSide own_side(size_t slot) const {
     return {state_.agents[slot].own_side_m, state_.agents[slot].facing};
   }
   Eigen::Vector2d wanted_mps(size_t slot);
-  void find_walls(size_t slot, Walls& walls);
-  SteeringView view() const;
-  SteeringView view_with_walls(Slots slots, Walls& walls);
-  bool limits_wishes() const;
-  void limit_to_gap(size_t slot);
-  void limit_to_density(const SteeringView& people, size_t i, uint32_t slot);
-  void limit_forward(size_t slot);
   double move(size_t slot);
-  double stalled_s_of(size_t slot) const;
   double watch_progress(size_t slot);
 
   Ways& ways_;
@@ -146,11 +130,11 @@ class Crowd {
   Parties parties_;
   Queues queues_;
 
+  Avoidance avoidance_;
   OverlapRelaxation relaxation_;
   Turning turning_;
 
   AgentStates carried_;               ///< the slots before, while people take their new ones
-  std::vector<Walls> walls_;          ///< one a worker
   std::vector<double> block_ways_m_;  ///< one a block, reduced in order
   SteeringCounters counters_;
 };

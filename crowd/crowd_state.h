@@ -57,6 +57,10 @@ struct CrowdState {
   size_t size() const { return positions_m.size(); }
   uint32_t id(size_t slot) const { return grid.order()[slot]; }
   double now_s() const { return step_s * static_cast<double>(steps); }
+  /// How long ago an agent last made progress.
+  double stalled_s(size_t slot) const {
+    return step_s * static_cast<double>(steps - agents[slot].anchor_step);
+  }
   uint64_t periods() const { return static_cast<uint64_t>(steps / steps_per_period); }
 
   /// Those who decide now, neighbours in space together.

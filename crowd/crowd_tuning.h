@@ -13,21 +13,10 @@ inline double share_between(double from, double to, double x) {
 
 /// Decisions ten times a second: people do not react faster, and between them motion is smooth.
 inline constexpr double kPeriod_s = 0.1;
-/// How far ahead collisions with people are avoided. Longer makes crowds timid, shorter makes them
-/// bump.
-inline constexpr double kHorizon_s = 2.0;
-/// How far ahead walls slow a person down: at 0.5 s one can walk along a wall at arm's length.
-inline constexpr double kWallHorizon_s = 0.5;
 /// Two people at 1.34 m/s head on meet from 5.4 m within the horizon.
 inline constexpr double kReach_m = 5.0;
 /// People speed up a little to pass.
 inline constexpr double kHaste = 1.2;
-/// People of the same way keep a gap of so long: a door of 1 m then lets through 1.3 people a
-/// second (Weidmann 1993: 1.2). Halved, a second door after it jams; doubled, doors carry too
-/// little.
-inline constexpr double kTimeGap_s = 0.2;
-/// Ways count as the same up to 60 degrees, and as opposite from 120 on: the cosine.
-inline constexpr double kSameWay = 0.5;
 /// Time to take up a wanted velocity (Helbing and Molnar 1995: 0.5 s).
 inline constexpr double kRelaxation_s = 0.5;
 /// Breaks the symmetry of people who meet exactly head on.
@@ -58,8 +47,6 @@ inline constexpr double kUrgeFrom_s = 0.5;
 inline constexpr double kUrgeTo_s = 3.5;
 /// How far the velocity that such a one shows to others goes over to the one wanted.
 inline constexpr double kShownIntent = 0.85;
-/// The horizon of somebody stuck: one who looks less far ahead takes gaps that others leave.
-inline constexpr double kStuckHorizon_s = 0.5;
 /// How far to a side such a try goes, at most, as a multiple of the way ahead.
 inline constexpr double kSidestep = 2.0;
 /// Whoever was held up for so long begins to follow more closely those who walk off ahead, does so

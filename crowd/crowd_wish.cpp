@@ -34,7 +34,7 @@ Eigen::Vector2d Crowd::wanted_mps(size_t slot) {
   const double room = doorkeeper_.has_doors() ? pace(slot, direction) : 1;
   if (has_companions) direction = parties_.way(id);
   if (room != 1) direction *= room;
-  const double stalled_s = stalled_s_of(slot);
+  const double stalled_s = state_.stalled_s(slot);
   if (state_.traits.is_nudged && stalled_s > tuning::kStuck_s) {
     const auto second = static_cast<uint64_t>(std::floor(stalled_s));
     const RandomKey key{options_.seed, id,
