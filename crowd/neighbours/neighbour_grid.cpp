@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/counting_sort.h"
 #include "crowd/neighbours/neighbour_search.h"
 
 namespace throng {
@@ -30,7 +31,7 @@ NeighbourGrid::NeighbourGrid(const Rectangle& ground, size_t people, SimdTarget 
   shape_.low_x = static_cast<float>(-0.5 * size.x());
   shape_.low_y = static_cast<float>(-0.5 * size.y());
   shape_.slack_m = 1e-4f + 1e-6f * static_cast<float>(size.maxCoeff());
-  starts_.resize(static_cast<size_t>(shape_.columns) * static_cast<size_t>(shape_.rows) + 1);
+  starts_.resize(cell_count() + 2);  // see counting_sort()
   search_ = neighbour_search_on(target);
 }
 
@@ -58,31 +59,25 @@ void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m,
   sort(positions_m);
 }
 
-/// By counting.
 void NeighbourGrid::sort(std::span<const Eigen::Vector2d> positions_m) {
   const size_t count = cells_.size();
-  std::fill(starts_.begin(), starts_.end(), 0);
-  size_t slots = 0;
-  for (const uint32_t cell : cells_) {
-    if (cell == kAbsent) continue;
-    ++starts_[cell + 1];
-    ++slots;
-  }
   // Room for everybody from the start: who enters later must not make a step allocate.
-  order_.reserve(count);
-  order_.resize(slots);
+  order_.resize(count);
   x_.resize(count + kPadding);
   y_.resize(count + kPadding);
-  for (size_t cell = 1; cell < starts_.size(); ++cell) starts_[cell] += starts_[cell - 1];
-  // Filling moves each start to its cell's end, which is the next cell's start: shift back after.
-  for (size_t id = 0; id < count; ++id) {
-    if (cells_[id] == kAbsent) continue;
-    const uint32_t slot = starts_[cells_[id]]++;
-    order_[slot] = static_cast<uint32_t>(id);
-    move(slot, positions_m[id]);
-  }
-  std::move_backward(starts_.begin(), starts_.end() - 1, starts_.end());
-  starts_.front() = 0;
+  const size_t cells = cell_count();
+  counting_sort(
+      cells, starts_.data(),
+      [&](const auto& visit) {
+        for (size_t id = 0; id < count; ++id)
+          if (cells_[id] != kAbsent) visit(id);
+      },
+      [&](size_t id) { return cells_[id]; },
+      [&](size_t id, uint32_t slot) {
+        order_[slot] = static_cast<uint32_t>(id);
+        move(slot, positions_m[id]);
+      });
+  order_.resize(starts_[cells]);
 }
 
 /// A comparison is written so that NaN is refused, too.
@@ -90,7 +85,7 @@ void NeighbourGrid::archive(Archive& a) {
   a(cells_, slack_m_);
   if (!a.is_reading()) return;
   for (const uint32_t cell : cells_)
-    if (cell != kAbsent && cell + 1 >= starts_.size()) a.refuse("a cell of the ground", "another");
+    if (cell != kAbsent && cell >= cell_count()) a.refuse("a cell of the ground", "another");
   if (!(slack_m_ >= 0)) a.refuse("a way of at least 0 m", "another");
 }
 

@@ -77,6 +77,9 @@ class NeighbourGrid {
   static constexpr uint32_t kAbsent = UINT32_MAX;
 
   GridView view() const;
+  size_t cell_count() const {
+    return static_cast<size_t>(shape_.columns) * static_cast<size_t>(shape_.rows);
+  }
   Eigen::Vector2f local(const Eigen::Vector2d& position_m) const {
     return (position_m - middle_m_).cast<float>();
   }
