@@ -11,6 +11,7 @@ namespace throng {
 Avoidance::Avoidance(CrowdState& state, const SteeringModel& model, const Walkable& walkable,
                      bool by_density)
     : state_(state),
+      decisions_(state.decisions),
       model_(model),
       walkable_(walkable),
       by_density_(by_density),
@@ -60,15 +61,13 @@ void Avoidance::limit_to_gap(size_t slot) {
   const float way_x = seen[slot].way_x, way_y = seen[slot].way_y;
   const float wanted = wanted_x * way_x + wanted_y * way_y;
   const auto gap_s = static_cast<float>(tuning::kTimeGap_s);
-  const uint32_t* near = state_.decisions.neighbours.data() + CrowdState::kMaxNeighbours * slot;
-  const size_t count = state_.decisions.neighbour_counts[slot];
+  const CrowdState::Slots near = state_.neighbours(slot);
   const auto same_way = [&](uint32_t other) {
     return way_x * seen[other].way_x + way_y * seen[other].way_y;
   };
   const float reach_m = seen[slot].radius_m + state_.widest_m + wanted * gap_s;
   float speed = wanted;
-  for (size_t k = 0; k < count; ++k) {
-    const uint32_t other = near[k];
+  for (const uint32_t other : near) {
     const float dx = seen[other].x_m - seen[slot].x_m;
     const float dy = seen[other].y_m - seen[slot].y_m;
     const float square = dx * dx + dy * dy;
@@ -83,11 +82,9 @@ void Avoidance::limit_to_gap(size_t slot) {
     speed = std::min(speed, (std::sqrt(square) - radius_m) / gap_s);
   }
   if (!(speed < wanted)) return;
-  for (size_t k = 0; k < count; ++k)
-    if (same_way(near[k]) < -static_cast<float>(tuning::kSameWay) &&
-        (seen[near[k]].x_m - seen[slot].x_m) * way_x +
-                (seen[near[k]].y_m - seen[slot].y_m) * way_y >
-            0)
+  for (const uint32_t other : near)
+    if (same_way(other) < -static_cast<float>(tuning::kSameWay) &&
+        (seen[other].x_m - seen[slot].x_m) * way_x + (seen[other].y_m - seen[slot].y_m) * way_y > 0)
       return;
   // As with density, the wish keeps its direction.
   speed = std::max(speed, static_cast<float>(2 * tuning::kWish_mps));
@@ -112,21 +109,19 @@ void Avoidance::limit_to_density(const SteeringView& people, size_t i, uint32_t 
 
 void Avoidance::choose(CrowdState::Slots slots, Walls& walls) {
   const SteeringView people = view_with_walls(slots, walls);
-  model_.decide(people, slots, state_.decisions.next_x_mps.data(),
-                state_.decisions.next_y_mps.data());
+  model_.decide(people, slots, decisions_.next_x_mps.data(), decisions_.next_y_mps.data());
   const float half_period_s = 0.5f * people.period_s;
   for (const uint32_t slot : slots) {
     if (limits_) limit_forward(slot);
-    if (stands_among_standing(slot))
-      state_.decisions.next_x_mps[slot] = state_.decisions.next_y_mps[slot] = 0;
-    const float x = state_.decisions.next_x_mps[slot], y = state_.decisions.next_y_mps[slot];
+    if (stands_among_standing(slot)) decisions_.next_x_mps[slot] = decisions_.next_y_mps[slot] = 0;
+    const float x = decisions_.next_x_mps[slot], y = decisions_.next_y_mps[slot];
     state_.agents[slot].next_mps = {static_cast<double>(x), static_cast<double>(y)};
     // By the velocity that people have, not by the one they show: they would be pushed apart in
     // places where they never are.
     const Eigen::Vector2f old = state_.agents[slot].old_mps.cast<float>();
-    state_.decisions.expected_x_m[slot] = state_.decisions.chosen_x_m[slot] =
+    decisions_.expected_x_m[slot] = decisions_.chosen_x_m[slot] =
         people.seen[slot].x_m + half_period_s * (old.x() + x);
-    state_.decisions.expected_y_m[slot] = state_.decisions.chosen_y_m[slot] =
+    decisions_.expected_y_m[slot] = decisions_.chosen_y_m[slot] =
         people.seen[slot].y_m + half_period_s * (old.y() + y);
   }
 }
@@ -138,12 +133,11 @@ void Avoidance::limit_forward(size_t slot) {
   const float way_x = seen.way_x, way_y = seen.way_y;
   if (way_x == 0 && way_y == 0) return;
   const float wanted = seen.wanted_x_mps * way_x + seen.wanted_y_mps * way_y;
-  const float excess = state_.decisions.next_x_mps[slot] * way_x +
-                       state_.decisions.next_y_mps[slot] * way_y -
+  const float excess = decisions_.next_x_mps[slot] * way_x + decisions_.next_y_mps[slot] * way_y -
                        static_cast<float>(tuning::kHaste) * wanted;
   if (excess <= 0) return;
-  state_.decisions.next_x_mps[slot] -= excess * way_x;
-  state_.decisions.next_y_mps[slot] -= excess * way_y;
+  decisions_.next_x_mps[slot] -= excess * way_x;
+  decisions_.next_y_mps[slot] -= excess * way_y;
 }
 
 /// A crowd that stands stays as close as it is, however much room a model of steering would give
@@ -152,8 +146,8 @@ bool Avoidance::stands_among_standing(size_t slot) const {
   constexpr double kStill_mps = 0.2;
   if (!state_.stands(slot) || state_.agents[slot].old_mps.squaredNorm() > kStill_mps * kStill_mps)
     return false;
-  const uint32_t* near = state_.decisions.neighbours.data() + CrowdState::kMaxNeighbours * slot;
-  return std::all_of(near, near + state_.decisions.neighbour_counts[slot],
+  const CrowdState::Slots near = state_.neighbours(slot);
+  return std::all_of(near.begin(), near.end(),
                      [this](uint32_t each) { return state_.stands(each); });
 }
 
@@ -171,8 +165,8 @@ SteeringView Avoidance::view_with_walls(CrowdState::Slots slots, Walls& walls) {
   }
   SteeringView people;
   people.seen = state_.agents.seen.data();
-  people.neighbours = state_.decisions.neighbours.data();
-  people.neighbour_counts = state_.decisions.neighbour_counts.data();
+  people.neighbours = decisions_.neighbours.data();
+  people.neighbour_counts = decisions_.neighbour_counts.data();
   people.period_s = static_cast<float>(state_.period_s);
   people.wall_horizon_s = static_cast<float>(tuning::kWallHorizon_s);
   people.wall_x = walls.x.data();

@@ -60,6 +60,7 @@ class Avoidance {
   void find_walls(size_t slot, Walls& walls);
 
   CrowdState& state_;
+  Decisions& decisions_;
   const SteeringModel& model_;
   const Walkable& walkable_;
   bool by_density_;

@@ -23,6 +23,8 @@ Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& opt
       exits_(ways, people, options.seed),
       parties_(ways, people),
       queues_(ways, people),
+      progress_(state_, journeys_, parties_, queues_),
+      preferred_(state_, journeys_, parties_, doorkeeper_, options.seed),
       avoidance_(state_, *model_, ways.walkable(), options.steering.density_speed),
       relaxation_(state_, ways.walkable()),
       turning_(state_, journeys_, parties_, queues_, people) {
@@ -74,9 +76,8 @@ double Crowd::entering_mps(size_t slot) {
   state_.grid.nearest(of, static_cast<float>(kReach_m), state_.decisions.neighbours.data(),
                       state_.decisions.neighbour_counts.data());
   double most_mps = state_.free_speeds_mps[id];
-  for (size_t k = 0; k < state_.decisions.neighbour_counts[slot]; ++k) {
-    const uint32_t other =
-        state_.grid.order()[state_.decisions.neighbours[CrowdState::kMaxNeighbours * slot + k]];
+  for (const uint32_t near : state_.neighbours(slot)) {
+    const uint32_t other = state_.id(near);
     if (state_.slot_of[other] == CrowdState::kNowhere) continue;  // enters, too
     const Eigen::Vector2d& way = state_.headings[id];
     const Eigen::Vector2d offset = state_.positions_m[other] - state_.positions_m[id];
@@ -155,6 +156,111 @@ void Crowd::step() {
       block_ways_m_.begin(), block_ways_m_.begin() + static_cast<ptrdiff_t>(blocks)));
   counters_.walked_s += state_.step_s * static_cast<double>(state_.grid.order().size());
   ++state_.steps;
+}
+
+void Crowd::decide() {
+  begin_period();
+  for (int phase = 0; phase < state_.steps_per_period; ++phase) decide(phase);
+}
+
+/// What is for everybody at once.
+void Crowd::begin_period() {
+  change_people();
+  seat_people();
+}
+
+void Crowd::update_detours() {
+  detours_.update(
+      state_.periods(), state_.grid.order().size(),
+      [this](size_t slot) {
+        constexpr double kLeast_mps = 0.1;  // of those who are led
+        return Detours::Walker{state_.agents[slot].position_m,
+                               state_.agents[slot].velocity_mps /
+                                   std::max(state_.agents[slot].free_speed_mps, kLeast_mps)};
+      },
+      state_.workers);
+}
+
+/// Those of a phase look around, find what they prefer, choose and are kept out of each other.
+void Crowd::decide(int phase) {
+  state_.phase = static_cast<size_t>(phase);
+  // Not in the frame that begins a period: that takes the most time as it is.
+  if (phase == state_.steps_per_period / 2) update_detours();
+  if (parties_.any()) {
+    state_.for_deciders([this](Slots slots, size_t, int) { look_around(slots); });
+    parties_.gather(static_cast<uint32_t>(phase), static_cast<uint32_t>(state_.steps_per_period),
+                    journeys_, state_.positions_m, state_.now_s(), state_.workers);
+  }
+  counters_.longest_stall_s = state_.largest([this](Slots slots, size_t) { return prefer(slots); });
+  counters_.queuing = 0;
+  for (size_t slot = 0; slot < state_.grid.order().size(); ++slot)
+    counters_.queuing += state_.agents.queuing[slot];
+  avoidance_.choose();
+  if (doorkeeper_.has_doors())
+    state_.for_deciders([this](Slots slots, size_t, int) { preferred_.show_held(slots); });
+  relaxation_.relax(counters_);
+  ++counters_.rounds;
+  counters_.decisions += state_.deciders().size();
+}
+
+/// Goals are reached, and people come and go, before anybody looks around.
+void Crowd::change_people() {
+  const double now_s = state_.now_s();
+  // By id, as what journeys know is.
+  for_people(state_.workers, size(), [&](size_t begin, size_t end, int) {
+    for (size_t id = begin; id < end; ++id) {
+      const uint32_t slot = state_.slot_of[id];
+      const auto held_up = slot == CrowdState::kNowhere
+                               ? HeldUp::kNot
+                               : static_cast<HeldUp>(state_.agents.held_up[slot]);
+      journeys_.follow(static_cast<uint32_t>(id), state_.positions_m[id], now_s, held_up);
+    }
+  });
+  if (!ways_.occasions().empty()) {
+    occasions_.watch(journeys_, now_s);
+    for (size_t group = 0; group < ways_.groups(); ++group)
+      if (const std::optional<uint32_t> after = ways_.after(group))
+        journeys_.let_go(group, occasions_.time_s(*after));
+  }
+  if (doorkeeper_.has_doors())
+    doorkeeper_.follow(occasions_, traffic_.present(), state_.positions_m, now_s);
+  if (traffic_.is_open()) {
+    traffic_.release(journeys_);
+    traffic_.admit(now_s, journeys_, state_.positions_m);
+  }
+  if (exits_.has_any())
+    exits_.choose(state_.periods(), state_.positions_m, state_.grid.order(), state_.agents.queuing,
+                  journeys_, state_.workers);
+  if (queues_.any())
+    queues_.follow(traffic_.present(), state_.positions_m, journeys_, state_.workers);
+  for (const uint32_t id : traffic_.entered()) {
+    const Eigen::Vector2d way = journeys_.direction(id, state_.positions_m[id]);
+    if (way.squaredNorm() > 0) state_.headings[id] = way;
+  }
+}
+
+void Crowd::look_around(Slots slots) {
+  preferred_.prepare(slots);
+  state_.grid.nearest(slots, static_cast<float>(tuning::kReach_m),
+                      state_.decisions.neighbours.data(), state_.decisions.neighbour_counts.data());
+  if (parties_.any()) parties_.look_around(state_, slots);
+}
+
+/// Everything that is decided of one agent after the other. Returns the longest stall (s).
+double Crowd::prefer(Slots slots) {
+  if (!parties_.any()) look_around(slots);
+  double longest_s = 0;
+  for (const uint32_t slot : slots) {
+    AgentState& w = state_.agents[slot];
+    w.old_mps = w.velocity_mps;
+    longest_s = std::max(longest_s, progress_.watch(slot));
+    preferred_.decide(slot);
+    relaxation_.grow(slot, journeys_.doing(state_.id(slot)) == Doing::kWalking);
+    state_.show(slot);
+    turning_.decide(slot);
+    avoidance_.prepare(slot);
+  }
+  return longest_s;
 }
 
 void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,

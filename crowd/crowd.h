@@ -1,9 +1,16 @@
-// People who walk: a steering model ten times a second, smooth motion at every step in between.
-// One rule: each pass reads the old state and writes the new, so that the same crowd walks the same
-// way for any number of threads. A period is the time between two decisions of a person; who
-// decides in which of its steps is fixed by id, so that no step takes much longer than another.
-// People near each other in space are near in memory: state lies by slot, the order of cells at the
-// beginning of the period (see NeighbourGrid), and is carried along to a new one.
+// Crowd moves people: a steering model decides ten times a second, and motion is smooth at every
+// step in between.
+// Invariant: each pass reads the old state and writes the new, so that the same crowd walks the
+// same way for any number of threads.
+//
+// A period is the time between two decisions of an agent. The step of the period in which it
+// decides is fixed by id, so that no step takes much longer than another. State lies by slot, the
+// order of cells at the beginning of the period (see NeighbourGrid), and is carried along to a new
+// one: agents near each other in space are near in memory.
+//
+// A decision: Progress sees who is stuck, PreferredVelocity where each wants to go, Turning what it
+// faces; Avoidance chooses velocities, OverlapRelaxation keeps discs apart. They know CrowdState,
+// not each other.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,6 +35,8 @@
 #include "crowd/occasions.h"
 #include "crowd/overlap_relaxation.h"
 #include "crowd/parties.h"
+#include "crowd/preferred_velocity.h"
+#include "crowd/progress.h"
 #include "crowd/queues.h"
 #include "crowd/spawn.h"
 #include "crowd/steering/steering.h"
@@ -65,7 +74,7 @@ class Crowd {
   void decide();
 
   /// Everybody there may ever be; who is in the scene now says traffic().present().
-  size_t size() const { return state_.positions_m.size(); }
+  size_t size() const { return state_.size(); }
   const Journeys& journeys() const { return journeys_; }
   const Traffic& traffic() const { return traffic_; }
   const Queues& queues() const { return queues_; }
@@ -80,37 +89,20 @@ class Crowd {
   std::span<const double> walked_m() const { return state_.walked_m; }
   const SteeringCounters& counters() const { return counters_; }
 
-  /// Whoever has moved less than this is making no progress.
-  static constexpr double kStall_m = 0.3;
-
  private:
   using Slots = CrowdState::Slots;
-  void look_around(Slots slots);
-  double wish(Slots slots);
 
   void begin_period();
-  void update_detours();
-  void decide(int phase);
   void change_people();
   void seat_people();
   void take_slots();
-  double entering_mps(size_t slot);
   void start_walking(size_t slot);
-  bool is_queuing(size_t slot) const;
-  HeldUp held_up(size_t slot, double stuck_s) const;
-  bool is_slow(size_t slot) const;
-  template <typename HoldsUp>
-  bool is_behind_any(size_t slot, const HoldsUp& holds_up) const;
-  double strangers_per_m2(size_t slot) const;
-  void overlook_companions(size_t slot);
-  double pace(size_t slot, const Eigen::Vector2d& way);
-  double own_side_m(size_t slot) const;
-  OwnSide own_side(size_t slot) const {
-    return {state_.agents[slot].own_side_m, state_.agents[slot].facing};
-  }
-  Eigen::Vector2d wanted_mps(size_t slot);
+  double entering_mps(size_t slot);
+  void decide(int phase);
+  void update_detours();
+  void look_around(Slots slots);
+  double prefer(Slots slots);
   double move(size_t slot);
-  double watch_progress(size_t slot);
 
   Ways& ways_;
   CrowdOptions options_;
@@ -130,6 +122,8 @@ class Crowd {
   Parties parties_;
   Queues queues_;
 
+  Progress progress_;
+  PreferredVelocity preferred_;
   Avoidance avoidance_;
   OverlapRelaxation relaxation_;
   Turning turning_;

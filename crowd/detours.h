@@ -16,6 +16,28 @@
 #include "crowd/navigation/ways.h"
 
 namespace throng {
+namespace tuning {
+
+/// Ways bend round where a crowd is slow: where it is denser than the first, and all the more up to
+/// the second, a metre counts longer by the share of the free speed at which people get on along
+/// the way, but none is taken for slower than the third. Who stands in such a crowd bends less and
+/// less: at full density people follow the way as it is, or they would swing before a door and mix
+/// two streams. What is seen once a second counts by so much, the rest is what was seen before.
+/// People mind the delay by a factor of their own between the last two. Only where there is room
+/// beside somebody does a way bend: all of it where walls are as far as the second of these,
+/// nothing nearer than the first, or people would walk along the walls.
+inline constexpr double kSlowFrom_per_m2 = 0.7;
+inline constexpr double kSlowTo_per_m2 = 1.5;
+inline constexpr double kSlowest = 0.15;
+inline constexpr double kCrowdingNew = 0.3;
+inline constexpr double kLeastMinded = 0.5;
+inline constexpr double kMostMinded = 1.5;
+inline constexpr double kBendsFrom_m = 0.5, kBendsWholly_m = 1.2;
+/// Among people of two ways those who come towards one are passed up to the first density, and in
+/// the way like those who stand from the second on.
+inline constexpr double kBlockedFrom_per_m2 = 1.3, kBlockedTo_per_m2 = 2.0;
+
+}  // namespace tuning
 
 class Detours {
  public:

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "base/random.h"
-#include "crowd/crowd_tuning.h"
 
 namespace throng {
 namespace {

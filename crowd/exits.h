@@ -19,6 +19,27 @@
 #include "crowd/spawn.h"
 
 namespace throng {
+namespace tuning {
+
+/// Of several exits people take the one where they expect to be through first, and look again once
+/// a second, some at each decision. They change to another if it is better by this share of the
+/// time and by their own patience besides: what they see of a queue is rough, and an exit that
+/// seems a little better now is not in a second.
+inline constexpr uint32_t kLooksAgain = 10;
+inline constexpr double kBetter = 0.15;
+inline constexpr double kLeastPatience_s = 2;
+inline constexpr double kMostPatience_s = 20;
+/// What people take a metre of an exit to let through a second, before they have seen: what doors
+/// do in experiments.
+inline constexpr double kExitFlow_per_ms = 1.9;
+/// Where that many queue, what came through lately is what the exit lets through, over about so
+/// long; the first guess counts as so many seconds of it. Nothing is taken for shut for good.
+inline constexpr uint32_t kQueues = 5;
+inline constexpr double kSeen_s = 20;
+inline constexpr double kGuessed_s = 3;
+inline constexpr double kLeastFlow_per_s = 0.1;
+
+}  // namespace tuning
 
 /// How many of those who head for an exit have how far to go.
 class Approach {

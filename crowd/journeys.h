@@ -18,6 +18,28 @@
 #include "crowd/spawn.h"
 
 namespace throng {
+namespace tuning {
+
+/// A target counts as reached within this; after so long in the goal's area, anyhow.
+inline constexpr double kArrival_m = 0.7;
+inline constexpr double kPatience_s = 3.0;
+/// Round a goal with no side longer than the first agents hinder each other or walk in circles (the
+/// heuristic does round a square of 0.6 m, and hits one of 0.8 m): its area then is all within the
+/// second of it.
+inline constexpr double kSmallGoal_m = 0.7;
+inline constexpr double kAroundSmall_m = 1.0;
+
+/// The shortest way is the same for all, and round a corner all would walk in one file along its
+/// inner edge. Each keeps to a side of their own, as far off the shortest way as the next wall is
+/// farther away than the first, and than the second's share of the way left. Not so in a queue,
+/// where it would lead into a door's frame: all of it from the fourth's share of the free speed
+/// on, nothing below the third's. So fast they go over to it: feet can follow.
+inline constexpr double kOwnSideFrom_m = 0.45;
+inline constexpr double kOwnSideShare = 0.2;
+inline constexpr double kOwnSideSlow = 0.2, kOwnSideFast = 0.5;
+inline constexpr double kOwnSideRate_mps = 0.2;
+
+}  // namespace tuning
 
 enum class Doing : uint8_t {
   kOutside,  ///< has not entered yet

@@ -21,9 +21,9 @@ void OverlapRelaxation::relax(SteeringCounters& counters) {
   double deepest_m = tuning::kSlop_m;
   while (deepest_m >= tuning::kSlop_m && counters.sweeps < tuning::kSweeps) {
     deepest_m = state_.largest([this](CrowdState::Slots, size_t block) { return sweep(block); });
-    state_.decisions.expected_x_m.swap(state_.decisions.swept_x_m);
-    state_.decisions.expected_y_m.swap(state_.decisions.swept_y_m);
-    state_.decisions.touched.swap(state_.decisions.swept_touched);
+    decisions_.expected_x_m.swap(decisions_.swept_x_m);
+    decisions_.expected_y_m.swap(decisions_.swept_y_m);
+    decisions_.touched.swap(decisions_.swept_touched);
     ++counters.sweeps;
   }
   counters.all_sweeps += static_cast<uint64_t>(counters.sweeps);
@@ -33,8 +33,8 @@ void OverlapRelaxation::relax(SteeringCounters& counters) {
 
 /// Where somebody will stand after a period, as far as is known by now.
 Eigen::Vector2f OverlapRelaxation::expected_m(size_t slot) const {
-  if (state_.decisions.phase[slot] == state_.phase)
-    return {state_.decisions.expected_x_m[slot], state_.decisions.expected_y_m[slot]};
+  if (decisions_.phase[slot] == state_.phase)
+    return {decisions_.expected_x_m[slot], decisions_.expected_y_m[slot]};
   return {state_.agents.seen[slot].ahead_x_m, state_.agents.seen[slot].ahead_y_m};
 }
 
@@ -49,13 +49,13 @@ double OverlapRelaxation::find_close(CrowdState::Slots slots, size_t block) {
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
     state_.prefetch_neighbours(state_.later_decider(slots, i));
-    uint32_t* near = state_.decisions.neighbours.data() + CrowdState::kMaxNeighbours * slot;
+    uint32_t* near = decisions_.neighbours.data() + CrowdState::kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
     const Seen& own = state_.agents.seen[slot];
     const float reach_m = own.radius_m + state_.widest_m + margin_m + moved_m;
     const Eigen::Vector2f expected = expected_m(slot);
     size_t close = 0;
-    for (size_t k = 0; k < state_.decisions.neighbour_counts[slot]; ++k) {
+    for (size_t k = 0; k < decisions_.neighbour_counts[slot]; ++k) {
       const uint32_t other = near[k];
       const float dx = state_.agents.seen[other].x_m - own.x_m;
       const float dy = state_.agents.seen[other].y_m - own.y_m;
@@ -68,24 +68,24 @@ double OverlapRelaxation::find_close(CrowdState::Slots slots, size_t block) {
         deepest_m = std::max(deepest_m, radius_m - std::sqrt(square));
       if (to.x() * to.x() + to.y() * to.y() < close_m * close_m) std::swap(near[close++], near[k]);
     }
-    state_.decisions.close_counts[slot] = static_cast<uint8_t>(close);
-    state_.decisions.swept_x_m[slot] = expected.x();
-    state_.decisions.swept_y_m[slot] = expected.y();
+    decisions_.close_counts[slot] = static_cast<uint8_t>(close);
+    decisions_.swept_x_m[slot] = expected.x();
+    decisions_.swept_y_m[slot] = expected.y();
     // The first sweep looks at all of them.
-    state_.decisions.touched[slot] = state_.decisions.swept_touched[slot] = close > 0 ? kMoved : 0;
-    if (close > 0) state_.decisions.crowded[first + crowded++] = slot;
+    decisions_.touched[slot] = decisions_.swept_touched[slot] = close > 0 ? kMoved : 0;
+    if (close > 0) decisions_.crowded[first + crowded++] = slot;
   }
-  state_.decisions.crowded_counts[block] = crowded;
+  decisions_.crowded_counts[block] = crowded;
   return static_cast<double>(deepest_m);
 }
 
 double OverlapRelaxation::sweep(size_t block) {
   double deepest_m = 0;
-  const uint32_t* crowded = state_.decisions.crowded.data() + block * kPeopleABlock;
-  const uint32_t* end_of_crowded = crowded + state_.decisions.crowded_counts[block];
+  const uint32_t* crowded = decisions_.crowded.data() + block * kPeopleABlock;
+  const uint32_t* end_of_crowded = crowded + decisions_.crowded_counts[block];
   for (; crowded != end_of_crowded; ++crowded) {
     if (is_settled(*crowded))
-      state_.decisions.swept_touched[*crowded] = 0;
+      decisions_.swept_touched[*crowded] = 0;
     else
       deepest_m = std::max(deepest_m, relax_disc(*crowded));
   }
@@ -95,20 +95,19 @@ double OverlapRelaxation::sweep(size_t block) {
 /// Overlapping nobody at the sweep before, and neither this one nor anybody near moved since: the
 /// sweep would change nothing. What it would write stands there from the sweep before.
 bool OverlapRelaxation::is_settled(size_t slot) const {
-  if (state_.decisions.touched[slot] != 0) return false;
-  const uint32_t* near = state_.decisions.neighbours.data() + CrowdState::kMaxNeighbours * slot;
-  for (size_t k = 0; k < state_.decisions.close_counts[slot]; ++k)
-    if (state_.decisions.phase[near[k]] == state_.phase &&
-        (state_.decisions.touched[near[k]] & kMoved) != 0)
+  if (decisions_.touched[slot] != 0) return false;
+  const uint32_t* near = decisions_.neighbours.data() + CrowdState::kMaxNeighbours * slot;
+  for (size_t k = 0; k < decisions_.close_counts[slot]; ++k)
+    if (decisions_.phase[near[k]] == state_.phase && (decisions_.touched[near[k]] & kMoved) != 0)
       return false;
   return true;
 }
 
 double OverlapRelaxation::relax_disc(size_t slot) {
-  const float x = state_.decisions.expected_x_m[slot], y = state_.decisions.expected_y_m[slot];
+  const float x = decisions_.expected_x_m[slot], y = decisions_.expected_y_m[slot];
   float push_x = 0, push_y = 0, deepest_m = 0;
-  for (size_t k = 0; k < state_.decisions.close_counts[slot]; ++k) {
-    const uint32_t other = state_.decisions.neighbours[CrowdState::kMaxNeighbours * slot + k];
+  for (size_t k = 0; k < decisions_.close_counts[slot]; ++k) {
+    const uint32_t other = decisions_.neighbours[CrowdState::kMaxNeighbours * slot + k];
     const Eigen::Vector2f there = expected_m(other);
     const float dx = x - there.x(), dy = y - there.y();
     const float radius_m = apart_m(slot, other);
@@ -136,10 +135,10 @@ double OverlapRelaxation::relax_disc(size_t slot) {
     to_x = slid.x();
     to_y = slid.y();
   }
-  state_.decisions.swept_x_m[slot] = to_x;
-  state_.decisions.swept_y_m[slot] = to_y;
+  decisions_.swept_x_m[slot] = to_x;
+  decisions_.swept_y_m[slot] = to_y;
   const bool moved = to_x != x || to_y != y;
-  state_.decisions.swept_touched[slot] =
+  decisions_.swept_touched[slot] =
       static_cast<uint8_t>((moved ? kMoved : 0) | (deepest_m > 0 ? kOverlapping : 0));
   return static_cast<double>(deepest_m);
 }
@@ -150,8 +149,8 @@ void OverlapRelaxation::hold_back(size_t slot, float& to_x, float& to_y) const {
   const float ahead_x = state_.agents.seen[slot].way_x, ahead_y = state_.agents.seen[slot].way_y;
   if (ahead_x == 0 && ahead_y == 0) return;
   const float x = state_.grid.x()[slot], y = state_.grid.y()[slot];
-  const float planned_x = state_.decisions.chosen_x_m[slot] - x,
-              planned_y = state_.decisions.chosen_y_m[slot] - y;
+  const float planned_x = decisions_.chosen_x_m[slot] - x,
+              planned_y = decisions_.chosen_y_m[slot] - y;
   const float planned_m = std::max(0.0f, planned_x * ahead_x + planned_y * ahead_y);
   const float excess_m = (to_x - x) * ahead_x + (to_y - y) * ahead_y - planned_m;
   if (excess_m <= 0) return;
@@ -166,11 +165,9 @@ void OverlapRelaxation::set_drift(CrowdState::Slots slots) {
     state_.agents.prefetch(state_.later_decider(slots, i), offsetof(AgentState, smooth_mps));
     Eigen::Vector2d& drift = state_.agents[slot].drift_mps;
     drift.setZero();
-    if (state_.decisions.close_counts[slot] != 0) {
-      drift = {static_cast<double>(state_.decisions.expected_x_m[slot] -
-                                   state_.decisions.chosen_x_m[slot]),
-               static_cast<double>(state_.decisions.expected_y_m[slot] -
-                                   state_.decisions.chosen_y_m[slot])};
+    if (decisions_.close_counts[slot] != 0) {
+      drift = {static_cast<double>(decisions_.expected_x_m[slot] - decisions_.chosen_x_m[slot]),
+               static_cast<double>(decisions_.expected_y_m[slot] - decisions_.chosen_y_m[slot])};
       drift /= state_.period_s;
       const double length = drift.norm();
       if (length > tuning::kMaxDrift_mps) drift *= tuning::kMaxDrift_mps / length;
@@ -186,8 +183,7 @@ void OverlapRelaxation::grow(size_t slot, bool walks) {
   if (squeeze == 1) return;
   float room = 1;
   const auto radius_m = static_cast<float>(state_.agents[slot].radius_m);
-  for (size_t k = 0; k < state_.decisions.neighbour_counts[slot] && !walks; ++k) {
-    const uint32_t other = state_.decisions.neighbours[CrowdState::kMaxNeighbours * slot + k];
+  for (const uint32_t other : walks ? CrowdState::Slots{} : state_.neighbours(slot)) {
     const float dx = state_.grid.x()[other] - state_.grid.x()[slot],
                 dy = state_.grid.y()[other] - state_.grid.y()[slot];
     const float apart_m = radius_m + static_cast<float>(state_.agents[other].radius_m);

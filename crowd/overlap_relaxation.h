@@ -33,7 +33,7 @@ class OverlapRelaxation {
  public:
   /// Keeps references to both.
   OverlapRelaxation(CrowdState& state, const Walkable& walkable)
-      : state_(state), walkable_(walkable) {}
+      : state_(state), decisions_(state.decisions), walkable_(walkable) {}
 
   /// Lets the disc of an agent that was placed closer to others than discs are take more room.
   void grow(size_t slot, bool walks);
@@ -57,6 +57,7 @@ class OverlapRelaxation {
   }
 
   CrowdState& state_;
+  Decisions& decisions_;
   const Walkable& walkable_;
 };
 

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "crowd/crowd_state.h"
 #include "crowd/crowd_tuning.h"
 
 namespace throng {
@@ -45,6 +47,11 @@ constexpr double kSight_m = 6;
 /// They see who is there if nothing that stops people is so near to the straight way, by samples.
 constexpr double kBody_m = 0.2;
 constexpr int kSightSamples = 8;
+
+/// Companions walk beside each other where both together are faster than this, their discs farther
+/// apart than the second.
+constexpr double kBeside_mps = 0.3;
+constexpr double kBesideGap_m = 0.14;
 
 // Taking a place: the most that a way is bent for it (the tangent) and from how far off, sooner
 // where there is less room; the distance along the way for which somebody hurries by all of it, and
@@ -165,6 +172,51 @@ Eigen::Vector2d Parties::way(uint32_t id) const {
   const Eigen::Vector2d way = wish.towards.isZero() ? wish.alone + wish.aside : wish.towards;
   const double length = way.norm();
   return length > 0 ? Eigen::Vector2d(way / length) : wish.alone;
+}
+
+void Parties::look_around(CrowdState& state, std::span<const uint32_t> slots) {
+  for (const uint32_t slot : slots) {
+    const uint32_t id = state.id(slot);
+    if (!has(id)) continue;
+    strangers_per_m2_[id] = crowding_per_m2(state, slot);
+    overlook_companions(state, slot);
+  }
+}
+
+/// Within two metres beside the way; those farther off, ahead and behind count less.
+double Parties::crowding_per_m2(const CrowdState& state, size_t slot) const {
+  constexpr double kReach_m = 2;
+  const Eigen::Vector2d& intent = state.agents[slot].intent_mps;
+  const double speed = intent.norm();
+  double sum = 0;
+  for (const uint32_t other : state.neighbours(slot)) {
+    if (are_companions(state.id(slot), state.id(other))) continue;
+    const Eigen::Vector2d offset = state.agents[other].position_m - state.agents[slot].position_m;
+    const double away_m = offset.norm();
+    const double ahead_m = speed > 0 ? offset.dot(intent) / speed : 0;
+    const double aside = away_m > 0 ? 1 - ahead_m * ahead_m / (away_m * away_m) : 1;
+    sum += 2 * aside * std::max(0.0, 1 - away_m / kReach_m);
+  }
+  // A cone of that radius, one high.
+  return sum * 3 / (std::numbers::pi * kReach_m * kReach_m);
+}
+
+/// Companions who walk beside each other do not avoid each other: each knows where the other goes.
+/// Who comes too near is seen again.
+void Parties::overlook_companions(CrowdState& state, size_t slot) const {
+  const auto walks_beside = [&](uint32_t other) {
+    if (!are_companions(state.id(slot), state.id(other))) return false;
+    const Eigen::Vector2d offset = state.agents[other].position_m - state.agents[slot].position_m;
+    const Eigen::Vector2d both_mps =
+        state.agents[slot].velocity_mps + state.agents[other].velocity_mps;
+    const double along = std::abs(offset.dot(both_mps)), square_m2 = offset.squaredNorm();
+    const double gap_m = state.agents[slot].radius_m + state.agents[other].radius_m + kBesideGap_m;
+    return both_mps.squaredNorm() > kBeside_mps * kBeside_mps && square_m2 > gap_m * gap_m &&
+           2 * along * along < square_m2 * both_mps.squaredNorm();
+  };
+  uint32_t* near = state.decisions.neighbours.data() + CrowdState::kMaxNeighbours * slot;
+  uint8_t& count = state.decisions.neighbour_counts[slot];
+  count = static_cast<uint8_t>(std::remove_if(near, near + count, walks_beside) - near);
 }
 
 void Parties::gather(uint32_t remainder, uint32_t parts, const Journeys& journeys,

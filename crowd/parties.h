@@ -17,6 +17,8 @@
 
 namespace throng {
 
+struct CrowdState;
+
 class Parties {
  public:
   /// Keeps a reference to `ways`.
@@ -29,8 +31,9 @@ class Parties {
   /// Everything that gather() may have changed and that the next one depends on.
   void archive(Archive& a);
 
-  /// How many others who are no companions are near somebody; before gather().
-  void see(uint32_t id, double strangers_per_m2) { strangers_per_m2_[id] = strangers_per_m2; }
+  /// Members see how many strangers are near, and their companions are no neighbours where they
+  /// walk beside each other; before gather().
+  void look_around(CrowdState& state, std::span<const uint32_t> slots);
 
   /// Who decides when is fixed by this one of several ids: companions decide together.
   uint32_t first_of_party(uint32_t id) const {
@@ -58,6 +61,9 @@ class Parties {
   }
 
  private:
+  double crowding_per_m2(const CrowdState& state, size_t slot) const;
+  void overlook_companions(CrowdState& state, size_t slot) const;
+
   static constexpr double kWaits = 0.5, kStands = 0.05;
 
   struct Party {

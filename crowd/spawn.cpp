@@ -9,7 +9,6 @@
 #include "base/elementary.h"
 #include "base/random.h"
 #include "crowd/crowd_plan.h"
-#include "crowd/crowd_tuning.h"
 #include "crowd/standing_room.h"
 
 namespace throng {

@@ -15,6 +15,13 @@
 #include "crowd/people.h"
 
 namespace throng {
+namespace tuning {
+
+/// An audience looks to its stage give or take this; nobody farther off than the other.
+inline constexpr double kFacing_rad = 0.1;
+inline constexpr double kMostFacing_rad = 0.25;
+
+}  // namespace tuning
 
 /// One person at the start of a run.
 struct Person {  // NOLINT(clang-analyzer-optin.performance.Padding): by meaning

@@ -1,0 +1,58 @@
+// Progress watches how agents get on: who is stuck, who queues and who holds others up, and shows
+// how impatient that makes them.
+#pragma once
+
+#include <cstddef>
+
+#include "crowd/crowd_state.h"
+#include "crowd/journeys.h"
+#include "crowd/parties.h"
+#include "crowd/queues.h"
+
+namespace throng {
+namespace tuning {
+
+/// Whoever has moved less than this is making no progress.
+inline constexpr double kStall_m = 0.3;
+/// Others begin to make way for who has been stuck so long, and do all the way after so long.
+inline constexpr double kUrgeFrom_s = 0.5;
+inline constexpr double kUrgeTo_s = 3.5;
+/// Whoever was held up for so long begins to follow more closely those who walk off ahead, does so
+/// wholly after so long, and no more once it has walked for the third. Doors carry 60 % more people
+/// than a single file at its best: one headway for both there is not.
+inline constexpr double kEagerFrom_s = 2.0;
+inline constexpr double kEagerTo_s = 5.0;
+inline constexpr double kEagerFor_s = 25.0;
+/// Whoever walks slower than this share of the free speed, with somebody of the same way ahead at
+/// this gap or less, queues.
+inline constexpr double kQueueSpeed = 0.4;
+inline constexpr double kQueueGap_m = 0.4;
+
+}  // namespace tuning
+
+class Progress {
+ public:
+  /// Keeps references to all.
+  Progress(CrowdState& state, const Journeys& journeys, const Parties& parties,
+           const Queues& queues)
+      : state_(state), journeys_(journeys), parties_(parties), queues_(queues) {}
+
+  /// Once a decision, after the neighbours are known. Returns how long an agent has been stuck (s),
+  /// the time of queuing taken off.
+  double watch(size_t slot);
+
+ private:
+  void show(size_t slot);
+  HeldUp held_up(size_t slot, double stuck_s) const;
+  bool is_queuing(size_t slot) const;
+  bool is_slow(size_t slot) const;
+  template <typename HoldsUp>
+  bool is_behind_any(size_t slot, const HoldsUp& holds_up) const;
+
+  CrowdState& state_;
+  const Journeys& journeys_;
+  const Parties& parties_;
+  const Queues& queues_;
+};
+
+}  // namespace throng
