@@ -8,7 +8,7 @@
 
 namespace throng {
 
-Avoidance::Avoidance(CrowdState& state, const SteeringModel& model, const Walkable& walkable,
+Avoidance::Avoidance(SteeringState& state, const SteeringModel& model, const Walkable& walkable,
                      bool by_density)
     : state_(state),
       decisions_(state.decisions),
@@ -34,16 +34,16 @@ void Avoidance::prepare(size_t slot) {
 
 void Avoidance::choose() {
   if (limits_)
-    state_.for_deciders([this](CrowdState::Slots slots, size_t, int worker) {
+    state_.for_deciders([this](SteeringState::Slots slots, size_t, int worker) {
       limit(slots, walls_[static_cast<size_t>(worker)]);
     });
-  state_.for_deciders([this](CrowdState::Slots slots, size_t, int worker) {
+  state_.for_deciders([this](SteeringState::Slots slots, size_t, int worker) {
     choose(slots, walls_[static_cast<size_t>(worker)]);
   });
 }
 
 /// Before anybody chooses, as models look at what others want.
-void Avoidance::limit(CrowdState::Slots slots, Walls& walls) {
+void Avoidance::limit(SteeringState::Slots slots, Walls& walls) {
   if (!by_density_) {
     for (const uint32_t slot : slots) limit_to_gap(slot);
     return;
@@ -61,7 +61,7 @@ void Avoidance::limit_to_gap(size_t slot) {
   const float way_x = seen[slot].way_x, way_y = seen[slot].way_y;
   const float wanted = wanted_x * way_x + wanted_y * way_y;
   const auto gap_s = static_cast<float>(tuning::kTimeGap_s);
-  const CrowdState::Slots near = state_.neighbours(slot);
+  const SteeringState::Slots near = state_.neighbours(slot);
   const auto same_way = [&](uint32_t other) {
     return way_x * seen[other].way_x + way_y * seen[other].way_y;
   };
@@ -107,7 +107,7 @@ void Avoidance::limit_to_density(const SteeringView& people, size_t i, uint32_t 
   y *= limit / wanted;
 }
 
-void Avoidance::choose(CrowdState::Slots slots, Walls& walls) {
+void Avoidance::choose(SteeringState::Slots slots, Walls& walls) {
   const SteeringView people = view_with_walls(slots, walls);
   model_.decide(people, slots, decisions_.next_x_mps.data(), decisions_.next_y_mps.data());
   const float half_period_s = 0.5f * people.period_s;
@@ -146,12 +146,12 @@ bool Avoidance::stands_among_standing(size_t slot) const {
   constexpr double kStill_mps = 0.2;
   if (!state_.stands(slot) || state_.agents[slot].old_mps.squaredNorm() > kStill_mps * kStill_mps)
     return false;
-  const CrowdState::Slots near = state_.neighbours(slot);
+  const SteeringState::Slots near = state_.neighbours(slot);
   return std::all_of(near.begin(), near.end(),
                      [this](uint32_t each) { return state_.stands(each); });
 }
 
-SteeringView Avoidance::view_with_walls(CrowdState::Slots slots, Walls& walls) {
+SteeringView Avoidance::view_with_walls(SteeringState::Slots slots, Walls& walls) {
   walls.x.clear();
   walls.y.clear();
   walls.clearance_m.clear();

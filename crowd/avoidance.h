@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "crowd/crowd_state.h"
 #include "crowd/navigation/walkable.h"
 #include "crowd/steering/steering.h"
+#include "crowd/steering_state.h"
 
 namespace throng {
 namespace tuning {
@@ -33,7 +33,7 @@ class Avoidance {
  public:
   /// Keeps references to all. By density, the speed that people prefer is limited by how many are
   /// ahead; otherwise by the gap, unless the model itself keeps one.
-  Avoidance(CrowdState& state, const SteeringModel& model, const Walkable& walkable,
+  Avoidance(SteeringState& state, const SteeringModel& model, const Walkable& walkable,
             bool by_density);
 
   /// Decides how fast an agent may be and how far ahead it avoids others, before any chooses.
@@ -50,16 +50,16 @@ class Avoidance {
     std::vector<uint32_t> starts;
   };
 
-  void limit(CrowdState::Slots slots, Walls& walls);
+  void limit(SteeringState::Slots slots, Walls& walls);
   void limit_to_gap(size_t slot);
   void limit_to_density(const SteeringView& people, size_t i, uint32_t slot);
-  void choose(CrowdState::Slots slots, Walls& walls);
+  void choose(SteeringState::Slots slots, Walls& walls);
   void limit_forward(size_t slot);
   bool stands_among_standing(size_t slot) const;
-  SteeringView view_with_walls(CrowdState::Slots slots, Walls& walls);
+  SteeringView view_with_walls(SteeringState::Slots slots, Walls& walls);
   void find_walls(size_t slot, Walls& walls);
 
-  CrowdState& state_;
+  SteeringState& state_;
   Decisions& decisions_;
   const SteeringModel& model_;
   const Walkable& walkable_;

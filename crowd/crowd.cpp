@@ -49,16 +49,16 @@ void Crowd::take_slots() {
     std::array<uint32_t, kPeopleABlock> from;
     for (size_t slot = begin; slot < end; ++slot) {
       const uint32_t before = state_.slot_of[state_.id(slot)];
-      from[slot - begin] = before == CrowdState::kNowhere ? 0 : before;
+      from[slot - begin] = before == SteeringState::kNowhere ? 0 : before;
     }
     state_.agents.carry(carried_, {from.data(), end - begin}, begin);
     for (size_t slot = begin; slot < end; ++slot) {
-      if (state_.slot_of[state_.id(slot)] == CrowdState::kNowhere) start_walking(slot);
+      if (state_.slot_of[state_.id(slot)] == SteeringState::kNowhere) start_walking(slot);
       state_.show(slot);
     }
   });
   if (traffic_.is_open())
-    std::fill(state_.slot_of.begin(), state_.slot_of.end(), CrowdState::kNowhere);
+    std::fill(state_.slot_of.begin(), state_.slot_of.end(), SteeringState::kNowhere);
   state_.for_slots([this](size_t begin, size_t end, int) {
     for (size_t slot = begin; slot < end; ++slot)
       state_.slot_of[state_.id(slot)] = static_cast<uint32_t>(slot);
@@ -78,7 +78,7 @@ double Crowd::entering_mps(size_t slot) {
   double most_mps = state_.free_speeds_mps[id];
   for (const uint32_t near : state_.neighbours(slot)) {
     const uint32_t other = state_.id(near);
-    if (state_.slot_of[other] == CrowdState::kNowhere) continue;  // enters, too
+    if (state_.slot_of[other] == SteeringState::kNowhere) continue;  // enters, too
     const Eigen::Vector2d& way = state_.headings[id];
     const Eigen::Vector2d offset = state_.positions_m[other] - state_.positions_m[id];
     const double ahead_m = offset.dot(way);
@@ -126,7 +126,7 @@ void Crowd::archive(Archive& a) {
     for (uint32_t id = 0; id < size(); ++id)
       if (journeys_.is_present(id) && !ways_.walkable().ground().contains(state_.positions_m[id]))
         a.refuse("a place on the ground", "one outside");
-    std::fill(state_.slot_of.begin(), state_.slot_of.end(), CrowdState::kNowhere);
+    std::fill(state_.slot_of.begin(), state_.slot_of.end(), SteeringState::kNowhere);
     state_.grid.rebuild_as_read(state_.positions_m);
     take_slots();
   }
@@ -210,7 +210,7 @@ void Crowd::change_people() {
   for_people(state_.workers, size(), [&](size_t begin, size_t end, int) {
     for (size_t id = begin; id < end; ++id) {
       const uint32_t slot = state_.slot_of[id];
-      const auto held_up = slot == CrowdState::kNowhere
+      const auto held_up = slot == SteeringState::kNowhere
                                ? HeldUp::kNot
                                : static_cast<HeldUp>(state_.agents.held_up[slot]);
       journeys_.follow(static_cast<uint32_t>(id), state_.positions_m[id], now_s, held_up);
@@ -271,7 +271,7 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   state_.headings[id] = heading;
   state_.velocities_mps[id] = velocity_mps;
   const uint32_t slot = state_.slot_of[id];
-  if (slot == CrowdState::kNowhere) return;
+  if (slot == SteeringState::kNowhere) return;
   AgentState& w = state_.agents[slot];
   w.position_m = position_m;
   w.heading = heading;

@@ -9,8 +9,8 @@
 // one: agents near each other in space are near in memory.
 //
 // A decision: Progress sees who is stuck, PreferredVelocity where each wants to go, Turning what it
-// faces; Avoidance chooses velocities, OverlapRelaxation keeps discs apart. They know CrowdState,
-// not each other.
+// faces; Avoidance chooses velocities, OverlapRelaxation keeps discs apart. They know
+// SteeringState, not each other.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,7 +26,6 @@
 #include "base/workers.h"
 #include "crowd/avoidance.h"
 #include "crowd/crowd_counters.h"
-#include "crowd/crowd_state.h"
 #include "crowd/detours.h"
 #include "crowd/doorkeeper.h"
 #include "crowd/exits.h"
@@ -40,6 +39,7 @@
 #include "crowd/queues.h"
 #include "crowd/spawn.h"
 #include "crowd/steering/steering.h"
+#include "crowd/steering_state.h"
 #include "crowd/traffic.h"
 #include "crowd/turning.h"
 
@@ -90,7 +90,7 @@ class Crowd {
   const SteeringCounters& counters() const { return counters_; }
 
  private:
-  using Slots = CrowdState::Slots;
+  using Slots = SteeringState::Slots;
 
   void begin_period();
   void change_people();
@@ -107,7 +107,7 @@ class Crowd {
   Ways& ways_;
   CrowdOptions options_;
   std::unique_ptr<const SteeringModel> model_;
-  CrowdState state_;
+  SteeringState state_;
 
   // What never changes, by person.
   std::vector<float> enters_mps_;  ///< below 0: as those ahead let it

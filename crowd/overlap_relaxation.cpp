@@ -16,11 +16,11 @@ constexpr uint8_t kOverlapping = 2;
 
 void OverlapRelaxation::relax(SteeringCounters& counters) {
   counters.deepest_overlap_m = state_.largest(
-      [this](CrowdState::Slots slots, size_t block) { return find_close(slots, block); });
+      [this](SteeringState::Slots slots, size_t block) { return find_close(slots, block); });
   counters.sweeps = 0;
   double deepest_m = tuning::kSlop_m;
   while (deepest_m >= tuning::kSlop_m && counters.sweeps < tuning::kSweeps) {
-    deepest_m = state_.largest([this](CrowdState::Slots, size_t block) { return sweep(block); });
+    deepest_m = state_.largest([this](SteeringState::Slots, size_t block) { return sweep(block); });
     decisions_.expected_x_m.swap(decisions_.swept_x_m);
     decisions_.expected_y_m.swap(decisions_.swept_y_m);
     decisions_.touched.swap(decisions_.swept_touched);
@@ -28,7 +28,7 @@ void OverlapRelaxation::relax(SteeringCounters& counters) {
   }
   counters.all_sweeps += static_cast<uint64_t>(counters.sweeps);
   counters.max_sweeps = std::max(counters.max_sweeps, counters.sweeps);
-  state_.for_deciders([this](CrowdState::Slots slots, size_t, int) { set_drift(slots); });
+  state_.for_deciders([this](SteeringState::Slots slots, size_t, int) { set_drift(slots); });
 }
 
 /// Where somebody will stand after a period, as far as is known by now.
@@ -40,7 +40,7 @@ Eigen::Vector2f OverlapRelaxation::expected_m(size_t slot) const {
 
 /// Brings those neighbours to the front who may overlap at the end of the period. Returns the
 /// deepest overlap of those who stand now.
-double OverlapRelaxation::find_close(CrowdState::Slots slots, size_t block) {
+double OverlapRelaxation::find_close(SteeringState::Slots slots, size_t block) {
   float deepest_m = 0;
   const auto moved_m =
       static_cast<float>(2 * state_.period_s * tuning::kHaste * state_.fastest_mps);
@@ -49,7 +49,7 @@ double OverlapRelaxation::find_close(CrowdState::Slots slots, size_t block) {
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
     state_.prefetch_neighbours(state_.later_decider(slots, i));
-    uint32_t* near = decisions_.neighbours.data() + CrowdState::kMaxNeighbours * slot;
+    uint32_t* near = decisions_.neighbours.data() + SteeringState::kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
     const Seen& own = state_.agents.seen[slot];
     const float reach_m = own.radius_m + state_.widest_m + margin_m + moved_m;
@@ -96,7 +96,7 @@ double OverlapRelaxation::sweep(size_t block) {
 /// sweep would change nothing. What it would write stands there from the sweep before.
 bool OverlapRelaxation::is_settled(size_t slot) const {
   if (decisions_.touched[slot] != 0) return false;
-  const uint32_t* near = decisions_.neighbours.data() + CrowdState::kMaxNeighbours * slot;
+  const uint32_t* near = decisions_.neighbours.data() + SteeringState::kMaxNeighbours * slot;
   for (size_t k = 0; k < decisions_.close_counts[slot]; ++k)
     if (decisions_.phase[near[k]] == state_.phase && (decisions_.touched[near[k]] & kMoved) != 0)
       return false;
@@ -107,7 +107,7 @@ double OverlapRelaxation::relax_disc(size_t slot) {
   const float x = decisions_.expected_x_m[slot], y = decisions_.expected_y_m[slot];
   float push_x = 0, push_y = 0, deepest_m = 0;
   for (size_t k = 0; k < decisions_.close_counts[slot]; ++k) {
-    const uint32_t other = decisions_.neighbours[CrowdState::kMaxNeighbours * slot + k];
+    const uint32_t other = decisions_.neighbours[SteeringState::kMaxNeighbours * slot + k];
     const Eigen::Vector2f there = expected_m(other);
     const float dx = x - there.x(), dy = y - there.y();
     const float radius_m = apart_m(slot, other);
@@ -159,7 +159,7 @@ void OverlapRelaxation::hold_back(size_t slot, float& to_x, float& to_y) const {
 }
 
 /// The correction is spread over the period, so that nobody jumps.
-void OverlapRelaxation::set_drift(CrowdState::Slots slots) {
+void OverlapRelaxation::set_drift(SteeringState::Slots slots) {
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
     state_.agents.prefetch(state_.later_decider(slots, i), offsetof(AgentState, smooth_mps));
@@ -183,7 +183,7 @@ void OverlapRelaxation::grow(size_t slot, bool walks) {
   if (squeeze == 1) return;
   float room = 1;
   const auto radius_m = static_cast<float>(state_.agents[slot].radius_m);
-  for (const uint32_t other : walks ? CrowdState::Slots{} : state_.neighbours(slot)) {
+  for (const uint32_t other : walks ? SteeringState::Slots{} : state_.neighbours(slot)) {
     const float dx = state_.grid.x()[other] - state_.grid.x()[slot],
                 dy = state_.grid.y()[other] - state_.grid.y()[slot];
     const float apart_m = radius_m + static_cast<float>(state_.agents[other].radius_m);

@@ -7,8 +7,8 @@
 #include <cstddef>
 
 #include "crowd/crowd_counters.h"
-#include "crowd/crowd_state.h"
 #include "crowd/navigation/walkable.h"
+#include "crowd/steering_state.h"
 
 namespace throng {
 namespace tuning {
@@ -32,7 +32,7 @@ inline constexpr double kStretch = 0.01;
 class OverlapRelaxation {
  public:
   /// Keeps references to both.
-  OverlapRelaxation(CrowdState& state, const Walkable& walkable)
+  OverlapRelaxation(SteeringState& state, const Walkable& walkable)
       : state_(state), decisions_(state.decisions), walkable_(walkable) {}
 
   /// Lets the disc of an agent that was placed closer to others than discs are take more room.
@@ -43,12 +43,12 @@ class OverlapRelaxation {
   void relax(SteeringCounters& counters);
 
  private:
-  double find_close(CrowdState::Slots slots, size_t block);
+  double find_close(SteeringState::Slots slots, size_t block);
   double sweep(size_t block);
   bool is_settled(size_t slot) const;
   double relax_disc(size_t slot);
   void hold_back(size_t slot, float& to_x, float& to_y) const;
-  void set_drift(CrowdState::Slots slots);
+  void set_drift(SteeringState::Slots slots);
   Eigen::Vector2f expected_m(size_t slot) const;
   /// Discs whose centres are nearer are pushed apart.
   float apart_m(size_t slot, size_t other) const {
@@ -56,7 +56,7 @@ class OverlapRelaxation {
            (state_.agents.seen[slot].radius_m + state_.agents.seen[other].radius_m);
   }
 
-  CrowdState& state_;
+  SteeringState& state_;
   Decisions& decisions_;
   const Walkable& walkable_;
 };

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "crowd/crowd_state.h"
 #include "crowd/crowd_tuning.h"
+#include "crowd/steering_state.h"
 
 namespace throng {
 namespace {
@@ -174,7 +174,7 @@ Eigen::Vector2d Parties::way(uint32_t id) const {
   return length > 0 ? Eigen::Vector2d(way / length) : wish.alone;
 }
 
-void Parties::look_around(CrowdState& state, std::span<const uint32_t> slots) {
+void Parties::look_around(SteeringState& state, std::span<const uint32_t> slots) {
   for (const uint32_t slot : slots) {
     const uint32_t id = state.id(slot);
     if (!has(id)) continue;
@@ -184,7 +184,7 @@ void Parties::look_around(CrowdState& state, std::span<const uint32_t> slots) {
 }
 
 /// Within two metres beside the way; those farther off, ahead and behind count less.
-double Parties::crowding_per_m2(const CrowdState& state, size_t slot) const {
+double Parties::crowding_per_m2(const SteeringState& state, size_t slot) const {
   constexpr double kReach_m = 2;
   const Eigen::Vector2d& intent = state.agents[slot].intent_mps;
   const double speed = intent.norm();
@@ -203,7 +203,7 @@ double Parties::crowding_per_m2(const CrowdState& state, size_t slot) const {
 
 /// Companions who walk beside each other do not avoid each other: each knows where the other goes.
 /// Who comes too near is seen again.
-void Parties::overlook_companions(CrowdState& state, size_t slot) const {
+void Parties::overlook_companions(SteeringState& state, size_t slot) const {
   const auto walks_beside = [&](uint32_t other) {
     if (!are_companions(state.id(slot), state.id(other))) return false;
     const Eigen::Vector2d offset = state.agents[other].position_m - state.agents[slot].position_m;
@@ -214,7 +214,7 @@ void Parties::overlook_companions(CrowdState& state, size_t slot) const {
     return both_mps.squaredNorm() > kBeside_mps * kBeside_mps && square_m2 > gap_m * gap_m &&
            2 * along * along < square_m2 * both_mps.squaredNorm();
   };
-  uint32_t* near = state.decisions.neighbours.data() + CrowdState::kMaxNeighbours * slot;
+  uint32_t* near = state.decisions.neighbours.data() + SteeringState::kMaxNeighbours * slot;
   uint8_t& count = state.decisions.neighbour_counts[slot];
   count = static_cast<uint8_t>(std::remove_if(near, near + count, walks_beside) - near);
 }

@@ -17,7 +17,7 @@
 
 namespace throng {
 
-struct CrowdState;
+struct SteeringState;
 
 class Parties {
  public:
@@ -33,7 +33,7 @@ class Parties {
 
   /// Members see how many strangers are near, and their companions are no neighbours where they
   /// walk beside each other; before gather().
-  void look_around(CrowdState& state, std::span<const uint32_t> slots);
+  void look_around(SteeringState& state, std::span<const uint32_t> slots);
 
   /// Who decides when is fixed by this one of several ids: companions decide together.
   uint32_t first_of_party(uint32_t id) const {
@@ -61,8 +61,8 @@ class Parties {
   }
 
  private:
-  double crowding_per_m2(const CrowdState& state, size_t slot) const;
-  void overlook_companions(CrowdState& state, size_t slot) const;
+  double crowding_per_m2(const SteeringState& state, size_t slot) const;
+  void overlook_companions(SteeringState& state, size_t slot) const;
 
   static constexpr double kWaits = 0.5, kStands = 0.05;
 

@@ -8,7 +8,7 @@
 
 namespace throng {
 
-void PreferredVelocity::prepare(CrowdState::Slots slots) {
+void PreferredVelocity::prepare(SteeringState::Slots slots) {
   // The fields are too large for the caches: fetched now, they are there after the search.
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
@@ -24,7 +24,7 @@ void PreferredVelocity::decide(size_t slot) {
   state_.set_preferred(slot, wanted_mps(slot).cast<float>());
 }
 
-void PreferredVelocity::show_held(CrowdState::Slots slots) {
+void PreferredVelocity::show_held(SteeringState::Slots slots) {
   for (const uint32_t slot : slots) state_.agents[slot].held = state_.decisions.next_held[slot];
 }
 

@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "crowd/crowd_state.h"
 #include "crowd/doorkeeper.h"
 #include "crowd/journeys.h"
 #include "crowd/parties.h"
+#include "crowd/steering_state.h"
 
 namespace throng {
 namespace tuning {
@@ -30,7 +30,7 @@ inline constexpr double kBehind = 0.5;
 class PreferredVelocity {
  public:
   /// Keeps references to all.
-  PreferredVelocity(CrowdState& state, const Journeys& journeys, const Parties& parties,
+  PreferredVelocity(SteeringState& state, const Journeys& journeys, const Parties& parties,
                     const Doorkeeper& doorkeeper, uint64_t seed)
       : state_(state),
         journeys_(journeys),
@@ -39,13 +39,13 @@ class PreferredVelocity {
         seed_(seed) {}
 
   /// Finds the lateral offsets of agents, and asks for the fields that their ways come from.
-  void prepare(CrowdState::Slots slots);
+  void prepare(SteeringState::Slots slots);
 
   /// Decides what an agent prefers, whom it has as neighbours; it faces its way then.
   void decide(size_t slot);
 
   /// Shows which agents stand before a closed door, after all have decided what they prefer.
-  void show_held(CrowdState::Slots slots);
+  void show_held(SteeringState::Slots slots);
 
  private:
   Eigen::Vector2d wanted_mps(size_t slot);
@@ -55,7 +55,7 @@ class PreferredVelocity {
   }
   double pace_before_door(size_t slot, const Eigen::Vector2d& way);
 
-  CrowdState& state_;
+  SteeringState& state_;
   const Journeys& journeys_;
   const Parties& parties_;
   const Doorkeeper& doorkeeper_;

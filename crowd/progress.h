@@ -4,10 +4,10 @@
 
 #include <cstddef>
 
-#include "crowd/crowd_state.h"
 #include "crowd/journeys.h"
 #include "crowd/parties.h"
 #include "crowd/queues.h"
+#include "crowd/steering_state.h"
 
 namespace throng {
 namespace tuning {
@@ -33,7 +33,7 @@ inline constexpr double kQueueGap_m = 0.4;
 class Progress {
  public:
   /// Keeps references to all.
-  Progress(CrowdState& state, const Journeys& journeys, const Parties& parties,
+  Progress(SteeringState& state, const Journeys& journeys, const Parties& parties,
            const Queues& queues)
       : state_(state), journeys_(journeys), parties_(parties), queues_(queues) {}
 
@@ -49,7 +49,7 @@ class Progress {
   template <typename HoldsUp>
   bool is_behind_any(size_t slot, const HoldsUp& holds_up) const;
 
-  CrowdState& state_;
+  SteeringState& state_;
   const Journeys& journeys_;
   const Parties& parties_;
   const Queues& queues_;

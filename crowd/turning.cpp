@@ -18,7 +18,7 @@ double turn_to(double off_rad, double most_radps, double most_radps2, double ste
 
 }  // namespace
 
-Turning::Turning(CrowdState& state, const Journeys& journeys, const Parties& parties,
+Turning::Turning(SteeringState& state, const Journeys& journeys, const Parties& parties,
                  const Queues& queues, std::span<const Person> people)
     : state_(state), journeys_(journeys), parties_(parties), queues_(queues) {
   for (const Person& person : people) faces_m_.push_back(person.face_m);

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "crowd/crowd_state.h"
 #include "crowd/journeys.h"
 #include "crowd/parties.h"
 #include "crowd/queues.h"
 #include "crowd/spawn.h"
+#include "crowd/steering_state.h"
 
 namespace throng {
 namespace tuning {
@@ -46,8 +46,8 @@ inline constexpr float kLook_radps2 = 40;
 class Turning {
  public:
   /// Keeps references to all but `people`.
-  Turning(CrowdState& state, const Journeys& journeys, const Parties& parties, const Queues& queues,
-          std::span<const Person> people);
+  Turning(SteeringState& state, const Journeys& journeys, const Parties& parties,
+          const Queues& queues, std::span<const Person> people);
 
   /// Decides what an agent faces when it stands, and where its head turns. The agent has its
   /// preferred velocity, and faces its way so far.
@@ -66,7 +66,7 @@ class Turning {
   double turn_on(size_t slot, double wanted_radps, double most_radps2);
   void look(size_t slot);
 
-  CrowdState& state_;
+  SteeringState& state_;
   const Journeys& journeys_;
   const Parties& parties_;
   const Queues& queues_;

@@ -1,4 +1,4 @@
-#include "crowd/crowd_state.h"
+#include "crowd/steering_state.h"
 
 #include <cmath>
 #include <type_traits>
@@ -14,7 +14,7 @@ constexpr double kLargest_mps = 100;
 
 /// at(slot) is the value.
 template <typename At>
-void archive_by_id(Archive& a, const CrowdState& state, const At& at) {
+void archive_by_id(Archive& a, const SteeringState& state, const At& at) {
   using Value = std::remove_reference_t<decltype(at(size_t{0}))>;
   std::vector<Value> by_id(state.size(), zero_of<Value>());
   const std::span<const uint32_t> ids = state.grid.order();
@@ -26,7 +26,7 @@ void archive_by_id(Archive& a, const CrowdState& state, const At& at) {
 }
 
 /// Comparisons are written so that NaN is refused, too.
-void check_read(Archive& a, CrowdState& state) {
+void check_read(Archive& a, SteeringState& state) {
   const auto check_look = [&](float look_rad) {
     if (!(std::abs(look_rad) <= Gait::kMostLook_rad))
       a.refuse("a head turned as far as heads do", "another");
@@ -63,9 +63,9 @@ void check_read(Archive& a, CrowdState& state) {
 
 }  // namespace
 
-CrowdState::CrowdState(const Rectangle& ground, std::span<const Person> people,
-                       double seconds_per_step, const SteeringTraits& model_traits, SimdTarget simd,
-                       Workers& workers_of_run)
+SteeringState::SteeringState(const Rectangle& ground, std::span<const Person> people,
+                             double seconds_per_step, const SteeringTraits& model_traits,
+                             SimdTarget simd, Workers& workers_of_run)
     : workers(workers_of_run),
       traits(model_traits),
       step_s(seconds_per_step),
@@ -93,7 +93,7 @@ CrowdState::CrowdState(const Rectangle& ground, std::span<const Person> people,
   block_values.resize(blocks);
 }
 
-void CrowdState::set_preferred(size_t slot, const Eigen::Vector2f& wanted_mps) {
+void SteeringState::set_preferred(size_t slot, const Eigen::Vector2f& wanted_mps) {
   Seen& seen = agents.seen[slot];
   seen.wanted_x_mps = wanted_mps.x();
   seen.wanted_y_mps = wanted_mps.y();
@@ -103,7 +103,7 @@ void CrowdState::set_preferred(size_t slot, const Eigen::Vector2f& wanted_mps) {
   seen.way_y = walks ? wanted_mps.y() / length : 0.0f;
 }
 
-void CrowdState::archive_agents(Archive& a) {
+void SteeringState::archive_agents(Archive& a) {
   a(velocities_mps, looks_rad);
   agents.for_each_field([&](auto& values, auto field, Saved saved) {
     if (saved == Saved::kElsewhere) return;

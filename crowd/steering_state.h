@@ -1,6 +1,6 @@
-// CrowdState holds what the behaviours of a crowd share: where agents are, what others see of them,
-// and what the decision in progress has found.
-// Invariant: blocks depend on the number of agents only, never on the number of threads.
+// SteeringState holds what the behaviours of a crowd share: where agents are, what others see of
+// them, and what the decision in progress has found. Invariant: blocks depend on the number of
+// agents only, never on the number of threads.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,7 +42,7 @@ void for_people(Workers& workers, size_t people, const Body& body) {
 }
 
 /// Crowd changes it between passes; a behaviour writes only the slots that it is called for.
-struct CrowdState {
+struct SteeringState {
   /// A block of those who decide now.
   using Slots = std::span<const uint32_t>;
   static constexpr size_t kMaxNeighbours = NeighbourGrid::kMost;
@@ -50,8 +50,8 @@ struct CrowdState {
   static constexpr uint32_t kNowhere = UINT32_MAX;
 
   /// Keeps a reference to `workers_of_run`.
-  CrowdState(const Rectangle& ground, std::span<const Person> people, double seconds_per_step,
-             const SteeringTraits& model_traits, SimdTarget simd, Workers& workers_of_run);
+  SteeringState(const Rectangle& ground, std::span<const Person> people, double seconds_per_step,
+                const SteeringTraits& model_traits, SimdTarget simd, Workers& workers_of_run);
 
   /// Every agent there may ever be.
   size_t size() const { return positions_m.size(); }
@@ -188,7 +188,7 @@ struct CrowdState {
 
 /// By counting: each phase in the order of slots.
 template <typename PhaseOf>
-void CrowdState::list_deciders(const PhaseOf& phase_of) {
+void SteeringState::list_deciders(const PhaseOf& phase_of) {
   const std::span<const uint32_t> ids = grid.order();
   const auto phases = static_cast<uint32_t>(steps_per_period);
   for (size_t slot = 0; slot < ids.size(); ++slot)
