@@ -4,8 +4,10 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 #include "base/random.h"
+#include "lcm_io/log/log_check.h"
 #include "tests/fuzz/targets.h"
 
 namespace throng::fuzz::replay_test {
@@ -75,6 +77,13 @@ TEST_P(Replay, AnyBytesAreRefusedInWordsOrKeepTheirPromises) {
               accepted);
   EXPECT_GT(accepted, 0) << "nothing behind the first check is ever reached";
   EXPECT_LT(accepted, tried) << "nothing is ever refused";
+}
+
+// One of another version is refused before anything that it was found for.
+TEST(FoundLogs, AreOfThisVersion) {
+  const std::filesystem::path folder = std::string(THRONG_SOURCE_DIR) + "/tests/fuzz/found/log";
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    EXPECT_NO_THROW(check_log(entry.path())) << entry.path();
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, Replay, testing::ValuesIn(kTargets),
